@@ -15,7 +15,6 @@ from ._errors import InputError
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import (
-    PLACE_COLUMNS,
     Branch,
     Contour,
     Curve,
@@ -313,8 +312,7 @@ def _whole(places: Mapping[str, Any]) -> dict[str, Any]:
     if places["u"][-1] > 0.75:
         return dict(places)
     whole = {}
-    for name in PLACE_COLUMNS:
-        half = places[name]
+    for name, half in places.items():
         other = half[-2::-1]
         if name == "u":
             other = 1.0 - other

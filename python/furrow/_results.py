@@ -43,7 +43,10 @@ PLACE_COLUMNS: Mapping[str, str] = {
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """A shape, point by point from pole to pole: ``contour["r"]`` and the other columns of :data:`PLACE_COLUMNS`."""
+    """A shape, point by point from pole to pole: ``contour["r"]`` and the other columns of :data:`PLACE_COLUMNS`.
+
+    For a cell with a regulator there is also ``contour["phi"]``, the regulator φ.
+    """
 
     columns: Mapping[str, Array] = field(repr=False)
 
@@ -200,6 +203,7 @@ class Division(Result):
     newton_iterations: int  #: Newton iterations.
     factorisations: int  #: Factorisations of a Jacobian.
     remeshings: int  #: Changes of the mesh.
+    phi: float | None = None  #: The regulator φ at the furrow at pinch-off, or at u = 0.5 at rest; None without one.
     frames: Frames | None = field(default=None, repr=False, compare=False)  #: Its shapes, if requested.
 
     @property
@@ -234,6 +238,7 @@ def division(cell: Cell, seed: int, record: Mapping[str, Any], frames: Frames | 
         newton_iterations=record["newton_iterations"],
         factorisations=record["factorisations"],
         remeshings=record["remeshings"],
+        phi=record.get("phi"),
         frames=frames,
     )
 
@@ -301,6 +306,8 @@ class Steady(Result):
     parities: tuple[str, ...] = field(repr=False)  #: Whether each mode is ``even``, ``odd`` or ``mixed`` under u → 1 − u.
     folds_passed: tuple[float, ...]  #: Activities of the folds passed on the branch before this shape.
     contour: Contour = field(repr=False)  #: The shape, with the forces on it.
+    #: The regulator φ at u = 0.5, ``phi_mid``, and at u = 0, ``phi_pole``; None without a regulator.
+    regulator: Mapping[str, float] | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists; growth rates as pairs of real and imaginary part."""

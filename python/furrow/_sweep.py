@@ -134,8 +134,8 @@ def sweep(
     """Computes many points over axes of parameters, equal inputs once, on all cores.
 
     Give either ``file``, a sweep file, or ``axes``, a mapping of parameters to values, the first varying slowest. Names
-    are those of ``furrow --set``, ``cue``, or ``cue.amplitude``, ``regulator.turnover`` and the like. ``kind`` is ``division``, ``tree``,
-    ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written to that folder.
+    are those of ``furrow --set``, ``cue``, or ``cue.amplitude``, ``regulator.turnover`` and the like. ``kind`` is
+    ``division``, ``tree``, ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written to that folder.
 
     >>> import furrow
     >>> sizes = furrow.sweep(axes={"r0": [1.5, 2.0, 2.5]})

@@ -129,23 +129,28 @@ def _title(figure: Figure, text: str) -> None:
     figure.suptitle("\n".join(line.rstrip() for line in lines), color=INK, fontsize=11, x=0.01, ha="left")
 
 
-def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, cell: Cell | None = None) -> Axes:
-    """A cell in its shell, anterior left; with ``cell``, its cue along the outside."""
+def contour(
+    axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, cell: Cell | None = None, most: float | None = None
+) -> Axes:
+    """A cell in its shell, anterior left; with ``cell``, its cue along the outside.
+
+    The colour of a regulator φ is full where it is ``most``; without ``most``, where it is farthest from 0.
+    """
     r, z = frame.contour.r, frame.contour.z
     if shell is not None:
         angle = np.linspace(0.0, 2.0 * np.pi, 200)
         axes.plot(shell[0] * np.cos(angle), shell[1] * np.sin(angle), color=SHELL, linestyle="--", linewidth=1.0)
     axes.fill(np.concatenate((z, z[::-1])), np.concatenate((r, -r[::-1])), facecolor=CYTOPLASM, edgecolor=INK, linewidth=1.6)
     if cell is not None and cell.cue != "none":
-        _cue(axes, frame, cell)
+        _cue(axes, frame, cell, most)
     axes.set_aspect("equal")
     axes.axis("off")
     return axes
 
 
-def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
+def _cue(axes: Axes, frame: Frame, cell: Cell, most: float | None) -> None:
     """The cue along the outside of the contour: a strip for each field, in one colour where the cue raises the field and in
-    another where it lowers it, with the local strength as opacity."""
+    another where it lowers it, with the local strength as opacity, and one for the regulator φ."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
@@ -155,14 +160,18 @@ def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
     # The outward normal is (sin ψ, cos ψ) along (r, z).
     wide = 0.016 * frame.length / np.pi
     strips, colours = [], []
-    for place, strength in enumerate(_strengths(cell, u, frame.length).values()):
+    strengths = list(_strengths(cell, u, frame.length).values())
+    most = most or _most([frame])
+    if most:
+        strengths.insert(0, np.interp(u, frame.contour["u"], frame.contour["phi"]) / most)
+    for place, strength in enumerate(strengths):
         from_, to = 0.5 + 2.4 * place, 2.5 + 2.4 * place
         inner, outer = ((r + k * wide * np.sin(psi), z + k * wide * np.cos(psi)) for k in (from_, to))
         for k in np.flatnonzero(np.abs(strength[:-1]) > FAINTEST):
             corners = [(inner, k), (inner, k + 1), (outer, k + 1), (outer, k)]
             for side in (1.0, -1.0):
                 strips.append([(line[1][at], side * line[0][at]) for line, at in corners])
-                colours.append(to_rgba(CUE if strength[k] > 0.0 else CUE_LOWERS, float(abs(strength[k]))))
+                colours.append(to_rgba(CUE if strength[k] > 0.0 else CUE_LOWERS, min(float(abs(strength[k])), 1.0)))
     axes.add_collection(PolyCollection(strips, facecolors=colours, edgecolors="none", zorder=3))
 
 
@@ -172,7 +181,28 @@ def _strengths(cell: Cell, u: Numbers, length: float) -> dict[str, Numbers]:
     return {name: values / np.max(np.abs(values)) for name, values in changes.items() if np.any(values)}
 
 
-def _cue_legend(figure: Figure, found: Division, length: float) -> None:
+def _phi(frames: Sequence[Frame]) -> list[Numbers]:
+    """The regulator φ along each contour, nothing without one."""
+    return [frame.contour["phi"] for frame in frames if "phi" in frame.contour.columns]
+
+
+def _most(frames: Sequence[Frame]) -> float:
+    """What is farthest from 0 of all φ, and 0 without a regulator."""
+    return max((float(np.max(np.abs(phi))) for phi in _phi(frames)), default=0.0)
+
+
+def _regulator(axes: Axes, frames: Sequence[Frame]) -> None:
+    """The regulator φ along the contours, anterior left."""
+    from matplotlib import colormaps
+
+    for k, frame in enumerate(frames):
+        colour = colormaps["viridis"](0.05 + 0.8 * k / max(len(frames) - 1, 1))
+        axes.plot(frame.contour["u"], frame.contour["phi"], color=colour, linewidth=1.8, label=f"t = {frame.t:.3g} τ")
+    axes.set(xlim=(1.0, 0.0), xlabel="place u", ylabel="regulator φ")
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(frames), fontsize=9)
+
+
+def _cue_legend(figure: Figure, found: Division, length: float, frames: Sequence[Frame]) -> None:
     """The colours of the cue that the contours have, and its fields from the inside outwards."""
     from matplotlib.patches import Patch
 
@@ -184,24 +214,37 @@ def _cue_legend(figure: Figure, found: Division, length: float) -> None:
         for colour, verb, sign in ((CUE, "raises", 1.0), (CUE_LOWERS, "lowers", -1.0))
         if any(np.any(sign * strength > FAINTEST) for strength in strengths.values())
     ]
+    phi, most = _phi(frames), _most(frames)
+    handles += [
+        Patch(facecolor=colour, label=f"regulator φ {sign} 0, to {end:.2g}".replace("-", "−"))
+        for colour, sign, end in (
+            (CUE, ">", max((float(np.max(one)) for one in phi), default=0.0)),
+            (CUE_LOWERS, "<", min((float(np.min(one)) for one in phi), default=0.0)),
+        )
+        if abs(end) > FAINTEST * most
+    ]
+    names = ["regulator", *names] if phi else names
     if len(names) > 1:
         handles.append(Patch(facecolor="none", edgecolor="none", label=f"strips from the inside: {', '.join(names)}"))
     figure.legend(handles=handles, frameon=False, loc="outside lower left", ncols=3, fontsize=9)
 
 
 def division(found: Division) -> Figure:
-    """A division: contours in their shell, neck and asymmetry over time, and the normal forces half-way."""
+    """A division: contours in their shell, neck and asymmetry over time, and the normal forces half-way; with a regulator
+    also φ along the contours."""
     frames = found.frames
     if frames is None:
         from ._checks import refused
 
         raise refused("frames", False, "True, in cell.divide(frames=True), for a picture of a division")
-    figure = _figure(11.0, 6.4)
+    stills = _stills(frames)
+    heights = (1.0, 2.2, 1.5) if _phi(stills) else (1.0, 2.2)
+    figure = _figure(11.0, 2.0 * sum(heights))
     _title(figure, title_of(found))
-    grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 2.2))
+    grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
     row = grid[0].subgridspec(1, STILLS)
-    for k, frame in enumerate(_stills(frames)):
-        axes = contour(figure.add_subplot(row[k]), frame, frames.shell, found.cell if k else None)
+    for k, frame in enumerate(stills):
+        axes = contour(figure.add_subplot(row[k]), frame, frames.shell, found.cell if k else None, _most(stills))
         axes.set_title(f"t = {frame.t:.3g} τ", y=-0.22, fontsize=9, color=MUTED)
         if k == 0:
             for x, side, pole in ((0.0, "left", "anterior"), (1.0, "right", "posterior")):
@@ -209,8 +252,10 @@ def division(found: Division) -> Figure:
     charts = grid[1].subgridspec(1, 2, width_ratios=(0.82, 1.0))
     _over_time(style(figure.add_subplot(charts[0])), found, frames)
     _balance(style(figure.add_subplot(charts[1])), _half_way(frames))
+    if _phi(stills):
+        _regulator(style(figure.add_subplot(grid[2])), stills)
     if found.cell.cue != "none":
-        _cue_legend(figure, found, float(frames[-1].length))
+        _cue_legend(figure, found, float(frames[-1].length), stills)
     return figure
 
 

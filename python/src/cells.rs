@@ -115,6 +115,8 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Columns {
     for p in places {
         columns.iter_mut().zip(row(p)).for_each(|((_, column), number)| column.push(number));
     }
+    // φ, without a regulator.
+    columns.retain(|(_, column)| !column.is_empty());
     columns
 }
 

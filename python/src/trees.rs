@@ -215,6 +215,7 @@ impl GrownTree {
             ("chi_signed", division(|d| d.chi_signed())),
             ("u_furrow", division(|d| d.u_furrow())),
             ("t_end", division(|d| Some(d.t_end))),
+            ("phi", division(|d| d.phi)),
         ];
         // Parameters that rules give cells are of all cells then.
         let ruled = |parameter: &Parameter| {

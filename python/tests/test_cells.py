@@ -76,6 +76,30 @@ def test_stationary_shapes_are_those_of_the_command_line(cli):
     assert list(ours.parities) == [rate["parity"] for rate in theirs["growth_rates"]]
 
 
+CARRIED = "regulator:none,turnover=10,diffusion=1,activity=0.3"
+
+
+def test_a_regulator_is_that_of_the_command_line(cli, tmp_path):
+    theirs = cli.json("steady", "--r0", "1.65", "--cue", CARRIED)
+    cell = furrow.Cell(r0=1.65, cue=CARRIED)
+    ours = cell.steady()
+    assert ours.regulator == theirs["regulator"]
+    # The contour is whole, and φ even.
+    phi = ours.contour["phi"]
+    assert phi[0] == phi[-1] == ours.regulator["phi_pole"] and len(phi) == len(ours.contour)
+    theirs = cli.json("divide", "--r0", "3", "--cue", CARRIED, "--frames", "out")
+    ours = furrow.Cell(r0=3, cue=CARRIED).divide(frames=True)
+    assert ours.phi == theirs["phi"] and ours.to_pandas()["phi"][0] == ours.phi
+    with (tmp_path / "out" / "frame_0020.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert ours.frames[20].contour["phi"].tolist() == [float(row["phi"]) for row in rows]
+    assert not ours.frames[0].contour["phi"].any()
+    # Without a regulator there is none of it.
+    plain = furrow.Cell(r0=1.65)
+    assert plain.steady().regulator is None and plain.divide().phi is None
+    assert set(plain.steady().contour.columns) == set(furrow.PLACE_COLUMNS)
+
+
 def test_a_symmetric_contour_is_whole_and_mirrored():
     cell = furrow.Cell(r0=2, xi_s=15)
     contour = cell.steady().contour

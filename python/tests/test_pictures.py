@@ -32,6 +32,19 @@ def test_a_division(tmp_path):
         furrow.Cell(4).divide().plot()
 
 
+def test_a_regulator_is_drawn_on_the_contours_and_over_their_length():
+    cue = "germline+regulator:step,u0=0.45,omega=0.1,amplitude=1,turnover=5,diffusion=1,activity=0.3"
+    figure = furrow.Cell(3, cue=cue).divide(frames=True).plot()
+    assert len(figure.axes) == plot.STILLS + 3
+    lines = figure.axes[-1].get_lines()
+    # At the start φ is 0.
+    assert len(lines) == plot.STILLS and not lines[0].get_ydata().any() and lines[-1].get_ydata().max() > 0.5
+    for words in ("regulator φ > 0, to 1", "regulator φ < 0, to −0", "strips from the inside: regulator, rigidity"):
+        assert words in texts(figure), words
+    strips = [axes.collections for axes in figure.axes[: plot.STILLS]]
+    assert not strips[0] and strips[3]
+
+
 LONG = "tension:gradient,amplitude=0.3+kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"
 
 

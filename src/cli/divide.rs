@@ -281,6 +281,10 @@ fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) 
         let stable = d.growth_rate().map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
         let _ = writeln!(out, "at rest at t = {t_end:.2} τ{minutes}{stable}");
     }
+    if let Some(phi) = d.phi {
+        let place = if d.u_furrow().is_some() { "the furrow" } else { "u = 0.5" };
+        let _ = writeln!(out, "regulator φ = {phi:.4} at {place}");
+    }
     if let Some(rate) = d.slow_growth_rate {
         let _ = writeln!(out, "just above the threshold: the stationary shape is left at {rate:.2e}/τ");
     }

@@ -16,7 +16,8 @@ use std::fmt::Write;
 Examples:
   furrow steady --r0 2
   furrow steady --r0 2 --xi 15 --epsilon 0.8 --json
-  furrow steady --r0 2 --xi 15 --cue germline")]
+  furrow steady --r0 2 --xi 15 --cue germline
+  furrow steady --r0 1.65 --cue regulator:none,turnover=10,diffusion=1,activity=0.3")]
 pub struct SteadyArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
@@ -34,6 +35,9 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
         let mut out = format!("R0 = {r0}, ε = {epsilon}, ξ_s = {xi_s}: {verdict}\n");
         let (l, p, h) = (shape.length(), shape.pressure(), shape.elongation());
         let _ = writeln!(out, "L = {l:.6}, p = {p:.6}, H = {h:.6}, equator radius {:.6}", shape.equator_radius());
+        if let (Some(middle), Some(pole)) = (shape.regulator_at(0.5), shape.regulator_at(0.0)) {
+            let _ = writeln!(out, "regulator φ = {middle:.5} at u = 0.5, {pole:.5} at u = 0");
+        }
         out += "growth rates (1/τ):\n";
         for rate in &spectrum.values {
             let imaginary = if rate.im == 0.0 { String::new() } else { format!(" {:+.6}i", rate.im) };

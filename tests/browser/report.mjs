@@ -105,6 +105,29 @@ async function slides(page) {
   await slide(page, "epsilon", 0.87);
 }
 
+/** A cue as text, here one with a regulator, gives what `furrow divide --cue` says, and a slider takes its place again. */
+async function regulates(page) {
+  const begun = await page.worth(`document.getElementById("cue-text").value`);
+  const write = async (cue) => {
+    await page.worth(`(() => { const t = document.getElementById("cue-text"); t.value = ${JSON.stringify(cue)}; t.dispatchEvent(new Event("input", { bubbles: true })); t.dispatchEvent(new Event("change", { bubbles: true })); })()`);
+    await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
+    return data(page, "what-if-result");
+  };
+  const { cue, outcome, chi, phi } = expected.regulator;
+  const found = await write(cue);
+  check("a regulator divides as on the command line", found.outcome === outcome && near(Number(found.chi), chi, 1e-6), found);
+  const [numbers, shows, command] = [await text(page, "what-if-numbers"), await text(page, "what-if-shows"), await text(page, "command")];
+  check("φ at the furrow is shown", numbers.includes(`regulator φ at the furrow${phi.toFixed(4)}`), numbers);
+  check("the colours of φ are explained", shows.includes("The band is the regulator φ: orange above 0, to "), shows);
+  check("its command line has the cue", command.includes(cue), command);
+  await shot(page, "what-if-regulator");
+  const refused = await write(cue.replace("diffusion=1", "diffusion=0.01"));
+  const why = await text(page, "what-if-numbers");
+  check("a regulator that cannot be resolved is refused", refused.outcome === "refused" && why.startsWith("because--cue: regulator.diffusion = 0.01: must be from 0.05"), why);
+  await slide(page, "amplitude", 0.1);
+  check("a slider of the cue takes the place of the text", begun === "" && (await page.worth(`document.getElementById("cue-text").value`)) === "", begun);
+}
+
 /** Divisions in the page, one after another on a worker that is warm. */
 async function times(page) {
   const took = [];
@@ -300,6 +323,7 @@ async function report(browser) {
   await staysInView(page);
   await refuses(page);
   await slides(page);
+  await regulates(page);
   await waits(page);
   await times(page);
   await saves(page);
@@ -334,6 +358,28 @@ async function narrow(browser) {
   }
 }
 
+/** A tree grown with a regulator: the movie of its first cell has φ on the contour. */
+async function playsARegulator(page) {
+  await page.worth(`(() => {
+    document.getElementById("cue-on").checked = true;
+    document.getElementById("cue-text").value = ${JSON.stringify(expected.regulator.cue)};
+    document.getElementById("regrow-cue").value = "?";
+    document.getElementById("regrow-state").dataset.state = "";
+  })()`);
+  await page.clickOn("#regrow");
+  await page.until(`["done", "failed"].includes(document.getElementById("regrow-state").dataset.state)`);
+  await page.worth(`document.getElementById("lineage").scrollIntoView({ block: "center" })`);
+  await page.click(...(await place(page, "P0")));
+  await page.until(`document.getElementById("film-state").dataset.cell === "P0"`);
+  const [numbers, said] = [await text(page, "cell-numbers"), await text(page, "film-state")];
+  check("φ of P0 is among its numbers", numbers.includes(`regulator φ at the furrow${expected.regulator.phi.toFixed(4)}`), numbers);
+  check("its movie shows φ", said.includes("The band is the regulator φ: orange above 0, to "), said);
+  if (shots) {
+    await page.until(`Number(document.getElementById("scrub").value) > 0.72`);
+    await shot(page, "mid-division-regulator", false);
+  }
+}
+
 async function explorer(browser) {
   const address = pathToFileURL(expected.explorer).href;
   const page = await browser.open(address, { dark: true });
@@ -348,6 +394,7 @@ async function explorer(browser) {
   await regrows(page);
   check("the grown tree is shown", !(await page.worth(`document.getElementById("lineage-part").hidden`)), "hidden");
   await shot(page, "explore-dark");
+  await playsARegulator(page);
   complaints(page, "the explorer", address);
   await page.close();
 }

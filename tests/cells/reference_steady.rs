@@ -5,7 +5,7 @@ use furrow_bvp::newton::{Newton, NewtonScratch};
 use furrow_bvp::{Gauss, System};
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::cortex::{Cortex, Domain, observables};
-use furrow_mechanics::equilibria::passive;
+use furrow_mechanics::equilibria::{passive, stationary};
 
 #[test]
 fn passive_shapes_exist_for_every_confinement() {
@@ -53,4 +53,18 @@ fn an_active_symmetric_shape_matches_the_reference() {
     assert!((observables::elongation(&y, Domain::Half, 2.0) - 2.736436).abs() < 2e-6);
     assert!((y.scalars[0] / 2.0 - 3.5787).abs() < 1e-4);
     assert!((y.scalars[1] - 0.56647).abs() < 2e-4);
+}
+
+/// φ at the equator and at the poles of a cell at rest whose regulator has no source: independent values,
+/// converged to 1e-6 and given to 1e-5.
+#[test]
+fn a_regulator_at_rest_matches_the_reference() {
+    let cue: furrow_cell::Cue = "regulator:none,turnover=10,diffusion=1,activity=0.3".parse().unwrap();
+    let cell = Cell::gao2026_thresholds(1.65).with_cue(cue);
+    let shape = stationary(&cell, &Numerics::default()).unwrap();
+    for (u, expected) in [(0.5, -0.11849), (0.0, 0.15592), (1.0, 0.15592)] {
+        let phi = shape.regulator_at(u).unwrap();
+        assert!((phi - expected).abs() < 1e-5, "{u}: {phi}");
+    }
+    assert_eq!(stationary(&Cell::gao2026_thresholds(1.65), &Numerics::default()).unwrap().regulator_at(0.5), None);
 }

@@ -59,6 +59,8 @@ fn expected(folder: &Path) -> Value {
     let sliders = [slider(0.9), slider(0.93)];
     assert_ne!(sliders[0]["outcome"], sliders[1]["outcome"]);
     let p0 = &tree["cells"][0];
+    let carried = "regulator:step,u0=0.45,omega=0.1,amplitude=1,turnover=5,diffusion=1,activity=0.3";
+    let regulated = told(folder, &["divide", "--r0", "5.4", "--cue", carried]);
     let cues = ["germline", "none", "my tension=tension:gradient,amplitude=0.3"].map(|cue| ["--cue", cue]).concat();
     let scenarios = told(folder, &[&["tree", "--out", "several"], &cues[..]].concat());
     let of =
@@ -71,6 +73,9 @@ fn expected(folder: &Path) -> Value {
             ("u0", 3, 0.465, refusal(folder, &["--cue", "kappa:u0=3,omega=0.0577,amplitude=0.1"])),
             ("epsilon", 1.5, 0.87, refusal(folder, &["--epsilon", "1.5"])),
         ],
+        "regulator": {
+            "cue": carried, "outcome": regulated["outcome"], "chi": regulated["chi"], "phi": regulated["phi"],
+        },
         "saves": folder.join("saves"),
         "newick": std::fs::read_to_string(folder.join("out/tree.nwk")).unwrap(),
         "cells": tree["cells"].as_array().unwrap().len(),

@@ -76,6 +76,34 @@ fn the_germline_cue_only_raises_and_no_cue_has_no_legend() {
     assert!(!plot::division::draw(&cell, &film).svg().contains(">cue "));
 }
 
+/// A regulator that is made on one side, where it is above 0; not on the first of the six contours, at whose time φ is 0.
+#[test]
+fn a_regulator_is_drawn_on_the_contours_and_over_their_length() {
+    let (cell, film) = divided("regulator:step,u0=0.45,omega=0.1,amplitude=1,turnover=5,diffusion=1,friction=1");
+    let svg = plain(&plot::division::draw(&cell, &film).svg());
+    let above = places(&svg, tint_of(CUE_RAISES));
+    let width = (1160.0 - 40.0) / 6.0;
+    // Above the first contour there is the legend.
+    let first = above.iter().filter(|x| (**x - 20.0) / width < 1.0).count();
+    assert!(above.len() > 100 && first == 1, "{} {first}", above.len());
+    assert!(svg.contains("regulator φ &gt; 0, to ") && svg.contains(">regulator φ<"));
+    assert_eq!(svg.matches("t = 0.00 τ").count(), 2);
+    // Without one there is neither.
+    let (cell, film) = divided("tension:gradient,amplitude=0.3");
+    assert!(!plot::division::draw(&cell, &film).svg().contains("regulator"));
+}
+
+#[test]
+fn a_movie_shows_the_regulator() {
+    let (cell, film) = divided("regulator:gradient,amplitude=0.9,turnover=10,diffusion=1,activity=0.1");
+    let svg =
+        String::from_utf8(Movie { cell: &cell, film: &film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap();
+    assert_eq!(svg.matches("regulator φ &gt; 0, to ").count(), 3);
+    let frames: Vec<&str> = svg.split("<g display").collect();
+    let warm = |frame: &str| places(frame, |[r, _, b]| r > 1.3 * b && b > 0.0).len();
+    assert!(warm(frames[1]) == 0 && warm(frames[3]) > 20, "{} {}", warm(frames[1]), warm(frames[3]));
+}
+
 #[test]
 fn the_force_panel_runs_as_the_contours_do() {
     let (cell, film) = divided("none");

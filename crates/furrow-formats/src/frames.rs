@@ -49,7 +49,8 @@ pub const INDEX: &str = "frames.json";
 /// | `pressure_n` | pressure |
 /// | `shell_n` | force of the shell |
 /// | `residual_n` | sum of the five, 0 of an exact solution |
-pub const COLUMNS: [&str; 17] = [
+/// | `phi` | the regulator φ: only of a cell that has one |
+pub const COLUMNS: [&str; 18] = [
     "u",
     "r",
     "z",
@@ -67,6 +68,7 @@ pub const COLUMNS: [&str; 17] = [
     "pressure_n",
     "shell_n",
     "residual_n",
+    "phi",
 ];
 
 /// Name of a frame, counted from 0.
@@ -132,17 +134,17 @@ pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Res
     remove(folder, earlier.iter().filter(|file| entries.iter().all(|entry| entry.file != **file)))
 }
 
-/// The numbers of the [`COLUMNS`] at a place.
-pub fn row(p: &Place) -> [f64; COLUMNS.len()] {
+/// The numbers of the [`COLUMNS`] at a place; the last one is missing without a regulator.
+pub fn row(p: &Place) -> impl Iterator<Item = f64> {
     let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
-    let mut all = head.into_iter().chain(p.normal.parts()).chain([p.normal.residual()]);
-    std::array::from_fn(|_| all.next().unwrap_or(f64::NAN))
+    head.into_iter().chain(p.normal.parts()).chain([p.normal.residual()]).chain(p.phi)
 }
 
 /// One frame as CSV under the names of its columns.
 fn csv(still: &Snapshot) -> String {
-    let line = |place| row(place).map(|number| number.to_string()).join(",");
-    std::iter::once(COLUMNS.join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
+    let count = still.places.first().map_or(0, |place| row(place).count());
+    let line = |place| row(place).map(|number| number.to_string()).collect::<Vec<_>>().join(",");
+    std::iter::once(COLUMNS[..count].join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
 }
 
 /// The contour of a frame, as it is read again.

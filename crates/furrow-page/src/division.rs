@@ -1,10 +1,12 @@
 //! One division, and what its film is drawn from: contour, cue and active force of every step.
 
 use furrow_bvp::{Gauss, Solution};
-use furrow_cell::{Cell, Numerics};
+use furrow_cell::{Cell, CueError, Numerics};
+use furrow_input::InputError;
 use furrow_lineage::FounderPhysics;
 use furrow_lineage::batch::Quantisation;
-use furrow_mechanics::cortex::equations::{LENGTH, M, PHI, PSI, R, REGULATED, Z};
+use furrow_mechanics::cortex::equations::{LENGTH, M, PSI, R, REGULATED, Z};
+use furrow_mechanics::cortex::observables::regulator_at;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
 use serde::Deserialize;
@@ -48,6 +50,8 @@ struct Request {
     r0_step: f64,
     #[serde(default)]
     frames: Wanted,
+    /// Takes the place of the cell's cue: terms as of `--cue`.
+    cue: Option<String>,
 }
 
 /// Half axes a and b of a cell's shell, in L_h: ε = V/(4πab²/3).
@@ -61,7 +65,11 @@ fn shell(cell: &Cell) -> [f64; 2] {
 /// # Errors
 /// A request that cannot be read, a cell outside what is allowed, a division that could not be computed.
 pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
-    let Request { mut cell, numerics, seed, physics, r0_step, frames: wanted } = serde_json::from_slice(request)?;
+    let Request { mut cell, numerics, seed, physics, r0_step, frames: wanted, cue } = serde_json::from_slice(request)?;
+    if let Some(text) = cue {
+        let wrong = |error: CueError| InputError::not_allowed("--cue", error.field, error.value, error.allowed);
+        cell.cue = text.parse().map_err(wrong)?;
+    }
     physics.apply(&mut cell);
     // A slider goes anywhere; the cells of a tree are as its lineage says.
     if wanted == Wanted::Last {
@@ -86,12 +94,14 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
         film.draw(shape, *t > 0.0, &mut numbers);
     }
     // Half axes of the shell along the axis of division and across it, in L_h; time, in τ, and radius of the neck, in L_h, of
-    // each step. The numbers of a frame are (r, z, cue) of each point, then (r, z, force along r, force along z) of each arrow.
+    // each step. The numbers of a frame are (r, z, painted cue) of each point, then (r, z, force along r, force along z) of each
+    // arrow, then, with a regulator, φ of each point.
     let mut found = serde_json::to_value(&division)?;
     found["shell"] = json!(shell(&input.cell));
     found["frames"] = json!(frames);
     found["points"] = json!(film.places.len());
     found["arrows"] = json!(film.arrows.len());
+    found["regulated"] = json!(film.cortex.is_regulated());
     Ok(Answer { text: found.to_string(), numbers })
 }
 
@@ -142,9 +152,7 @@ impl Film {
         let terms = self.cortex.cell.cue.terms();
         for &u in &self.places {
             shape.eval(&self.gauss, u, &mut state[..n]);
-            let painted: f64 = terms.iter().map(|term| term.at(u, length)[0]).sum();
-            let carried = if n == REGULATED { state[PHI] } else { 0.0 };
-            let cue = if active { painted + carried } else { 0.0 };
+            let cue: f64 = if active { terms.iter().map(|term| term.at(u, length)[0]).sum() } else { 0.0 };
             numbers.extend([state[R], state[Z], cue].map(|v| v as f32));
         }
         for &u in &self.arrows {
@@ -152,6 +160,8 @@ impl Film {
             shape.eval(&self.gauss, u, &mut state[..n]);
             numbers.extend([state[R], state[Z], along_r, along_z].map(|v| v as f32));
         }
+        let phi = |u: &f64| regulator_at(&self.gauss, shape, Domain::Full, *u);
+        numbers.extend(self.places.iter().filter_map(phi).map(|phi| phi as f32));
     }
 
     /// Active tensions T^a_uu = X_s(½C − c2) + X_b C and T^a_φφ = −X_s(½C − c2) + X_b C at u.
@@ -218,6 +228,38 @@ mod tests {
         for frame in numbers.chunks_exact(of_frame) {
             assert!(frame[0].abs() < 1e-6 && frame[contour - OF_EACH[0]].abs() < 1e-6);
         }
+    }
+
+    /// φ is 0 at the start, and at the furrow what the record says at pinch-off, which lies within the last step.
+    #[test]
+    fn a_regulator_is_sent_with_every_frame_and_its_text_is_read() {
+        let text = "regulator:step,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,activity=0.3";
+        let cell = Cell::gao2026_thresholds(3.0).with_cue(text.parse().unwrap());
+        let (found, numbers) = asked(&cell, "all");
+        let [points, arrows] = ["points", "arrows"].map(|name| found[name].as_u64().unwrap() as usize);
+        let of_frame = (OF_EACH[0] + 1) * points + OF_EACH[1] * arrows;
+        assert_eq!(found["regulated"], true);
+        assert_eq!(numbers.len(), found["frames"].as_array().unwrap().len() * of_frame);
+        let phi = |frame: &[f32]| frame[of_frame - points..].to_vec();
+        assert!(phi(&numbers[..of_frame]).iter().all(|phi| *phi == 0.0));
+        let film = Film::new(&DivisionInput::new(cell.clone()), found["u_furrow"].as_f64());
+        let furrow = film.places.iter().position(|u| Some(*u) == found["u_furrow"].as_f64()).unwrap();
+        let times: Vec<f64> = found["frames"].as_array().unwrap().iter().map(|f| f["t"].as_f64().unwrap()).collect();
+        let [before, last] =
+            [2, 1].map(|k| (times[times.len() - k], &numbers[numbers.len() - k * of_frame..][..of_frame]));
+        let [from, to] = [before.1, last.1].map(|frame| f64::from(phi(frame)[furrow]));
+        let share = (found["t_end"].as_f64().unwrap() - before.0) / (last.0 - before.0);
+        let at_end = from + share * (to - from);
+        assert!((at_end - found["phi"].as_f64().unwrap()).abs() < 1e-6, "{at_end} {}", found["phi"]);
+        let ask = |cue: &str| {
+            let plain = Cell::gao2026_thresholds(3.0);
+            divide(
+                json!({ "cell": plain, "numerics": Numerics::default(), "seed": 0, "cue": cue }).to_string().as_bytes(),
+            )
+        };
+        assert_eq!(ask(text).unwrap().numbers, numbers);
+        let refused = ask("regulator:none,turnover=10,diffusion=0.01,activity=0.3").unwrap_err();
+        assert!(refused.to_string().starts_with("--cue: regulator.diffusion = 0.01: must be"), "{refused}");
     }
 
     #[test]

@@ -9,10 +9,10 @@ use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
 use furrow_mechanics::stability::{GrowthRate, Spectrum};
 
 /// A stationary shape and its stability: its rightmost growth rates with the parity of their modes, and the activities at which
-/// the branch turned back before it came here.
+/// the branch turned back before it came here; of a cell with a regulator also φ at u = ½ and at u = 0.
 pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value {
     let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im, "parity": format!("{:?}", v.parity).to_lowercase() });
-    json!({
+    let mut report = json!({
         "L": shape.length(),
         "p": shape.pressure(),
         "H": shape.elongation(),
@@ -21,7 +21,11 @@ pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value 
         "growth_rate": spectrum.growth_rate(),
         "growth_rates": spectrum.values.iter().map(rate).collect::<Vec<_>>(),
         "folds_passed": shape.folds,
-    })
+    });
+    if let (Some(middle), Some(pole)) = (shape.regulator_at(0.5), shape.regulator_at(0.0)) {
+        report["regulator"] = json!({ "phi_mid": middle, "phi_pole": pole });
+    }
+    report
 }
 
 /// A pitchfork by itself. `coefficient` is c of ξ_s = ξ_s* + c (u_furrow − ½)² along the asymmetric branch; `residual` is the

@@ -2,9 +2,12 @@
 
 use super::canvas::{Anchor, Canvas, Stroke};
 use super::legend::{Key, Legend};
+use super::regulator::PhiRange;
 use super::style::{self, CUE_LOWERS, CUE_RAISES, CYTOPLASM, Colour, INK, SHELL, text};
 use furrow_cell::Cue;
 use furrow_cell::cue::{Field, Term};
+use furrow_mechanics::cortex::forces::Place;
+use furrow_mechanics::division::Snapshot;
 
 /// Where a cell is drawn, and how large. Its axis lies across, the anterior pole, u = 1, on the left.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +49,7 @@ pub fn body(canvas: &mut Canvas, contour: &[[f64; 2]], site: &Site, width: f64) 
 }
 
 /// Weaker parts of a cue than this share of its strongest are not drawn.
-const FAINTEST: f64 = 0.08;
+pub(super) const FAINTEST: f64 = 0.08;
 
 /// How a cue changes one field along a contour.
 pub struct Change<'a> {
@@ -114,39 +117,58 @@ pub fn cue_colours(changes: &[Change<'_>]) -> Vec<(Colour, String)> {
     both.filter(|(sign, _)| shown(*sign)).map(|(_, (colour, verb))| (colour, format!("cue {verb}{what}"))).collect()
 }
 
-/// The legend of a cue that is drawn as strips.
-pub fn cue_legend(cue: &Cue, length: f64) -> Legend {
+/// The legend of a cue that is drawn as strips, with the range of φ that the shapes show if it has a regulator.
+pub fn cue_legend(cue: &Cue, length: f64, phi: Option<PhiRange>) -> Legend {
     let changes = changes(cue, length);
-    let colours = cue_colours(&changes).into_iter();
+    let colours = cue_colours(&changes).into_iter().chain(phi.into_iter().flat_map(PhiRange::colours));
     let legend = colours.fold(Legend::default(), |legend, (colour, word)| legend.with(Key::Area(colour), word));
-    let names: Vec<&str> = changes.iter().map(|change| style::field(change.field)).collect();
+    let painted = changes.iter().map(|change| style::field(change.field));
+    let names: Vec<&str> = phi.map(|_| "regulator").into_iter().chain(painted).collect();
     legend.with_if(names.len() > 1, Key::Nothing, format!("strips from the inside: {}", names.join(", ")))
 }
 
-/// The cue, as strips along the outside of the contour, one for each field that it changes, as strong as the cue is there and in
-/// the colour of its sign. `places` are (u, r, z) from pole to pole.
-pub fn cue(canvas: &mut Canvas, cue: &Cue, length: f64, places: &[[f64; 3]], site: &Site, width: f64) {
-    for (k, change) in changes(cue, length).iter().enumerate() {
-        let inside = k as f64 * width;
-        for side in [1.0, -1.0] {
-            for pair in places.windows(2) {
-                let ([u, r, z], [u2, r2, z2]) = (pair[0], pair[1]);
-                let here = change.at(0.5 * (u + u2));
-                let (a, b) = (site.point([side * r, z]), site.point([side * r2, z2]));
-                let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-                if here.abs() < FAINTEST || length < 1e-6 {
-                    continue;
-                }
-                let along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-                // Outwards of the contour as it is drawn: to the left of its direction above the axis, to the right below.
-                let normal = [side * along[1], -side * along[0]];
-                let out = |p: [f64; 2], by: f64| [p[0] - by * normal[0], p[1] - by * normal[1]];
-                // A little longer than it is, and no colour to be seen through, so that seams do not show.
-                let b = [b[0] + SEAM * along[0], b[1] + SEAM * along[1]];
-                let [near, far] = [inside + 1.0, inside + width];
-                let corners = [out(a, near), out(b, near), out(b, far), out(a, far)];
-                canvas.polygon(&corners, style::tint(cue_colour(here), here.abs()), 1.0, None);
+/// The cue of a shape, as strips along the outside of its contour: φ of its regulator, and one strip for each field that it
+/// changes, as strong as the cue is there and in the colour of its sign.
+pub fn cue(canvas: &mut Canvas, (cue, phi): (&Cue, Option<PhiRange>), still: &Snapshot, site: &Site, width: f64) {
+    let points = |value: fn(&Place) -> f64| still.places.iter().map(move |p| [value(p), p.r, p.z]).collect::<Vec<_>>();
+    let mut inside = 0.0;
+    if let Some(range) = phi {
+        strip(canvas, &points(|p| p.phi.unwrap_or(0.0)), site, [inside, width], |phi| range.share(phi));
+        inside += width;
+    }
+    for change in changes(cue, still.length) {
+        strip(canvas, &points(|p| p.u), site, [inside, width], |u| change.at(u));
+        inside += width;
+    }
+}
+
+/// A strip along the outside of a contour, so far from it and so wide. `places` are (value, r, z) from pole to pole; `strength`
+/// is what the colour says of a value, from −1 to 1.
+fn strip(
+    canvas: &mut Canvas,
+    places: &[[f64; 3]],
+    site: &Site,
+    [inside, width]: [f64; 2],
+    strength: impl Fn(f64) -> f64,
+) {
+    for side in [1.0, -1.0] {
+        for pair in places.windows(2) {
+            let ([value, r, z], [value2, r2, z2]) = (pair[0], pair[1]);
+            let here = strength(0.5 * (value + value2));
+            let (a, b) = (site.point([side * r, z]), site.point([side * r2, z2]));
+            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            if here.abs() < FAINTEST || length < 1e-6 {
+                continue;
             }
+            let along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+            // Outwards of the contour as it is drawn: to the left of its direction above the axis, to the right below.
+            let normal = [side * along[1], -side * along[0]];
+            let out = |p: [f64; 2], by: f64| [p[0] - by * normal[0], p[1] - by * normal[1]];
+            // A little longer than it is, and no colour to be seen through, so that seams do not show.
+            let b = [b[0] + SEAM * along[0], b[1] + SEAM * along[1]];
+            let [near, far] = [inside + 1.0, inside + width];
+            let corners = [out(a, near), out(b, near), out(b, far), out(a, far)];
+            canvas.polygon(&corners, style::tint(cue_colour(here), here.abs()), 1.0, None);
         }
     }
 }

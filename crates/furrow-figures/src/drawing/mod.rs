@@ -10,6 +10,7 @@
 //! | [`legend`] | markers and legends |
 //! | [`scale`] | the scale of a colour |
 //! | [`cell`] | a cell: its contour in its shell, the cue along it |
+//! | [`regulator`] | the colours of what a cue has the flow carry |
 
 pub mod canvas;
 pub mod cell;
@@ -18,6 +19,7 @@ pub mod format;
 pub mod legend;
 pub mod panel;
 mod raster;
+pub mod regulator;
 pub mod scale;
 pub mod style;
 pub(crate) mod svg;

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::surface::{self, Fineness, View};
 use crate::drawing::cell::{ANTERIOR, POSTERIOR, changes, cue_colours};
 use crate::drawing::font;
+use crate::drawing::regulator::PhiRange;
 use crate::drawing::style::{self, FORCES, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
@@ -26,6 +27,8 @@ pub struct Stage<'a> {
     largest: f64,
     /// How finely the surface is drawn.
     fineness: Fineness,
+    /// What the colours of a regulator are relative to.
+    phi: Option<PhiRange>,
 }
 
 impl<'a> Stage<'a> {
@@ -37,13 +40,13 @@ impl<'a> Stage<'a> {
         let scale = (0.36 * SIZE[0] / (along * long)).min(0.30 * SIZE[1] / (across * high));
         let view = View::new(centre, scale);
         // Near pinch-off forces at the neck grow without bound: arrows are as long as most of the movie allows.
-        let mut sizes: Vec<f64> = times
-            .iter()
-            .flat_map(|t| arrows(&film.at(*t)).into_iter().map(|(_, [r, z])| r.hypot(z)).collect::<Vec<f64>>())
-            .collect();
+        let stills: Vec<Snapshot> = times.iter().map(|t| film.at(*t)).collect();
+        let mut sizes: Vec<f64> =
+            stills.iter().flat_map(|still| arrows(still).into_iter().map(|(_, [r, z])| r.hypot(z))).collect();
         sizes.sort_by(f64::total_cmp);
         let largest = sizes.get(sizes.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-9);
-        Stage { cell, film, view, largest, fineness }
+        let phi = PhiRange::of(stills.iter().flat_map(|still| &still.places));
+        Stage { cell, film, view, largest, fineness, phi }
     }
 
     /// The frame at a time.
@@ -51,7 +54,7 @@ impl<'a> Stage<'a> {
         let still = self.film.at(t);
         let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
         self.shell(&mut canvas, true);
-        surface::draw(&mut canvas, &still, &self.cell.cue, &self.view, self.fineness);
+        surface::draw(&mut canvas, &still, (&self.cell.cue, self.phi), &self.view, self.fineness);
         self.shell(&mut canvas, false);
         self.forces(&mut canvas, &still);
         self.words(&mut canvas, &still);
@@ -98,11 +101,16 @@ impl<'a> Stage<'a> {
         let bottom = SIZE[1] - 18.0;
         canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
         canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
-        let mut x = 176.0;
-        for (colour, word) in cue_colours(&changes(cue, still.length)) {
-            canvas.rectangle([x, bottom - 13.0], [18.0, 14.0], colour, 1.0);
-            canvas.text([x + 24.0, bottom], &word, text::TICK, Anchor::Start, style::MUTED);
-            x += 40.0 + font::width(&word, text::TICK);
+        let (mut x, mut y) = (176.0, bottom);
+        let painted = cue_colours(&changes(cue, still.length)).into_iter();
+        for (colour, word) in painted.chain(self.phi.into_iter().flat_map(PhiRange::colours)) {
+            let width = 24.0 + font::width(&word, text::TICK);
+            if x + width > SIZE[0] - 12.0 {
+                (x, y) = (20.0, y - 22.0);
+            }
+            canvas.rectangle([x, y - 13.0], [18.0, 14.0], colour, 1.0);
+            canvas.text([x + 24.0, y], &word, text::TICK, Anchor::Start, style::MUTED);
+            x += 16.0 + width;
         }
         let end = self.film.shell()[0];
         for (x, z, pole, anchor) in

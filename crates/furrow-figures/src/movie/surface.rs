@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::drawing::Canvas;
 use crate::drawing::cell::{changes, cue_colour, strongest};
+use crate::drawing::regulator::PhiRange;
 use crate::drawing::style::Colour;
 use furrow_cell::Cue;
 use furrow_mechanics::division::Snapshot;
@@ -80,8 +81,8 @@ pub struct Fineness {
     pub shades: f64,
 }
 
-/// The meridian at evenly spaced values of a measure between u and arclength of the outline: (u, r, z).
-fn meridian(still: &Snapshot, count: usize) -> Vec<[f64; 3]> {
+/// The meridian at evenly spaced values of a measure between u and arclength of the outline: (u, r, z, φ).
+fn meridian(still: &Snapshot, count: usize) -> Vec<[f64; 4]> {
     let places = &still.places;
     let at = |k: usize| {
         let u = k as f64 / count as f64;
@@ -89,9 +90,10 @@ fn meridian(still: &Snapshot, count: usize) -> Vec<[f64; 3]> {
         match (places.get(behind - 1), places.get(behind)) {
             (Some(a), Some(b)) if b.u > a.u => {
                 let share = (u - a.u) / (b.u - a.u);
-                [u, (a.r + share * (b.r - a.r)).max(0.0), a.z + share * (b.z - a.z)]
+                let phi = a.phi.zip(b.phi).map_or(0.0, |(a, b)| a + share * (b - a));
+                [u, (a.r + share * (b.r - a.r)).max(0.0), a.z + share * (b.z - a.z), phi]
             }
-            (a, _) => a.map_or([u, 0.0, 0.0], |a| [u, a.r.max(0.0), a.z]),
+            (a, _) => a.map_or([u, 0.0, 0.0, 0.0], |a| [u, a.r.max(0.0), a.z, a.phi.unwrap_or(0.0)]),
         }
     };
     (0..=count).map(at).collect()
@@ -99,7 +101,7 @@ fn meridian(still: &Snapshot, count: usize) -> Vec<[f64; 3]> {
 
 /// Draws the surface of a cell ring by ring, the far ones first. Of one ring no two facets that are turned to the eye cover each
 /// other: those of one colour are drawn as one.
-pub fn draw(canvas: &mut Canvas, still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) {
+pub fn draw(canvas: &mut Canvas, still: &Snapshot, cue: (&Cue, Option<PhiRange>), view: &View, fineness: Fineness) {
     let mut facets = facets(still, cue, view, fineness);
     facets.sort_by(|a, b| a.depth.total_cmp(&b.depth).then(a.colour.cmp(&b.colour)));
     for alike in facets.chunk_by(|a, b| a.depth == b.depth && a.colour == b.colour) {
@@ -108,7 +110,7 @@ pub fn draw(canvas: &mut Canvas, still: &Snapshot, cue: &Cue, view: &View, finen
 }
 
 /// The facets that are turned to the eye.
-fn facets(still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Facet> {
+fn facets(still: &Snapshot, (cue, phi): (&Cue, Option<PhiRange>), view: &View, fineness: Fineness) -> Vec<Facet> {
     let Fineness { along, around, shades } = fineness;
     let line = meridian(still, along);
     let changes = changes(cue, still.length);
@@ -116,9 +118,11 @@ fn facets(still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) -> Vec<F
     let angle = |k: usize| k as f64 / around as f64 * std::f64::consts::TAU;
     let mut found = Vec::new();
     for pair in line.windows(2) {
-        let ([u, r, z], [u2, r2, z2]) = (pair[0], pair[1]);
+        let ([u, r, z, phi1], [u2, r2, z2, phi2]) = (pair[0], pair[1]);
         let depth = (view.rotation * View::place([0.0, 0.5 * (z + z2)], 0.0)).z;
-        let here = if still.t > 0.0 { strongest(&changes, 0.5 * (u + u2)) } else { 0.0 };
+        let painted = if still.t > 0.0 { strongest(&changes, 0.5 * (u + u2)) } else { 0.0 };
+        let carried = phi.map_or(0.0, |range| range.share(0.5 * (phi1 + phi2)));
+        let here = if carried.abs() > painted.abs() { carried } else { painted };
         let painted = cue_colour(here).map(f64::from);
         for k in 0..around {
             let corners = [([r, z], k), ([r2, z2], k), ([r2, z2], k + 1), ([r, z], k + 1)];
@@ -158,7 +162,7 @@ mod tests {
         let fineness = Fineness { along: 60, around: 48, shades: 32.0 };
         for t in [0.0, 0.5 * film.division.t_end] {
             let still = film.at(t);
-            let found = facets(&still, &Cue::none(), &view, fineness);
+            let found = facets(&still, (&Cue::none(), None), &view, fineness);
             // The outline of a body of revolution that is nearly a ball: at least the disc of its least radius, and no more
             // than that of its largest.
             let reach = still.places.iter().map(|p| p.r.hypot(p.z)).fold(0.0, f64::max) + 2.0 * OVERLAP;

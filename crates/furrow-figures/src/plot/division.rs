@@ -1,9 +1,10 @@
 //! A cell as it divides: its contour at several times in its shell with the cue, the size asymmetry and the neck over time, and
-//! the normal forces along the contour when the furrow is half-way.
+//! the normal forces along the contour when the furrow is half-way; of a cue with a regulator also φ along the contour at these times.
 
 use crate::drawing::cell::{self as drawn, Site};
 use crate::drawing::legend::{Key, Legend, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::regulator::PhiRange;
 use crate::drawing::style::{self, FORCES, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
@@ -14,6 +15,10 @@ const WIDTH: f64 = 1160.0;
 const CELLS: f64 = 192.0;
 /// Height of a chart with its legend, and width of that on the left.
 const CHART: [f64; 2] = [440.0, 0.45 * WIDTH];
+/// Height of the chart of a regulator with its legend.
+const CARRIED: f64 = 330.0;
+/// Width of a strip along a contour.
+const STRIP: f64 = 5.5;
 /// Contours that are drawn.
 const STILLS: usize = 6;
 
@@ -25,12 +30,18 @@ pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
         (outcome, None) => outcome.to_string(),
     };
     let title = format!("{}: {title}", style::described(cell, &[]));
-    let legend = drawn::cue_legend(&cell.cue, film.step(film.times().len().saturating_sub(1)).length);
-    let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0], &title, &legend);
-    contours(&mut canvas, cell, film, top);
+    let stills = stills(film);
+    let phi = PhiRange::of(stills.iter().flat_map(|still| &still.places));
+    let legend = drawn::cue_legend(&cell.cue, film.step(film.times().len().saturating_sub(1)).length, phi);
+    let carried = if phi.is_some() { CARRIED } else { 0.0 };
+    let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0] + carried, &title, &legend);
+    contours(&mut canvas, cell, (film.shell(), &stills), phi, top);
     let top = top + CELLS + 22.0;
     over_time(&mut canvas, cell, film, top);
     balance(&mut canvas, &half_way(film), top);
+    if phi.is_some() {
+        regulator(&mut canvas, &stills, top + CHART[0]);
+    }
     canvas
 }
 
@@ -73,24 +84,56 @@ fn half_way(film: &Trajectory) -> Snapshot {
     film.step((0..times.len()).find(narrow).unwrap_or(times.len().saturating_sub(1)))
 }
 
-fn contours(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
-    let (shell, stills) = (film.shell(), stills(film));
+fn contours(
+    canvas: &mut Canvas,
+    cell: &Cell,
+    (shell, stills): ([f64; 2], &[Snapshot]),
+    phi: Option<PhiRange>,
+    top: f64,
+) {
     let longest = stills.iter().flat_map(|s| &s.places).map(|p| p.z.abs()).fold(shell[0], f64::max);
     let width = (WIDTH - 40.0) / stills.len().max(1) as f64;
     let scale = (0.46 * width / longest).min(0.42 * (CELLS - 30.0) / shell[1]);
     for (k, still) in stills.iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
         drawn::shell(canvas, shell, &site);
-        let places: Vec<[f64; 3]> = still.places.iter().map(|p| [p.u, p.r, p.z]).collect();
         if k == 0 {
             drawn::poles(canvas, &site, [0.46 * width / scale, shell[1]]);
         } else {
-            drawn::cue(canvas, &cell.cue, still.length, &places, &site, 5.5);
+            drawn::cue(canvas, (&cell.cue, phi), still, &site, STRIP);
         }
         // Over the cue, which is outside: in the furrow the other side is near.
         drawn::body(canvas, &still.contour(), &site, 2.0);
         let word = format!("t = {} τ", style::time(still.t));
         canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
+    }
+}
+
+/// φ along the contours that are drawn.
+fn regulator(canvas: &mut Canvas, stills: &[Snapshot], top: f64) {
+    let named = |k: usize| style::ramp(k, stills.len());
+    let legend = stills.iter().enumerate().fold(Legend::default(), |legend, (k, still)| {
+        legend.with(Key::Line(named(k)), format!("t = {} τ", style::time(still.t)))
+    });
+    legend.draw(canvas, [70.0, top + 10.0], WIDTH - 90.0);
+    let line = |still: &Snapshot| -> Vec<[f64; 2]> {
+        still.places.iter().filter_map(|place| Some([place.u, place.phi?])).collect()
+    };
+    let lines: Vec<Vec<[f64; 2]>> = stills.iter().map(line).collect();
+    let y = Axis::new("regulator φ", widened(lines.iter().flatten().map(|[_, phi]| *phi), 0.08));
+    let x = Axis::new("place u", [0.0, 1.0]).reversed();
+    let mut chart = Chart::new(canvas, [0.0, top + 40.0], [WIDTH, CARRIED - 40.0], x, y);
+    for (k, line) in lines.into_iter().enumerate() {
+        chart.line(line, Stroke::solid(named(k), style::CURVE));
+    }
+    poles(&mut chart);
+}
+
+/// The names of the poles under a chart along the contour.
+fn poles(chart: &mut Chart<'_>) {
+    let [left, _, right, bottom] = chart.frame;
+    for (x, pole, anchor) in [(left, drawn::ANTERIOR, Anchor::Start), (right, drawn::POSTERIOR, Anchor::End)] {
+        chart.canvas.text([x, bottom + 44.0], pole, text::TICK, anchor, style::MUTED);
     }
 }
 
@@ -152,10 +195,8 @@ fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
     if !beyond.is_empty() {
         beyond.insert(0, if still.neck.is_some() { "at the neck" } else { "beyond the axis" }.to_owned());
     }
-    let [left, top, right, bottom] = chart.frame;
-    for (x, pole, anchor) in [(left, drawn::ANTERIOR, Anchor::Start), (right, drawn::POSTERIOR, Anchor::End)] {
-        chart.canvas.text([x, bottom + 44.0], pole, text::TICK, anchor, style::MUTED);
-    }
+    poles(&mut chart);
+    let [left, top, ..] = chart.frame;
     for (k, line) in beyond.iter().enumerate() {
         let at = [left + 10.0, top + 22.0 + 20.0 * k as f64];
         chart.canvas.text_over(at, line, text::TICK, Anchor::Start, [style::MUTED, style::WHITE]);

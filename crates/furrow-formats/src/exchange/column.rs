@@ -31,7 +31,7 @@ const fn column(name: &'static str, kind: Kind, note: bool, of: fn(&Tree, CellId
 }
 
 /// All columns, in the order in which they are written.
-pub const COLUMNS: [Column; 17] = [
+pub const COLUMNS: [Column; 18] = [
     column("mother", Kind::Text, false, |tree, id| Some(tree.cell(tree.mother(id)?).name.clone())),
     column("daughter", Kind::Text, false, daughter),
     column("founder", Kind::Text, true, |tree, id| Some(tree.founder_name(id).to_owned())),
@@ -46,6 +46,7 @@ pub const COLUMNS: [Column; 17] = [
     column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.u_furrow())),
     column("t_end", Kind::Number, true, |tree, id| number(tree.cell(id).fate.t_end())),
     column("slow_growth_rate", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.slow_growth_rate)),
+    column("phi", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.phi)),
     column("ended", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.terminal_reason()?.name().to_owned())),
     column("ended_why", Kind::Text, false, ended_why),
     column("birth_chi", Kind::Number, false, birth_chi),

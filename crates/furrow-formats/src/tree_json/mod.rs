@@ -119,6 +119,8 @@ struct Record<'a> {
     t_end: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     slow_growth_rate: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    phi: Option<f64>,
     ended: Option<TerminalReason>,
 }
 
@@ -142,6 +144,7 @@ impl<'a> Record<'a> {
             u_furrow: division.and_then(|d| d.u_furrow()),
             t_end: division.map(|d| d.t_end),
             slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
+            phi: division.and_then(|d| d.phi),
             ended: cell.fate.terminal_reason().cloned(),
         }
     }

@@ -306,7 +306,7 @@ impl Record<'_> {
             daughters: Some([0.0; 2]),
             growth_rate,
             slow_growth_rate: self.slow_growth_rate,
-            phi: None,
+            phi: self.phi,
             volume_drift: 0.0,
             work: furrow_bvp::Work::default(),
         });

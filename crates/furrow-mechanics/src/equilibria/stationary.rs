@@ -156,6 +156,11 @@ impl StationaryShape {
         observables::equator_radius(&Gauss::new(self.solution.m), &self.solution)
     }
 
+    /// The regulator φ at u; none without one.
+    pub fn regulator_at(&self, u: f64) -> Option<f64> {
+        observables::regulator_at(&Gauss::new(self.solution.m), &self.solution, self.cortex.domain, u)
+    }
+
     /// The rightmost growth rates.
     ///
     /// # Errors

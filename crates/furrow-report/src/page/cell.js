@@ -46,6 +46,7 @@ class CellPanel {
     if (cell.chi != null) rows.push(["χ", number(cell.chi, 6)]);
     if (cell.u_furrow != null) rows.push(["furrow at u", number(cell.u_furrow, 4)]);
     if (cell.t_end != null) rows.push([cell.chi == null ? "at rest after" : "pinch-off after", timeText(cell.t_end)]);
+    rows.push(...phiRows(cell));
     if (spread) rows.push(...spreadRows(spread));
     const ended = endText(cell.ended);
     if (ended) rows.push(["ends", ended]);

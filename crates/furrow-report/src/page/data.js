@@ -127,6 +127,11 @@ function timeText(value) {
   return units.time_min ? `${natural} τ (${(value * units.time_min).toFixed(2)} min)` : `${natural} τ`;
 }
 
+/** The regulator φ of a division, or of a cell in a tree, as rows of a table. */
+function phiRows({ phi, chi }) {
+  return phi == null ? [] : [[chi == null ? "regulator φ at u = 0.5" : "regulator φ at the furrow", number(phi, 4)]];
+}
+
 /** A cue of a file as the command line takes it: "none", or terms joined by +. */
 function cueText(cue) {
   if (cue === "none") return "none";

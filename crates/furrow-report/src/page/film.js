@@ -1,4 +1,4 @@
-// A division as a film: the contour in its shell, the cue as a band on it, arrows of active force. The axis of division lies
+// A division as a film: the contour in its shell, the cue and its regulator as bands on it, arrows of active force. The axis of division lies
 // across, the pole u = 0 on the right.
 
 /** A part with less than this of the volume is a thread of the neck, not a lobe. */
@@ -11,15 +11,14 @@ class Recording {
     this.poles = poles(lineage);
     this.sign = mirrored ? -1 : 1;
     const { points, arrows, frames } = answer;
-    const size = 3 * points + 4 * arrows;
-    this.frames = frames.map((frame, k) => ({
-      t: frame.t,
-      neck: frame.neck,
-      contour: numbers.subarray(k * size, k * size + 3 * points),
-      arrows: numbers.subarray(k * size + 3 * points, (k + 1) * size),
-    }));
+    const ends = [3 * points, 3 * points + 4 * arrows, 3 * points + 4 * arrows + (answer.regulated ? points : 0)];
+    this.frames = frames.map((frame, k) => {
+      const [contour, forces, phi] = ends.map((end, part) => numbers.subarray(k * ends[2] + (ends[part - 1] ?? 0), k * ends[2] + end));
+      return { t: frame.t, neck: frame.neck, contour, arrows: forces, phi };
+    });
     this.end = frames[frames.length - 1].t;
     this.strongest = Math.max(...this.frames.map(({ contour }) => this.most(contour, 3, (c, i) => Math.abs(c[i + 2]))), 0);
+    this.strongestPhi = Math.max(...this.frames.map(({ phi }) => this.most(phi, 1, (all, i) => Math.abs(all[i]))), 0);
     this.reference = this.typicalForce();
     this.pace();
   }
@@ -74,11 +73,17 @@ class Recording {
     return volumes.map((volume) => volume / whole);
   }
 
-  /** What the colours of the cue mean, where there is one. */
+  /** What the colours along the contour mean, where there is a cue. */
   colours() {
-    const signs = [1, -1].map((sign) => this.frames.some(({ contour }) => this.most(contour, 3, (c, i) => sign * c[i + 2]) > 0));
-    if (signs[0] && signs[1]) return "The band is the cue: orange where it raises its field, blue where it lowers it.";
-    return signs[0] ? "The orange band is the cue, which raises its field." : signs[1] ? "The blue band is the cue, which lowers its field." : "";
+    const shown = (value) => [1, -1].map((sign) => Math.max(...this.frames.map((frame) => value(frame, sign)), 0));
+    const signs = shown(({ contour }, sign) => this.most(contour, 3, (c, i) => sign * c[i + 2])).map((most) => most > 0);
+    const told = [];
+    if (signs[0] && signs[1]) told.push("The band is the cue: orange where it raises its field, blue where it lowers it.");
+    else if (signs[0] || signs[1]) told.push(`The ${signs[0] ? "orange" : "blue"} band is the cue, which ${signs[0] ? "raises" : "lowers"} its field.`);
+    const [above, below] = shown(({ phi }, sign) => this.most(phi, 1, (all, i) => sign * all[i]));
+    const parts = [above > 0 ? `orange above 0, to ${Number(above.toPrecision(2))}` : "", below > 0 ? `blue below 0, to −${Number(below.toPrecision(2))}` : ""].filter((part) => part);
+    if (parts.length) told.push(`The ${told.length ? "outer " : ""}band is the regulator φ: ${parts.join(", ")}.`);
+    return told.join(" ");
   }
 
   /** What the last contour shows, in words. */
@@ -117,6 +122,7 @@ class Recording {
       t: a.t + share * (b.t - a.t),
       neck: a.neck !== null && b.neck !== null ? a.neck + share * (b.neck - a.neck) : share > 0.5 ? b.neck : a.neck,
       contour: between(a.contour, b.contour),
+      phi: between(a.phi, b.phi),
       arrows: after === 1 && share < 1 ? a.arrows : between(a.arrows, b.arrows),
     };
   }
@@ -169,14 +175,17 @@ function drawCell(canvas, recording, frame, { forces = true, size = null } = {})
   paint.stroke();
   paint.setLineDash([]);
 
-  const { contour } = frame;
+  const { contour, phi } = frame;
   const outline = new Path2D();
   for (let i = 0; i < contour.length; i += 3) outline.lineTo(px(contour[i + 1]), py(contour[i]));
   for (let i = contour.length - 3; i >= 0; i -= 3) outline.lineTo(px(contour[i + 1]), py(-contour[i]));
   outline.closePath();
   paint.fillStyle = ink.cell;
   paint.fill(outline);
-  drawCue(paint, recording, contour, px, py, ink);
+  // Of two bands under the contour the wider shows outside the other.
+  const band = (value, strongest, width) => drawBand(paint, contour, { value, strongest, width }, px, py, ink);
+  if (recording.strongestPhi > 0) band((k) => phi[k], recording.strongestPhi, recording.strongest > 0 ? 18 : 9);
+  if (recording.strongest > 0) band((k) => contour[3 * k + 2], recording.strongest, 8);
   paint.strokeStyle = ink.text;
   paint.lineWidth = 1.8;
   paint.lineJoin = "round";
@@ -199,28 +208,28 @@ function drawPoles(paint, [left, right], width, ink) {
   paint.fillText(`${right} →`, width - 10, 16);
 }
 
-/** The cue as a band under the contour: as strong as the cue is there, in another colour where it lowers its field. */
-function drawCue(paint, recording, contour, px, py, ink) {
-  if (recording.strongest === 0) return;
+/** A value of each point as a band under the contour: as strong as the value is there, in another colour where it is below 0. */
+function drawBand(paint, contour, { value, strongest, width }, px, py, ink) {
   paint.lineCap = "butt";
-  paint.lineWidth = 8;
+  paint.lineWidth = width;
   // Stretches of about the same strength are one line, so that no seams are seen.
   const steps = 10;
-  const level = (i) => Math.round((steps * (contour[i + 2] + contour[i + 5])) / 2 / recording.strongest);
-  for (let i = 0; i + 3 < contour.length; ) {
-    const strength = level(i);
-    let end = i + 3;
-    while (end + 3 < contour.length && level(end) === strength) end += 3;
+  const last = contour.length / 3 - 1;
+  const level = (k) => Math.round((steps * (value(k) + value(k + 1))) / 2 / strongest);
+  for (let k = 0; k < last; ) {
+    const strength = level(k);
+    let end = k + 1;
+    while (end < last && level(end) === strength) end += 1;
     if (strength !== 0) {
       paint.strokeStyle = strength > 0 ? ink.cue : ink.lowers;
       paint.globalAlpha = Math.abs(strength) / steps;
       for (const side of [1, -1]) {
         paint.beginPath();
-        for (let k = i; k <= end; k += 3) paint.lineTo(px(contour[k + 1]), py(side * contour[k]));
+        for (let j = k; j <= end; j += 1) paint.lineTo(px(contour[3 * j + 1]), py(side * contour[3 * j]));
         paint.stroke();
       }
     }
-    i = end;
+    k = end;
   }
   paint.globalAlpha = 1;
 }

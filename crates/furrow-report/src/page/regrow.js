@@ -25,7 +25,7 @@ class Regrow {
     const { lineage, cell, numerics, seed, r0_step } = this.head;
     const request = { lineage, cell, numerics, seed, r0_step };
     const cue = element("regrow-cue").value;
-    if (cue === "?") request.cue = cueText(this.whatIf.cue());
+    if (cue === "?") request.cue = this.whatIf.cue();
     else if (cue !== "") request.cue = cue;
     if (element("regrow-sliders").checked) {
       const { epsilon, xi_s } = this.whatIf.cell();

@@ -22,10 +22,10 @@ class WhatIf {
     }
     for (const id of ["cue-on", "cue-field", "cue-profile"]) element(id).addEventListener("input", () => this.changed());
     // Before the sliders' own listeners are told: whoever moves one means it.
-    element("cue-fields").addEventListener("input", () => {
-      this.kept = null;
-      element("cue-kept").hidden = true;
+    element("cue-fields").addEventListener("input", ({ target }) => {
+      if (target.id !== "cue-text") element("cue-text").value = "";
     }, { capture: true });
+    element("cue-text").addEventListener("change", () => this.changed());
     element("what-if-reset").addEventListener("click", () => this.begin(this.start));
     this.dividing = new Latest(solver, (request, isLast) => this.divide(request, isLast));
     this.following = new Latest(edges, (epsilon) => this.followEdge(epsilon));
@@ -76,34 +76,32 @@ class WhatIf {
     }
   }
 
-  /** A cue of one term fills the sliders; one of several, or a regulator, is kept as it is until its switch is used. */
+  /** A cue of one term fills the sliders; one of several, or a regulator, stands as text. */
   putCue(cue) {
-    const whole = element("cue-on");
-    whole.checked = cue !== "none";
-    this.kept = null;
-    let [field, value] = cue === "none" ? ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }] : Object.entries(cue)[0];
-    if (field === "sum" || field === "regulator" || "omega_length" in value) {
-      this.kept = cue;
-      [field, value] = ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }];
-    }
-    element("cue-kept").hidden = this.kept === null;
-    element("cue-kept").textContent = this.kept === null ? "" : `Its own cue is kept until a slider of the cue is moved: ${cueText(cue)}`;
-    element("cue-field").value = field;
-    element("cue-profile").value = value.profile ?? "band";
-    for (const quantity of ["amplitude", "u0", "omega"]) if (quantity in value) this.set(quantity, value[quantity]);
+    element("cue-on").checked = cue !== "none";
+    const usual = ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }];
+    const [field, value] = cue === "none" ? usual : Object.entries(cue)[0];
+    const isSlid = field !== "sum" && field !== "regulator" && !("omega_length" in value);
+    element("cue-text").value = isSlid ? "" : cueText(cue);
+    const [slid, numbers] = isSlid ? [field, value] : usual;
+    element("cue-field").value = slid;
+    element("cue-profile").value = numbers.profile ?? "band";
+    for (const quantity of ["amplitude", "u0", "omega"]) if (quantity in numbers) this.set(quantity, numbers[quantity]);
   }
 
+  /** The cue as the command line takes it: its text, or else what the sliders say. */
   cue() {
     if (!element("cue-on").checked) return "none";
-    if (this.kept) return this.kept;
+    const text = element("cue-text").value.trim();
+    if (text) return text;
     const profile = element("cue-profile").value;
     const value = { profile };
     if (profile !== "gradient") Object.assign(value, { u0: this.get("u0"), omega: this.get("omega") });
     value.amplitude = this.get("amplitude");
-    return { [element("cue-field").value]: value };
+    return cueText({ [element("cue-field").value]: value });
   }
 
-  /** The cell that the sliders say. */
+  /** The cell that the sliders say, with its cue as text. */
   cell() {
     return { ...this.head.cell, r0: this.get("r0"), epsilon: this.get("epsilon"), xi_s: this.get("xi_s"), cue: this.cue() };
   }
@@ -148,7 +146,7 @@ class WhatIf {
   async divide({ cell, physics, asked }, isLast) {
     const { numerics, seed } = this.head;
     try {
-      const found = await this.solver.ask("divide", { cell, physics, numerics, seed, frames: "last" });
+      const found = await this.solver.ask("divide", { ...asText(cell), physics, numerics, seed, frames: "last" });
       this.recording = new Recording(found, this.head.lineage);
       this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: found.answer.outcome };
       this.tell(found.answer, cell, physics, performance.now() - asked);
@@ -166,7 +164,7 @@ class WhatIf {
   async tryAnotherSeed(first, { cell, physics }, isLast) {
     const { numerics } = this.head;
     const seed = this.head.seed + 1;
-    const other = await this.solver.ask("divide", { cell, physics, numerics, seed, frames: "last" }).then((found) => found.answer, () => null);
+    const other = await this.solver.ask("divide", { ...asText(cell), physics, numerics, seed, frames: "last" }).then((found) => found.answer, () => null);
     if (!other || !isLast()) return;
     const apart = other.outcome !== first.outcome || Math.abs(other.chi - first.chi) > 1e-3;
     element("what-if-result").dataset.noise = apart ? "decides" : "does not decide";
@@ -201,6 +199,7 @@ class WhatIf {
       rows.push(["χ", number(answer.chi, 5)], ["furrow at u", number(answer.u_furrow, 4)], ["pinch-off after", timeText(answer.t_end)]);
       rows.push(["daughters R0", answer.daughters.map((r0) => number(r0, 3)).join(" (u = 0), ") + " (u = 1)"]);
     }
+    rows.push(...phiRows(answer));
     rows.push(["answered in", `${took.toFixed(0)} ms`]);
     element("what-if-numbers").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
     Object.assign(element("what-if-result").dataset, {
@@ -216,7 +215,7 @@ class WhatIf {
   /** The same on the command line. */
   command(cell, physics) {
     const options = [`--r0 ${cell.r0}`, `--epsilon ${cell.epsilon}`, `--xi ${cell.xi_s}`];
-    if (cell.cue !== "none") options.push(`--cue ${quoted(cueText(cell.cue))}`);
+    if (cell.cue !== "none") options.push(`--cue ${quoted(cell.cue)}`);
     if (this.head.seed) options.push(`--seed ${this.head.seed}`);
     return ["furrow divide", ...options, ...settingOptions(under(cell, physics), this.head.numerics, ["r0", "epsilon", "xi_s"])].join(" ");
   }
@@ -225,7 +224,7 @@ class WhatIf {
   configuration() {
     const { epsilon, xi_s, ...physics } = this.physics;
     const cell = under(this.cell(), physics);
-    const cue = cell.cue === "none" ? "" : ` --cue ${quoted(cueText(cell.cue))}`;
+    const cue = cell.cue === "none" ? "" : ` --cue ${quoted(cell.cue)}`;
     return configuration(cell, this.head.numerics, ["A cell of the interactive page of furrow. Its division:", `  furrow divide --config furrow.ron --r0 ${cell.r0}${cue} --seed ${this.head.seed}`]);
   }
 
@@ -252,6 +251,9 @@ class WhatIf {
     this.diagram.draw();
   }
 }
+
+/** A cell whose cue is text, as the solver reads it. */
+const asText = (cell) => ({ cell: { ...cell, cue: "none" }, cue: cell.cue });
 
 /** The cell with what its founder changes. */
 function under(cell, physics) {
