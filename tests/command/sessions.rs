@@ -34,6 +34,11 @@ fn help_of_shapes() {
 }
 
 #[test]
+fn alternatives() {
+    check_session("command/sessions/alternatives.txt");
+}
+
+#[test]
 fn lineages() {
     check_session("command/sessions/lineages.txt");
 }

@@ -31,7 +31,7 @@ fn the_scenarios_that_ship_grow() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("lineages");
     let mut names = names(&root);
     names.retain(|name| name.starts_with("c_elegans"));
-    assert_eq!(names.len(), 8, "{names:?}");
+    assert_eq!(names.len(), 12, "{names:?}");
     let sources: Vec<Source> = names
         .iter()
         .map(|name| shallow(Lineage::read(&root.join(name)).unwrap(), name.trim_end_matches(".ron")))
@@ -50,6 +50,12 @@ fn the_scenarios_that_ship_grow() {
     assert!((0..11).all(|founder| !of("_no_cue").lineage.gives_cue(founder)));
     // P1's asymmetry follows its cue.
     assert!(chi("_cue_half", 2) < chi("", 2) && chi("", 2) < chi("_cue_twice", 2));
+    // Diffusion spreads the carried band, more so in small cells; a cue that is the same at both poles divides equally. A band at the
+    // boundary of PAR makes P1 as unequal as the embryo's; a posterior step makes it almost equal.
+    assert!(chi("_carried", 0) < chi("", 0) && chi("_carried", 2) < 0.7 * chi("", 2));
+    assert!(chi("_self_organised", 0) < 0.01 && chi("_self_organised", 2) < 0.001);
+    assert!((0.15..0.2).contains(&chi("_par_band", 0)) && (0.15..0.2).contains(&chi("_par_band", 2)));
+    assert!(chi("_par_step", 0) > 1.5 * chi("", 0) && chi("_par_step", 2) < 0.05);
     let r0 = |founder| of("_equalised").cell(of("_equalised").founder_cell(founder).unwrap()).r0;
     assert_eq!((r0(1), r0(2)), (4.286, 4.286));
     assert!((2.0 * r0(1).powi(3) / 5.4_f64.powi(3) - 1.0).abs() < 1e-4);
