@@ -34,7 +34,7 @@ pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
     let (half, _) = passive(cell, numerics).map_err(|source| ShapeError::Passive { cell: name, source })?;
     let domain = Domain::of(cell);
     let mut y = if domain == Domain::Half { half } else { unfold(&half) };
-    if cell.cue.is_none() {
+    if cell.cue.is_none() && cell.cue.regulator().is_none() {
         return Ok(y);
     }
     let mut cortex = Cortex::new(&Cell { xi_s: 0.0, ..cell.clone() }, domain, &[]);
