@@ -113,10 +113,7 @@ fn amounts(intervals: usize) -> [f64; 2] {
         before = Some(amount);
         first.get_or_insert(amount);
     };
-    let input = DivisionInput {
-        numerics: Numerics { intervals, ..Numerics::default() },
-        ..DivisionInput::new(cell)
-    };
+    let input = DivisionInput { numerics: Numerics { intervals, ..Numerics::default() }, ..DivisionInput::new(cell) };
     let (division, _) = divide_with(&input, DivisionOptions::observed_by(&mut observe)).unwrap();
     assert!(division.chi().is_some());
     [largest, (before.unwrap() / first.unwrap() - 1.0).abs()]

@@ -116,7 +116,15 @@ impl Polarity {
 impl BoundaryValueProblem for Polarity {
     fn dimensions(&self) -> Dimensions {
         let scalars = if self.fixed_scale.is_some() { 2 } else { 3 };
-        Dimensions { components: COMPONENTS, quadratures: 2, scalars, left: 2, right: 2, integrals: 2, ..Dimensions::default() }
+        Dimensions {
+            components: COMPONENTS,
+            quadratures: 2,
+            scalars,
+            left: 2,
+            right: 2,
+            integrals: 2,
+            ..Dimensions::default()
+        }
     }
 
     fn prepare_points(&mut self, x: &[f64], _: &[f64]) {
