@@ -56,7 +56,10 @@ fn a_pitchfork_with_a_regulator_is_where_the_odd_growth_rate_vanishes() {
     let [low, high] = [threshold * (1.0 - 1e-4), threshold * (1.0 + 1e-4)];
     let [below, above] = [low, high].map(rate);
     let crossing = low - below * (high - low) / (above - below);
-    println!("ξ_s* = {threshold:.9}, {:?}; rates {below:.3e} {above:.3e}, zero at {crossing:.9}", pitchfork.criticality());
+    println!(
+        "ξ_s* = {threshold:.9}, {:?}; rates {below:.3e} {above:.3e}, zero at {crossing:.9}",
+        pitchfork.criticality()
+    );
     assert!(below < 0.0 && above > 0.0, "{below} {above}");
     assert!((crossing / threshold - 1.0).abs() < 1e-6, "{crossing} {threshold}");
 }

@@ -113,10 +113,7 @@ fn amounts(intervals: usize) -> [f64; 2] {
         before = Some(amount);
         first.get_or_insert(amount);
     };
-    let input = DivisionInput {
-        numerics: Numerics { intervals, ..Numerics::default() },
-        ..DivisionInput::new(cell)
-    };
+    let input = DivisionInput { numerics: Numerics { intervals, ..Numerics::default() }, ..DivisionInput::new(cell) };
     let (division, _) = divide_with(&input, DivisionOptions::observed_by(&mut observe)).unwrap();
     assert!(division.chi().is_some());
     [largest, (before.unwrap() / first.unwrap() - 1.0).abs()]
@@ -349,8 +346,8 @@ fn disturbances_of_a_shape_with_a_regulator_decay_at_its_growth_rates() {
 fn a_cell_whose_regulator_is_slow_comes_to_rest() {
     for (r0, cue) in [
         (1.55, "regulator:gradient,amplitude=-0.6,turnover=0.1,diffusion=0.1,diluted=false,viscosity=0.35"),
-        (1.5, "regulator:step,u0=0.2,omega=0.3,amplitude=-0.3,turnover=0.05,diffusion=0.05,xi_s=0.3"),
-        (1.6, "regulator:none,turnover=0.02,diffusion=0.05,diluted=true,kappa=0.2"),
+        (1.5, "regulator:step,u0=0.2,omega=0.3,amplitude=-0.3,turnover=0.05,diffusion=0.2,xi_s=0.3"),
+        (1.6, "regulator:none,turnover=0.1,diffusion=0.1,kappa=0.2"),
     ] {
         let cell = cued(r0, cue);
         let division = solve(cell.clone(), Numerics::default());

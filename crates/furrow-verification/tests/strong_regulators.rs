@@ -99,7 +99,8 @@ fn a_division_with_any_regulator_ends_with_an_outcome_or_a_reason() {
 /// have a solution.
 #[test]
 fn a_coefficient_that_a_regulator_takes_away_is_named_with_its_place() {
-    let folded = "regulator:band,u0=0.3934,omega=0.1179,amplitude=0.533,turnover=10,diffusion=0.39,kappa=-0.353,xi_s=0.8878";
+    let folded =
+        "regulator:band,u0=0.3934,omega=0.1179,amplitude=0.533,turnover=10,diffusion=0.39,kappa=-0.353,xi_s=0.8878";
     for (r0, cue, coefficient, place) in [
         (4.68, "regulator:none,turnover=67,diffusion=0.1,friction=-0.85", "friction", 0.5),
         (2.45, "regulator:none,turnover=45,diffusion=0.16,eta_s=-0.99", "eta_s", 0.5),

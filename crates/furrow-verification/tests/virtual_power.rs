@@ -123,7 +123,8 @@ fn a_state_is_what_its_unknowns_say() {
             within("T_uu", most(|p| (p.viscous[0] + p.active[0] - p.tension).abs()), 1e-8);
             // Smooth at the poles, without point forces.
             let last = state.shape.node(state.shape.intervals());
-            let [first, last] = [state.shape.node(0), last].map(|y| [y[R], y[PSI], y[Q], y[V], y.get(J).copied().unwrap_or(0.0)]);
+            let [first, last] =
+                [state.shape.node(0), last].map(|y| [y[R], y[PSI], y[Q], y[V], y.get(J).copied().unwrap_or(0.0)]);
             let at_end = [0.0, PI, 0.0, 0.0, 0.0];
             let ends = first.iter().zip(last).zip(at_end).map(|((a, b), at_end)| a.abs().max((b - at_end).abs()));
             within("the poles", ends.fold(0.0, f64::max), 1e-8);
