@@ -2,7 +2,7 @@
 
 use crate::common::tables;
 use furrow_bvp::newton::{Newton, NewtonScratch};
-use furrow_bvp::{BoundaryValueProblem, Gauss, System};
+use furrow_bvp::{Gauss, System};
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::cortex::{Cortex, Domain, observables};
 use furrow_mechanics::equilibria::{passive, stationary};
