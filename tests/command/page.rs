@@ -104,10 +104,11 @@ fn the_module_divides_and_grows_as_the_command_line_does() {
     };
     let folder = tempfile::tempdir().unwrap();
     let module = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/furrow-report/src/page/furrow.wasm.txt");
-    // The second has a founder with physics of its own, µm, and cues by rules.
-    for lineage in ["lineages/c_elegans.ron", "lineages/template.ron"] {
-        let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(lineage);
-        answer(folder.path(), &["tree", &lineage.display().to_string(), "--cache", "cache"]);
+    // The second has a founder with physics of its own, µm, and cues by rules; the third a regulator.
+    let carried = "--cue=regulator:step,u0=0.45,omega=0.1,amplitude=1,turnover=5,diffusion=1,activity=0.3";
+    for (lineage, more) in [("c_elegans", "--quiet"), ("template", "--quiet"), ("c_elegans", carried)] {
+        let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("lineages/{lineage}.ron"));
+        answer(folder.path(), &["tree", &lineage.display().to_string(), "--cache", "cache", more]);
         run_script(&node, "module.mjs", &[module.clone(), folder.path().join("furrow-out/tree.json")]);
     }
 }
