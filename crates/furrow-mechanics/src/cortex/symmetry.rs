@@ -11,9 +11,9 @@ use furrow_bvp::{Direction, MirrorSymmetric, Solution};
 use super::Cortex;
 use super::equations::{Domain, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z};
 
-/// Those of n components that are even about the equator.
+/// Those of n components that are even about the equator. Pitchforks are told by what a mode leaves of the last: one of the shape.
 pub fn even(n: usize) -> &'static [usize] {
-    if n == REGULATED { &[R, M, T, PHI] } else { &[R, M, T] }
+    if n == REGULATED { &[PHI, R, M, T] } else { &[R, M, T] }
 }
 
 /// Those of n components that are odd about the equator, each about its [`CENTRE`].
