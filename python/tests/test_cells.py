@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 
@@ -86,7 +87,7 @@ def test_a_regulator_is_that_of_the_command_line(cli, tmp_path):
     assert ours.regulator == theirs["regulator"]
     # The contour is whole, and φ even.
     phi = ours.contour["phi"]
-    assert phi[0] == phi[-1] == ours.regulator["phi_pole"] and len(phi) == len(ours.contour)
+    assert phi[0] == phi[-1] and math.isclose(phi[0], ours.regulator["phi_pole"]) and len(phi) == len(ours.contour)
     theirs = cli.json("divide", "--r0", "3", "--cue", CARRIED, "--frames", "out")
     ours = furrow.Cell(r0=3, cue=CARRIED).divide(frames=True)
     assert ours.phi == theirs["phi"] and ours.to_pandas()["phi"][0] == ours.phi
@@ -94,6 +95,11 @@ def test_a_regulator_is_that_of_the_command_line(cli, tmp_path):
         rows = list(csv.DictReader(file))
     assert ours.frames[20].contour["phi"].tolist() == [float(row["phi"]) for row in rows]
     assert not ours.frames[0].contour["phi"].any()
+    # In a tree and in its export.
+    grown = furrow.tree(r0=2.5, cue=CARRIED)
+    column = [float(row["phi"] or "nan") for row in csv.DictReader(io.StringIO(grown.export("csv")))]
+    np.testing.assert_array_equal(grown["phi"], column)
+    assert math.isclose(grown["phi"][0], furrow.Cell(r0=2.5, cue=CARRIED).divide().phi, rel_tol=1e-5)
     # Without a regulator there is none of it.
     plain = furrow.Cell(r0=1.65)
     assert plain.steady().regulator is None and plain.divide().phi is None
