@@ -297,7 +297,8 @@ impl Run {
     fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
         let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
         let stalled = DivisionError::Stalled { r0, t, dt: self.dt, source };
-        limits::taken_away(stepper, limits::TAKEN_AWAY).unwrap_or(stalled)
+        let taken_away = limits::taken_away(stepper, limits::TAKEN_AWAY);
+        taken_away.or_else(|| limits::collapsed(stepper)).unwrap_or(stalled)
     }
 
     /// One step of the published scheme. Steps have a fixed length, and are shorter where a step cannot be solved or the neck
