@@ -117,3 +117,22 @@ fn a_coefficient_that_a_regulator_takes_away_is_named_with_its_place() {
         assert!(error.to_string().contains("lower its coupling"), "{error}");
     }
 }
+
+/// A regulator that turns over slowly and pulls on the cortex gathers in a pole, ever more of it in ever less room, as aggregating cells
+/// do. Time stepping stalls there for a reason, which is named; with faster turnover the cell divides or rests.
+#[test]
+fn a_regulator_that_collapses_to_a_point_is_named() {
+    for (r0, cue, pole) in [
+        (1.43, "regulator:gradient,amplitude=0.26,turnover=0.25,diffusion=0.08,tension=0.92", 0.0),
+        (1.78, "regulator:gradient,amplitude=-0.67,turnover=0.02,diffusion=0.3,tension=0.77", 1.0),
+    ] {
+        let solve =
+            |cue: &str| divide(&DivisionInput::new(Cell::gao2026_thresholds(r0).with_cue(cue.parse().unwrap())));
+        let error = solve(cue).unwrap_err();
+        println!("{cue}: {error}");
+        let DivisionError::Collapses { u, c, .. } = error else { panic!("{cue}: {error}") };
+        assert!((u - pole).abs() < 1e-2 && c > 100.0, "{cue}: {c} at {u}");
+        let advised = solve(&cue.replace("turnover=0.", "turnover=5.")).unwrap();
+        println!("with more turnover: {}", advised.outcome());
+    }
+}

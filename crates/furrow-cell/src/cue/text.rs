@@ -94,7 +94,9 @@ impl Numbers {
             ("par" | "par_band", u0, omega) => {
                 let (field, value, allowed) = match (u0, omega) {
                     (_, Some(omega)) => ("omega", omega.value(), "left out: it follows from PAR polarity"),
-                    (u0, _) => ("u0", u0.unwrap_or(0.0), "0 or 1, the posterior pole: its place follows from PAR polarity"),
+                    (u0, _) => {
+                        ("u0", u0.unwrap_or(0.0), "0 or 1, the posterior pole: its place follows from PAR polarity")
+                    }
                 };
                 return Err(CueError::new(format!("{name}.{field}"), value, allowed));
             }

@@ -2,7 +2,7 @@
 
 use super::outcome::DivisionError;
 use super::stepper::{HistoryPoint, MAX_ORDER, Stepper};
-use crate::cortex::equations::{LENGTH, LocalCoefficients};
+use crate::cortex::equations::{LENGTH, LocalCoefficients, PHI};
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
 use furrow_cell::cue::Field;
@@ -16,6 +16,9 @@ const DRIFT: f64 = 1e-8;
 /// What is left of a coefficient that must be positive, relative to its value without a regulator, where no step can be solved any
 /// more.
 pub const TAKEN_AWAY: f64 = 0.02;
+
+/// A concentration so many times that at rest, where no step can be solved any more, is that of a regulator that collapses to a point.
+const COLLAPSED: f64 = 100.0;
 
 /// Steps after which a cell is given up: what divides, rests or repeats itself takes some hundreds with the preset's numerics,
 /// and as many more as they ask for shorter ones. Fixed steps take as many as they take.
@@ -66,6 +69,18 @@ pub fn taken_away(stepper: &Stepper, share: f64) -> Option<DivisionError> {
     }
     let r0 = stepper.cortex.cell.r0;
     found.map(|(field, u, value)| DivisionError::Coefficient { r0, t: *t, field, u, value })
+}
+
+/// A regulator that flow and its own pull gather in ever less of the cortex, as a pole: no mesh resolves that for long.
+pub fn collapsed(stepper: &Stepper) -> Option<DivisionError> {
+    if !stepper.cortex.is_regulated() {
+        return None;
+    }
+    let HistoryPoint { t, y, .. } = &stepper.history[0];
+    let phi = y.stages.chunks_exact(y.components).map(|state| state[PHI]);
+    let (k, most) = phi.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (r0, u) = (stepper.cortex.cell.r0, y.stage_x(&stepper.system.gauss, k / y.m, k % y.m));
+    (1.0 + most > COLLAPSED).then_some(DivisionError::Collapses { r0, t: *t, u, c: 1.0 + most })
 }
 
 /// Values of the coefficients of [`Field::POSITIVE`].

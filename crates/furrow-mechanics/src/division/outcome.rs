@@ -265,9 +265,14 @@ pub enum DivisionError {
     Stalled { r0: f64, t: f64, dt: f64, source: StepFailure },
     /// The regulator takes away a coefficient that must stay above zero.
     #[error(
-        "the regulator brings {field} of the cell with R0 = {r0} to {value:.2e} at u = {u:.3} and t = {t:.3e}, where it must stay above 0; lower its coupling"
+        "the regulator brings {field} of the cell with R0 = {r0} to {value:.2e} at u = {u:.3} and t = {t:.3e}, where it must stay above 0; lower its coupling or let it saturate (`half`)"
     )]
     Coefficient { r0: f64, t: f64, field: &'static str, u: f64, value: f64 },
+    /// The regulator gathers in one place without end.
+    #[error(
+        "the regulator of the cell with R0 = {r0} collapses to a point: at u = {u:.4} and t = {t:.3e} it is {c:.0} times as concentrated as at rest; raise its turnover or diffusion, or lower its coupling"
+    )]
+    Collapses { r0: f64, t: f64, u: f64, c: f64 },
     /// The cell is too close to the threshold of division to decide.
     #[error(
         "the cell with R0 = {r0} is too close to the threshold of division to decide (growth rate {growth_rate:.1e}/τ); change R0, epsilon or xi_s in the seventh digit"

@@ -16,8 +16,8 @@ use super::{DivisionInput, limits, saddle};
 use crate::cortex::equations::{LENGTH, PSI, R};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
-use crate::polarity;
 use crate::cortex::{Cortex, Domain};
+use crate::polarity;
 use furrow_cell::{Cell, Numerics, Parameter, Scheme};
 
 /// The first step is not made shorter than about this, in τ.
@@ -299,7 +299,8 @@ impl Run {
     fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
         let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
         let stalled = DivisionError::Stalled { r0, t, dt: self.dt, source };
-        limits::taken_away(stepper, limits::TAKEN_AWAY).unwrap_or(stalled)
+        let taken_away = limits::taken_away(stepper, limits::TAKEN_AWAY);
+        taken_away.or_else(|| limits::collapsed(stepper)).unwrap_or(stalled)
     }
 
     /// One step of the published scheme. Steps have a fixed length, and are shorter where a step cannot be solved or the neck

@@ -3,9 +3,9 @@
 use furrow_bvp::{ContinuationError, CurveError, NewtonError, SingularError};
 
 use crate::polarity::{self, PolarityError};
-use std::borrow::Cow;
 use furrow_cell::{Cell, Parameter};
 use furrow_input::shown_number;
+use std::borrow::Cow;
 
 /// A kind of singular point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -96,6 +96,11 @@ pub enum ShapeError {
     /// The place of a cue that follows PAR polarity could not be computed.
     #[error("{cell}: PAR polarity, which the cue follows: {source}")]
     Polarity { cell: CellName, source: PolarityError },
+    /// Without turnover every amount of a regulator has shapes at rest of its own.
+    #[error(
+        "{cell}: regulator.turnover = 0: shapes at rest need a turnover above 0, as any amount has its own without it"
+    )]
+    NoTurnover { cell: CellName },
     /// A cue that follows PAR polarity changes along with the cell.
     #[error(
         "{cell}: the cue follows PAR polarity and is another for every cell: its {kind}s have no curve; write it as the step or the band that furrow polarity prints"
@@ -110,6 +115,12 @@ pub enum ShapeError {
 }
 
 /// The cell with what follows PAR polarity in its cue in its place.
+///
+/// # Errors
+/// [`ShapeError::Polarity`], and [`ShapeError::NoTurnover`].
 pub(crate) fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>> {
+    if cell.cue.regulator().is_some_and(|regulator| regulator.turnover == 0.0) {
+        return Err(ShapeError::NoTurnover { cell: CellName::of(cell) });
+    }
     polarity::resolved(cell).map_err(|source| ShapeError::Polarity { cell: CellName::of(cell), source })
 }
