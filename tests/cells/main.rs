@@ -10,6 +10,7 @@ mod cue_fields;
 mod figures;
 mod from_steady;
 mod numeric_ranges;
+mod par_cues;
 mod phase;
 mod physics;
 mod published_scheme;

@@ -313,14 +313,15 @@ mod tests {
 
     fn profile(kind: usize, length: bool, u0: f64, omega: f64) -> Profile {
         let omega = if length { Width::Length(omega) } else { Width::Fraction(omega) };
-        [Profile::Band { u0, omega }, Profile::Step { u0, omega }, Profile::Gradient][kind]
+        let par = Profile::Par { band: length, far: u0 > 0.5 };
+        [Profile::Band { u0, omega }, Profile::Step { u0, omega }, Profile::Gradient, par][kind]
     }
 
     proptest! {
         /// Every field with every profile.
         #[test]
         fn what_is_printed_is_what_is_read(
-            field in 0..9_usize, kind in 0..3_usize, length in any::<bool>(),
+            field in 0..9_usize, kind in 0..4_usize, length in any::<bool>(),
             u0 in 0.001..0.999_f64, omega in 1e-3..2.0_f64, amplitude in -0.99..0.99_f64,
         ) {
             let term = Term { field: Field::ALL[field], profile: profile(kind, length, u0, omega), amplitude };
@@ -333,12 +334,12 @@ mod tests {
         #[test]
         fn what_is_printed_of_a_regulator_is_what_is_read(
             (kind, length, u0, omega, amplitude) in
-                (0..4_usize, any::<bool>(), 0.001..0.999_f64, 1e-3..2.0_f64, -0.9..0.9_f64),
+                (0..5_usize, any::<bool>(), 0.001..0.999_f64, 1e-3..2.0_f64, -0.9..0.9_f64),
             (turnover, diffusion, diluted) in (0.0..100.0_f64, 0.05..10.0_f64, any::<bool>()),
             couplings in proptest::sample::subsequence(Field::ALL.to_vec(), 1..9),
             strength in -0.1..0.1_f64, half in proptest::option::of(1e-3..100.0_f64),
         ) {
-            let source = (kind < 3).then(|| Source { profile: profile(kind, length, u0, omega), amplitude });
+            let source = (kind < 4).then(|| Source { profile: profile(kind, length, u0, omega), amplitude });
             let of = |field| Coupling { field, strength, half: half.filter(|_| field != Field::Kappa) };
             let couplings = couplings.into_iter().rev().map(of).collect();
             let regulator = Regulator { source, turnover, diffusion, diluted, couplings };

@@ -222,7 +222,7 @@ fn a_file_with_a_newer_schema_is_left_alone() {
     let store = store(&cache);
     assert_eq!(get(&store, 0), None);
     commit(&store, 5);
-    assert!(gave_up(&store, "read").contains("newer version of furrow (schema 3, known here: 2)"));
+    assert!(gave_up(&store, "read").contains("newer version of furrow (schema 4, known here: 3)"));
     assert!(maintenance::clear(cache.path()).is_err());
     drop(store);
     assert_eq!(fs::read(&file).unwrap(), before);
