@@ -356,12 +356,15 @@ impl Condensed {
         for i in 0..self.intervals() {
             let map = part(&self.map, i, columns * values);
             x[..n].copy_from_slice(part(&out.nodes, i, n));
-            for (v, target) in part_mut(&mut out.stages, i, m * n).chunks_mut(LANE).enumerate() {
-                let mut sum = [0.0; LANE];
+            // Two lanes at a time: sums of one alone would wait for each other.
+            for (pair, target) in part_mut(&mut out.stages, i, m * n).chunks_mut(2 * LANE).enumerate() {
+                let (first, second) = (2 * pair, (2 * pair + 1).min(values - 1));
+                let mut sums = [[0.0; LANE]; 2];
                 for (factor, column) in x[..columns].iter().zip(map.chunks_exact(values)) {
-                    add_scaled(&mut sum, *factor, &column[v]);
+                    add_scaled(&mut sums[0], *factor, &column[first]);
+                    add_scaled(&mut sums[1], *factor, &column[second]);
                 }
-                for (y, sum) in target.iter_mut().zip(&sum) {
+                for (y, sum) in target.iter_mut().zip(sums.as_flattened()) {
                     *y += sum;
                 }
             }

@@ -2,9 +2,6 @@
 
 use crate::gauss::{Gauss, MAX_STAGES};
 
-/// Components of a group.
-const GROUP: usize = 4;
-
 /// Values on one interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval<'a> {
@@ -17,10 +14,24 @@ pub struct Interval<'a> {
 }
 
 /// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval (m × n) and writes its node residual
-/// y₀ + Σ d_j (Y_j − y₀) − y₁ (n). Sizes are known at compile time unless 0. Components go through in padded groups
-/// of four.
+/// y₀ + Σ d_j (Y_j − y₀) − y₁ (n). Sizes are known at compile time unless 0. Components go through in padded groups,
+/// of eight or, where these would be half empty, of four.
 #[inline(always)]
 pub fn differences<const M: usize, const N: usize>(
+    gauss: &Gauss,
+    interval: Interval<'_>,
+    residual: &mut [f64],
+    node: &mut [f64],
+) {
+    if N > 8 {
+        in_groups::<M, N, 4>(gauss, interval, residual, node);
+    } else {
+        in_groups::<M, N, 8>(gauss, interval, residual, node);
+    }
+}
+
+#[inline(always)]
+fn in_groups<const M: usize, const N: usize, const GROUP: usize>(
     gauss: &Gauss,
     interval: Interval<'_>,
     residual: &mut [f64],

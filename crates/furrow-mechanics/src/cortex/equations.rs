@@ -346,6 +346,7 @@ impl<D: Number> Constants<D> {
     }
 
     /// The coefficients at u of the state `y` there, the regulator's say included.
+    #[inline]
     pub fn of_state(&self, u: f64, y: &[D], length: D) -> LocalCoefficients<D> {
         let here = self.at(u, length);
         if y.len() == REGULATED { self.regulated(here, y[PHI], y[J] * length) } else { here }

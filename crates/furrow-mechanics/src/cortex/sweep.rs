@@ -63,11 +63,11 @@ impl Group {
     }
 
     /// Reads the group that starts at point `from`; behind the last point it is repeated.
-    fn read(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize) {
-        let (last, n) = (points.x.len() - 1, points.y.len() / points.x.len());
+    fn read<const N: usize>(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize) {
+        let last = points.x.len() - 1;
         for i in 0..GROUP {
             let point = (from + i).min(last);
-            let y = &points.y[point * n..(point + 1) * n];
+            let y = &points.y[point * N..(point + 1) * N];
             for (values, y) in self.y.iter_mut().zip(y) {
                 values[i] = *y;
             }
@@ -195,7 +195,7 @@ pub(super) fn rhs_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p: &[f6
     let mut out = [[0.0; GROUP]; COMPONENTS + 1];
     let parts = f.chunks_mut(GROUP * COMPONENTS).zip(g.chunks_mut(GROUP));
     for (j, (f, g)) in parts.enumerate() {
-        group.read(sweep, points, j * GROUP);
+        group.read::<COMPONENTS>(sweep, points, j * GROUP);
         evaluate(&group, &shared, &mut out);
         for (i, (f, g)) in f.chunks_exact_mut(COMPONENTS).zip(g).enumerate() {
             for k in 0..COMPONENTS {
@@ -213,7 +213,7 @@ pub(super) fn jacobian_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p:
     let scalars = sweep.scalars;
     let mut numbers = [[0.0; GROUP]; NUMBERS];
     for from in (0..points.x.len()).step_by(GROUP) {
-        group.read(sweep, points, from);
+        group.read::<COMPONENTS>(sweep, points, from);
         linearise(&group, &shared, &mut numbers);
         for i in 0..GROUP.min(points.x.len() - from) {
             scatter::<NUMBERS, COMPONENTS>(
@@ -272,7 +272,7 @@ impl Regulated {
     }
 
     fn read(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize, length: f64) {
-        self.shape.read(sweep, points, from);
+        self.shape.read::<REGULATED>(sweep, points, from);
         let last = points.x.len() - 1;
         for i in 0..GROUP {
             let point = (from + i).min(last);

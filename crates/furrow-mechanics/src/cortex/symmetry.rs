@@ -9,14 +9,16 @@ use std::f64::consts::FRAC_PI_2;
 use furrow_bvp::{Direction, MirrorSymmetric, Solution};
 
 use super::Cortex;
-use super::equations::{Domain, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z};
+use super::equations::{COMPONENTS, Domain, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z};
 
 /// Those of n components that are even about the equator. Pitchforks are told by what a mode leaves of the last: one of the shape.
+#[inline(always)]
 pub fn even(n: usize) -> &'static [usize] {
     if n == REGULATED { &[PHI, R, M, T] } else { &[R, M, T] }
 }
 
 /// Those of n components that are odd about the equator, each about its [`CENTRE`].
+#[inline(always)]
 pub fn odd(n: usize) -> &'static [usize] {
     if n == REGULATED { &[Z, PSI, Q, V, J] } else { &[Z, PSI, Q, V] }
 }
@@ -41,6 +43,7 @@ impl MirrorSymmetric for Cortex {
 }
 
 /// Turns a state into that at 1 − u of the mirrored shape.
+#[inline(always)]
 pub fn mirror(y: &mut [f64]) {
     for &component in odd(y.len()) {
         y[component] = 2.0 * CENTRE[component] - y[component];
@@ -48,6 +51,7 @@ pub fn mirror(y: &mut [f64]) {
 }
 
 /// Turns a direction into the antisymmetric one at 1 − u: what is even changes sign, what is odd does not.
+#[inline(always)]
 fn mirror_antisymmetric(y: &mut [f64]) {
     for &component in even(y.len()) {
         y[component] = -y[component];
@@ -97,23 +101,23 @@ pub fn fold(full: &Solution, even: &mut Solution, odd: &mut Direction) {
     even.mesh.extend_from_slice(&full.mesh[..=intervals]);
     even.mesh[intervals] = Domain::Half.end();
     even.scalars.clone_from(&full.scalars);
-    split(&full.nodes, full.components, &mut even.nodes, &mut odd.nodes);
-    split(&full.stages, full.components, &mut even.stages, &mut odd.stages);
+    let split = if full.components == REGULATED { split::<REGULATED> } else { split::<COMPONENTS> };
+    split(&full.nodes, &mut even.nodes, &mut odd.nodes);
+    split(&full.stages, &mut even.stages, &mut odd.stages);
 }
 
 /// The states of the first half by parity, one in the middle included.
-fn split(full: &[f64], components: usize, even: &mut Vec<f64>, odd: &mut Vec<f64>) {
-    let points = (full.len() / components).div_ceil(2);
-    even.resize(points * components, 0.0);
-    odd.resize(points * components, 0.0);
-    let parts = even.chunks_exact_mut(components).zip(odd.chunks_exact_mut(components));
-    let places = full.chunks_exact(components).zip(full.rchunks_exact(components));
-    let mut mirrored = [0.0; REGULATED];
-    let mirrored = &mut mirrored[..components];
+fn split<const N: usize>(full: &[f64], even: &mut Vec<f64>, odd: &mut Vec<f64>) {
+    let points = (full.len() / N).div_ceil(2);
+    even.resize(points * N, 0.0);
+    odd.resize(points * N, 0.0);
+    let parts = even.chunks_exact_mut(N).zip(odd.chunks_exact_mut(N));
+    let places = full.chunks_exact(N).zip(full.rchunks_exact(N));
+    let mut mirrored = [0.0; N];
     for ((even, odd), (here, there)) in parts.zip(places) {
         mirrored.copy_from_slice(there);
-        mirror(mirrored);
-        for k in 0..components {
+        mirror(&mut mirrored);
+        for k in 0..N {
             even[k] = 0.5 * (here[k] + mirrored[k]);
             odd[k] = 0.5 * (here[k] - mirrored[k]);
         }
@@ -123,21 +127,21 @@ fn split(full: &[f64], components: usize, even: &mut Vec<f64>, odd: &mut Vec<f64
 /// The whole of two parts told apart by [`fold`], into a shape that already has the mesh.
 pub fn join(even: &Solution, odd: &Direction, full: &mut Solution) {
     full.scalars.clone_from(&even.scalars);
-    join_states(&even.nodes, &odd.nodes, full.components, &mut full.nodes);
-    join_states(&even.stages, &odd.stages, full.components, &mut full.stages);
+    let join = if full.components == REGULATED { join_states::<REGULATED> } else { join_states::<COMPONENTS> };
+    join(&even.nodes, &odd.nodes, &mut full.nodes);
+    join(&even.stages, &odd.stages, &mut full.stages);
 }
 
-fn join_states(even: &[f64], odd: &[f64], components: usize, full: &mut [f64]) {
-    let end = full.len() - components;
-    let [mut mirrored, mut there] = [[0.0; REGULATED]; 2];
-    let (mirrored, there) = (&mut mirrored[..components], &mut there[..components]);
-    for (i, (even, odd)) in even.chunks_exact(components).zip(odd.chunks_exact(components)).enumerate() {
+fn join_states<const N: usize>(even: &[f64], odd: &[f64], full: &mut [f64]) {
+    let end = full.len() - N;
+    let [mut mirrored, mut there] = [[0.0; N]; 2];
+    for (i, (even, odd)) in even.chunks_exact(N).zip(odd.chunks_exact(N)).enumerate() {
         mirrored.copy_from_slice(even);
-        mirror(mirrored);
+        mirror(&mut mirrored);
         there.copy_from_slice(odd);
-        mirror_antisymmetric(there);
-        let here = i * components;
-        for k in 0..components {
+        mirror_antisymmetric(&mut there);
+        let here = i * N;
+        for k in 0..N {
             full[end - here + k] = mirrored[k] + there[k];
             full[here + k] = even[k] + odd[k];
         }
@@ -146,7 +150,6 @@ fn join_states(even: &[f64], odd: &[f64], components: usize, full: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::equations::COMPONENTS;
     use furrow_bvp::{Gauss, mesh};
 
     use super::*;

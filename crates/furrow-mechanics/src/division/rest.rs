@@ -126,8 +126,8 @@ fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solutio
     let (mut system, mut scratch) = (System::new(cortex.dimensions(), y.m), NewtonScratch::default());
     let near = |y: &Solution| {
         let whole = if domain == Domain::Full { y.clone() } else { unfold(y) };
-        let distance = change_norm(&stepper.system.gauss, here, stepper.cortex.cell.r0, |i, k| {
-            whole.stages[i + k] - here.stages[i + k]
+        let distance = change_norm(&stepper.system.gauss, here, stepper.cortex.cell.r0, |i, at| {
+            at.map(|k| whole.stages[i + k] - here.stages[i + k])
         });
         (distance.even.hypot(distance.odd) <= REST_DISTANCE * stepper.cortex.cell.r0).then_some(whole)
     };

@@ -15,7 +15,7 @@ use furrow_bvp::{
 };
 
 use super::halves::Halves;
-use crate::cortex::equations::{Carried, J, LENGTH, PHI, R, REGULATED, Z};
+use crate::cortex::equations::{COMPONENTS, Carried, J, LENGTH, PHI, R, REGULATED, Z};
 use crate::cortex::{Cortex, resolution, symmetry};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
@@ -110,15 +110,19 @@ pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2
     ParityNorm { even: even.sqrt(), odd: odd.sqrt() }
 }
 
-/// [`parity_norm`] of a change of shape whose component k at the stage that begins at i is given; that of a
+/// [`parity_norm`] of a change of shape of which any two components at the stage that begins at i are given; that of a
 /// regulator by its resting concentration counts as `scale`.
-pub fn change_norm(gauss: &Gauss, y: &Solution, scale: f64, change: impl Fn(usize, usize) -> f64) -> ParityNorm {
-    let n = y.components;
-    let norm = parity_norm(gauss, &y.mesh, |i| [change(i * n, R), change(i * n, Z)]);
-    if n < REGULATED {
-        return norm;
+pub fn change_norm(
+    gauss: &Gauss,
+    y: &Solution,
+    scale: f64,
+    change: impl Fn(usize, [usize; 2]) -> [f64; 2],
+) -> ParityNorm {
+    if y.components < REGULATED {
+        return parity_norm(gauss, &y.mesh, |i| change(i * COMPONENTS, [R, Z]));
     }
-    let carried = parity_norm(gauss, &y.mesh, |i| [scale * change(i * n, PHI), 0.0]);
+    let norm = parity_norm(gauss, &y.mesh, |i| change(i * REGULATED, [R, Z]));
+    let carried = parity_norm(gauss, &y.mesh, |i| [scale * change(i * REGULATED, [PHI; 2])[0], 0.0]);
     ParityNorm { even: norm.even.hypot(carried.even), odd: norm.odd.hypot(carried.odd) }
 }
 
@@ -239,9 +243,13 @@ impl Stepper {
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
         let r0 = self.cortex.cell.r0;
-        let error = change_norm(gauss, &self.trial.y, CARRIED * r0, |i, k| {
-            let levels = self.history.iter().zip(&predict[..known]);
-            levels.fold(new[i + k], |change, (level, weight)| change - weight * level.y.stages[i + k]) * share
+        let error = change_norm(gauss, &self.trial.y, CARRIED * r0, |i, [a, b]| {
+            let mut change = [new[i + a], new[i + b]];
+            for (level, weight) in self.history.iter().zip(&predict[..known]) {
+                change[0] -= weight * level.y.stages[i + a];
+                change[1] -= weight * level.y.stages[i + b];
+            }
+            [change[0] * share, change[1] * share]
         });
         let n = self.trial.y.components;
         let size = parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * n + R], new[i * n + Z]]);
@@ -255,12 +263,16 @@ impl Stepper {
         self.weights.extend_from_slice(weights);
         let n = self.history[0].y.components;
         let points = self.history[0].y.stages.len() / n;
-        let past = |i: usize, k: usize| {
-            let levels = self.history.iter().zip(&weights[1..]);
-            levels.fold(0.0, |past, (level, weight)| past - weight * level.y.stages[i * n + k]) / weights[0]
-        };
         self.cortex.past.clear();
-        self.cortex.past.extend((0..points).map(|i| [past(i, R), past(i, Z)]));
+        self.cortex.past.extend((0..points).map(|i| {
+            let mut past = [0.0; 2];
+            for (level, weight) in self.history.iter().zip(&weights[1..]) {
+                let s = &level.y.stages[i * n..(i + 1) * n];
+                past[0] -= weight * s[R];
+                past[1] -= weight * s[Z];
+            }
+            [past[0] / weights[0], past[1] / weights[0]]
+        }));
         self.cortex.carried_past.clear();
         if let Some(regulator) = self.cortex.cell.cue.regulator() {
             let past = |i: usize| {
@@ -340,8 +352,9 @@ impl Stepper {
 
     /// L² over u, relative to R0, of a change whose component k at the stage that begins at i is given.
     fn rate_of_change(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
-        let norm = change_norm(&self.system.gauss, &self.history[0].y, self.cortex.cell.r0, change);
-        norm.even.hypot(norm.odd) / self.cortex.cell.r0
+        let (newest, r0) = (&self.history[0].y, self.cortex.cell.r0);
+        let norm = change_norm(&self.system.gauss, newest, r0, |i, at| at.map(|k| change(i, k)));
+        norm.even.hypot(norm.odd) / r0
     }
 
     /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.
