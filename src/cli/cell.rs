@@ -19,8 +19,8 @@ pub struct CueArgs {
     /// Polarity cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +
     ///
     /// Fields: kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension. Profiles: band (u0, omega,
-    /// amplitude; may be left out), step (the same), gradient (amplitude). The width omega is in u, or with
-    /// the suffix Lh in L_h.
+    /// amplitude; may be left out), step (the same), gradient (amplitude), par and par_band (amplitude; place and width follow
+    /// from PAR polarity). The width omega is in u, or with the suffix Lh in L_h.
     ///
     /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. Its keys: those of PROFILE,
     /// its source (PROFILE none: no source); turnover (1/τ); diffusion (L_h²/τ); each field that it changes, as in

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use furrow_cell::Cell;
+use furrow_cell::cue::profile::NAMES;
 use furrow_formats::{TREE_SCHEMA, tree_from_json, tree_to_json};
 use furrow_lineage::{Limits, Lineage, TerminalReason};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
@@ -123,4 +124,14 @@ fn the_schema_has_the_fields_of_the_trees_that_are_written_and_no_others() {
     let defined: BTreeSet<&String> = all.values().collect();
     let missing: Vec<_> = defined.difference(&seen.iter().map(|place| &all[place]).collect()).copied().collect();
     assert!(missing.is_empty() && defined.len() > 100, "no tree has {missing:?} of {}", defined.len());
+}
+
+/// Values too: a cue has any profile that there is.
+#[test]
+fn the_schema_names_every_profile() {
+    let schema: Value = serde_json::from_str(TREE_SCHEMA).unwrap();
+    let named = |part: &str| schema["$defs"][part]["properties"]["profile"]["enum"].as_array().unwrap().clone();
+    let profiles = NAMES.map(Value::from).to_vec();
+    assert_eq!(named("term"), profiles);
+    assert_eq!(named("regulator"), [vec![Value::from("none")], profiles].concat());
 }

@@ -1,6 +1,6 @@
 //! PAR polarity along the germline: at which sizes it exists, what cue follows from it, and how the cells then divide.
 
-use furrow_cell::cue::{Field, Profile, Term, Width};
+use furrow_cell::cue::{Field, Term};
 use furrow_cell::{Cell, Cue, CueError, Settings};
 use furrow_input::InputError;
 use furrow_lineage::{Daughter, Lineage, Mother, Place};
@@ -136,11 +136,7 @@ pub enum Follows {
 /// # Errors
 /// The amplitude brings κ to 0.
 pub fn cue_of(polarity: &Readings, follows: Follows, amplitude: f64) -> Result<Cue, CueError> {
-    let Readings { u0, omega, .. } = *polarity;
-    let profile = match follows {
-        Follows::Step => Profile::Step { u0, omega: Width::Fraction(omega) },
-        Follows::Band => Profile::Band { u0, omega: Width::Fraction(omega.abs()) },
-    };
+    let profile = polarity.followed(follows == Follows::Band);
     Cue::new(vec![Term { field: Field::Kappa, profile, amplitude }])
 }
 

@@ -9,8 +9,10 @@ use furrow_mechanics::cortex::equations::{LENGTH, M, PSI, R, REGULATED, Z};
 use furrow_mechanics::cortex::observables::regulator_at;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
+use furrow_mechanics::polarity::resolved;
 use serde::Deserialize;
 use serde_json::json;
+use std::borrow::Cow;
 
 use super::answer::{Answer, PageError};
 use super::limits::check;
@@ -128,7 +130,9 @@ impl Film {
             places.dedup();
         }
         let gauss = Gauss::new(input.numerics.stages);
-        Film { gauss, cortex: Cortex::new(&input.cell, Domain::Full, &[]), places, arrows: Self::arrows(furrow) }
+        // It has divided, so that its cue has its place.
+        let cell = resolved(&input.cell).unwrap_or(Cow::Borrowed(&input.cell));
+        Film { gauss, cortex: Cortex::new(&cell, Domain::Full, &[]), places, arrows: Self::arrows(furrow) }
     }
 
     /// Where arrows begin: evenly along the contour, and closer at the furrow, where the force is greatest.
@@ -291,5 +295,17 @@ mod tests {
             let expected = -xi_b * (2.0 / radius).powi(2);
             assert!((along_r - expected * sin).abs() < 1e-6 && (along_z - expected * cos).abs() < 1e-6);
         }
+    }
+
+    /// A cue that follows PAR polarity is drawn where it was.
+    #[test]
+    fn a_cue_that_follows_par_is_drawn() {
+        let cell = Cell::new(5.4).with_cue("kappa:par_band,amplitude=0.1".parse().unwrap());
+        let film = Film::new(&DivisionInput::new(cell), None);
+        let shape = furrow_mechanics::equilibria::passive(&film.cortex.cell, &Numerics::default()).unwrap().0;
+        let mut numbers = Vec::new();
+        film.draw(&furrow_mechanics::cortex::symmetry::unfold(&shape), true, &mut numbers);
+        let painted = numbers[..3 * film.places.len()].chunks_exact(3).map(|point| point[2]).fold(0.0, f32::max);
+        assert!((painted - 0.1).abs() < 1e-3, "{painted}");
     }
 }

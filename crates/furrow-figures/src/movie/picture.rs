@@ -54,7 +54,7 @@ impl<'a> Stage<'a> {
         let still = self.film.at(t);
         let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
         self.shell(&mut canvas, true);
-        surface::draw(&mut canvas, &still, (&self.cell.cue, self.phi), &self.view, self.fineness);
+        surface::draw(&mut canvas, &still, (&self.film.cell().cue, self.phi), &self.view, self.fineness);
         self.shell(&mut canvas, false);
         self.forces(&mut canvas, &still);
         self.words(&mut canvas, &still);

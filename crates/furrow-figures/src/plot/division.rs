@@ -32,10 +32,10 @@ pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
     let title = format!("{}: {title}", style::described(cell, &[]));
     let stills = stills(film);
     let phi = PhiRange::of(stills.iter().flat_map(|still| &still.places));
-    let legend = drawn::cue_legend(&cell.cue, film.step(film.times().len().saturating_sub(1)).length, phi);
+    let legend = drawn::cue_legend(&film.cell().cue, film.step(film.times().len().saturating_sub(1)).length, phi);
     let carried = if phi.is_some() { CARRIED } else { 0.0 };
     let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0] + carried, &title, &legend);
-    contours(&mut canvas, cell, (film.shell(), &stills), phi, top);
+    contours(&mut canvas, film.cell(), (film.shell(), &stills), phi, top);
     let top = top + CELLS + 22.0;
     over_time(&mut canvas, cell, film, top);
     balance(&mut canvas, &half_way(film), top);

@@ -9,6 +9,9 @@ use crate::cortex::equations::{LENGTH, PRESSURE};
 use crate::cortex::forces::{self, Place};
 use crate::cortex::observables::{self, Neck};
 use crate::cortex::{Cortex, Domain};
+use crate::polarity;
+use furrow_cell::Cell;
+use std::borrow::Cow;
 
 /// One accepted step: a shape, and the problem that it solves.
 #[derive(Clone, Debug)]
@@ -80,7 +83,9 @@ impl Recorder {
 
     /// The trajectory, once the division has ended.
     pub fn finish(self, input: &DivisionInput, division: Division) -> Trajectory {
-        let cortex = Cortex::new(&input.cell, Domain::Full, &[]);
+        // It has divided, so that its cue has its place.
+        let cell = polarity::resolved(&input.cell).unwrap_or(Cow::Borrowed(&input.cell));
+        let cortex = Cortex::new(&cell, Domain::Full, &[]);
         Trajectory { division, cortex, gauss: Gauss::new(input.numerics.stages), steps: self.0, dense: None }
     }
 }
@@ -107,6 +112,11 @@ impl Trajectory {
             None => forces::profile(&step.cortex, &self.gauss, &step.shape),
             Some(count) => forces::dense_profile(&step.cortex, &self.gauss, &step.shape, count),
         }
+    }
+
+    /// The cell, with its cue in its place.
+    pub fn cell(&self) -> &Cell {
+        &self.cortex.cell
     }
 
     /// The half axes of the shell along z and across, in L_h.
@@ -178,7 +188,7 @@ impl Trajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use furrow_cell::{Cell, Cue};
+    use furrow_cell::Cue;
 
     #[test]
     fn between_steps_the_contour_is_that_of_a_finer_division() {
@@ -211,5 +221,15 @@ mod tests {
         let last = trajectory.at(*times.last().unwrap());
         assert!(last.neck.unwrap().radius < 1e-3 * 2.5);
         assert!((last.asymmetry.abs() - trajectory.division.chi().unwrap()).abs() < 1e-3);
+    }
+
+    /// What is drawn of a cue that follows PAR polarity is where it was.
+    #[test]
+    fn the_cell_has_its_cue_in_its_place() {
+        let cue = "kappa:par_band,amplitude=0.1".parse().unwrap();
+        let trajectory = Trajectory::compute(&DivisionInput::new(Cell::new(5.4).with_cue(cue))).unwrap();
+        let drawn = &trajectory.cell().cue;
+        let divided = &trajectory.steps.last().unwrap().cortex.cell.cue;
+        assert!(!drawn.follows_par() && drawn == divided && drawn.terms()[0].at(0.47, 10.0)[0] > 0.09, "{drawn}");
     }
 }

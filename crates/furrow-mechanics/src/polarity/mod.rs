@@ -9,7 +9,7 @@
 //! [passive shape](mod@crate::equilibria::passive), which stays as it is. P is high at the posterior pole, u = 0.
 //!
 //! Polarised states exist in a range of sizes: below it the boundary between both antagonists is too wide for the cell. If κ
-//! follows P, the place and width of the cue are computed and no longer given: [`polarised_step`].
+//! follows P, the place and width of the cue are computed and no longer given: [`resolved`].
 //!
 //! | file | contents |
 //! |---|---|
@@ -39,7 +39,7 @@ pub use error::PolarityError;
 pub use membrane::Membrane;
 pub use states::{Readings, Resolution, profile, readings};
 
-use furrow_cell::cue::{Profile, Regulator, Term, Width};
+use furrow_cell::cue::{Profile, Regulator, Term};
 use furrow_cell::{Cell, Cue};
 use std::borrow::Cow;
 
@@ -64,9 +64,9 @@ pub fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>, PolarityError> {
     if !cell.cue.follows_par() {
         return Ok(Cow::Borrowed(cell));
     }
-    let found = polarised_step(cell, &ParConstants::GOEHRING2011, LENGTH_UM)?;
+    let state = Chemistry::goehring2011().polarised(cell)?;
     let mut cue = cell.cue.clone();
-    let Some((u0, omega)) = found else {
+    let Some(found) = state.as_ref().and_then(readings) else {
         let without = |term: &Term| !matches!(term.profile, Profile::Par { .. });
         let terms = cue.terms().iter().copied().filter(without).collect();
         let regulator = cue.regulator().cloned().map(|regulator| {
@@ -78,37 +78,9 @@ pub fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>, PolarityError> {
     };
     for profile in cue.profiles_mut() {
         if let Profile::Par { band, far } = *profile {
-            let place = match band {
-                true => Profile::Band { u0, omega: Width::Fraction(omega.abs()) },
-                false => Profile::Step { u0, omega: Width::Fraction(omega) },
-            };
+            let place = found.followed(band);
             *profile = if far { place.mirrored().0 } else { place };
         }
     }
     Ok(Cow::Owned(Cell { cue, ..cell.clone() }))
-}
-
-/// Place u0 and width ω of the step that follows P on a cell whose L_h is `length_scale_um` µm: ω is negative, as P falls from the
-/// posterior pole. None where no polarised state exists at the cell's size.
-///
-/// ```
-/// use furrow_cell::Cell;
-/// use furrow_mechanics::polarity::{LENGTH_UM, ParConstants, polarised_step};
-///
-/// let step = |r0: f64| polarised_step(&Cell::new(r0), &ParConstants::GOEHRING2011, LENGTH_UM);
-/// let (u0, omega) = step(5.4)?.unwrap();
-/// assert!((u0 - 0.469).abs() < 1e-3 && omega < 0.0);
-/// assert_eq!(step(2.2)?, None);
-/// # Ok::<(), furrow_mechanics::polarity::PolarityError>(())
-/// ```
-///
-/// # Errors
-/// [`PolarityError`].
-pub fn polarised_step(
-    cell: &Cell,
-    constants: &ParConstants,
-    length_scale_um: f64,
-) -> Result<Option<(f64, f64)>, PolarityError> {
-    let state = Chemistry::new(*constants, length_scale_um).polarised(cell)?;
-    Ok(state.as_ref().and_then(readings).map(|found| (found.u0, found.omega)))
 }

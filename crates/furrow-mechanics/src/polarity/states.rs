@@ -3,6 +3,7 @@
 use furrow_bvp::BoundaryValueProblem;
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, mesh};
+use furrow_cell::cue::{Profile, Width};
 use serde::Serialize;
 
 use super::problem::{A, A_U, COMPONENTS, MEAN_A, P, P_U, Polarity};
@@ -176,6 +177,17 @@ pub struct Readings {
     pub p: [f64; 2],
     /// Means over the surface of A and P.
     pub means: [f64; 2],
+}
+
+impl Readings {
+    /// The profile of what follows P: a step between the poles, or a band at the boundary of both antagonists, as wide as it.
+    pub fn followed(&self, band: bool) -> Profile {
+        let Readings { u0, omega, .. } = *self;
+        match band {
+            true => Profile::Band { u0, omega: Width::Fraction(omega.abs()) },
+            false => Profile::Step { u0, omega: Width::Fraction(omega) },
+        }
+    }
 }
 
 /// A and P are polarised if at the poles P differs by more than this part of their sum.

@@ -76,12 +76,12 @@ class WhatIf {
     }
   }
 
-  /** A cue of one term fills the sliders; one of several, or a regulator, stands as text. */
+  /** A cue of one term fills the sliders; one of several, a regulator, or one that follows PAR stands as text. */
   putCue(cue) {
     element("cue-on").checked = cue !== "none";
     const usual = ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }];
     const [field, value] = cue === "none" ? usual : Object.entries(cue)[0];
-    const isSlid = field !== "sum" && field !== "regulator" && !("omega_length" in value);
+    const isSlid = field !== "sum" && field !== "regulator" && !("omega_length" in value) && !value.profile?.startsWith("par");
     element("cue-text").value = isSlid ? "" : cueText(cue);
     const [slid, numbers] = isSlid ? [field, value] : usual;
     element("cue-field").value = slid;
