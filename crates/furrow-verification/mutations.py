@@ -53,7 +53,7 @@ def check(mutants):
     for mutant in mutants:
         changed(ROOT, mutant)
         file, test = mutant["killed_by"]
-        if f"#[test]\nfn {test}(" not in (HERE / f"tests/{file}.rs").read_text():
+        if f"#[test]\nfn {test}(" not in (HERE / f"tests/verification/{file}.rs").read_text():
             sys.exit(f"{mutant['name']}: there is no test {test} in {file}")
         if row(mutant) not in PAGE.read_text():
             sys.exit(f"docs/mutations.md lacks `{row(mutant)}`: run mutations.py --write")
@@ -76,13 +76,13 @@ def copy():
 def run_test(file, test):
     """Runs one test of the copy; returns what is wrong, or None if it passes."""
     env = os.environ | {"CARGO_TARGET_DIR": str(COPY.with_name("target")), "CARGO_PROFILE_DEV_DEBUG": "0", "RUST_BACKTRACE": "0"}
-    cargo = ["cargo", "test", "--quiet", "--locked", "-p", "furrow-verification", "--test", file]
+    cargo = ["cargo", "test", "--quiet", "--locked", "-p", "furrow-verification", "--test", "verification"]
     built = subprocess.run([*cargo, "--no-run"], cwd=COPY, env=env, capture_output=True, text=True)
     if built.returncode:
         sys.exit(f"{file} does not compile\n{built.stderr}")
     # `timeout` ends cargo and the test.
     ended = subprocess.run(
-        ["timeout", str(PATIENCE), *cargo, "--", "--exact", test, "--nocapture"],
+        ["timeout", str(PATIENCE), *cargo, "--", "--exact", f"{file}::{test}", "--nocapture"],
         cwd=COPY, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )
     if "running 1 test" not in ended.stdout:

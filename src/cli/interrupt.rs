@@ -27,9 +27,23 @@ pub fn listen() {
 }
 
 fn set_handler() {
-    if let Err(error) = ctrlc::set_handler(interrupt) {
+    if let Err(error) = on_interrupt(interrupt) {
         tracing::debug!("Ctrl-C will stop without a message: {error}");
     }
+}
+
+/// Calls `act` on a thread of its own at every Ctrl-C, request to terminate and loss of the terminal.
+#[cfg(unix)]
+fn on_interrupt(act: fn()) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    std::thread::Builder::new().name("interrupts".to_owned()).spawn(move || signals.forever().for_each(|_| act()))?;
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn on_interrupt(act: fn()) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(act)
 }
 
 /// From now on the first Ctrl-C only sets [`flag`]: divisions that have begun are finished and kept.

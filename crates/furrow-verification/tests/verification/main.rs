@@ -1,0 +1,11 @@
+//! Tests of the mechanics against independent statements, in one program: each would be linked by itself otherwise.
+
+mod decisions;
+mod derivatives;
+mod growth_rates;
+mod manufactured;
+mod peer;
+mod regulator;
+mod strong_regulators;
+mod time;
+mod virtual_power;
