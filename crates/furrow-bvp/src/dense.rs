@@ -1,4 +1,4 @@
-//! Row operations on small dense matrices, eight columns at a time.
+//! Row operations on small dense matrices, four columns at a time.
 //!
 //! Every block of the collocation system is eliminated by the one kernel here. Rows are arrays of [`Lane`]s of a width
 //! fixed at compile time, and factors are kept by columns, so that factorising and solving are both sums of scaled
@@ -7,7 +7,7 @@
 
 use multiversion::multiversion;
 
-/// Eight neighbouring columns of one row, or rows of one column.
+/// Four neighbouring columns of one row, or rows of one column.
 pub type Lane = [f64; 4];
 
 /// Entries per lane.
@@ -243,7 +243,7 @@ macro_rules! with_width {
 }
 
 /// Gaussian elimination of a square row-major `matrix` (`lanes` lanes a row), whose factors are left in `lu`.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn eliminate(matrix: &mut [Lane], lanes: usize, lu: &mut Lu) -> Result<(), PivotFailure> {
     with_width!(matrix, lanes, rows => eliminate_rows(rows, lu), [1 2 3 4 5 6 7 8])
 }
@@ -329,9 +329,40 @@ pub fn add_scaled(target: &mut Lane, factor: f64, source: &Lane) {
     }
 }
 
+/// Adds Σ_k factor_k · column_k to `sums`; column k starts at `columns[k * stride]`. Several lanes at a time: the sums of one alone
+/// would wait for each other.
+#[inline(always)]
+pub fn add_columns(sums: &mut [Lane], factors: impl Iterator<Item = f64> + Clone, columns: &[Lane], stride: usize) {
+    let mut from = 0;
+    while from + 4 <= sums.len() {
+        add_block::<4>(&mut sums[from..], factors.clone(), &columns[from..], stride);
+        from += 4;
+    }
+    if from + 2 <= sums.len() {
+        add_block::<2>(&mut sums[from..], factors.clone(), &columns[from..], stride);
+        from += 2;
+    }
+    if from < sums.len() {
+        add_block::<1>(&mut sums[from..], factors, &columns[from..], stride);
+    }
+}
+
+/// [`add_columns`] for the first W lanes, whose sums are kept in registers.
+#[inline(always)]
+fn add_block<const W: usize>(sums: &mut [Lane], factors: impl Iterator<Item = f64>, columns: &[Lane], stride: usize) {
+    let Some(sums) = sums.first_chunk_mut::<W>() else { return };
+    let mut sum = *sums;
+    for (factor, column) in factors.zip(columns.chunks(stride)) {
+        for (sum, lane) in sum.iter_mut().zip(&column[..W]) {
+            add_scaled(sum, factor, lane);
+        }
+    }
+    *sums = sum;
+}
+
 /// Largest |d| / (1 + |v|), NaN if any d is not a number. Quotients are compared by products, of which a processor makes ten in
 /// the time of a division.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
     let (mut above, mut below, mut poison) = ([0.0; SUMS], [1.0; SUMS], [0.0; SUMS]);
     let (d_lanes, d_rest) = d.as_chunks::<SUMS>();
@@ -357,8 +388,8 @@ pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
     if poison.iter().any(|p| p.is_nan()) { f64::NAN } else { largest }
 }
 
-/// [`eliminate_in_place`] of a square matrix, on its own for the widest registers of the machine.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+/// [`eliminate_in_place`] of a square matrix, compiled by itself for every instruction set.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn eliminate_square_in_place(
     matrix: &mut [Lane],
     lanes: usize,

@@ -114,16 +114,34 @@ impl Solution {
 
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
     pub(crate) fn combine(&self, i: usize, basis: &[f64], out: &mut [f64]) {
-        let y0 = self.node(i);
-        for (c, o) in out.iter_mut().enumerate() {
-            *o = basis[0] * y0[c];
+        /// Sums of N components are kept in registers.
+        fn sized<const N: usize>(stages: &[f64], basis: &[f64], out: &mut [f64]) {
+            let Some(out) = out.first_chunk_mut::<N>() else { return };
+            let mut sum = *out;
+            for (weight, y) in basis.iter().zip(stages.as_chunks::<N>().0) {
+                for c in 0..N {
+                    sum[c] += weight * y[c];
+                }
+            }
+            *out = sum;
         }
-        for j in 0..self.m {
-            let y = self.stage(i, j);
-            for (c, o) in out.iter_mut().enumerate() {
-                *o += basis[j + 1] * y[c];
+        fn any(stages: &[f64], basis: &[f64], out: &mut [f64]) {
+            for (weight, y) in basis.iter().zip(stages.chunks_exact(out.len().max(1))) {
+                for (o, y) in out.iter_mut().zip(y) {
+                    *o += weight * y;
+                }
             }
         }
+        let (n, m) = (self.components, self.m);
+        for (o, y) in out.iter_mut().zip(self.node(i)) {
+            *o = basis[0] * y;
+        }
+        const SIZED: [fn(&[f64], &[f64], &mut [f64]); 10] = [
+            any, sized::<1>, sized::<2>, sized::<3>, sized::<4>, sized::<5>, sized::<6>, sized::<7>, sized::<8>,
+            sized::<9>,
+        ];
+        let sum = SIZED.get(n).copied().unwrap_or(any);
+        sum(&self.stages[i * m * n..(i + 1) * m * n], &basis[1..], out);
     }
 
     /// The same function on another mesh of the same stage count, by the polynomials through both nodes and the stages of

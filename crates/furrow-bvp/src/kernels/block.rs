@@ -336,13 +336,7 @@ impl BlockFactor {
             x[n..n + nl].copy_from_slice(&before[n..n + nl]);
             x[n + nl..rows].copy_from_slice(&before[n + nl..rows]);
             let transform = &self.transform[i * n * tall..(i + 1) * n * tall];
-            for v in 0..tall {
-                let mut sum = after[v];
-                for k in 0..n {
-                    dense::add_scaled(&mut sum, before[k], &transform[k * tall + v]);
-                }
-                after[v] = sum;
-            }
+            dense::add_columns(&mut after[..tall], before[..n].iter().copied(), transform, tall);
             self.forward[i * height..(i + 1) * height].copy_from_slice(&after[..height]);
             // Carried rows move to the front; border rows stay behind the next n.
             let x = after.as_flattened();
@@ -382,18 +376,12 @@ impl BlockFactor {
         for i in (0..self.intervals).rev() {
             let columns = &self.backward[i * stride..(i + 1) * stride];
             let (to, from) = nodes[i * n..(i + 2) * n].split_at_mut(n);
-            for (v, to) in to.chunks_mut(LANE).enumerate() {
-                let mut sum = self.forward[i * height + v];
-                for c in 0..n {
-                    dense::add_scaled(&mut sum, -from[c], &columns[c * height + v]);
-                }
-                for (c, factor) in scalars.iter().enumerate() {
-                    dense::add_scaled(&mut sum, -factor, &columns[(n + c) * height + v]);
-                }
-                for (value, sum) in to.iter_mut().zip(sum) {
-                    *value = sum;
-                }
-            }
+            let mut sums = [[0.0; LANE]; MAX_UNKNOWN_LANES];
+            let sums = &mut sums[..height];
+            sums.copy_from_slice(&self.forward[i * height..(i + 1) * height]);
+            dense::add_columns(sums, from[..n].iter().map(|x| -x), columns, height);
+            dense::add_columns(sums, scalars.iter().map(|x| -x), &columns[n * height..], height);
+            to.copy_from_slice(&sums.as_flattened()[..n]);
         }
     }
 

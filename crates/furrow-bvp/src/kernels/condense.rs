@@ -20,6 +20,9 @@ use crate::gauss::{Gauss, MAX_STAGES};
 /// Most lanes of the stage unknowns of one interval.
 const MAX_STAGE_LANES: usize = dense::MAX_LANES;
 
+/// Lanes of stage values that are summed at a time: those of a cell in one batch.
+const BATCH: usize = 8;
+
 /// Entries of a quad: there are few quadrature components.
 const QUAD: usize = 4;
 
@@ -356,15 +359,12 @@ impl Condensed {
         for i in 0..self.intervals() {
             let map = part(&self.map, i, columns * values);
             x[..n].copy_from_slice(part(&out.nodes, i, n));
-            // Two lanes at a time: sums of one alone would wait for each other.
-            for (pair, target) in part_mut(&mut out.stages, i, m * n).chunks_mut(2 * LANE).enumerate() {
-                let (first, second) = (2 * pair, (2 * pair + 1).min(values - 1));
-                let mut sums = [[0.0; LANE]; 2];
-                for (factor, column) in x[..columns].iter().zip(map.chunks_exact(values)) {
-                    add_scaled(&mut sums[0], *factor, &column[first]);
-                    add_scaled(&mut sums[1], *factor, &column[second]);
-                }
-                for (y, sum) in target.iter_mut().zip(sums.as_flattened()) {
+            let stages = part_mut(&mut out.stages, i, m * n);
+            for (part, y) in stages.chunks_mut(BATCH * LANE).enumerate() {
+                let mut sums = [[0.0; LANE]; BATCH];
+                let lanes = dense::lanes_for(y.len());
+                dense::add_columns(&mut sums[..lanes], x[..columns].iter().copied(), &map[part * BATCH..], values);
+                for (y, sum) in y.iter_mut().zip(sums.as_flattened()) {
                     *y += sum;
                 }
             }
@@ -428,11 +428,7 @@ impl Stages<'_> {
             }
         }
         let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
-        for v in 0..lanes {
-            for c in 0..s {
-                add_scaled(&mut solved[v], x.as_flattened()[c], &inverse[c * lanes + v]);
-            }
-        }
+        dense::add_columns(&mut solved[..lanes], x.as_flattened()[..s].iter().copied(), inverse, lanes);
         let x = solved.as_flattened();
         for first in (0..e).step_by(QUAD) {
             let from = part(from, first / QUAD, s);

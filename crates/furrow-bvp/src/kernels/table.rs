@@ -73,7 +73,7 @@ impl Kernels {
     }
 }
 
-// Its blocks of four fill half of the widest registers: for those it would be slower.
+// Lanes of four fill half of the registers of AVX-512: kernels for it would take longer to compile than they save.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn condense<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed: &mut Condensed,
@@ -93,7 +93,7 @@ fn particular<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed.particular::<N, E, T, M>(gauss, residual, out, borders)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed: &Condensed,
     out: &mut Direction,
@@ -101,7 +101,7 @@ fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed.complete::<N, E, T, M>(out)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn eliminate<const N: usize, const LEFT: usize>(
     block: &mut BlockFactor,
     condensed: &Condensed,
@@ -110,7 +110,7 @@ fn eliminate<const N: usize, const LEFT: usize>(
     block.eliminate::<N, LEFT>(condensed, conditions)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn forward<const N: usize, const LEFT: usize>(
     block: &mut BlockFactor,
     nodes: &[f64],
@@ -120,12 +120,12 @@ fn forward<const N: usize, const LEFT: usize>(
     block.forward::<N, LEFT>(nodes, carried, border)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn backward<const N: usize, const LEFT: usize>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64]) {
     block.backward::<N, LEFT>(nodes, scalars)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn differences<const M: usize, const N: usize>(
     gauss: &Gauss,
     interval: Interval<'_>,

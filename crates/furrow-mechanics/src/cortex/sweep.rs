@@ -136,7 +136,7 @@ impl Shared {
 }
 
 /// f, and behind it the integrand of the volume.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn evaluate(group: &Group, shared: &Shared, out: &mut [Values; COMPONENTS + 1]) {
     let shell = shared.shell.map(Each);
     for i in 0..GROUP {
@@ -154,7 +154,7 @@ fn evaluate(group: &Group, shared: &Shared, out: &mut [Values; COMPONENTS + 1]) 
 const NUMBERS: usize = 5 * COMPONENTS + 9;
 
 /// All numbers of a [`Linearised`], in the order of its fields.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn linearise(group: &Group, shared: &Shared, out: &mut [Values; NUMBERS]) {
     let shell = shared.shell.map(Each);
     for i in 0..GROUP {
@@ -304,7 +304,7 @@ impl Regulated {
 }
 
 /// f of a cell with a regulator, and behind it the integrand of the volume.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn evaluate_regulated(
     group: &Regulated,
     shared: &Shared,
@@ -330,7 +330,7 @@ fn evaluate_regulated(
 const NUMBERS_REGULATED: usize = NUMBERS + COMPONENTS + 1 + REGULATED + 2;
 
 /// All numbers of a [`LinearisedRegulated`], those of the shape first.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn linearise_regulated(
     group: &Regulated,
     shared: &Shared,
