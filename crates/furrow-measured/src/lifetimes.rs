@@ -334,46 +334,68 @@ pub fn agreement(pairs: &[Sisters], expected: impl Fn(&Sisters) -> Option<usize>
     Agreement { pairs, agree, p: sign_test(agree, pairs) }
 }
 
+/// A division, and how many cells there are from then on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Step {
+    /// When, in minutes.
+    pub min: f64,
+    /// The cell that divides.
+    pub cell: String,
+    /// Cells alive then, its daughters included.
+    pub cells: usize,
+}
+
 /// Numbers of cells alive over time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellsOverTime {
-    /// Cells whose divisions come first and whose mothers' are not known: all others descend from them.
+    /// The cells before the first division: all others descend from them.
     pub roots: Vec<String>,
-    /// Times of division, rising, each with the number of cells from then on.
-    pub steps: Vec<(f64, usize)>,
-    /// The first birth of a cell whose lifetime the table lacks; from there on divisions can be missing.
-    pub known_until: f64,
+    /// Divisions in the order of time.
+    pub steps: Vec<Step>,
 }
 
 impl CellsOverTime {
-    /// Cells alive at a time.
-    pub fn at(&self, time: f64) -> usize {
-        let before = self.steps.partition_point(|(division, _)| *division <= time);
-        before.checked_sub(1).map_or(self.roots.len(), |k| self.steps[k].1)
+    /// The numbers that follow from divisions of some cells and their descendants.
+    pub fn new(roots: Vec<String>, divisions: impl IntoIterator<Item = (String, f64)>) -> CellsOverTime {
+        let mut divisions: Vec<(String, f64)> = divisions.into_iter().collect();
+        divisions.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let first = roots.len() + 1;
+        let step = |(k, (cell, min))| Step { min, cell, cells: first + k };
+        CellsOverTime { steps: divisions.into_iter().enumerate().map(step).collect(), roots }
     }
+
+    /// Cells alive at a time.
+    pub fn at(&self, min: f64) -> usize {
+        let before = self.steps.partition_point(|step| step.min <= min);
+        self.roots.len() + before
+    }
+}
+
+/// The numbers of cells of an embryo, and up to when they are known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EmbryoOverTime {
+    /// Divisions.
+    #[serde(flatten)]
+    pub over_time: CellsOverTime,
+    /// The first birth of a cell whose lifetime the table lacks: from there on divisions can be missing.
+    pub known_until: f64,
 }
 
 /// The numbers of cells that a table's births and lifetimes give; none without births. A cell divides where its lifetime ends, or
 /// if that is not known where its daughters are born.
-pub fn cells_over_time(lifetimes: &Lifetimes) -> Option<CellsOverTime> {
+pub fn cells_over_time(lifetimes: &Lifetimes) -> Option<EmbryoOverTime> {
     let mut divisions: BTreeMap<String, f64> = BTreeMap::new();
+    let mut daughters: HashMap<&str, usize> = HashMap::new();
     for cell in &lifetimes.cells {
         if let (Some((mother, ..)), Some(born)) = (birth(&cell.cell), cell.birth) {
             divisions.entry(mother.to_owned()).or_insert(born);
+            *daughters.entry(mother).or_default() += 1;
         }
     }
     divisions.extend(lifetimes.cells.iter().filter_map(|cell| Some((cell.cell.clone(), cell.division()?))));
     let is_root = |cell: &&String| birth(cell).is_none_or(|(mother, ..)| !divisions.contains_key(mother));
-    let roots: Vec<String> = divisions.keys().filter(is_root).cloned().collect();
-    let mut with_daughters: Vec<&str> =
-        lifetimes.cells.iter().filter_map(|cell| birth(&cell.cell)).map(|(mother, ..)| mother).collect();
-    with_daughters.sort_unstable();
-    // Both daughters need a lifetime.
-    let both: Vec<&str> = with_daughters.chunk_by(|a, b| a == b).filter(|of| of.len() == 2).map(|of| of[0]).collect();
-    let ends = divisions.iter().filter(|(cell, _)| both.binary_search(&cell.as_str()).is_err());
-    let known_until = ends.map(|(_, time)| *time).min_by(f64::total_cmp)?;
-    let mut times: Vec<f64> = divisions.into_values().collect();
-    times.sort_by(f64::total_cmp);
-    let steps = times.into_iter().enumerate().map(|(k, time)| (time, roots.len() + k + 1)).collect();
-    Some(CellsOverTime { roots, steps, known_until })
+    let roots = divisions.keys().filter(is_root).cloned().collect();
+    let last = divisions.iter().filter(|(cell, _)| daughters.get(cell.as_str()) != Some(&2));
+    let known_until = last.map(|(_, min)| *min).min_by(f64::total_cmp)?;
+    Some(EmbryoOverTime { over_time: CellsOverTime::new(roots, divisions), known_until })
 }

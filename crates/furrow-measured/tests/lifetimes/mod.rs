@@ -68,13 +68,17 @@ fn orders_of_sisters_are_those_of_scipy() {
 
 #[test]
 fn the_numbers_of_cells_follow_from_births_and_lifetimes() {
-    let found = cells_over_time(&jankele2021_lifetimes().unwrap()).unwrap();
+    let embryo = cells_over_time(&jankele2021_lifetimes().unwrap()).unwrap();
+    let found = &embryo.over_time;
     assert_eq!(found.roots, ["AB", "P1"]);
     // Two cells, then three and four; at the division of ABal and ABar eight; P4's daughters have no lifetimes.
     let at: Vec<usize> = [-30.0, -22.0, -10.0, 20.0, 30.0].map(|time| found.at(time)).to_vec();
     assert_eq!(at, [2, 3, 4, 8, 12]);
-    assert!((found.known_until - 170.17).abs() < 1e-9, "{}", found.known_until);
-    assert_eq!(found.steps.last().unwrap().1, found.steps.len() + 2);
+    assert!((embryo.known_until - 170.17).abs() < 1e-9, "{}", embryo.known_until);
+    // 190 cells with a lifetime, and AB and P1.
+    assert_eq!((found.steps.len(), found.steps[191].cells), (192, 194));
+    assert_eq!((found.steps[0].cell.as_str(), found.steps[0].min), ("AB", -23.88));
+    assert!(cells_over_time(&read("cell,lifetime_min\nABa,12\n")).is_none());
 }
 
 fn read(table: &str) -> Lifetimes {
