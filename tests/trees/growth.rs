@@ -190,7 +190,7 @@ fn deep_chain() {
 #[test]
 fn drawing_and_report() {
     let tree = grow(&Lineage::c_elegans().unwrap());
-    let drawing = furrow_report::svg(&tree);
+    let drawing = furrow_report::svg(&tree, furrow_report::TimeAxis::Generations);
     let report = furrow_report::html(&tree, &founder_rows(&tree), None);
     // One disc with a title a cell.
     assert_eq!(drawing.matches("<title>").count(), tree.len());

@@ -1,8 +1,10 @@
 //! When a tree with a clock leaves a measured embryo: by the numbers of cells alive, and by single divisions.
 
+use super::counts::is_of_worm;
 use furrow_lineage::clock::last_divisions;
 use furrow_lineage::{CellId, CellTimes, Tree};
 use furrow_measured::lifetimes::{CellsOverTime, EmbryoOverTime, Lifetimes, Step, cells_over_time};
+use furrow_measured::published::jankele2021_lifetimes;
 use serde::Serialize;
 use std::collections::{HashMap, HashSet};
 
@@ -111,6 +113,13 @@ pub(super) fn over_time(
     });
     let reference = reference.map(|cell| cell.cell.clone());
     Some(OverTime { measured, model, reference, shift_min, last_divisions: last.unwrap_or_default() })
+}
+
+/// The cells of a tree of *C. elegans* with a clock over time beside published means of embryos; none for another animal.
+pub fn of_worm(tree: &Tree) -> Option<OverTime> {
+    let times = tree.times().filter(|_| is_of_worm(&tree.lineage))?;
+    let modelled = tree.cells().map(|id| (tree.cell(id).name.as_str(), id)).collect();
+    over_time(tree, &modelled, Some(&times), &jankele2021_lifetimes().ok()?)
 }
 
 /// Some cells and all that descend from them.

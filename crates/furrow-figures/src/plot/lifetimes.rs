@@ -12,7 +12,7 @@ const WIDTH: f64 = 1100.0;
 /// Heights of the charts over volume and birth, and of that over time.
 const CHARTS: [f64; 2] = [430.0, 470.0];
 /// Most of the time axis that the model may take beyond what is known of the embryo.
-const BEYOND: f64 = 1.6;
+const BEYOND: f64 = 2.5;
 
 /// Draws a table of lifetimes beside a tree.
 pub fn draw(found: &LifetimesBeside) -> Canvas {
@@ -158,7 +158,7 @@ fn numbers(canvas: &mut Canvas, at: [f64; 2], over_time: &OverTime, departure: O
     let upright =
         |chart: &mut Chart<'_>, min: f64, stroke: Stroke| chart.line([[min, 1.0], [min, 6.0 * highest]], stroke);
     upright(&mut chart, known, Stroke::dashed(style::MUTED, 1.4, style::DOTTED));
-    let mut marks = vec![(known, "embryo known up to here".to_owned(), style::MUTED)];
+    let mut marks = vec![(known, "table complete up to here".to_owned(), style::MUTED)];
     let leaves = departure.and_then(|departure| departure.lasting.or(departure.first));
     if let Some(leaves) = leaves {
         upright(&mut chart, leaves.min, Stroke::dashed(style::ASYMMETRIC, 1.6, style::DASHED));
@@ -208,8 +208,9 @@ fn write_marks(chart: &mut Chart<'_>, mut marks: Vec<(f64, String, Colour)>) {
     let mut rows: Vec<f64> = Vec::new();
     for (min, words, colour) in marks {
         let (x, width) = (chart.at([min, 1.0])[0], font::width(&words, text::TICK));
-        // Words that would leave the chart end at their time.
-        let from = if x + 6.0 + width > right { (x - 6.0 - width).max(left) } else { x + 6.0 };
+        // Words that would leave the chart end at their time, and those of the departure, before which there is nothing to say.
+        let from =
+            if x + 6.0 + width > right || colour == style::ASYMMETRIC { (x - 6.0 - width).max(left) } else { x + 6.0 };
         let row = rows.iter().position(|end| from > end + 8.0).unwrap_or(rows.len());
         if row == rows.len() {
             rows.push(0.0);
