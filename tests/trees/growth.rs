@@ -206,3 +206,36 @@ fn drawing_and_report() {
         "{table}"
     );
 }
+
+#[test]
+fn with_a_clock_a_drawing_has_cells_at_their_births() {
+    use furrow_report::TimeAxis;
+    let mut lineage = Lineage::c_elegans().unwrap();
+    lineage.clock = None;
+    lineage.founders.iter_mut().for_each(|founder| founder.clock = None);
+    let tree = grow(&lineage);
+    assert_eq!(furrow_report::svg(&tree, TimeAxis::Minutes), furrow_report::svg(&tree, TimeAxis::Generations));
+    assert!(!furrow_report::html(&tree, &founder_rows(&tree), None).contains("<h2>Cells over time</h2>"));
+    let text = r#"(base: "c_elegans", clock: (lifetime_min: 15, exponent: 0.3, origin: division("ABa")))"#;
+    let tree = grow(&Lineage::parse(text, "own.ron").unwrap());
+    let drawing = furrow_report::svg(&tree, TimeAxis::Minutes);
+    let times = tree.times().unwrap();
+    let number = |text: &str| text.split(['"', ' ']).next().unwrap().parse::<f64>().unwrap();
+    let place = |name: &str| {
+        let cell = drawing.split("<g>").find(|part| part.starts_with(&format!("<title>{name}:"))).unwrap();
+        [number(cell.split("born at ").nth(1).unwrap()), number(cell.split("cy=\"").nth(1).unwrap())]
+    };
+    let [[first, top], [last, bottom]] = [place("P0"), place("ABalaaaaaa")];
+    for name in ["AB", "P1", "EMS", "E", "Ea", "ABal", "P3"] {
+        let [born, down] = place(name);
+        let id = tree.cells().find(|id| tree.cell(*id).name == name).unwrap();
+        assert!((times[id.index()].birth_min - born).abs() < 0.051);
+        let expected = top + (born - first) / (last - first) * (bottom - top);
+        assert!((down - expected).abs() < 1.0, "{name} {down} {expected}");
+    }
+    for words in ["minute 0 is the division of ABa", "cells alive", "AB: last division, ", "E: last division, "] {
+        assert!(drawing.contains(words), "{words}");
+    }
+    assert!(!drawing.contains(">P1: last division"));
+    assert!(furrow_report::html(&tree, &founder_rows(&tree), None).contains("<h2>Cells over time</h2>"));
+}

@@ -205,6 +205,15 @@ fn y_of(node: CellId, layout: &Layout) -> f64 {
     layout.top + layout.down[node.index()]
 }
 
+/// Largest radius of a disc that does not meet those of its daughters: in minutes a short life leaves little room.
+fn room_below(node: CellId, layout: &Layout) -> f64 {
+    let life = layout.minutes.as_ref().and_then(|scale| {
+        let times = scale.times[node.index()];
+        Some(0.48 * (scale.at(times.division_min?) - scale.at(times.birth_min)))
+    });
+    life.map_or(f64::INFINITY, |room| room.max(layout.frame.discs[1]))
+}
+
 /// The last division of each founder and its descendants, as a line below all of them with its minute. Founders below which there are
 /// others are left out: their last division is one of these.
 fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> String {
@@ -226,7 +235,8 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
         let is_mother = names.iter().any(|other| other.mother.as_ref() == Some(&names[founder].name));
         let [from, to] = spans[node.index()].filter(|_| !is_mother && min <= scale.last)?;
         let (y, colour, name) = (layout.top + scale.at(min), colours[founder], escape(&names[founder].name));
-        let (base, from, to) = (y - 4.0, from - 6.0, to + 6.0);
+        // Nothing of the founder is below.
+        let (base, from, to) = (y + 21.0, from - 6.0, to + 6.0);
         let copy = |paint: &str| {
             format!(
                 r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{name}: last division, {min:.0} min</text>"##
@@ -269,7 +279,7 @@ fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String
 fn disc(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> Option<String> {
     let (x, y) = (layout.x[node.index()]?, y_of(node, layout));
     let cell = tree.cell(node);
-    let radius = disc_radius(tree, cell.r0, layout);
+    let radius = disc_radius(tree, cell.r0, layout).min(room_below(node, layout));
     let colour = colours[cell.founder];
     let shape = match (cell.fate.terminal_reason(), cell.fate.outcome()) {
         (Some(_), _) => {
@@ -335,7 +345,9 @@ fn label(tree: &Tree, node: CellId, layout: &Layout, colour: &str) -> Option<Str
         paints.iter().map(copy).collect()
     };
     let font = format!("font-size=\"{}\" font-weight=\"bold\"", layout.frame.font);
-    let unequal = layout.frame.asymmetry && cell.fate.outcome() == Some(Outcome::Asymmetric);
+    // In minutes neighbours can be close below.
+    let unequal =
+        layout.frame.asymmetry && layout.minutes.is_none() && cell.fate.outcome() == Some(Outcome::Asymmetric);
     let chi = cell.fate.chi().filter(|_| unequal);
     let chi = chi.map_or(String::new(), |chi| line(y + 13.0, "font-size=\"11\"", &format!("χ {chi:.2}")));
     Some(line(y, &font, &escape(&cell.name)) + &chi)

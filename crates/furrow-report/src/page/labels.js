@@ -51,12 +51,13 @@ class Labels {
       paint.setLineDash([]);
       const words = `${node.cell.name}: last ${node.lastDivision.toFixed(0)} min`;
       const wide = paint.measureText(words).width;
-      if (!this.take([to - wide, y - 13, wide, 11])) continue;
+      // Nothing of the founder is below.
+      if (!this.take([to - wide, y + 9, wide, 11])) continue;
       paint.lineWidth = 3;
       paint.lineJoin = "round";
       paint.strokeStyle = this.ink.ground;
-      paint.strokeText(words, to, y - 4);
-      paint.fillText(words, to, y - 4);
+      paint.strokeText(words, to, y + 18);
+      paint.fillText(words, to, y + 18);
     }
   }
 
@@ -88,7 +89,7 @@ class Labels {
     const [x, y] = [view.px(node.x), view.py(view.level(node))];
     const bold = `600 ${view.small ? 11 : 13}px system-ui, sans-serif`;
     const lines = [[node.cell.name, node.isFounder ? bold : NAME_FONT]];
-    if (!view.small && node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended) lines.push([`χ ${number(node.cell.chi, 2)}`, NAME_FONT]);
+    if (!view.small && !view.minutes && node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended) lines.push([`χ ${number(node.cell.chi, 2)}`, NAME_FONT]);
     paint.fillStyle = shade(view.colours[node.founder], this.ink);
     paint.font = lines[0][1];
     const left = this.side(x, radius + 5, paint.measureText(node.cell.name).width, this.room(node)[1]) < 0;

@@ -150,7 +150,13 @@ class LineageView {
   radius(node) {
     const room = Math.max(this.gap * (node.to - node.from + 1), 0);
     const full = (this.largest * Math.pow(this.zoom, 0.2) * node.cell.r0) / this.tree.largest;
-    return Math.max(0.6, Math.min(full, 0.46 * room, 0.42 * this.row));
+    return Math.max(0.6, Math.min(full, 0.46 * room, 0.42 * this.row, this.roomBelow(node)));
+  }
+
+  /** Largest radius with which a disc does not meet its daughters': in minutes a short life leaves little room. */
+  roomBelow({ cell }) {
+    if (!this.minutes || cell.division_min === undefined) return Infinity;
+    return 0.48 * (this.py(this.tree.levelAt(cell.division_min)) - this.py(this.tree.levelAt(cell.birth_min)));
   }
 
   draw() {
