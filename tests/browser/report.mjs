@@ -297,6 +297,8 @@ async function runsInMinutes(browser) {
   for (const width of [1400, 390]) {
     const page = await browser.open(address, { width, height: 900, mobile: width < 500 });
     await page.until("document.documentElement.dataset.ready");
+    // The panel grows with its film, and the lineage beside it.
+    await page.until(`document.getElementById("film-state").dataset.cell === "P0"`);
     check("the page is no wider than the screen", (await page.worth("document.documentElement.scrollWidth")) <= width, width);
     check("there is a switch", !(await page.worth(`document.getElementById("time-axis").hidden`)), "hidden");
     const frame = () => page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
@@ -310,7 +312,7 @@ async function runsInMinutes(browser) {
     const title = await page.worth(`document.getElementById("lineage").title`);
     check("its birth is told", title.startsWith("E:") && title.includes(`born at ${expected.timed.born.toFixed(1)} min`), title);
     check("it is below P0", after[1] > first[1] + 20, [first, after]);
-    await shot(page, width < 500 ? "minutes-narrow" : "minutes");
+    await shot(page, width < 500 ? "minutes-narrow" : "minutes", false);
     await page.worth(`document.getElementById("by-generation").click()`);
     await frame();
     const again = await place(page, "E", [42, 500]);
