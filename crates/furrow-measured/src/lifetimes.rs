@@ -165,7 +165,9 @@ impl Lifetimes {
             }
         };
         let mut found = Lifetimes::default();
-        let (mut rows, mut places): (Vec<Vec<Row>>, HashMap<String, (usize, u64)>) = (Vec::new(), HashMap::new());
+        let mut rows: Vec<Vec<Row>> = Vec::new();
+        // Indices of cells, and the lines of their first rows.
+        let mut places: HashMap<String, (usize, u64)> = HashMap::new();
         while let Some((line, record)) = table.next()? {
             if is_comment(record) {
                 continue;
@@ -269,7 +271,8 @@ pub struct Slopes {
 
 /// The slopes of cells with a founder, a volume and a lifetime.
 pub fn slopes<'a>(cells: impl IntoIterator<Item = (&'a str, f64, f64)>) -> Slopes {
-    let (mut all, mut founders): (Vec<[f64; 2]>, BTreeMap<String, Vec<[f64; 2]>>) = Default::default();
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    let mut founders: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
     for (founder, volume, lifetime) in cells {
         let point = [volume.ln(), lifetime.ln()];
         all.push(point);

@@ -368,12 +368,13 @@ fn heading(tree: &Tree, layout: &Layout) -> String {
     let origin = origin.map_or(String::new(), |origin| {
         format!("; cells at their births, minute 0 is the {}", escape(&origin.to_string()))
     });
+    let room = if layout.minutes.is_some() { " where there is room" } else { "" };
     let [left_column, right_column] =
         if layout.minutes.is_some() { ["minutes", "cells alive"] } else { ["generation", "cells"] };
     let mut out = format!(
         "<text x=\"16\" y=\"28\" font-size=\"18\" font-weight=\"bold\" fill=\"#222\">{name}</text>\n\
          <text x=\"16\" y=\"47\" font-size=\"12\" fill=\"#555\">{cells} cells; R{of_r}{r0}</tspan>, ε = {epsilon}, ξ{of_xi}{xi_s}</tspan>; \
-         discs are as wide as the cells, lines as strong as the daughter is large{origin}</text>\n\
+         discs are as wide as the cells{room}, lines as strong as the daughter is large{origin}</text>\n\
          <text x=\"16\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\">{left_column}</text><text x=\"{end:.1}\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\" text-anchor=\"end\">{right_column}</text>\n"
     );
     let total = tree.cells().next_back().map_or(0, |n| tree.cell(n).generation);
