@@ -183,7 +183,7 @@ impl GrownTree {
 
     /// The tree as a drawing; of a large tree only the first generations.
     fn svg(&self, py: Python<'_>) -> String {
-        py.detach(|| report::svg(&self.tree))
+        py.detach(|| report::svg(&self.tree, report::TimeAxis::Generations))
     }
 
     /// The tree as an interactive page.

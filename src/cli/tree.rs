@@ -1,6 +1,6 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
-use super::cell::{FirstCellArgs, load_lineage};
+use super::cell::{FirstCellArgs, load_lineage, one_of};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
@@ -19,7 +19,7 @@ use furrow_input::InputError;
 use furrow_lineage::batch::{Summary, scheduler::workers};
 use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
-use furrow_report as report;
+use furrow_report::{self as report, TimeAxis};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -59,6 +59,9 @@ pub struct TreeArgs {
     /// Computes the division of every cell, including cells below the critical radius of their cue
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
+    /// Axis of tree.svg: generations (default), or minutes by the clock of the lineage file
+    #[arg(help_heading = "Output", long, value_name = "AXIS", value_parser = one_of(TimeAxis::NAMED))]
+    time_axis: Option<TimeAxis>,
     #[command(flatten)]
     pub plot: PlotArgs,
 }
@@ -131,6 +134,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
         return super::ensemble::grow_over(file, scenario, context, args.out.as_deref(), &picture);
     }
+    let axis = time_axis(args, &scenarios)?;
     let out = args.out.as_deref().unwrap_or(Path::new("furrow-out"));
     let beside = if several { &SCENARIOS_FILES[..] } else { &TREE_FILES };
     let beside: Vec<&str> = beside.iter().copied().chain(args.replicates.map(|_| SPREAD_FILE)).collect();
@@ -142,7 +146,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let mut files = FileSet::begin(out, names.iter().map(String::as_str));
     let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, context)?;
     let trees = &grown.trees;
-    stage(&mut files, &scenarios, trees, &spread, several)?;
+    stage(&mut files, &scenarios, trees, &spread, (several, axis))?;
     let folders = several.then(|| scenarios.iter().map(|scenario| scenario.folder.as_str()).collect());
     let record = run_record(args, context, &grown, start, folders);
     files.stage("run.json", to_json(&record)?.as_bytes())?;
@@ -170,20 +174,31 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     })
 }
 
+/// The axis of the drawings; minutes need a clock.
+fn time_axis(args: &TreeArgs, scenarios: &[Scenario]) -> Result<TimeAxis, InputError> {
+    let axis = args.time_axis.unwrap_or_default();
+    let without = scenarios.iter().find(|scenario| scenario.lineage.clock.is_none());
+    if let Some(Scenario { lineage, .. }) = without.filter(|_| axis == TimeAxis::Minutes) {
+        let allowed = format!("generations: the lineage {:?} has no clock", lineage.name);
+        return Err(InputError::not_allowed("--time-axis", "time_axis", "minutes", allowed));
+    }
+    Ok(axis)
+}
+
 /// Stages the files of the trees, of one by itself or of several scenarios in their folders, with the page and the tables.
 fn stage(
     files: &mut FileSet,
     scenarios: &[Scenario],
     trees: &[Tree],
     spread: &[LineageRanges],
-    several: bool,
+    (several, axis): (bool, TimeAxis),
 ) -> Result<(), CliError> {
     for (Scenario { folder, .. }, tree) in scenarios.iter().zip(trees) {
         let [nwk, json, svg] =
             SCENARIO_FILES.map(|file| if several { format!("{folder}/{file}") } else { file.to_owned() });
         files.stage(&nwk, newick(tree).as_bytes())?;
         files.stage(&json, tree_to_json(tree)?.as_bytes())?;
-        files.stage(&svg, report::svg(tree).as_bytes())?;
+        files.stage(&svg, report::svg(tree, axis).as_bytes())?;
     }
     let page = match trees.first().filter(|_| !several) {
         Some(tree) => report::html(tree, &founder_rows(tree), spread.first()),

@@ -291,6 +291,37 @@ async function scenarios(browser) {
   }
 }
 
+/** With a clock the tree can be drawn in minutes: a cell is where its birth says. */
+async function runsInMinutes(browser) {
+  const address = pathToFileURL(expected.timed.page).href;
+  for (const width of [1400, 390]) {
+    const page = await browser.open(address, { width, height: 900, mobile: width < 500 });
+    await page.until("document.documentElement.dataset.ready");
+    // The panel grows with its film, and the lineage beside it.
+    await page.until(`document.getElementById("film-state").dataset.cell === "P0"`);
+    check("the page is no wider than the screen", (await page.worth("document.documentElement.scrollWidth")) <= width, width);
+    check("there is a switch", !(await page.worth(`document.getElementById("time-axis").hidden`)), "hidden");
+    const frame = () => page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
+    await frame();
+    const before = await place(page, "E", [42, 500]);
+    await page.worth(`document.getElementById("by-minute").click()`);
+    await frame();
+    await frame();
+    const [first, after] = [await place(page, "P0", [30, 140]), await place(page, "E", [42, 600])];
+    check("E is elsewhere", !near(before[1], after[1], 8), [before, after]);
+    const title = await page.worth(`document.getElementById("lineage").title`);
+    check("its birth is told", title.startsWith("E:") && title.includes(`born at ${expected.timed.born.toFixed(1)} min`), title);
+    check("it is below P0", after[1] > first[1] + 20, [first, after]);
+    await shot(page, width < 500 ? "minutes-narrow" : "minutes", false);
+    await page.worth(`document.getElementById("by-generation").click()`);
+    await frame();
+    const again = await place(page, "E", [42, 500]);
+    check("and back", near(again[0], before[0], 9) && near(again[1], before[1], 9), [before, again]);
+    complaints(page, "the page in minutes", address);
+    await page.close();
+  }
+}
+
 /** Keys walk through the tree, open and close. */
 async function walks(page) {
   await page.worth(`document.getElementById("lineage").focus()`);
@@ -445,6 +476,7 @@ try {
   await narrow(browser);
   await explorer(browser);
   await scenarios(browser);
+  await runsInMinutes(browser);
   await large(browser);
   await still(browser);
 } finally {

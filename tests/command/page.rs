@@ -47,6 +47,16 @@ fn saved_settings_divide(folder: &Path, sliders: &Value) {
     answer(folder, &["export", "saves/tree.json", "--to", "newick"]);
 }
 
+/// A page of a lineage with a clock, and when its cell E is born.
+fn timed(folder: &Path) -> Value {
+    let lineage = "(base: \"c_elegans\", clock: (lifetime_min: 15, exponent: 0.3))";
+    std::fs::write(folder.join("timed.ron"), lineage).unwrap();
+    answer(folder, &["tree", "timed.ron", "--out", "timed", "--cache", "cache"]);
+    let tree: Value = serde_json::from_slice(&std::fs::read(folder.join("timed/tree.json")).unwrap()).unwrap();
+    let born = tree["cells"].as_array().unwrap().iter().find(|cell| cell["name"] == "E").unwrap()["birth_min"].clone();
+    json!({ "page": folder.join("timed/report.html"), "born": born })
+}
+
 /// What the page must say, by the command line.
 fn expected(folder: &Path) -> Value {
     answer(folder, &["tree", "--out", "out", "--cache", "cache"]);
@@ -79,6 +89,7 @@ fn expected(folder: &Path) -> Value {
         "saves": folder.join("saves"),
         "newick": std::fs::read_to_string(folder.join("out/tree.nwk")).unwrap(),
         "cells": tree["cells"].as_array().unwrap().len(),
+        "timed": timed(folder),
         "report": folder.join("out/report.html"),
         "explorer": folder.join("explore.html"),
         "large": std::env::var("FURROW_LARGE_REPORT").ok(),

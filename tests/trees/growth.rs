@@ -4,7 +4,7 @@ use crate::common::stand_in::{self, division, fake, grown};
 use furrow_cell::Cell;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_lineage::batch::Summary;
-use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_lineage::{CellId, Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
 
 fn grow_with(
@@ -190,7 +190,7 @@ fn deep_chain() {
 #[test]
 fn drawing_and_report() {
     let tree = grow(&Lineage::c_elegans().unwrap());
-    let drawing = furrow_report::svg(&tree);
+    let drawing = furrow_report::svg(&tree, furrow_report::TimeAxis::Generations);
     let report = furrow_report::html(&tree, &founder_rows(&tree), None);
     // One disc with a title a cell.
     assert_eq!(drawing.matches("<title>").count(), tree.len());
@@ -205,4 +205,40 @@ fn drawing_and_report() {
         ),
         "{table}"
     );
+}
+
+#[test]
+fn with_a_clock_a_drawing_has_cells_at_their_births() {
+    use furrow_report::TimeAxis;
+    let mut lineage = Lineage::c_elegans().unwrap();
+    lineage.clock = None;
+    lineage.founders.iter_mut().for_each(|founder| founder.clock = None);
+    let tree = grow(&lineage);
+    assert_eq!(furrow_report::svg(&tree, TimeAxis::Minutes), furrow_report::svg(&tree, TimeAxis::Generations));
+    assert!(!furrow_report::html(&tree, &founder_rows(&tree), None).contains("<h2>Cells over time</h2>"));
+    let text = r#"(base: "c_elegans", clock: (lifetime_min: 15, exponent: 0.3, origin: division("ABa")))"#;
+    let tree = grow(&Lineage::parse(text, "own.ron").unwrap());
+    let drawing = furrow_report::svg(&tree, TimeAxis::Minutes);
+    let times = tree.times().unwrap();
+    let number = |text: &str| text.split(['"', ' ']).next().unwrap().parse::<f64>().unwrap();
+    let place = |name: &str| {
+        let cell = drawing.split("<g>").find(|part| part.starts_with(&format!("<title>{name}:"))).unwrap();
+        [number(cell.split("born at ").nth(1).unwrap()), number(cell.split("cy=\"").nth(1).unwrap())]
+    };
+    let birth = |id: &CellId| times[id.index()].birth_min;
+    let latest = tree.cells().max_by(|a, b| birth(a).total_cmp(&birth(b))).unwrap();
+    let [[first, top], [last, bottom]] = [place("P0"), place(&tree.cell(latest).name)];
+    assert!(last > first + 100.0 && bottom > top + 300.0);
+    for id in tree.cells().take(40) {
+        let name = &tree.cell(id).name;
+        let [born, down] = place(name);
+        assert!((birth(&id) - born).abs() < 0.051, "{name}");
+        let expected = top + (born - first) / (last - first) * (bottom - top);
+        assert!((down - expected).abs() < 1.0, "{name} {down} {expected}");
+    }
+    for words in ["minute 0 is the division of ABa", "cells alive", "AB: last division, ", "E: last division, "] {
+        assert!(drawing.contains(words), "{words}");
+    }
+    assert!(!drawing.contains(">P1: last division"));
+    assert!(furrow_report::html(&tree, &founder_rows(&tree), None).contains("<h2>Cells over time</h2>"));
 }

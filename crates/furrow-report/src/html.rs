@@ -2,10 +2,12 @@
 
 use super::escape;
 use super::observed_table::{MODEL, decimals, observed_columns};
+use super::over_time;
 use super::page::{Page, Shown, data};
 use super::summary::{Generation, TreeSummary};
 use super::svg::{colours, svg};
 use super::table::{cue_text, outcome_name};
+use super::time_axis::TimeAxis;
 
 use furrow_analysis::LineageRanges;
 use furrow_cell::Cell;
@@ -36,8 +38,11 @@ pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<&LineageRanges>) ->
         heading: format!("{name}, grown from mechanics"),
         top,
         above: String::new(),
-        still: format!("<section class=\"card\"><h2>Lineage</h2>\n<div class=\"tree\">{}</div></section>\n", svg(tree)),
-        below: founders(tree, rows) + &generations(&summary) + &parameters,
+        still: format!(
+            "<section class=\"card\"><h2>Lineage</h2>\n<div class=\"tree\">{}</div></section>\n",
+            svg(tree, TimeAxis::Generations)
+        ),
+        below: founders(tree, rows) + &over_time::section(tree) + &generations(&summary) + &parameters,
         data: data(&tree.lineage, &tree.settings, &shown),
     }
     .html()

@@ -12,6 +12,7 @@
 
 pub mod html;
 mod observed_table;
+mod over_time;
 mod page;
 pub mod reproduction;
 pub mod scenarios_page;
@@ -22,6 +23,7 @@ pub mod spread_table;
 pub mod summary;
 pub mod svg;
 pub mod table;
+pub mod time_axis;
 
 pub use html::{explorer, html};
 pub use scenarios_page::scenarios_page;
@@ -31,6 +33,7 @@ pub use spread_table::spread_table;
 pub use summary::{Generation, TreeSummary};
 pub use svg::{colours as founder_colours, svg};
 pub use table::founders_table;
+pub use time_axis::TimeAxis;
 
 /// Text with the characters that XML and HTML reserve replaced.
 fn escape(text: &str) -> String {

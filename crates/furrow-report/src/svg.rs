@@ -3,8 +3,9 @@
 use super::escape;
 use super::summary::{Generation, TreeSummary};
 use super::table::{outcome_name, short};
+use super::time_axis::{TimeAxis, TimeScale};
 use furrow_cell::Cell;
-use furrow_lineage::{CellId, Lineage, Side, Tree};
+use furrow_lineage::{CellId, CellTimes, Lineage, Side, Tree};
 use furrow_mechanics::division::Outcome;
 use std::fmt::Write;
 
@@ -89,9 +90,15 @@ struct Layout {
     order: Vec<CellId>,
     /// Where the first cell is.
     top: f64,
+    /// By node, how far it is below the first cell.
+    down: Vec<f64>,
+    /// The largest of them that is drawn.
+    deepest: f64,
+    /// The axis of time, if cells are drawn at their births instead of their generations.
+    minutes: Option<TimeScale>,
 }
 
-fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame) -> Layout {
+fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame, axis: TimeAxis) -> Layout {
     // Ends of the tree cut below generation g: the cells of g and the earlier ones without daughters.
     let mut ended = 0;
     let fits = |row: &&Generation| {
@@ -119,34 +126,48 @@ fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame) -> Layout 
         }
     }
     let width = (next - 0.5 * gap + frame.right).max(frame.width);
-    Layout { frame, x, width, last, order, top: frame.top }
+    let deepest = frame.row * f64::from(last);
+    let minutes = (axis == TimeAxis::Minutes).then(|| TimeScale::new(tree, &order, deepest)).flatten();
+    let down = match &minutes {
+        Some(scale) => scale.times.iter().map(|times| scale.at(times.birth_min)).collect(),
+        None => tree.cells().map(|id| frame.row * f64::from(tree.cell(id).generation)).collect(),
+    };
+    Layout { frame, x, width, last, order, top: frame.top, down, deepest, minutes }
 }
 
-/// The tree as SVG: one row a generation, discs as wide as their cells, coloured by founder. A full disc divides
-/// symmetrically, a ring asymmetrically; an open circle over a bar ended.
-pub fn svg(tree: &Tree) -> String {
+/// The tree as SVG: one row a generation, or time downwards with every cell at its birth; discs as wide as their cells, coloured by
+/// founder. A full disc divides symmetrically, a ring asymmetrically; an open circle over a bar ended. Without a clock a tree has
+/// rows of generations.
+pub fn svg(tree: &Tree, axis: TimeAxis) -> String {
     let summary = TreeSummary::of(tree);
-    let mut layout = lay_out(tree, &summary, &FULL);
+    let mut layout = lay_out(tree, &summary, &FULL, axis);
     let colours = colours(&tree.lineage);
     let (legend, rows) = legend(tree, &colours, &layout);
     layout.top += LINE * (rows - 1) as f64;
     let (left, right, end) = (FULL.left - 50.0, layout.width - FULL.right + 22.0, layout.width - 14.0);
-    let row = |(g, row): (usize, &Generation)| {
-        let (y, cells) = (layout.top + FULL.row * g as f64, row.cells);
+    let row = |(down, g, cells): (f64, String, usize)| {
+        let y = layout.top + down;
         let base = y + 4.5;
         format!(
             r##"<path d="M{left:.1} {y:.1}H{right:.1}" stroke="#eceef1"/><text x="16" y="{base:.1}" font-size="13" fill="#555">{g}</text><text x="{end:.1}" y="{base:.1}" font-size="12" fill="#555" text-anchor="end">{cells}</text>
 "##
         )
     };
-    let rows: String = summary.generations.iter().enumerate().take(layout.last as usize + 1).map(row).collect();
-    drawing(tree, &layout, &colours, &(heading(tree, &layout) + &legend + &rows))
+    let generation = |(g, row): (usize, &Generation)| (FULL.row * g as f64, g.to_string(), row.cells);
+    let rows: String = match &layout.minutes {
+        Some(scale) => scale.ticks().into_iter().map(row).collect(),
+        None => {
+            summary.generations.iter().enumerate().take(layout.last as usize + 1).map(generation).map(row).collect()
+        }
+    };
+    let last = last_divisions_drawn(tree, &layout, &colours);
+    drawing(tree, &layout, &colours, &(heading(tree, &layout) + &legend + &rows + &last))
 }
 
 /// The tree as one of several drawings on a page: without a legend, generations numbered on the left, in
 /// the given colours of its founders.
 pub(super) fn small(tree: &Tree, colours: &[&str]) -> String {
-    let layout = lay_out(tree, &TreeSummary::of(tree), &SMALL);
+    let layout = lay_out(tree, &TreeSummary::of(tree), &SMALL, TimeAxis::Generations);
     let row = |g: u32| {
         let (y, right) = (layout.top + SMALL.row * f64::from(g), layout.width - 6.0);
         let base = y + 3.0;
@@ -160,8 +181,8 @@ pub(super) fn small(tree: &Tree, colours: &[&str]) -> String {
 
 /// What is behind the tree, all lines, and the discs over them.
 fn drawing(tree: &Tree, layout: &Layout, colours: &[&str], behind: &str) -> String {
-    let Layout { frame, width, last, order, .. } = layout;
-    let height = layout.top + frame.row * f64::from(*last) + frame.bottom;
+    let Layout { frame, width, order, .. } = layout;
+    let height = layout.top + layout.deepest + frame.bottom;
     let edges = order.iter().map(|node| edges(tree, *node, layout, colours));
     let discs = order.iter().filter_map(|node| disc(tree, *node, layout, colours));
     let cells: String = edges.chain(discs).collect();
@@ -180,21 +201,75 @@ fn disc_radius(tree: &Tree, r0: f64, layout: &Layout) -> f64 {
     (first * r0 / largest).max(least)
 }
 
-fn y_of(tree: &Tree, node: CellId, layout: &Layout) -> f64 {
-    layout.top + layout.frame.row * f64::from(tree.cell(node).generation)
+fn y_of(node: CellId, layout: &Layout) -> f64 {
+    layout.top + layout.down[node.index()]
+}
+
+/// Largest radius of a disc that does not meet those of its daughters: in minutes a short life leaves little room.
+fn room_below(node: CellId, layout: &Layout) -> f64 {
+    let life = layout.minutes.as_ref().and_then(|scale| {
+        let times = scale.times[node.index()];
+        Some(0.48 * (scale.at(times.division_min?) - scale.at(times.birth_min)))
+    });
+    life.map_or(f64::INFINITY, |room| room.max(layout.frame.discs[1]))
+}
+
+/// The last division of each founder and its descendants, as a line below all of them with its minute. Founders below which there are
+/// others are left out: their last division is one of these.
+fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> String {
+    let Some(scale) = &layout.minutes else { return String::new() };
+    let mut spans: Vec<Option<[f64; 2]>> = layout.x.iter().map(|x| x.map(|x| [x, x])).collect();
+    for node in layout.order.iter().rev() {
+        let below: Vec<[f64; 2]> =
+            tree.daughters(*node).into_iter().flatten().filter_map(|daughter| spans[daughter.index()]).collect();
+        if let Some(span) = &mut spans[node.index()] {
+            for [from, to] in below {
+                *span = [span[0].min(from), span[1].max(to)];
+            }
+        }
+    }
+    let mark = |(founder, min): (usize, Option<f64>)| {
+        let min = min?;
+        let node = tree.founder_cell(founder)?;
+        let names = &tree.lineage.founders;
+        let is_mother = names.iter().any(|other| other.mother.as_ref() == Some(&names[founder].name));
+        let [from, to] = spans[node.index()].filter(|_| !is_mother && min <= scale.last)?;
+        let (y, colour, name) = (layout.top + scale.at(min), colours[founder], escape(&names[founder].name));
+        // Nothing of the founder is below.
+        let (base, from, to) = (y + 21.0, from - 6.0, to + 6.0);
+        let copy = |paint: &str| {
+            format!(
+                r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{name}: last division, {min:.0} min</text>"##
+            )
+        };
+        let halo = r##"fill="#fff" stroke="#fff" stroke-width="3" stroke-linejoin="round""##;
+        let words = copy(halo) + &copy(&format!("fill=\"{colour}\""));
+        Some(format!(
+            r##"<path d="M{from:.1} {y:.1}H{to:.1}" stroke="{colour}" stroke-width="1.2" stroke-dasharray="5 4"/>{words}
+"##
+        ))
+    };
+    scale.last_divisions.iter().copied().enumerate().filter_map(mark).collect()
 }
 
 fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String {
     let (Some(pair), Some(x)) = (tree.daughters(node), layout.x[node.index()]) else { return String::new() };
-    let (y, row) = (y_of(tree, node, layout), layout.frame.row);
-    let down = y + row;
-    let (a, b) = (y + 0.42 * row, down - 0.42 * row);
+    let (y, row) = (y_of(node, layout), layout.frame.row);
     let edge = |daughter: CellId| {
         let (to, cell) = (layout.x[daughter.index()]?, tree.cell(daughter));
+        let path = match layout.minutes {
+            // A cell's life runs straight down, its division across.
+            Some(_) => format!("M{x:.1} {y:.1}V{:.1}H{to:.1}", y_of(daughter, layout)),
+            None => {
+                let down = y + row;
+                let (a, b) = (y + 0.42 * row, down - 0.42 * row);
+                format!("M{x:.1} {y:.1}C{x:.1} {a:.1} {to:.1} {b:.1} {to:.1} {down:.1}")
+            }
+        };
         // The line is as strong as the daughter is large.
         let (stroke, colour) = (0.26 * disc_radius(tree, cell.r0, layout), colours[cell.founder]);
         Some(format!(
-            r##"<path d="M{x:.1} {y:.1}C{x:.1} {a:.1} {to:.1} {b:.1} {to:.1} {down:.1}" fill="none" stroke="{colour}" stroke-width="{stroke:.2}" stroke-opacity=".55"/>
+            r##"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{stroke:.2}" stroke-opacity=".55"/>
 "##
         ))
     };
@@ -202,9 +277,9 @@ fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String
 }
 
 fn disc(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> Option<String> {
-    let (x, y) = (layout.x[node.index()]?, y_of(tree, node, layout));
+    let (x, y) = (layout.x[node.index()]?, y_of(node, layout));
     let cell = tree.cell(node);
-    let radius = disc_radius(tree, cell.r0, layout);
+    let radius = disc_radius(tree, cell.r0, layout).min(room_below(node, layout));
     let colour = colours[cell.founder];
     let shape = match (cell.fate.terminal_reason(), cell.fate.outcome()) {
         (Some(_), _) => {
@@ -220,7 +295,8 @@ fn disc(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> Option<
             format!(r##"r="{ring:.1}" fill="#fff" stroke="{colour}" stroke-width="{stroke:.1}"/>"##)
         }
     };
-    let title = escape(&title(tree, node));
+    let times = layout.minutes.as_ref().map(|scale| scale.times[node.index()]);
+    let title = escape(&(title(tree, node) + &times.map_or(String::new(), times_text)));
     let label = if tree.founder_cell(cell.founder) == Some(node) { label(tree, node, layout, colour) } else { None };
     let label = label.unwrap_or_default();
     Some(format!("<g><title>{title}</title><circle cx=\"{x:.1}\" cy=\"{y:.1}\" {shape}</g>\n{label}"))
@@ -247,13 +323,19 @@ fn title(tree: &Tree, node: CellId) -> String {
     title
 }
 
+/// When a cell is born and divides, behind its title.
+fn times_text(CellTimes { birth_min, division_min }: CellTimes) -> String {
+    let divides = division_min.map_or(String::new(), |min| format!(", divides at {min:.1} min"));
+    format!("; born at {birth_min:.1} min{divides}")
+}
+
 /// A founder's name beside its disc, on the side away from its mother, with the asymmetry of its division.
 fn label(tree: &Tree, node: CellId, layout: &Layout, colour: &str) -> Option<String> {
     let (cell, x) = (tree.cell(node), layout.x[node.index()]?);
     let mother = tree.mother(node).and_then(|m| layout.x[m.index()]);
     let away = disc_radius(tree, cell.r0, layout) + 5.0;
     let (x, anchor) = if mother.is_some_and(|m| x < m) { (x - away, "end") } else { (x + away, "start") };
-    let y = y_of(tree, node, layout) - 5.0;
+    let y = y_of(node, layout) - 5.0;
     // A white copy underneath keeps the text clear of lines.
     let halo = r##"fill="#fff" stroke="#fff" stroke-width="4" stroke-linejoin="round""##.to_owned();
     let paints = [halo, format!("fill=\"{colour}\"")];
@@ -263,7 +345,9 @@ fn label(tree: &Tree, node: CellId, layout: &Layout, colour: &str) -> Option<Str
         paints.iter().map(copy).collect()
     };
     let font = format!("font-size=\"{}\" font-weight=\"bold\"", layout.frame.font);
-    let unequal = layout.frame.asymmetry && cell.fate.outcome() == Some(Outcome::Asymmetric);
+    // In minutes neighbours can be close below.
+    let unequal =
+        layout.frame.asymmetry && layout.minutes.is_none() && cell.fate.outcome() == Some(Outcome::Asymmetric);
     let chi = cell.fate.chi().filter(|_| unequal);
     let chi = chi.map_or(String::new(), |chi| line(y + 13.0, "font-size=\"11\"", &format!("χ {chi:.2}")));
     Some(line(y, &font, &escape(&cell.name)) + &chi)
@@ -280,15 +364,22 @@ fn heading(tree: &Tree, layout: &Layout) -> String {
     let (end, top) = (layout.width - 14.0, layout.top - 20.0);
     let index = |letter: &str| format!(r#"<tspan dy="3" font-size="9">{letter}</tspan><tspan dy="-3"> = "#);
     let (of_r, of_xi) = (index("0"), index("s"));
+    let origin = tree.time_origin().filter(|_| layout.minutes.is_some());
+    let origin = origin.map_or(String::new(), |origin| {
+        format!("; cells at their births, minute 0 is the {}", escape(&origin.to_string()))
+    });
+    let room = if layout.minutes.is_some() { " where there is room" } else { "" };
+    let [left_column, right_column] =
+        if layout.minutes.is_some() { ["minutes", "cells alive"] } else { ["generation", "cells"] };
     let mut out = format!(
         "<text x=\"16\" y=\"28\" font-size=\"18\" font-weight=\"bold\" fill=\"#222\">{name}</text>\n\
          <text x=\"16\" y=\"47\" font-size=\"12\" fill=\"#555\">{cells} cells; R{of_r}{r0}</tspan>, ε = {epsilon}, ξ{of_xi}{xi_s}</tspan>; \
-         discs are as wide as the cells, lines as strong as the daughter is large</text>\n\
-         <text x=\"16\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\">generation</text><text x=\"{end:.1}\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\" text-anchor=\"end\">cells</text>\n"
+         discs are as wide as the cells{room}, lines as strong as the daughter is large{origin}</text>\n\
+         <text x=\"16\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\">{left_column}</text><text x=\"{end:.1}\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\" text-anchor=\"end\">{right_column}</text>\n"
     );
     let total = tree.cells().next_back().map_or(0, |n| tree.cell(n).generation);
     if total > layout.last {
-        let (y, from) = (layout.top + FULL.row * f64::from(layout.last) + 50.0, layout.last + 1);
+        let (y, from) = (layout.top + layout.deepest + 50.0, layout.last + 1);
         let _ = writeln!(
             out,
             r##"<text x="16" y="{y:.1}" font-size="12" fill="#a33">generations {from} to {total} are not drawn</text>"##

@@ -3,6 +3,7 @@
 mod contour;
 mod counts;
 mod files;
+mod lifetimes;
 mod volumes;
 
 use clap::{Args, Subcommand};
@@ -24,6 +25,7 @@ pub struct CompareArgs {
 enum What {
     Counts(counts::CountsArgs),
     Volumes(volumes::VolumesArgs),
+    Lifetimes(lifetimes::LifetimesArgs),
     Contour(contour::ContourArgs),
 }
 
@@ -32,6 +34,7 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
     match &args.what {
         What::Counts(args) => counts::run(args, context),
         What::Volumes(args) => volumes::run(args, context),
+        What::Lifetimes(args) => lifetimes::run(args, context),
         What::Contour(args) => contour::run(args, context),
     }
 }

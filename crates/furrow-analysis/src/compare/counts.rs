@@ -154,6 +154,12 @@ pub fn counts(tree: &Tree, source_name: &str) -> Result<Counts, InputError> {
     Ok(Counts { lineage, stages, sentence, ends: ends(tree), germline: Some([germline, GERMLINE]) })
 }
 
+/// Whether a lineage has the observed counts of the worm.
+pub(super) fn is_of_worm(lineage: &Lineage) -> bool {
+    let observed = parse_document(STAGES, "sulston1983_stages.ron", "observed stages", "Stages");
+    observed.and_then(|observed| is_worm(lineage, &observed)).unwrap_or(false)
+}
+
 /// Whether a lineage has the observed counts of the worm, as the built-in lineage and files based on it have.
 fn is_worm(lineage: &Lineage, observed: &Stages) -> Result<bool, InputError> {
     let worm = Lineage::c_elegans()?;

@@ -10,6 +10,7 @@
 //! | [`sweep`] | results over one axis or two |
 //! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
 //! | [`comparison`] | measured size asymmetries beside the model's |
+//! | [`lifetimes`] | lifetimes of cells beside the model's, and cells alive over time |
 //! | [`contours`] | measured outlines of a dividing cell, with the model's over them |
 //! | [`fit`] | constants, activities and cues that fit |
 //! | [`reproduction`] | the figures of the paper, each by what it is |
@@ -24,6 +25,7 @@ pub mod division;
 // Nothing is fitted on wasm32.
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
+pub mod lifetimes;
 pub mod perturbation;
 pub mod phase;
 pub mod reproduction;

@@ -46,6 +46,8 @@ class CellPanel {
     if (cell.chi != null) rows.push(["χ", number(cell.chi, 6)]);
     if (cell.u_furrow != null) rows.push(["furrow at u", number(cell.u_furrow, 4)]);
     if (cell.t_end != null) rows.push([cell.chi == null ? "at rest after" : "pinch-off after", timeText(cell.t_end)]);
+    if (cell.birth_min !== undefined) rows.push(["born at", `${cell.birth_min.toFixed(1)} min`]);
+    if (cell.division_min !== undefined) rows.push(["divides at", `${cell.division_min.toFixed(1)} min, ${(cell.division_min - cell.birth_min).toFixed(1)} min old`]);
     rows.push(...phiRows(cell));
     if (spread) rows.push(...spreadRows(spread));
     const ended = endText(cell.ended);

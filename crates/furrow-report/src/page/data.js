@@ -32,9 +32,40 @@ class Tree {
     for (let k = this.nodes.length - 1; k >= 0; k--) {
       const node = this.nodes[k];
       node.below = node.daughters.reduce((sum, daughter) => sum + 1 + daughter.below, 0);
+      node.foundersBelow = node.daughters.some((daughter) => daughter.isFounder || daughter.foundersBelow);
+      node.lastDivision = node.daughters.reduce((last, daughter) => Math.max(last, daughter.lastDivision ?? last), node.cell.division_min ?? -Infinity);
+      if (node.lastDivision === -Infinity) node.lastDivision = null;
       node.folded = false;
     }
+    /** Whether the cells have minutes: births and divisions in their order. */
+    this.timed = this.root.cell.birth_min !== undefined;
+    const sorted = (name) => this.nodes.map(({ cell }) => cell[name]).filter((min) => min !== undefined).sort((a, b) => a - b);
+    this.births = this.timed ? sorted("birth_min") : [];
+    this.divisions = this.timed ? sorted("division_min") : [];
     this.place();
+  }
+
+  /** The row of a minute: minutes take the height that generations have. */
+  levelAt(min) {
+    const span = this.latest - this.root.cell.birth_min;
+    return span > 0 ? ((min - this.root.cell.birth_min) / span) * this.depth : 0;
+  }
+
+  /** Cells alive at a minute, those that are folded away included. */
+  alive(min) {
+    const before = (times) => times.reduce((count, time) => count + (time <= min), 0);
+    return before(this.births) - before(this.divisions);
+  }
+
+  /** Round minutes, so far apart that they can be read where a row has these pixels. */
+  minuteMarks(row) {
+    const first = this.root.cell.birth_min;
+    const perMinute = (this.depth * row) / Math.max(1e-9, this.latest - first);
+    const steps = [1, 10, 100, 1000, 10000].flatMap((power) => [power, 2 * power, 5 * power]);
+    const step = steps.find((step) => step * perMinute >= 30) ?? Infinity;
+    const marks = [];
+    for (let k = Math.ceil(first / step); k * step <= this.latest; k++) marks.push(k * step);
+    return marks.map((min) => ({ level: this.levelAt(min), name: String(min).replace("-", "\u2212"), cells: this.alive(min) }));
   }
 
   /** Gives every visible node its column, half way between its daughters, and the span of columns below it. */
@@ -50,6 +81,7 @@ class Tree {
       if (node.folded || !node.daughters.length) {
         node.x = node.from = node.to = column++;
         node.deepest = node.cell.generation;
+        node.latest = node.cell.birth_min;
       } else {
         for (let k = node.daughters.length - 1; k >= 0; k--) stack.push(node.daughters[k]);
       }
@@ -61,8 +93,11 @@ class Tree {
       node.x = (first.x + last.x) / 2;
       [node.from, node.to] = [first.from, last.to];
       node.deepest = Math.max(...node.daughters.map((daughter) => daughter.deepest));
+      node.latest = Math.max(...node.daughters.map((daughter) => daughter.latest));
     }
     this.columns = column;
+    /** The last birth in view, in minutes. */
+    this.latest = this.root.latest;
     this.shown = order;
     this.generations = [];
     for (const node of order) (this.generations[node.cell.generation] ??= []).push(node);
@@ -125,6 +160,12 @@ function lengthText(value) {
 function timeText(value) {
   const natural = value >= 100 ? value.toFixed(1) : value.toFixed(3);
   return units.time_min ? `${natural} τ (${(value * units.time_min).toFixed(2)} min)` : `${natural} τ`;
+}
+
+/** When a cell is born and divides, where its lineage has a clock. */
+function lifeText({ birth_min, division_min }) {
+  if (birth_min === undefined) return "";
+  return `; born at ${birth_min.toFixed(1)} min${division_min === undefined ? "" : `, divides at ${division_min.toFixed(1)} min`}`;
 }
 
 /** The regulator φ of a division, or of a cell in a tree, as rows of a table. */

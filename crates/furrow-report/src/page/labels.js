@@ -32,6 +32,35 @@ class Labels {
     return this.drawn;
   }
 
+  /** The last division of each founder's descendants, as a line below them with its minute; of founders without founders below. */
+  lastDivisions(discs) {
+    const { view, paint } = this;
+    paint.textBaseline = "alphabetic";
+    paint.textAlign = "right";
+    paint.font = "10px system-ui, sans-serif";
+    for (const node of discs) {
+      if (!node.isFounder || node.foundersBelow || node.lastDivision === null || node.folded) continue;
+      const [from, to, y] = [view.px(node.from) - 5, view.px(node.to) + 5, view.py(view.tree.levelAt(node.lastDivision))];
+      paint.strokeStyle = paint.fillStyle = shade(view.colours[node.founder], this.ink);
+      paint.lineWidth = 1.2;
+      paint.setLineDash([5, 4]);
+      paint.beginPath();
+      paint.moveTo(from, y);
+      paint.lineTo(to, y);
+      paint.stroke();
+      paint.setLineDash([]);
+      const words = `${node.cell.name}: last ${node.lastDivision.toFixed(0)} min`;
+      const wide = paint.measureText(words).width;
+      // Nothing of the founder is below.
+      if (!this.take([to - wide, y + 9, wide, 11])) continue;
+      paint.lineWidth = 3;
+      paint.lineJoin = "round";
+      paint.strokeStyle = this.ink.ground;
+      paint.strokeText(words, to, y + 18);
+      paint.fillText(words, to, y + 18);
+    }
+  }
+
   /** A name beside a cell where its row has room for it, else below a cell that has nothing else below it. */
   ifThereIsRoom(node) {
     const { view, paint } = this;
@@ -57,10 +86,10 @@ class Labels {
   beside(node) {
     const { view, paint } = this;
     const radius = view.radius(node);
-    const [x, y] = [view.px(node.x), view.py(node.cell.generation)];
+    const [x, y] = [view.px(node.x), view.py(view.level(node))];
     const bold = `600 ${view.small ? 11 : 13}px system-ui, sans-serif`;
     const lines = [[node.cell.name, node.isFounder ? bold : NAME_FONT]];
-    if (!view.small && node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended) lines.push([`χ ${number(node.cell.chi, 2)}`, NAME_FONT]);
+    if (!view.small && !view.minutes && node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended) lines.push([`χ ${number(node.cell.chi, 2)}`, NAME_FONT]);
     paint.fillStyle = shade(view.colours[node.founder], this.ink);
     paint.font = lines[0][1];
     const left = this.side(x, radius + 5, paint.measureText(node.cell.name).width, this.room(node)[1]) < 0;
@@ -85,7 +114,7 @@ class Labels {
 
   below(node, wide) {
     const { view, paint } = this;
-    const [x, y] = [view.px(node.x), view.py(node.cell.generation) + view.radius(node) + (node.folded ? 24 : 7)];
+    const [x, y] = [view.px(node.x), view.py(view.level(node)) + view.radius(node) + (node.folded ? 24 : 7)];
     if (!this.take([x - 5, y, 10, wide])) return;
     paint.save();
     paint.translate(x - 4, y);

@@ -20,6 +20,8 @@ class LineageView {
     this.width = this.height = 0;
     this.selected = null;
     this.found = new Set();
+    /** Whether cells are drawn at their births in minutes, instead of their generations. */
+    this.minutes = false;
     this.zoom = 1;
     this.panX = 0;
     this.panY = 0;
@@ -71,8 +73,14 @@ class LineageView {
     return this.margin.left + this.panX + column * this.gap;
   }
 
-  py(generation) {
-    return this.margin.top + this.panY + generation * this.row;
+  /** Pixels downwards by rows: generations, or minutes scaled to the same height. */
+  py(level) {
+    return this.margin.top + this.panY + level * this.row;
+  }
+
+  /** The row of a node. */
+  level(node) {
+    return this.minutes ? this.tree.levelAt(node.cell.birth_min) : node.cell.generation;
   }
 
   fit() {
@@ -89,15 +97,15 @@ class LineageView {
   /** Zooms by a factor and keeps what is at (x, y) there. */
   zoomAt(factor, x, y) {
     const column = (x - this.px(0)) / this.gap;
-    const generation = (y - this.py(0)) / this.row;
+    const level = (y - this.py(0)) / this.row;
     this.zoom = Math.min(this.mostZoom, Math.max(1, this.zoom * factor));
-    this.put(column, generation, x, y);
+    this.put(column, level, x, y);
   }
 
   /** Moves a place of the tree to (x, y), as far as the tree stays in view. */
-  put(column, generation, x, y) {
+  put(column, level, x, y) {
     this.panX = x - this.margin.left - column * this.gap;
-    this.panY = y - this.margin.top - generation * this.row;
+    this.panY = y - this.margin.top - level * this.row;
     this.hold();
     this.draw();
   }
@@ -132,17 +140,23 @@ class LineageView {
 
   /** Folds or unfolds cells; a node and the scale of the drawing stay as they are. */
   keeping(node, change) {
-    const [x, y, gap] = [this.px(node.x), this.py(node.cell.generation), this.gap];
+    const [x, y, gap] = [this.px(node.x), this.py(this.level(node)), this.gap];
     change();
     if (this.zoom > 1) this.zoom = Math.min(this.mostZoom, Math.max(1, (this.zoom * gap) / this.gap));
-    this.put(node.x, node.cell.generation, x, y);
+    this.put(node.x, this.level(node), x, y);
   }
 
   /** Radius of a node's disc: as wide as the cell, where there is room for it. */
   radius(node) {
     const room = Math.max(this.gap * (node.to - node.from + 1), 0);
     const full = (this.largest * Math.pow(this.zoom, 0.2) * node.cell.r0) / this.tree.largest;
-    return Math.max(0.6, Math.min(full, 0.46 * room, 0.42 * this.row));
+    return Math.max(0.6, Math.min(full, 0.46 * room, 0.42 * this.row, this.roomBelow(node)));
+  }
+
+  /** Largest radius with which a disc does not meet its daughters': in minutes a short life leaves little room. */
+  roomBelow({ cell }) {
+    if (!this.minutes || cell.division_min === undefined) return Infinity;
+    return 0.48 * (this.py(this.tree.levelAt(cell.division_min)) - this.py(this.tree.levelAt(cell.birth_min)));
   }
 
   draw() {
@@ -186,7 +200,9 @@ class LineageView {
     paint.globalAlpha = 1;
     for (const node of discs) this.drawDisc(node, ink);
     if (!this.small) this.drawNumbers(ink);
-    this.canvas.dataset.names = new Labels(this, ink).draw(discs);
+    const labels = new Labels(this, ink);
+    if (this.minutes && !this.small) labels.lastDivisions(discs);
+    this.canvas.dataset.names = labels.draw(discs);
     this.visible = discs;
   }
 
@@ -194,8 +210,8 @@ class LineageView {
     const { paint } = this;
     paint.strokeStyle = ink.line;
     paint.lineWidth = 1;
-    for (let g = 0; g <= this.tree.depth; g++) {
-      const y = this.py(g);
+    for (const { level } of this.marks()) {
+      const y = this.py(level);
       if (y < 0 || y > this.height) continue;
       paint.beginPath();
       paint.moveTo(this.small ? 4 : GUTTERS[0], y);
@@ -204,7 +220,13 @@ class LineageView {
     }
   }
 
-  /** Generations and their numbers of cells, in gutters over whatever has been moved there. */
+  /** The rows with a line: generations with their numbers of cells, or round minutes with the cells alive then. */
+  marks() {
+    if (this.minutes) return this.tree.minuteMarks(this.row);
+    return Array.from({ length: this.tree.depth + 1 }, (_, g) => ({ level: g, name: String(g), cells: this.tree.generations[g]?.length ?? 0 }));
+  }
+
+  /** Rows and their numbers of cells, in gutters over whatever has been moved there. */
   drawNumbers(ink) {
     const { paint } = this;
     paint.globalAlpha = 0.86;
@@ -215,18 +237,18 @@ class LineageView {
     paint.fillStyle = ink.faint;
     paint.font = "11px system-ui, sans-serif";
     paint.textBaseline = "middle";
-    for (let g = 0; g <= this.tree.depth; g++) {
-      const y = this.py(g);
+    for (const { level, name, cells } of this.marks()) {
+      const y = this.py(level);
       if (y < -10 || y > this.height + 10) continue;
       paint.textAlign = "left";
-      paint.fillText(String(g), 8, y);
+      paint.fillText(name, this.minutes ? 2 : 8, y);
       paint.textAlign = "right";
-      paint.fillText(String(this.tree.generations[g]?.length ?? 0), this.width - 8, y);
+      paint.fillText(String(cells), this.width - 8, y);
     }
     paint.textAlign = "left";
-    paint.fillText("generation", 8, this.py(0) - 26);
+    paint.fillText(this.minutes ? "minutes" : "generation", 8, this.py(0) - 26);
     paint.textAlign = "right";
-    paint.fillText("cells", this.width - 8, this.py(0) - 26);
+    paint.fillText(this.minutes ? "alive" : "cells", this.width - 8, this.py(0) - 26);
   }
 
   /** Lines by colour and width, and the discs in view. */
@@ -242,22 +264,26 @@ class LineageView {
       const node = stack.pop();
       const [left, right] = [this.px(node.from), this.px(node.to)];
       if (right < -40 || left > this.width + 40) continue;
-      const [x, y] = [this.px(node.x), this.py(node.cell.generation)];
+      const [x, y] = [this.px(node.x), this.py(this.level(node))];
       if (right - left < 0.8 && node.daughters.length && !node.folded && node !== root) {
         // All of it is under one pixel.
         const path = line(node.founder, 1);
         path.moveTo(x, y);
-        path.lineTo(x, this.py(node.deepest));
+        path.lineTo(x, this.py(this.minutes ? this.tree.levelAt(node.latest) : node.deepest));
         continue;
       }
       discs.push(node);
       if (node.folded) continue;
       for (const daughter of node.daughters) {
-        const [to, down] = [this.px(daughter.x), y + row];
+        const [to, down] = [this.px(daughter.x), this.minutes ? this.py(this.level(daughter)) : y + row];
         const width = Math.max(0.5, Math.round(0.52 * this.radius(daughter)) / 2);
         const path = line(daughter.founder, width);
         path.moveTo(x, y);
-        path.bezierCurveTo(x, y + 0.42 * row, to, down - 0.42 * row, to, down);
+        if (this.minutes) {
+          // A cell's life runs straight down, its division across.
+          path.lineTo(x, down);
+          path.lineTo(to, down);
+        } else path.bezierCurveTo(x, y + 0.42 * row, to, down - 0.42 * row, to, down);
         stack.push(daughter);
       }
     }
@@ -265,7 +291,7 @@ class LineageView {
 
   drawDisc(node, ink) {
     const { paint } = this;
-    const [x, y] = [this.px(node.x), this.py(node.cell.generation)];
+    const [x, y] = [this.px(node.x), this.py(this.level(node))];
     const radius = this.radius(node);
     const colour = shade(this.colours[node.founder], ink);
     paint.beginPath();
@@ -328,7 +354,7 @@ class LineageView {
     let best = null;
     let least = Infinity;
     for (const node of this.visible ?? []) {
-      const distance = Math.hypot(this.px(node.x) - x, this.py(node.cell.generation) - y) - this.radius(node);
+      const distance = Math.hypot(this.px(node.x) - x, this.py(this.level(node)) - y) - this.radius(node);
       if (distance < least) [best, least] = [node, distance];
     }
     return least < 10 ? best : null;
@@ -337,6 +363,6 @@ class LineageView {
   hover(event) {
     const node = this.at(event.offsetX, event.offsetY);
     this.canvas.style.cursor = node ? "pointer" : this.small ? "default" : "grab";
-    this.canvas.title = node ? `${node.cell.name}: R0 = ${number(node.cell.r0)}, ${node.cell.outcome ?? "not solved"}${node.cell.chi == null ? "" : `, χ = ${number(node.cell.chi)}`}` : "";
+    this.canvas.title = node ? `${node.cell.name}: R0 = ${number(node.cell.r0)}, ${node.cell.outcome ?? "not solved"}${node.cell.chi == null ? "" : `, χ = ${number(node.cell.chi)}`}${lifeText(node.cell)}` : "";
   }
 }

@@ -28,7 +28,18 @@ function setUpLineage(panel, { spreadOf, onSelect }) {
     if (lineage.selected) lineage.toggle(lineage.selected);
   });
   element("unfold").addEventListener("click", () => lineage.unfold());
+  element("by-generation").addEventListener("click", () => drawBy(false));
+  element("by-minute").addEventListener("click", () => drawBy(true));
   setUpSearch();
+}
+
+/** Draws cells at their births in minutes, or at their generations; without a clock there are only these. */
+function drawBy(minutes) {
+  lineage.minutes = minutes && lineage.tree.timed;
+  element("time-axis").hidden = !lineage.tree.timed;
+  element("by-generation").setAttribute("aria-pressed", String(!lineage.minutes));
+  element("by-minute").setAttribute("aria-pressed", String(lineage.minutes));
+  lineage.fit();
 }
 
 function setUpSearch() {
@@ -128,6 +139,7 @@ class Shown {
     element("lineage-title").textContent = title;
     lineage.measure();
     lineage.show(new Tree(tree), colours);
+    drawBy(lineage.minutes);
     element("search").value = "";
     element("search").dispatchEvent(new Event("input"));
     const summary = element("summary");

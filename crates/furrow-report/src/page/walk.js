@@ -16,7 +16,7 @@ class LineageWalk extends LineageView {
     if (!quietly) this.onSelect(node);
     this.measure();
     if (node) {
-      const [x, y] = [this.px(node.x), this.py(node.cell.generation)];
+      const [x, y] = [this.px(node.x), this.py(this.level(node))];
       const edge = 28;
       if (x < edge || x > this.width - edge) this.panX += this.width / 2 - x;
       if (y < edge || y > this.height - edge) this.panY += this.height / 2 - y;
@@ -29,7 +29,7 @@ class LineageWalk extends LineageView {
   approach(node) {
     this.measure();
     const wanted = Math.min(14, (0.8 * this.width) / (node.to - node.from + 1));
-    if (this.gap < wanted) this.zoomAt(wanted / this.gap, this.px(node.x), this.py(node.cell.generation));
+    if (this.gap < wanted) this.zoomAt(wanted / this.gap, this.px(node.x), this.py(this.level(node)));
     this.panX += this.width / 2 - this.px(node.x);
     this.hold();
     this.select(node);

@@ -1,0 +1,238 @@
+//! Lifetimes of measured cells beside those of a tree with a clock.
+//!
+//! A clock is fitted to lifetimes, so that the model's are no predictions. What follows from mechanics is which cells there are,
+//! how large they are, and by that which of two sisters divides first.
+
+use crate::compare::departure::{Departure, OverTime, departure, over_time};
+use furrow_lineage::{CellId, CellTimes, Tree};
+use furrow_measured::lifetimes::{
+    Agreement, Lifetime, Lifetimes, Sisters, Slopes, agreement, sisters, slopes, smaller,
+};
+use furrow_measured::significance::Trend;
+use furrow_measured::statistics::{mean, sd};
+use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
+
+/// A measured cell beside the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CellBeside {
+    /// What was measured.
+    #[serde(flatten)]
+    pub measured: Lifetime,
+    /// Its mean measured volume, in the unit of the table of volumes.
+    pub volume: Option<f64>,
+    /// The model's lifetime in minutes; `None` without a clock, and for a cell that the model does not divide.
+    pub model: Option<f64>,
+    /// Whether the model's cell divides; `None` if it is never born.
+    pub model_divides: Option<bool>,
+    /// The model's volume as a fraction of its first cell's.
+    pub model_volume: Option<f64>,
+}
+
+impl CellBeside {
+    /// (model − measured)/sd.
+    pub fn off(&self) -> Option<f64> {
+        let sd = self.measured.sd.filter(|sd| *sd > 0.0)?;
+        Some((self.model? - self.measured.mean) / sd)
+    }
+}
+
+/// The measured cells of a founder beside the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FounderBeside {
+    /// The founder.
+    pub founder: String,
+    /// Measured cells.
+    pub n: usize,
+    /// Mean of their mean lifetimes, in minutes.
+    pub mean: f64,
+    /// Standard deviation between cells.
+    pub sd: Option<f64>,
+    /// Mean of the model's lifetimes of the same cells, those that divide in it.
+    pub model: Option<f64>,
+    /// How many of them divide in it.
+    pub model_n: usize,
+    /// ln lifetime over ln volume, of cells with a measured volume.
+    pub slope: Option<Trend>,
+    /// The same over all cells of the model that divide.
+    pub model_slope: Option<Trend>,
+}
+
+/// Two sisters beside the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SistersBeside {
+    /// What was measured.
+    #[serde(flatten)]
+    pub measured: Sisters,
+    /// Which has the larger measured volume: 0 or 1; `None` where they are equal, or not measured.
+    pub larger: Option<usize>,
+    /// Which divides first in the model; `None` where they divide at the same time, or one does not.
+    pub model_first: Option<usize>,
+}
+
+/// The order of divisions of sisters.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Order {
+    /// Pairs with measured lifetimes.
+    pub pairs: Vec<SistersBeside>,
+    /// How often the larger sister, by measured volume, divides first.
+    pub larger_first: Agreement,
+    /// How often the model's first is the measured one; `None` without a clock.
+    pub model: Option<Agreement>,
+}
+
+/// How far the model's lifetimes are from the measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Deviation {
+    /// Cells with both.
+    pub cells: usize,
+    /// Root mean square of ln(model/measured).
+    pub rms_ln: f64,
+    /// Of these cells, with a standard deviation over embryos.
+    pub with_sd: usize,
+    /// Of these, within two of it.
+    pub within_two_sd: usize,
+}
+
+/// A table of lifetimes beside a tree.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LifetimesBeside {
+    /// The tree's lineage.
+    pub lineage: String,
+    /// Whether it has a clock.
+    pub has_clock: bool,
+    /// By cell, in the order of the table.
+    pub cells: Vec<CellBeside>,
+    /// By founder, in the order of the table.
+    pub founders: Vec<FounderBeside>,
+    /// ln lifetime over ln volume of all cells with a measured volume.
+    pub slope: Option<Trend>,
+    /// The same over all cells of the model that divide.
+    pub model_slope: Option<Trend>,
+    /// `None` without a clock.
+    pub deviation: Option<Deviation>,
+    /// Which sister divides first.
+    pub order: Order,
+    /// Cells alive over time; `None` if the table has no births.
+    pub over_time: Option<OverTime>,
+    /// When the model's tree leaves the embryo's; `None` without births, without a clock, or without a cell that both have.
+    pub departure: Option<Departure>,
+}
+
+/// The model's cells by name.
+type Modelled<'t> = HashMap<&'t str, CellId>;
+
+/// A tree beside measured lifetimes and the mean volumes of measured cells.
+pub fn lifetimes_beside(tree: &Tree, lifetimes: &Lifetimes, volumes: &BTreeMap<String, f64>) -> LifetimesBeside {
+    let times = tree.times();
+    let modelled: Modelled<'_> = tree.cells().map(|id| (tree.cell(id).name.as_str(), id)).collect();
+    let cells: Vec<CellBeside> =
+        lifetimes.cells.iter().map(|cell| cell_beside(cell, tree, (&modelled, times.as_deref()), volumes)).collect();
+    let measured =
+        slopes(cells.iter().filter_map(|cell| Some((&*cell.measured.founder, cell.volume?, cell.measured.mean))));
+    let model = times.as_deref().map(|times| model_slopes(tree, times));
+    let over_time = over_time(tree, &modelled, times.as_deref(), lifetimes);
+    LifetimesBeside {
+        lineage: tree.lineage.name.clone(),
+        has_clock: times.is_some(),
+        founders: founders_beside(&cells, &measured, model.as_ref()),
+        slope: measured.all,
+        model_slope: model.and_then(|model| model.all),
+        deviation: times.is_some().then(|| deviation(&cells)).flatten(),
+        order: order(lifetimes, &cells, times.is_some()),
+        cells,
+        departure: over_time.as_ref().and_then(departure),
+        over_time,
+    }
+}
+
+/// The lifetime of a cell that divides.
+fn lifetime(times: &[CellTimes], id: CellId) -> Option<f64> {
+    let CellTimes { birth_min, division_min } = times[id.index()];
+    Some(division_min? - birth_min)
+}
+
+fn cell_beside(
+    measured: &Lifetime,
+    tree: &Tree,
+    (modelled, times): (&Modelled<'_>, Option<&[CellTimes]>),
+    volumes: &BTreeMap<String, f64>,
+) -> CellBeside {
+    let id = modelled.get(measured.cell.as_str()).copied();
+    CellBeside {
+        volume: volumes.get(&measured.cell).copied(),
+        model: id.zip(times).and_then(|(id, times)| lifetime(times, id)),
+        model_divides: id.map(|id| tree.daughter_count(id) > 0),
+        model_volume: id.map(|id| tree.cell(id).volume_fraction),
+        measured: measured.clone(),
+    }
+}
+
+/// ln lifetime over ln volume of all cells of a tree that divide.
+fn model_slopes(tree: &Tree, times: &[CellTimes]) -> Slopes {
+    slopes(
+        tree.cells()
+            .filter_map(|id| Some((tree.founder_name(id), tree.cell(id).volume_fraction, lifetime(times, id)?))),
+    )
+}
+
+fn founders_beside(cells: &[CellBeside], measured: &Slopes, model: Option<&Slopes>) -> Vec<FounderBeside> {
+    let mut names: Vec<&str> = Vec::new();
+    for cell in cells {
+        if !names.contains(&cell.measured.founder.as_str()) {
+            names.push(&cell.measured.founder);
+        }
+    }
+    let of = |founder: &str| {
+        let own = || cells.iter().filter(|cell| cell.measured.founder == founder);
+        let means: Vec<f64> = own().map(|cell| cell.measured.mean).collect();
+        let modelled: Vec<f64> = own().filter_map(|cell| cell.model).collect();
+        FounderBeside {
+            founder: founder.to_owned(),
+            n: means.len(),
+            mean: mean(&means),
+            sd: sd(&means),
+            model: (!modelled.is_empty()).then(|| mean(&modelled)),
+            model_n: modelled.len(),
+            slope: measured.founders.get(founder).copied(),
+            model_slope: model.and_then(|model| model.founders.get(founder).copied()),
+        }
+    };
+    names.into_iter().map(of).collect()
+}
+
+fn deviation(cells: &[CellBeside]) -> Option<Deviation> {
+    let ratios: Vec<f64> =
+        cells.iter().filter_map(|cell| Some((cell.model? / cell.measured.mean).ln().powi(2))).collect();
+    let off: Vec<f64> = cells.iter().filter_map(CellBeside::off).collect();
+    let within_two_sd = off.iter().filter(|off| off.abs() <= 2.0).count();
+    (!ratios.is_empty()).then(|| Deviation {
+        cells: ratios.len(),
+        rms_ln: mean(&ratios).sqrt(),
+        with_sd: off.len(),
+        within_two_sd,
+    })
+}
+
+/// Lifetimes of the model that differ by less, relatively, are one: sisters of equal size differ by rounding alone.
+const SAME: f64 = 1e-9;
+
+fn order(lifetimes: &Lifetimes, cells: &[CellBeside], has_clock: bool) -> Order {
+    let by_name: HashMap<&str, &CellBeside> = cells.iter().map(|cell| (cell.measured.cell.as_str(), cell)).collect();
+    let both = |pair: &Sisters, of: fn(&CellBeside) -> Option<f64>| {
+        let value = |k: usize| by_name.get(pair.daughters[k].as_str()).and_then(|cell| of(cell));
+        Some([value(0)?, value(1)?])
+    };
+    let larger = |pair: &Sisters| both(pair, |cell| cell.volume).and_then(|[a, b]| smaller([-a, -b]));
+    let model_first = |pair: &Sisters| {
+        let apart = |[a, b]: &[f64; 2]| (a - b).abs() > SAME * a.max(*b);
+        both(pair, |cell| cell.model).filter(apart).and_then(smaller)
+    };
+    let measured = sisters(lifetimes);
+    let (larger_first, model) = (agreement(&measured, larger), agreement(&measured, model_first));
+    let pairs = measured.into_iter().map(|pair| {
+        let (larger, model_first) = (larger(&pair), model_first(&pair));
+        SistersBeside { measured: pair, larger, model_first }
+    });
+    Order { pairs: pairs.collect(), larger_first, model: has_clock.then_some(model) }
+}

@@ -1,0 +1,222 @@
+//! Lifetimes of measured cells beside the model's: over the volume, over the time of birth, and the numbers of cells over time.
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::style::{self, Colour, text};
+use crate::drawing::{Anchor, Canvas, Stroke, font};
+use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
+use furrow_analysis::compare::lifetimes::{CellBeside, LifetimesBeside};
+use furrow_measured::lifetimes::CellsOverTime;
+
+const WIDTH: f64 = 1100.0;
+/// Heights of the charts over volume and birth, and of that over time.
+const CHARTS: [f64; 2] = [430.0, 470.0];
+/// Most of the time axis that the model may take beyond what is known of the embryo.
+const BEYOND: f64 = 2.5;
+
+/// Draws a table of lifetimes beside a tree.
+pub fn draw(found: &LifetimesBeside) -> Canvas {
+    let founders = founders(&found.cells);
+    let mut legend = founders.iter().fold(Legend::default(), |legend, (name, colour)| {
+        legend.with(Key::Point(*colour, Marker::Disc), format!("{name}, measured"))
+    });
+    legend = legend
+        .with_if(found.has_clock, Key::Point(style::MODEL, Marker::Diamond), "the model's, by its clock")
+        .with_if(found.slope.is_some(), Key::Line(style::MUTED), "ln lifetime over ln volume, by founder");
+    if let Some(over_time) = &found.over_time {
+        legend = legend.with(Key::Line(style::OBSERVED), "cells of the embryo").with_if(
+            over_time.model.is_some(),
+            Key::Line(style::MODEL),
+            "of the model",
+        );
+    }
+    let any_volume = found.cells.iter().any(|cell| cell.volume.is_some());
+    let any_birth = found.over_time.is_some();
+    let above = if any_volume || any_birth { CHARTS[0] } else { 0.0 };
+    let below = if any_birth { CHARTS[1] } else { 0.0 };
+    let title = format!("Lifetimes of cells, measured and of {}", found.lineage);
+    let (mut canvas, top) = titled(WIDTH, above + below, &title, &legend);
+    let share = if any_volume && any_birth { 0.5 * WIDTH } else { WIDTH };
+    if any_volume {
+        over_volume(&mut canvas, [0.0, top], [share, CHARTS[0]], found, &founders);
+    }
+    if any_birth {
+        over_birth(&mut canvas, [WIDTH - share, top], [share, CHARTS[0]], found, &founders);
+    }
+    if let Some(over_time) = &found.over_time {
+        numbers(&mut canvas, [0.0, top + above], over_time, found.departure.as_ref());
+    }
+    canvas
+}
+
+/// The measured founders with their colours; the germline is grey, as in drawings of trees.
+fn founders(cells: &[CellBeside]) -> Vec<(String, Colour)> {
+    let mut names: Vec<&str> = Vec::new();
+    for cell in cells {
+        if !names.contains(&cell.measured.founder.as_str()) {
+            names.push(&cell.measured.founder);
+        }
+    }
+    let germline = |name: &str| name.starts_with('P');
+    // Green is the model's.
+    let hues = [5, 1, 2, 4, 6, 0].map(|k: usize| style::SERIES[k]);
+    let count = names.iter().filter(|name| !germline(name)).count();
+    let mut next = 0;
+    let colour = |name: &str| {
+        if germline(name) {
+            return style::FAILED;
+        }
+        next += 1;
+        style::series(next - 1, count, &hues)
+    };
+    let colours: Vec<Colour> = names.iter().copied().map(colour).collect();
+    names.into_iter().map(str::to_owned).zip(colours).collect()
+}
+
+fn colour_of(founders: &[(String, Colour)], cell: &CellBeside) -> Colour {
+    founders.iter().find(|(name, _)| *name == cell.measured.founder).map_or(style::INK, |(_, colour)| *colour)
+}
+
+/// An axis of logarithms with some room.
+fn logarithmic(label: &str, values: impl Iterator<Item = f64>) -> Axis {
+    let ends = widened(values.map(f64::log10), 0.06).map(|power| 10_f64.powf(power));
+    Axis::new(label, ends).logarithmic()
+}
+
+/// The lifetime over the measured volume, with a line for each founder; the model's lifetimes at the same volumes.
+fn over_volume(
+    canvas: &mut Canvas,
+    at: [f64; 2],
+    size: [f64; 2],
+    found: &LifetimesBeside,
+    founders: &[(String, Colour)],
+) {
+    let with_volume: Vec<(&CellBeside, f64)> =
+        found.cells.iter().filter_map(|cell| Some((cell, cell.volume?))).collect();
+    let lifetimes = with_volume.iter().flat_map(|(cell, _)| [Some(cell.measured.mean), cell.model]).flatten();
+    let x =
+        logarithmic("measured volume of the cell (unit of the table)", with_volume.iter().map(|(_, volume)| *volume));
+    let y = logarithmic("lifetime (min)", lifetimes);
+    let mut chart = Chart::new(canvas, at, size, x, y);
+    for (name, colour) in founders {
+        let own: Vec<f64> =
+            with_volume.iter().filter(|(cell, _)| cell.measured.founder == *name).map(|(_, volume)| *volume).collect();
+        let row = found.founders.iter().find(|row| row.founder == *name);
+        let Some(line) = row.and_then(|row| row.slope).map(|slope| slope.line) else { continue };
+        let [least, most] = widened(own, 0.0);
+        let ends = [least, most].map(|volume| [volume, (line.intercept + line.slope * volume.ln()).exp()]);
+        chart.line(ends, Stroke::solid(*colour, 1.6));
+    }
+    for (cell, volume) in &with_volume {
+        chart.point([*volume, cell.measured.mean], 5.0, Marker::Disc, colour_of(founders, cell));
+    }
+    for (cell, volume) in &with_volume {
+        if let Some(model) = cell.model {
+            chart.point([*volume, model], 3.4, Marker::Diamond, style::MODEL);
+        }
+    }
+}
+
+/// The lifetime over the time of birth.
+fn over_birth(
+    canvas: &mut Canvas,
+    at: [f64; 2],
+    size: [f64; 2],
+    found: &LifetimesBeside,
+    founders: &[(String, Colour)],
+) {
+    let born: Vec<(&CellBeside, f64)> =
+        found.cells.iter().filter_map(|cell| Some((cell, cell.measured.birth?))).collect();
+    let lifetimes = born.iter().flat_map(|(cell, _)| [Some(cell.measured.mean), cell.model]).flatten();
+    let x = Axis::over("measured birth (min)", born.iter().map(|(_, birth)| *birth));
+    let y = logarithmic("lifetime (min)", lifetimes);
+    let mut chart = Chart::new(canvas, at, size, x, y);
+    for (cell, birth) in &born {
+        chart.point([*birth, cell.measured.mean], 4.0, Marker::Disc, colour_of(founders, cell));
+    }
+    for (cell, birth) in &born {
+        if let Some(model) = cell.model {
+            chart.point([*birth, model], 2.8, Marker::Diamond, style::MODEL);
+        }
+    }
+}
+
+/// The numbers of cells over time.
+fn numbers(canvas: &mut Canvas, at: [f64; 2], over_time: &OverTime, departure: Option<&Departure>) {
+    let OverTime { measured, model, last_divisions, .. } = over_time;
+    let first = measured.over_time.steps.first().map_or(0.0, |step| step.min);
+    let known = measured.known_until;
+    let of_model = model.iter().flat_map(|model| &model.steps);
+    let last = of_model.map(|step| step.min).fold(known, f64::max).min(known + (BEYOND - 1.0) * (known - first));
+    let room = 0.03 * (last - first);
+    let range = [first - room, last + room];
+    let highest = [Some(measured.over_time.at(known)), model.as_ref().map(|model| model.at(range[1]))];
+    let highest = highest.into_iter().flatten().max().unwrap_or(1) as f64;
+    // Room above the curves for what is written there.
+    let y = Axis::new("cells alive", [1.0, 6.0 * highest]).logarithmic();
+    let mut chart = Chart::new(canvas, at, [WIDTH, CHARTS[1]], Axis::new("time (min of the table)", range), y);
+    let upright =
+        |chart: &mut Chart<'_>, min: f64, stroke: Stroke| chart.line([[min, 1.0], [min, 6.0 * highest]], stroke);
+    upright(&mut chart, known, Stroke::dashed(style::MUTED, 1.4, style::DOTTED));
+    let mut marks = vec![(known, "table complete up to here".to_owned(), style::MUTED)];
+    let leaves = departure.and_then(|departure| departure.lasting.or(departure.first));
+    if let Some(leaves) = leaves {
+        upright(&mut chart, leaves.min, Stroke::dashed(style::ASYMMETRIC, 1.6, style::DASHED));
+        let words = format!("numbers apart: {} and {} cells", leaves.cells, leaves.model);
+        marks.push((leaves.min, words, style::ASYMMETRIC));
+    }
+    for (min, names) in joined(last_divisions).into_iter().filter(|(min, _)| *min <= range[1]) {
+        let top = chart.at([min, 1.0])[1];
+        chart.canvas.polyline(
+            &[[chart.at([min, 1.0])[0], top], [chart.at([min, 1.0])[0], top - 12.0]],
+            Stroke::solid(style::MODEL, 2.4),
+        );
+        marks.push((min, format!("last of {names}"), style::MODEL));
+    }
+    if let Some(model) = model {
+        chart.line(stairs(model, range), Stroke::solid(style::MODEL, 2.2));
+    }
+    chart.line(stairs(&measured.over_time, [range[0], known]), Stroke::solid(style::OBSERVED, 2.2));
+    write_marks(&mut chart, marks);
+}
+
+/// Founders by the time of their last division, those of one time together.
+fn joined(last: &[LastDivision]) -> Vec<(f64, String)> {
+    let mut sorted: Vec<&LastDivision> = last.iter().collect();
+    sorted.sort_by(|a, b| a.min.total_cmp(&b.min));
+    let names = |of: &[&LastDivision]| of.iter().map(|last| last.founder.as_str()).collect::<Vec<_>>().join(", ");
+    sorted.chunk_by(|a, b| a.min == b.min).map(|of| (of[0].min, names(of))).collect()
+}
+
+/// The corners of numbers that change in steps.
+fn stairs(over_time: &CellsOverTime, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+    let mut corners = vec![[from, over_time.at(from) as f64]];
+    for step in over_time.steps.iter().filter(|step| step.min > from && step.min <= to) {
+        corners.extend([[step.min, (step.cells - 1) as f64], [step.min, step.cells as f64]]);
+    }
+    corners.push([to, over_time.at(to) as f64]);
+    corners
+}
+
+/// Distance of two rows of words.
+const ROW: f64 = 19.0;
+
+/// Writes words at the top of a chart, each beside its time and in the first row in which it meets no other.
+fn write_marks(chart: &mut Chart<'_>, mut marks: Vec<(f64, String, Colour)>) {
+    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let [left, top, right, _] = chart.frame;
+    let mut rows: Vec<f64> = Vec::new();
+    for (min, words, colour) in marks {
+        let (x, width) = (chart.at([min, 1.0])[0], font::width(&words, text::TICK));
+        // Words that would leave the chart end at their time, and those of the departure, before which there is nothing to say.
+        let from =
+            if x + 6.0 + width > right || colour == style::ASYMMETRIC { (x - 6.0 - width).max(left) } else { x + 6.0 };
+        let row = rows.iter().position(|end| from > end + 8.0).unwrap_or(rows.len());
+        if row == rows.len() {
+            rows.push(0.0);
+        }
+        rows[row] = from + width;
+        let at = [from, top + 18.0 + ROW * row as f64];
+        chart.canvas.text_over(at, &words, text::TICK, Anchor::Start, [colour, style::WHITE]);
+    }
+}

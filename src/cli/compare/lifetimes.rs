@@ -1,0 +1,233 @@
+//! `furrow compare lifetimes`: measured lifetimes beside those of a tree with a clock.
+
+use super::trees_of;
+use crate::cli::cell::load_lineage;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::{merged, print_as};
+use crate::cli::picture::PlotArgs;
+use clap::Args;
+use furrow_analysis::compare::departure::{Counts, Departure, LoneDivision};
+use furrow_analysis::compare::lifetimes::{
+    CellBeside, Deviation, FounderBeside, LifetimesBeside, Order, SistersBeside, lifetimes_beside,
+};
+use furrow_figures::plot;
+use furrow_formats::read_tree;
+use furrow_input::{InputError, open_file};
+use furrow_lineage::Tree;
+use furrow_measured::lifetimes::{Agreement, Lifetimes, mean_volumes};
+use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
+use furrow_measured::significance::Trend;
+use furrow_measured::volumes::{ReadOptions, Skipped, Volumes};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Compares measured lifetimes of cells with those of a tree with a clock
+///
+/// A table has the columns cell and lifetime_min (or lifetime_s, lifetime_h), and optionally n, sd_min and birth_min; lines that begin
+/// with # are comments. Without a table the means of 28 embryos of C. elegans are used. Prints every cell, the lifetime over the volume
+/// by founder, which of two sisters divides first, and when the model's tree leaves the embryo's. A clock is fitted, so that the
+/// model's lifetimes are no predictions: cells, their sizes and by these the order of sisters are.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow compare lifetimes
+  furrow compare lifetimes lifetimes.csv --tree furrow-out/tree.json --plot lifetimes.svg --json")]
+pub struct LifetimesArgs {
+    /// Table of lifetimes, CSV; default published means
+    #[arg(value_name = "TABLE")]
+    table: Option<PathBuf>,
+    /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
+    #[arg(help_heading = "Model", long, value_name = "TREE.json|LINEAGE.ron")]
+    tree: Option<PathBuf>,
+    /// Tables of cell volumes, as for compare volumes; default published ones of C. elegans
+    #[arg(help_heading = "Tables", long, value_name = "FILE")]
+    volumes: Vec<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+/// Skipped rows that are listed.
+const MOST_SKIPPED: usize = 10;
+
+pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
+    let picture = args.plot.file()?;
+    let lifetimes = match &args.table {
+        Some(file) => Lifetimes::read(open_file(file)?, &file.display().to_string())?,
+        None => jankele2021_lifetimes()?,
+    };
+    let volumes = volumes(args)?;
+    let tree = tree(args, context)?;
+    let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
+    picture.write(|| plot::lifetimes::draw(&found))?;
+    let source = args.table.is_none().then_some(SOURCE);
+    let volumes_source = args.volumes.is_empty().then_some(SOURCE);
+    let reading = json!({
+        "source": source,
+        "volumes_source": volumes_source,
+        "volumes_unit": volumes.unit,
+        "used": lifetimes.used,
+        "skipped": lifetimes.skipped,
+        "skipped_count": lifetimes.skipped_count,
+        "volumes_skipped": volumes.skipped,
+        "volumes_skipped_count": volumes.skipped_count,
+    });
+    print_as(context.json, &merged(json!(found), reading), || {
+        let source = source.map_or(String::new(), |source| format!("measured: means published by {source}\n"));
+        let places = [(&lifetimes.skipped, lifetimes.skipped_count), (&volumes.skipped, volumes.skipped_count)];
+        source + &text(&found) + &skipped_text(lifetimes.used, places)
+    })
+}
+
+fn volumes(args: &LifetimesArgs) -> Result<Volumes, InputError> {
+    if args.volumes.is_empty() {
+        return jankele2021_volumes();
+    }
+    let mut volumes = Volumes::default();
+    for file in &args.volumes {
+        volumes.read(open_file(file)?, &file.display().to_string(), &ReadOptions::default())?;
+    }
+    volumes.require_used(&args.volumes[0].display().to_string())?;
+    Ok(volumes)
+}
+
+/// The tree of a file, or one that is grown now.
+fn tree(args: &LifetimesArgs, context: &Context) -> Result<Tree, CliError> {
+    let is_json = |file: &PathBuf| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    match &args.tree {
+        Some(file) if is_json(file) => Ok(read_tree(file)?),
+        file => Ok(trees_of(vec![load_lineage(file.as_deref())?], context)?.remove(0)),
+    }
+}
+
+fn text(found: &LifetimesBeside) -> String {
+    let mut out = match found.has_clock {
+        true => format!("model: {}, lifetimes by its clock\n\n", found.lineage),
+        false => format!("model: {}, which has no clock: see clock in the guide\n\n", found.lineage),
+    };
+    out += "lifetimes in minutes\ncell            n          measured    model (sd off)\n";
+    out.extend(found.cells.iter().map(cell_text));
+    out += &founders_text(found);
+    out += &order_text(&found.order);
+    let deviation = found.deviation.map_or(String::new(), |Deviation { cells, rms_ln, with_sd, within_two_sd }| {
+        format!(
+            "the model's lifetimes of {cells} cells are off by {:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most \
+             2 sd\n",
+            100.0 * rms_ln
+        )
+    });
+    out + &deviation + &departure_text(found)
+}
+
+fn cell_text(cell: &CellBeside) -> String {
+    let model = match (cell.model, cell.model_divides) {
+        (Some(model), _) => {
+            let off = cell.off().map_or(String::new(), |off| format!(" ({off:+.1})"));
+            format!("{model:.1}{off}")
+        }
+        (None, Some(false)) => "does not divide".to_owned(),
+        (None, None) => "not born".to_owned(),
+        (None, Some(true)) => "-".to_owned(),
+    };
+    let measured = mean_sd(cell.measured.mean, cell.measured.sd);
+    format!("{:<12}{:>5}{measured:>18}{model:>18}\n", cell.measured.cell, cell.measured.n)
+}
+
+fn mean_sd(mean: f64, sd: Option<f64>) -> String {
+    format!("{mean:.1}{}", sd.map_or(String::new(), |sd| format!(" ± {sd:.1}")))
+}
+
+fn founders_text(found: &LifetimesBeside) -> String {
+    let mut out = "\nby founder, with the slope of ln lifetime over ln volume (all dividing cells of the model)\n\
+         founder   cells          measured             model           slope   cells      R²           p   model's slope\n"
+        .to_owned();
+    let slopes = |slope: Option<Trend>, model: Option<Trend>| {
+        let measured = slope.map_or(format!("{:>16}{:>8}{:>8}{:>12}", "-", "-", "-", "-"), |Trend { line, p }| {
+            let slope = format!("{:.3} ± {:.3}", line.slope, line.slope_error);
+            format!("{slope:>16}{:>8}{:>8.3}{p:>12.2e}", line.n, line.r_squared)
+        });
+        let model = model.map_or("-".to_owned(), |Trend { line, .. }| format!("{:.3} of {}", line.slope, line.n));
+        format!("{measured}{model:>16}")
+    };
+    for row in &found.founders {
+        let FounderBeside { founder, n, mean, sd, model, model_n, .. } = row;
+        let model = model.map_or("-".to_owned(), |model| format!("{model:.1} of {model_n}"));
+        let (measured, slopes) = (mean_sd(*mean, *sd), slopes(row.slope, row.model_slope));
+        let _ = writeln!(out, "{founder:<8}{n:>7}{measured:>18}{model:>18}{slopes}");
+    }
+    let _ = writeln!(out, "{:<51}{}", "all", slopes(found.slope, found.model_slope));
+    out + "\n"
+}
+
+fn order_text(Order { pairs, larger_first, model }: &Order) -> String {
+    let agreed = |Agreement { pairs, agree, p }: Agreement| {
+        format!("{agree} of {pairs} pairs (p = {p:.2e}, one-sided sign test)")
+    };
+    let certain = |pair: &&SistersBeside| pair.measured.p.is_some_and(|p| p < 0.05);
+    let mut out = format!(
+        "order of division in {} pairs of sisters, which differ in {} (Welch's p < 0.05)\n  the larger by measured volume divides first: {}\n",
+        pairs.len(),
+        pairs.iter().filter(certain).count(),
+        agreed(*larger_first)
+    );
+    if let Some(model) = model {
+        let _ = writeln!(out, "  the model's first is the measured one: {}", agreed(*model));
+    }
+    for pair in pairs {
+        let (Some(first), Some(model)) = (pair.measured.first, pair.model_first) else { continue };
+        let (names, p) =
+            (&pair.measured.daughters, pair.measured.p.map_or(String::new(), |p| format!(" (p = {p:.2e})")));
+        let _ =
+            writeln!(out, "  {:<6} {} measured{p}, {} in the model", pair.measured.mother, names[first], names[model]);
+    }
+    out + "\n"
+}
+
+fn departure_text(found: &LifetimesBeside) -> String {
+    let Some(over_time) = &found.over_time else {
+        return "the table has no births: numbers of cells over time are not compared\n".to_owned();
+    };
+    let Some(departure) = &found.departure else {
+        let why =
+            if found.has_clock { "the model lacks cells that the table begins with" } else { "the model has no clock" };
+        return format!("numbers of cells over time are not compared: {why}\n");
+    };
+    let Departure { known_until, apart, first, lasting, lacking, lacking_count, extra, extra_count, shared } =
+        departure;
+    let reference = over_time.reference.as_deref().unwrap_or_default();
+    let counts = |counts: &Option<Counts>| match counts {
+        Some(Counts { min, cells, model }) => format!("{min:.1} min, {cells} cells measured and {model} in the model"),
+        None => "never".to_owned(),
+    };
+    let lone = |division: &Option<LoneDivision>, count: usize| match division {
+        Some(LoneDivision { cell, at }) => {
+            format!(
+                "{cell} at {:.1} min, {} cells measured and {} in the model; {count} in all",
+                at.min, at.cells, at.model
+            )
+        }
+        None => "none".to_owned(),
+    };
+    format!(
+        "where the model's tree leaves the embryo's (minutes of the table; the model's clock is set by the birth of {reference}; numbers are \
+         known up to {known_until:.1} min)\n  numbers apart by {apart}\n    first: {}\n    for good: {}\n  measured divisions \
+         that the model has: {shared}\n  first division that the model lacks: {}\n  first division of the model by then that the table lacks: {}\n",
+        counts(first),
+        counts(lasting),
+        lone(lacking, *lacking_count),
+        lone(extra, *extra_count)
+    )
+}
+
+fn skipped_text(used: u64, places: [(&Vec<Skipped>, u64); 2]) -> String {
+    let mut out = format!("{used} rows of lifetimes used, {} skipped\n", places[0].1);
+    let all = places.iter().flat_map(|(skipped, _)| skipped.iter());
+    for Skipped { file, line, column, value, why } in all.take(MOST_SKIPPED) {
+        let _ = writeln!(out, "  skipped {file}:{line}, column {column}: {value:?}: {why}");
+    }
+    match (places.iter().map(|(_, count)| *count as usize).sum::<usize>()).saturating_sub(MOST_SKIPPED) {
+        0 => out,
+        more => out + &format!("  and {more} more (--json gives their places)\n"),
+    }
+}
