@@ -225,7 +225,13 @@ impl GrownTree {
         };
         let values = |parameter: Parameter| tree.cells().map(|id| parameter.get(&tree.parameters(id))).collect();
         let by_rules = Parameter::ALL.into_iter().filter(ruled).map(|parameter| (parameter.name(), values(parameter)));
-        let dict = arrays(py, numbers.into_iter().chain(by_rules).collect())?;
+        let times = tree.times();
+        let minutes = times.iter().flat_map(|times| {
+            let births = times.iter().map(|cell| cell.birth_min).collect();
+            let divisions = times.iter().map(|cell| cell.division_min.unwrap_or(f64::NAN)).collect();
+            [("birth_min", births), ("division_min", divisions)]
+        });
+        let dict = arrays(py, numbers.into_iter().chain(by_rules).chain(minutes).collect())?;
         let whole = |of: &dyn Fn(CellId) -> i64| PyArray1::from_vec(py, tree.cells().map(of).collect());
         dict.set_item("generation", whole(&|id| i64::from(tree.cell(id).generation)))?;
         dict.set_item("mother", whole(&|id| tree.mother(id).map_or(-1, |mother| mother.index() as i64)))?;

@@ -3,6 +3,9 @@
 //! Of each founder with three cells or more, ln lifetime over ln volume is a straight line by least squares; its slope, with the
 //! sign changed, is the exponent. `lifetime_min` is the line's value at `at_volume`, the geometric mean of the founder's volumes,
 //! where the errors of both are independent. Cells whose founder has fewer get the exponent of the line through all cells.
+//!
+//! # Equations
+//! * \[F.6 clock\] t = t₀ (V/V₀)^−α, of each founder, by least squares of ln t over ln V.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
