@@ -324,12 +324,13 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
     }
 }
 
-/// Warns of a clock whose origin does not take place in the tree.
+/// Warns of a clock whose origin does not take place in the tree, unless nothing does.
 fn warn_of_origin(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let wanted = tree.lineage.clock.as_ref().and_then(|clock| clock.origin.as_ref());
     if let (Some(wanted), Some(origin)) = (wanted, tree.time_origin())
         && *wanted != origin
+        && tree.len() > 1
     {
         tracing::warn!(
             "{place}the {wanted}, minute 0 of the clock, does not take place: minutes are from the {origin}"

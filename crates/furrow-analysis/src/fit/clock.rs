@@ -73,6 +73,8 @@ pub struct FittedClock {
     pub few: Vec<FewCells>,
     /// Mean volume of the first cell, in the unit of the table.
     pub first_volume: f64,
+    /// The first cell, if its lifetime is not measured: its division is minute 0 then.
+    pub origin: Option<String>,
     /// Cells with a lifetime that the fit does not use.
     pub skipped: Vec<Unused>,
 }
@@ -87,7 +89,7 @@ pub fn fit_clock(
     volumes: &Volumes,
     files: &str,
 ) -> Result<FittedClock, InputError> {
-    let means = mean_volumes(volumes);
+    let (first, means) = (lineage.first(), mean_volumes(volumes));
     let first_volume = first_volume(lineage, &means, volumes.unit, files)?;
     let (mut points, mut skipped): (Vec<Vec<[f64; 2]>>, Vec<Unused>) =
         (vec![Vec::new(); lineage.founders.len()], Vec::new());
@@ -113,6 +115,7 @@ pub fn fit_clock(
         few: named().filter_map(few).collect(),
         all,
         first_volume,
+        origin: points[first].is_empty().then(|| lineage.founders[first].name.clone()),
         skipped,
     })
 }
@@ -185,7 +188,9 @@ impl FittedClock {
             let _ = writeln!(out, "    base: {base:?},");
         }
         let FittedLaw { lifetime_min, at_volume, exponent, .. } = self.all;
-        let _ = writeln!(out, "    clock: ({}),\n    founders: [", law(lifetime_min, at_volume, exponent));
+        let origin = self.origin.as_ref().map(|first| format!(", origin: division({first:?})"));
+        let (law_of_all, origin) = (law(lifetime_min, at_volume, exponent), origin.unwrap_or_default());
+        let _ = writeln!(out, "    clock: ({law_of_all}{origin}),\n    founders: [");
         for (name, FounderClock { lifetime_min, at_volume, exponent }) in self.founder_clocks() {
             let of = [lifetime_min, at_volume, exponent].map(|value| value.unwrap_or(f64::NAN));
             let _ = writeln!(out, "        (name: {name:?}, clock: ({})),", law(of[0], of[1], of[2]));
