@@ -74,7 +74,8 @@ def _rounds(found: Mapping[str, Any] | None) -> Rounds | None:
 class Tree:
     """A grown lineage. Numbers of all cells are arrays in breadth-first order: ``tree.r0``, ``tree.chi``, ``tree["t_end"]``.
 
-    Missing values, such as χ of a cell that did not divide, are NaN.
+    Missing values, such as χ of a cell that did not divide, are NaN. If the lineage has a clock, ``tree["birth_min"]`` and
+    ``tree["division_min"]`` are in minutes.
     """
 
     def __init__(self, grown: GrownTree, work: Mapping[str, Any] | None = None) -> None:
@@ -170,7 +171,7 @@ class Tree:
         """The tree in a format for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, or
         ``itol``, which gives several files by name.
 
-        ``lengths`` are the branch lengths: ``time``, ``generation`` or ``none``.
+        ``lengths`` are the branch lengths: ``time``, ``generation``, ``none`` or, if the lineage has a clock, ``minutes``.
         """
         files = self._grown.export(text_of("format", format), text_of("lengths", lengths))
         return files[0][1] if len(files) == 1 and not files[0][0] else dict(files)

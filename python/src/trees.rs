@@ -6,7 +6,7 @@ use std::sync::Arc;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::{Grown, grown, tree_settings};
 use furrow_cell::Parameter;
-use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
+use furrow_formats::exchange::{BranchLengths, Exported, Format, check_tree, export};
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
@@ -195,6 +195,7 @@ impl GrownTree {
     fn export(&self, format: &str, lengths: &str) -> Result<Vec<(&'static str, String)>, Error> {
         let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
         let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
+        check_tree(&self.tree, format, lengths)?;
         Ok(match export(&self.tree, format, lengths, &report::founder_colours(&self.tree.lineage)) {
             Exported::File(text) => vec![("", text)],
             Exported::Folder(files) => files,
@@ -224,7 +225,13 @@ impl GrownTree {
         };
         let values = |parameter: Parameter| tree.cells().map(|id| parameter.get(&tree.parameters(id))).collect();
         let by_rules = Parameter::ALL.into_iter().filter(ruled).map(|parameter| (parameter.name(), values(parameter)));
-        let dict = arrays(py, numbers.into_iter().chain(by_rules).collect())?;
+        let times = tree.times();
+        let minutes = times.iter().flat_map(|times| {
+            let births = times.iter().map(|cell| cell.birth_min).collect();
+            let divisions = times.iter().map(|cell| cell.division_min.unwrap_or(f64::NAN)).collect();
+            [("birth_min", births), ("division_min", divisions)]
+        });
+        let dict = arrays(py, numbers.into_iter().chain(by_rules).chain(minutes).collect())?;
         let whole = |of: &dyn Fn(CellId) -> i64| PyArray1::from_vec(py, tree.cells().map(of).collect());
         dict.set_item("generation", whole(&|id| i64::from(tree.cell(id).generation)))?;
         dict.set_item("mother", whole(&|id| tree.mother(id).map_or(-1, |mother| mother.index() as i64)))?;

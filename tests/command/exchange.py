@@ -149,7 +149,7 @@ def compare(tree, name, file):
     for node in tree.nodes:
         above = tree.predecessor[node]
         assert (name[above[0]] if above else None) == cells[name[node]]["mother"]
-        # One time point a generation is what branches are as long as.
+        # One time point a generation, as it was exported.
         assert tree.time[node] == cells[name[node]]["generation"]
     print(f"  {file}: {len(tree.nodes)} cells, {len(tree.leaves)} ends")
 

@@ -6,6 +6,7 @@ mod common;
 mod contours;
 mod ensemble;
 mod fit;
+mod fit_clock;
 mod reproduction;
 mod solve;
 mod sweep;

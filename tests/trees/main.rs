@@ -4,6 +4,7 @@
 mod common;
 
 mod carried_cues;
+mod clock;
 mod complaints;
 mod embryo;
 mod growth;

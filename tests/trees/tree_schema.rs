@@ -16,6 +16,7 @@ use crate::common::stand_in::{division, fake, grown};
 const EVERYTHING: &str = r#"Lineage(
     name: "everything", citation: "nobody", naming: ('a', 'p'), units: (length_um: 3, time_min: 2),
     limits: (max_depth: 6, max_cells: 60),
+    clock: (lifetime_min: 24, at_volume: 0.5, exponent: 0.28, tau_min: 4, origin: birth("S"), lifetimes: {"S": 20}),
     cues: {
         "kappa": kappa(u0: 0.4, omega: 0.1, amplitude: 0.1), "activity": activity(profile: step, u0: 0.6, omega_length: 0.3, amplitude: 0.1),
         "xi_s": xi_s(profile: gradient, amplitude: 0.1), "xi_b": xi_b(u0: 0.4, omega: 0.1, amplitude: 0.1),
@@ -34,6 +35,7 @@ const EVERYTHING: &str = r#"Lineage(
         (name: "S", cue: "kappa", inherit: false, r0: "17um",
          observed: (min: 1, mean: 2.5, max: 4, full_doublings: 1, terminal: 9, deaths: 1)),
         (name: "L", mother: "S", daughter: larger, r0: 5, letters: [('l', 'r')],
+         clock: (lifetime_min: 30, at_volume: 0.5, exponent: 0.3),
          cue_rules: [(cue: "sum", from_generation: 1, to_generation: 9, below_r0: 9, above_r0: 0.1)],
          physics: (xi_s: 26, xi_ratio: -0.1, gain: 0.5, epsilon: 0.86, aspect: 1.4, p0: 0.12, w: 0.14, kappa: 1, eta_b: 1,
                    eta_s: 1, friction: 1, tension: 0),

@@ -40,7 +40,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
         cell.epsilon,
         cell.xi_s
     );
-    out += &(rounds(rows) + &cues(tree, rows) + &physics(tree));
+    out += &(rounds(rows) + &last_divisions(tree, rows) + &cues(tree, rows) + &physics(tree));
     let summary = TreeSummary::of(tree);
     let ended = summary.ended_text();
     out += &(generations(&summary) + &format!("\nBranches end: {ended}.\n"));
@@ -96,6 +96,18 @@ fn rounds(rows: &[FounderRow]) -> String {
         ));
     }
     out + "\n"
+}
+
+/// Founders in a line of their last divisions.
+const IN_A_LINE: usize = 8;
+
+/// The last division among each founder's descendants, in minutes.
+fn last_divisions(tree: &Tree, rows: &[FounderRow]) -> String {
+    let Some(origin) = tree.time_origin() else { return String::new() };
+    let last = |row: &FounderRow| Some(format!("{} {:.0}", row.name, row.last_division_min?));
+    let last: Vec<String> = rows.iter().filter_map(last).collect();
+    let lines = last.chunks(IN_A_LINE).map(|some| some.join(", ")).collect::<Vec<_>>().join(",\n  ");
+    format!("last divisions of descendants, in minutes from the {origin}:\n  {lines}\n\n")
 }
 
 /// The cues that the table names.
