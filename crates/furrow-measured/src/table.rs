@@ -34,7 +34,9 @@ impl<'f, R: Read> Table<'f, R> {
         if first.contains(&0) {
             return Err(malformed(file, 1, "this is no text: it has a byte 0"));
         }
-        let line = first.split(|byte| *byte == b'\n').next().unwrap_or_default();
+        let mut lines = first.split(|byte| *byte == b'\n');
+        // Text in a comment says nothing of the columns.
+        let line = lines.clone().find(|line| !line.starts_with(b"#")).or_else(|| lines.next()).unwrap_or_default();
         let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| line.iter().filter(|b| *b == d).count());
         let mut builder = csv::ReaderBuilder::new();
         builder.delimiter(delimiter.unwrap_or(b',')).flexible(true).has_headers(false);
@@ -56,6 +58,11 @@ impl<'f, R: Read> Table<'f, R> {
         }
         Ok(more.then(|| (self.record.position().map_or(0, csv::Position::line), &self.record)))
     }
+}
+
+/// Whether a row is a comment.
+pub(crate) fn is_comment(row: &ByteRecord) -> bool {
+    row.get(0).is_some_and(|field| field.starts_with(b"#"))
 }
 
 /// The names of the columns, without blanks around them.
