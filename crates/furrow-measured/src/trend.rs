@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::events::Division;
-use crate::statistics::{BoxPlot, RankSum, box_plot, mean, rank_sum, sd, stars};
+use crate::statistics::{BoxPlot, Line, RankCorrelation, RankSum, box_plot, line, mean, rank_correlation, rank_sum, sd, stars};
 
 /// Divisions of mothers in one decade of volume.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,6 +71,50 @@ pub fn volume_bins(divisions: &[Division], edges: Option<&[f64]>) -> Vec<VolumeB
         (!chi.is_empty()).then(|| VolumeBin { from: pair[0], to: pair[1], n: chi.len(), mean, sd, box_plot, chi })
     };
     edges.windows(2).rev().filter_map(bin).collect()
+}
+
+/// χ over log₁₀ of the mother's volume, of pairs of both; its slope is per decade.
+pub fn volume_line(points: &[[f64; 2]]) -> Option<Line> {
+    line(&points.iter().map(|[volume, chi]| [volume.log10(), *chi]).collect::<Vec<_>>())
+}
+
+/// The trend of χ over the mother's volume.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeTrend {
+    /// χ over log₁₀ of the volume.
+    pub line: Option<Line>,
+    /// Rank correlation of volume and χ.
+    pub spearman: Option<RankCorrelation>,
+    /// The line of each embryo, in the order of the table: a trend over all may be one between embryos.
+    pub embryos: Vec<EmbryoTrend>,
+}
+
+/// The trend within an embryo.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EmbryoTrend {
+    /// The embryo.
+    pub embryo: String,
+    /// χ over log₁₀ of the volume.
+    pub line: Line,
+}
+
+/// The trend of some divisions, over all and within embryos.
+pub fn volume_trend(divisions: &[Division]) -> VolumeTrend {
+    let mut embryos: Vec<(&str, Vec<[f64; 2]>)> = Vec::new();
+    let mut all = Vec::new();
+    for division in divisions {
+        let point = [division.mother_volume(), division.chi()];
+        all.push(point);
+        match embryos.iter_mut().find(|(name, _)| *name == division.embryo) {
+            Some((_, points)) => points.push(point),
+            None => embryos.push((&division.embryo, vec![point])),
+        }
+    }
+    let of = |(embryo, points): (&str, Vec<[f64; 2]>)| {
+        Some(EmbryoTrend { embryo: embryo.to_owned(), line: volume_line(&points)? })
+    };
+    let embryos = embryos.into_iter().filter_map(of).collect();
+    VolumeTrend { line: volume_line(&all), spearman: rank_correlation(&all), embryos }
 }
 
 /// Each bin beside the next one of larger cells.

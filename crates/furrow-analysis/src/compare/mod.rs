@@ -3,7 +3,11 @@
 //! | file | content |
 //! |---|---|
 //! | [`volumes`] | χ of measured divisions and of the tree, free or with the measured first division |
+//! | [`dose`] | asymmetry over the dose of a protein, beside the model's over the strength of its cue |
+//! | [`noise`] | how much of a trend over size noise makes |
 //! | [`counts`] | rounds of founders, by every reading and at every stage |
 
 pub mod counts;
+pub mod dose;
+pub mod noise;
 pub mod volumes;

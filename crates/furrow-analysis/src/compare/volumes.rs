@@ -86,6 +86,10 @@ pub struct Regression {
     pub y: String,
     /// Mothers that both have measured.
     pub mothers: Vec<String>,
+    /// Mothers that only the group along x has.
+    pub only_x: Vec<String>,
+    /// Mothers that only the group along y has.
+    pub only_y: Vec<String>,
     /// Through the origin.
     pub through_origin: Option<Line>,
     /// With an intercept.
@@ -186,10 +190,16 @@ pub fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
     let names = x.events.iter().map(|event| event.measured.mother.clone());
     let matched: Vec<(String, [f64; 2])> =
         names.filter_map(|name| Some((name.clone(), [of(x, &name)?, of(y, &name)?]))).collect();
+    let without = |these: &GroupBeside, others: &GroupBeside| {
+        let names = these.events.iter().map(|event| event.measured.mother.clone());
+        names.filter(|name| of(others, name).is_none()).collect()
+    };
     let points: Vec<[f64; 2]> = matched.iter().map(|(_, point)| *point).collect();
     Regression {
         x: x.group.clone(),
         y: y.group.clone(),
+        only_x: without(x, y),
+        only_y: without(y, x),
         mothers: matched.into_iter().map(|(name, _)| name).collect(),
         through_origin: line_through_origin(&points),
         with_intercept: line(&points),
@@ -243,6 +253,8 @@ pub struct Scale {
 pub enum ScaleFrom {
     /// It was given.
     Given,
+    /// The lineage file's.
+    Lineage,
     /// P0, as large as its daughters together, has the radius R0 of the model's.
     P0,
     /// All mothers that the model has: the mean of the logarithms of measured over modelled radii is 0.
