@@ -105,7 +105,8 @@ impl Columns {
     fn of(header: &[String], (file, line): (&str, usize)) -> Result<Columns, InputError> {
         let lower = unified(header, (file, line))?;
         let find = |is: &dyn Fn(&str) -> bool| lower.iter().position(|name| is(name));
-        let dose = find(&|name| ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}"))));
+        let dose =
+            find(&|name| ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}"))));
         let share = find(&|name| name == "larger_share");
         let condition = find(&|name| name == "condition" || name == "group");
         let (Some(dose), Some(share)) = (dose, share) else {

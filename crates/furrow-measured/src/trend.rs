@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use crate::events::Division;
-use crate::statistics::{BoxPlot, Line, RankCorrelation, RankSum, box_plot, line, mean, rank_correlation, rank_sum, sd, stars};
+use crate::statistics::{
+    BoxPlot, Line, RankCorrelation, RankSum, box_plot, line, mean, rank_correlation, rank_sum, sd, stars,
+};
 
 /// Divisions of mothers in one decade of volume.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -14,6 +16,8 @@ pub struct VolumeBin {
     pub to: f64,
     /// Divisions.
     pub n: usize,
+    /// Mean volume of the mothers.
+    pub mother_volume: f64,
     /// Mean |χ|.
     pub mean: f64,
     /// Its standard deviation.
@@ -67,8 +71,18 @@ pub fn volume_bins(divisions: &[Division], edges: Option<&[f64]>) -> Vec<VolumeB
     let bin = |pair: &[f64]| {
         let inside = |division: &&Division| (pair[0]..pair[1]).contains(&division.mother_volume());
         let chi: Vec<f64> = divisions.iter().filter(inside).map(Division::chi).collect();
+        let volumes: Vec<f64> = divisions.iter().filter(inside).map(Division::mother_volume).collect();
         let (mean, sd, box_plot) = (mean(&chi), sd(&chi), box_plot(&chi));
-        (!chi.is_empty()).then(|| VolumeBin { from: pair[0], to: pair[1], n: chi.len(), mean, sd, box_plot, chi })
+        (!chi.is_empty()).then(|| VolumeBin {
+            from: pair[0],
+            to: pair[1],
+            n: chi.len(),
+            mother_volume: crate::statistics::mean(&volumes),
+            mean,
+            sd,
+            box_plot,
+            chi,
+        })
     };
     edges.windows(2).rev().filter_map(bin).collect()
 }

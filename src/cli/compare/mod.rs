@@ -1,7 +1,9 @@
 //! `furrow compare`: the model beside measured embryos.
 
+mod by_size;
 mod contour;
 mod counts;
+mod dose;
 mod files;
 mod volumes;
 
@@ -25,6 +27,7 @@ enum What {
     Counts(counts::CountsArgs),
     Volumes(volumes::VolumesArgs),
     Contour(contour::ContourArgs),
+    Dose(dose::DoseArgs),
 }
 
 pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
@@ -33,6 +36,7 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
         What::Counts(args) => counts::run(args, context),
         What::Volumes(args) => volumes::run(args, context),
         What::Contour(args) => contour::run(args, context),
+        What::Dose(args) => dose::run(args, context),
     }
 }
 

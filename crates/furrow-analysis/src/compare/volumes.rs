@@ -274,6 +274,42 @@ pub fn scale(divisions: &[Division], cells: &Cells, by_p0: bool) -> Option<Scale
     (!ratios.is_empty()).then(|| Scale { length: mean(&ratios).exp(), from: ScaleFrom::Fitted })
 }
 
+/// The model's cell without a cue beside the divisions of a bin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BinModel {
+    /// The bin.
+    pub bin: String,
+    /// Mean volume of its mothers, in the unit of the table.
+    pub volume: f64,
+    /// A cell of this volume.
+    pub model: Modelled,
+}
+
+/// The model's cells without a cue as large as the mean mother of each bin; one L_h is `length` in the cube root of the unit.
+///
+/// # Errors
+/// [`SchedulerError`] if no workers can be started. A division that cannot be computed has no outcome.
+pub fn model_by_bin(
+    settings: &TreeSettings,
+    bins: &[VolumeBin],
+    length: f64,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Vec<BinModel>, SchedulerError> {
+    let radius = |bin: &VolumeBin| (0.75 / std::f64::consts::PI * bin.mother_volume).cbrt() / length;
+    let input = |bin: &VolumeBin| {
+        let cell = Cell { r0: radius(bin), ..settings.cell.clone().with_cue(Cue::none()) };
+        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
+    };
+    let found = scheduler::solve_all(bins.iter().map(input), memo, options, divide)?.divisions;
+    let of = |(bin, found): (&VolumeBin, &Option<furrow_mechanics::division::Division>)| {
+        let (outcome, chi) =
+            (found.as_ref().map(|found| found.outcome()), found.as_ref().and_then(|found| found.chi()));
+        BinModel { bin: bin.name(), volume: bin.mother_volume, model: Modelled { r0: radius(bin), outcome, chi } }
+    };
+    Ok(bins.iter().zip(&found).map(of).collect())
+}
+
 /// χ over the size of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SizeCurve {
