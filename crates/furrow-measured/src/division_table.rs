@@ -5,8 +5,8 @@ use std::io::Read;
 use furrow_input::{InputError, csv_value};
 
 use crate::events::{Division, GENERATION};
-use crate::layout::{DivisionColumns, Unit};
-use crate::table::{Table, is_comment};
+use crate::layout::{ChiColumns, DivisionColumns, Unit, embryo_of_file};
+use crate::table::{Table, is_comment, number};
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, positive};
 
 impl Volumes {
@@ -32,6 +32,30 @@ impl Volumes {
             }
         }
         Ok(columns.unit)
+    }
+
+    pub(crate) fn read_chi<R: Read>(
+        &mut self,
+        table: &mut Table<'_, R>,
+        file: &str,
+        options: &ReadOptions,
+        header: &[String],
+        columns: &ChiColumns,
+    ) -> Result<Unit, InputError> {
+        while let Some(row) = table.next()? {
+            if is_comment(row.1) {
+                continue;
+            }
+            let found = chi_division(columns, |column| Value::new(row, header, column), (file, options));
+            match found.and_then(|found| self.first_of_its_mother(file, found)) {
+                Ok(division) => {
+                    self.used += 1;
+                    self.divisions.push(division);
+                }
+                Err(rejected) => self.skip(file, &rejected),
+            }
+        }
+        Ok(Unit::OfMother)
     }
 
     /// The division, or the name of a mother that has divided before.
@@ -89,6 +113,34 @@ fn division<'r>(
         volumes: volumes.map(|volume| factor * volume),
         chi_signed: (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]),
         mother_measured: own.map(|volume| factor * volume),
+    };
+    Ok((mother, division))
+}
+
+/// The division of a row of χ: daughters are fractions of their mother.
+fn chi_division<'r>(
+    columns: &ChiColumns,
+    at: impl Fn(usize) -> Value<'r>,
+    (file, options): (&str, &ReadOptions),
+) -> Result<(Value<'r>, Division), Rejected<'r>> {
+    let (mother, value) = (at(columns.mother), at(columns.chi));
+    if mother.text.is_empty() {
+        return Err((mother, "no name of a mother".to_owned()));
+    }
+    let chi = number(value.text).ok_or((value, "not a number".to_owned()))?;
+    if chi.abs() >= 1.0 {
+        return Err((value, "χ must be above -1 and below 1".to_owned()));
+    }
+    let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
+    let name = text(mother);
+    let division = Division {
+        embryo: columns.embryo.map_or_else(|| embryo_of_file(file), |column| text(at(column))),
+        group: options.group.clone().filter(|_| group.is_empty()).unwrap_or(group),
+        daughters: ["first", "second"].map(|which| format!("{name} {which}")),
+        mother: name,
+        volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],
+        chi_signed: chi,
+        mother_measured: None,
     };
     Ok((mother, division))
 }

@@ -113,7 +113,7 @@ pub struct MotherSummary {
     pub mean_signed: f64,
     /// Its standard deviation.
     pub sd_signed: Option<f64>,
-    /// Mean volume of the mother; `None` where it is not published.
+    /// Mean volume of the mother; `None` where it is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mother_volume: Option<f64>,
 }

@@ -18,13 +18,16 @@ pub enum Unit {
     Voxels,
     /// Fractions, such as of P0's volume.
     Relative,
+    /// Fractions of each division's own mother: a table of χ.
+    OfMother,
 }
 
 /// For each unit its symbol, the columns of volumes named after it, and what a column of units calls it.
-const UNITS: [(Unit, &str, &[&str], &[&str]); 3] = [
+const UNITS: [(Unit, &str, &[&str], &[&str]); 4] = [
     (Unit::CubicMicrometres, "µm³", &["volume_um3", "volume_µm3", "volume_µm³"], &["um3", "um^3", "µm3", "µm³", "um³"]),
     (Unit::Voxels, "voxels", &["volume_voxels", "volume_voxel"], &["voxel", "voxels"]),
     (Unit::Relative, "relative", &["relative_volume", "volume_relative", "volume_fraction"], &["relative", "1"]),
+    (Unit::OfMother, "of the mother", &[], &[]),
 ];
 
 impl Unit {
@@ -80,7 +83,7 @@ impl Columns {
         let message = format!(
             "no column is called {}; a table of volumes has the columns embryo, cell and volume (also volume_um3, volume_voxels or \
              relative_volume), or one for each cell with its name on top, or of divisions embryo, mother, \
-             larger_um3 and smaller_um3; the columns here are {}",
+             larger_um3 and smaller_um3, or of χ mother and chi; the columns here are {}",
             missing.join(" or "),
             listed(header)
         );
@@ -146,6 +149,26 @@ impl DivisionColumns {
         let (population, generation) = (find("population").or_else(|| find("group")), find("generation"));
         let daughters = [larger, smaller];
         Ok(Some(DivisionColumns { embryo, mother, daughters, mother_volume, population, generation, unit }))
+    }
+}
+
+/// The columns of a table of χ.
+pub(crate) struct ChiColumns {
+    pub(crate) mother: usize,
+    pub(crate) chi: usize,
+    pub(crate) embryo: Option<usize>,
+    pub(crate) group: Option<usize>,
+}
+
+impl ChiColumns {
+    /// The columns of a table of χ; `None` for other tables.
+    pub(crate) fn of(header: &[String], place: (&str, usize)) -> Result<Option<Self>, InputError> {
+        let lower = unified(header, place)?;
+        let find = |names: &[&str]| lower.iter().position(|column| names.contains(&column.as_str()));
+        // The signed χ says more where a table has both.
+        let (mother, chi) = (find(&["mother"]), find(&["chi_signed"]).or_else(|| find(&["chi"])));
+        let (embryo, group) = (find(&["embryo", "sample"]), find(&["group", "condition"]));
+        Ok(mother.zip(chi).map(|(mother, chi)| ChiColumns { mother, chi, embryo, group }))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Tables of cell volumes, in three layouts.
+//! Tables of cell volumes, in four layouts.
 //!
 //! * *Long*: one row per cell, or per cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
 //!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with the prefix `mean_`), `embryo`, and optionally `group`,
@@ -6,6 +6,7 @@
 //! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`.
 //! * *Divisions*: one row per division, with the volumes of both daughters, `larger_um3` and `smaller_um3`, beside `embryo` and
 //!   `mother`, and optionally `mother_um3`, `population` and `generation`.
+//! * *χ*: one row per division, with `mother` and `chi` or `chi_signed`, and optionally `embryo` and `group`.
 //!
 //! Rows that begin with `#` are comments.
 //!
@@ -20,7 +21,7 @@ use serde::Serialize;
 
 use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{Columns, DivisionColumns, embryo_of_file};
+use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
 use crate::names::is_cell;
 use crate::table::{Table, is_comment, malformed, names, number};
 
@@ -168,6 +169,8 @@ impl Volumes {
         };
         let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
             self.read_divisions(&mut table, file, options, &header, &columns)?
+        } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
+            self.read_chi(&mut table, file, options, &header, &columns)?
         } else if let Some(columns) = Columns::of(&header, (file, line))? {
             self.read_long(&mut table, file, options, &header, &columns)?
         } else {

@@ -31,7 +31,7 @@ use crate::cli::progress::ProgressLine;
 #[command(after_help = "\
 Examples:
   furrow compare dose
-  furrow compare dose doses.csv --bins 0,0.3,0.6,0.9,1.2 --plot dose.svg --json")]
+  furrow compare dose --preset sulston1983 --plot dose.svg --json")]
 pub struct DoseArgs {
     /// Table of doses, CSV
     #[arg(value_name = "FILE")]

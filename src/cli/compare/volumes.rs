@@ -35,15 +35,16 @@ use std::path::PathBuf;
 ///
 /// A table is long, with columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally group, frame
 /// and n, or a grid of frames by cells of one embryo in voxels, such as SampleNN_Volume.csv, or of divisions, with columns embryo,
-/// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation. Without a table the model is compared
+/// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation, or of χ, with columns mother, chi (or
+/// chi_signed) and optionally embryo and group. Without a table the model is compared
 /// with published means. The model's χ is computed twice: grown from its zygote, and with the measured sizes of AB and P1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow compare volumes
   furrow compare volumes --preset sulston1983 --plot chi.svg --json
-  furrow compare volumes divisions.csv --population Mac,Mes --classes 0,1000,4000,16000,1e6 --lineage sea_urchin.ron
-  furrow compare volumes uncompressed.csv --against compressed.csv")]
+  furrow compare volumes --published villoutreix2016
+  furrow compare volumes data/jankele2021_volumes.csv --regress wt,ctrl")]
 pub struct VolumesArgs {
     /// Tables of cell volumes, CSV
     #[arg(value_name = "FILE")]
@@ -138,7 +139,13 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     }
     let flag = interrupt::flag();
     add_bands(&mut groups, &free, &lineage, &settings, &sets, context.threads, flag)?;
-    let bins = volume_bins(all, args.bins.as_deref());
+    // χ alone has no sizes.
+    let no_sizes = measured.volumes.unit == Some(Unit::OfMother);
+    if no_sizes {
+        groups.iter_mut().for_each(GroupBeside::without_sizes);
+    }
+    let sized = if no_sizes { &[][..] } else { &all[..] };
+    let bins = volume_bins(sized, args.bins.as_deref());
     let Volumes { unit, used, skipped, skipped_count, divisions: in_rows, .. } = &measured.volumes;
     let of_lineage = || {
         let length = lineage.units().length_um.filter(|_| *unit == Some(Unit::CubicMicrometres))?;
@@ -146,16 +153,16 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     };
     let length_scale = match args.length_scale {
         Some(WantedScale::Length(length)) => Some(Scale { length, from: ScaleFrom::Given }),
-        Some(WantedScale::Fitted) => scale(all, &free, false),
-        None => scale(all, &free, true).or_else(of_lineage),
+        Some(WantedScale::Fitted) => scale(sized, &free, false),
+        None => scale(sized, &free, true).or_else(of_lineage),
     };
     // Mothers without Sulston's names have no cell in the tree; one of their size is beside them.
-    let sizes = length_scale.filter(|_| !in_rows.is_empty());
+    let sizes = length_scale.filter(|_| !in_rows.is_empty() && !no_sizes);
     let by_bin = match sizes {
-        Some(Scale { length, .. }) => bin_models(&settings, (all, args.bins.as_deref()), length, context)?,
+        Some(Scale { length, .. }) => bin_models(&settings, (sized, args.bins.as_deref()), length, context)?,
         None => Vec::new(),
     };
-    let (trend, noise) = (volume_trend(all), noise_null(all, &bins));
+    let (trend, noise) = (volume_trend(sized), noise_null(sized, &bins));
     let tests = adjacent_tests(&bins);
     let regressions = regressions(args, &groups)?;
     let in_um = length_scale.filter(|_| *unit == Some(Unit::CubicMicrometres));
@@ -185,10 +192,10 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     if picture.is_wanted() {
         let unit = unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
         let (groups, bins, length) = (&groups, &bins, length_scale.map(|scale| scale.length));
-        let curves = curves(&lineage, &settings, all, length, context)?;
+        let curves = curves(&lineage, &settings, sized, length, context)?;
         let noise = noise.as_ref().map_or(&[][..], |null| &null.bins);
         picture
-            .write(|| comparison::draw(&Comparison { groups, divisions: all, bins, noise, unit, length, curves }))?;
+            .write(|| comparison::draw(&Comparison { groups, divisions: sized, bins, noise, unit, length, curves }))?;
     }
     if context.json {
         return print(&json);

@@ -23,9 +23,13 @@ pub struct DoseModel {
 /// Points of the model's curve.
 const POINTS: usize = 25;
 
-/// Doses from 0 to `most`, evenly spaced, for a curve.
+/// Doses from 0 to `most`, with 1 among them, for a curve: closer near 0, where χ is steep.
 pub fn doses_to(most: f64) -> Vec<f64> {
-    (0..POINTS).map(|k| most * k as f64 / (POINTS - 1) as f64).collect()
+    let mut doses: Vec<f64> = (0..POINTS).map(|k| most * (k as f64 / (POINTS - 1) as f64).powi(2)).collect();
+    doses.push(1.0);
+    doses.sort_by(f64::total_cmp);
+    doses.dedup();
+    doses
 }
 
 /// The model's divisions of a cell, with all of its cue at dose 1, at some doses.

@@ -77,6 +77,14 @@ pub struct GroupBeside {
     pub tests: Vec<AdjacentTest>,
 }
 
+impl GroupBeside {
+    /// Leaves out what needs sizes: of a table of χ they are not known.
+    pub fn without_sizes(&mut self) {
+        (self.bins, self.tests) = (Vec::new(), Vec::new());
+        self.events.iter_mut().for_each(|event| event.measured.mother_volume = None);
+    }
+}
+
 /// χ of two groups by mother: y of the second over x of the first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Regression {

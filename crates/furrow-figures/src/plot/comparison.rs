@@ -7,7 +7,7 @@ use furrow_measured::trend::{VolumeBin, adjacent_tests};
 use crate::drawing::legend::{Key, Legend, Marker, point, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, WHITE, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Stroke, font};
 use furrow_analysis::compare::noise::{Interval, NoiseBin};
 use furrow_analysis::compare::volumes::{Band, Beside, GroupBeside, Modelled, SizeCurve};
 
@@ -48,7 +48,8 @@ pub fn draw(comparison: &Comparison<'_>) -> Canvas {
             mothers.push(event.measured.mother.clone());
         }
     }
-    let each = 30.0 + 24.0 * groups.len() as f64;
+    let longest = mothers.iter().map(|mother| font::width(mother, style::text::TICK)).fold(0.0, f64::max);
+    let each = (30.0 + 24.0 * groups.len() as f64).max(longest + 14.0);
     // As many mothers in a row as leave the text large enough to be read.
     let in_row = (((WIDEST - 150.0) / each) as usize).clamp(1, mothers.len().max(1));
     let width = (150.0 + in_row as f64 * each).max(760.0);
