@@ -14,7 +14,7 @@ use furrow_measured::statistics::{Line, RankCorrelation};
 use furrow_measured::volumes::Skipped;
 use serde_json::json;
 
-use super::volumes::MOST_SKIPPED;
+use super::volumes::{MOST_SKIPPED, plus_minus};
 use crate::cli::cell::{length, load_lineage, natural, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -168,7 +168,7 @@ fn text(measured: &Measured, model: &Model) -> String {
 
 fn row(group: &DoseGroup) -> String {
     let DoseGroup { name, n, dose, larger_share, chi_area, chi_volume } = group;
-    let spread = |Spread { mean, sd }: &Spread| format!("{mean:.3} ± {:.3}", sd.unwrap_or(0.0));
+    let spread = |Spread { mean, sd }: &Spread| format!("{mean:.3}{}", plus_minus(*sd));
     let [dose, share, area, volume] = [dose, larger_share, chi_area, chi_volume].map(spread);
     format!("{name:<12}{n:>4} {dose:>13} {share:>15} {area:>13} {volume:>15}")
 }
