@@ -27,6 +27,9 @@ pub struct Division {
     pub volumes: [f64; 2],
     /// (V₁ − V₂)/(V₁ + V₂).
     pub chi_signed: f64,
+    /// The mother's own volume, where a table of divisions has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mother_measured: Option<f64>,
 }
 
 impl Division {
@@ -65,7 +68,7 @@ pub struct Divisions {
 
 /// All divisions of all embryos.
 pub fn divisions(volumes: &Volumes) -> Divisions {
-    let mut found = Divisions::default();
+    let mut found = Divisions { divisions: volumes.divisions.clone(), half_seen: Vec::new() };
     for embryo in &volumes.embryos {
         let measured = embryo.cells.iter().filter(|cell| cell.frames > 0);
         let known: BTreeMap<&str, f64> = measured.map(|cell| (cell.cell.as_str(), cell.volume())).collect();
@@ -77,7 +80,16 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
                 Some(second) if is_first => {
                     let (daughters, volumes) = ([name.to_owned(), other], [volume, *second]);
                     let chi_signed = (volume - second) / (volume + second);
-                    found.divisions.push(Division { embryo, group, mother, daughters, volumes, chi_signed });
+                    let mother_measured = None;
+                    found.divisions.push(Division {
+                        embryo,
+                        group,
+                        mother,
+                        daughters,
+                        volumes,
+                        chi_signed,
+                        mother_measured,
+                    });
                 }
                 Some(_) => {}
             }
@@ -101,7 +113,7 @@ pub struct MotherSummary {
     pub mean_signed: f64,
     /// Its standard deviation.
     pub sd_signed: Option<f64>,
-    /// Mean volume of the mother; `None` where it is not published.
+    /// Mean volume of the mother; `None` where it is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mother_volume: Option<f64>,
 }
@@ -158,7 +170,11 @@ fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
     GroupSummary { group: group.to_owned(), embryos: embryos.len(), events: by_mother.into_iter().map(of).collect() }
 }
 
+/// What precedes the number of a generation, by which divisions of tables without Sulston's names are summarised.
+pub(crate) const GENERATION: &str = "generation ";
+
 /// The order of cells: by generation, then by name.
 pub(crate) fn place(name: &str) -> (u32, &str) {
-    (generation(name), name)
+    let counted = name.strip_prefix(GENERATION).and_then(|number| number.parse().ok());
+    (counted.unwrap_or_else(|| generation(name)), name)
 }

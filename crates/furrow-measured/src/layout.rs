@@ -1,4 +1,4 @@
-//! The two layouts of tables of volumes, recognised by their first line, and the units of volumes.
+//! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
 use std::collections::HashSet;
 
@@ -18,13 +18,16 @@ pub enum Unit {
     Voxels,
     /// Fractions, such as of P0's volume.
     Relative,
+    /// Fractions of each division's own mother: a table of χ.
+    OfMother,
 }
 
 /// For each unit its symbol, the columns of volumes named after it, and what a column of units calls it.
-const UNITS: [(Unit, &str, &[&str], &[&str]); 3] = [
+const UNITS: [(Unit, &str, &[&str], &[&str]); 4] = [
     (Unit::CubicMicrometres, "µm³", &["volume_um3", "volume_µm3", "volume_µm³"], &["um3", "um^3", "µm3", "µm³", "um³"]),
     (Unit::Voxels, "voxels", &["volume_voxels", "volume_voxel"], &["voxel", "voxels"]),
     (Unit::Relative, "relative", &["relative_volume", "volume_relative", "volume_fraction"], &["relative", "1"]),
+    (Unit::OfMother, "of the mother", &[], &[]),
 ];
 
 impl Unit {
@@ -59,17 +62,11 @@ pub(crate) struct Columns {
 
 impl Columns {
     /// The columns of a long table; `None` for a grid.
-    pub(crate) fn of(header: &[String], file: &str) -> Result<Option<Columns>, InputError> {
-        let lower: Vec<String> = header.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
+    pub(crate) fn of(header: &[String], (file, line): (&str, usize)) -> Result<Option<Columns>, InputError> {
+        let lower = unified(header, (file, line))?;
         let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
         let is_volume =
             |name: &String| ["volume", "mean_volume"].contains(&name.as_str()) || Unit::of_column(name).is_some();
-        let mut seen = HashSet::new();
-        for (column, name) in lower.iter().enumerate() {
-            if !name.is_empty() && !seen.insert(name) {
-                return Err(malformed(file, 1, format!("two columns are called {:?}", header[column])));
-            }
-        }
         let cell = find(&["cell", "cell_name", "name"]);
         let volume = lower.iter().position(is_volume);
         let embryo = find(&["embryo", "embryo_name", "sample"]);
@@ -85,11 +82,93 @@ impl Columns {
         let missing: Vec<&str> = missing.into_iter().filter(|(_, at)| at.is_none()).map(|(name, _)| name).collect();
         let message = format!(
             "no column is called {}; a table of volumes has the columns embryo, cell and volume (also volume_um3, volume_voxels or \
-             relative_volume), or one for each cell with its name on top; the columns here are {}",
+             relative_volume), or one for each cell with its name on top, or of divisions embryo, mother, \
+             larger_um3 and smaller_um3, or of χ mother and chi; the columns here are {}",
             missing.join(" or "),
             listed(header)
         );
-        Err(malformed(file, 1, message))
+        Err(malformed(file, line, message))
+    }
+}
+
+/// Names of columns in lower case and with underscores; no two may be alike.
+pub(crate) fn unified(header: &[String], (file, line): (&str, usize)) -> Result<Vec<String>, InputError> {
+    let lower: Vec<String> = header.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
+    let mut seen = HashSet::new();
+    for (column, name) in lower.iter().enumerate() {
+        if !name.is_empty() && !seen.insert(name) {
+            return Err(malformed(file, line, format!("two columns are called {:?}", header[column])));
+        }
+    }
+    Ok(lower)
+}
+
+/// The columns of a table of divisions.
+pub(crate) struct DivisionColumns {
+    pub(crate) embryo: usize,
+    pub(crate) mother: usize,
+    /// Volumes of the larger and of the smaller daughter.
+    pub(crate) daughters: [usize; 2],
+    pub(crate) mother_volume: Option<usize>,
+    pub(crate) population: Option<usize>,
+    pub(crate) generation: Option<usize>,
+    pub(crate) unit: Unit,
+}
+
+impl DivisionColumns {
+    /// The columns of a table of divisions; `None` for other tables.
+    pub(crate) fn of(header: &[String], (file, line): (&str, usize)) -> Result<Option<Self>, InputError> {
+        let endings = [("_um3", Unit::CubicMicrometres), ("_voxels", Unit::Voxels), ("", Unit::CubicMicrometres)];
+        let lower = unified(header, (file, line))?;
+        let find = |name: &str| lower.iter().position(|column| column == name);
+        let volume = |of: &str| endings.iter().find_map(|(end, unit)| Some((find(&format!("{of}{end}"))?, *unit)));
+        let (larger, smaller) = match (volume("larger"), volume("smaller")) {
+            (None, None) => return Ok(None),
+            found => found,
+        };
+        let (embryo, mother) = (find("embryo"), find("mother"));
+        let (Some(embryo), Some(mother), Some((larger, unit)), Some((smaller, other))) =
+            (embryo, mother, larger, smaller)
+        else {
+            let needed = [("embryo", embryo), ("mother", mother)];
+            let daughters = [("larger_um3", larger), ("smaller_um3", smaller)];
+            let needed = needed.into_iter().chain(daughters.map(|(name, found)| (name, found.map(|(at, _)| at))));
+            let missing: Vec<&str> = needed.filter(|(_, at)| at.is_none()).map(|(name, _)| name).collect();
+            let message = format!(
+                "no column is called {}; a table of divisions has the columns embryo, mother, larger_um3 and smaller_um3 \
+                 (or larger_voxels, smaller_voxels); the columns here are {}",
+                missing.join(" or "),
+                listed(header)
+            );
+            return Err(malformed(file, line, message));
+        };
+        if other != unit {
+            return Err(malformed(file, line, "larger and smaller have different units"));
+        }
+        let mother_volume = find(if unit == Unit::Voxels { "mother_voxels" } else { "mother_um3" });
+        let (population, generation) = (find("population").or_else(|| find("group")), find("generation"));
+        let daughters = [larger, smaller];
+        Ok(Some(DivisionColumns { embryo, mother, daughters, mother_volume, population, generation, unit }))
+    }
+}
+
+/// The columns of a table of χ.
+pub(crate) struct ChiColumns {
+    pub(crate) mother: usize,
+    pub(crate) chi: usize,
+    pub(crate) embryo: Option<usize>,
+    pub(crate) group: Option<usize>,
+}
+
+impl ChiColumns {
+    /// The columns of a table of χ; `None` for other tables.
+    pub(crate) fn of(header: &[String], place: (&str, usize)) -> Result<Option<Self>, InputError> {
+        let lower = unified(header, place)?;
+        let find = |names: &[&str]| lower.iter().position(|column| names.contains(&column.as_str()));
+        // The signed χ says more where a table has both.
+        let (mother, chi) = (find(&["mother"]), find(&["chi_signed"]).or_else(|| find(&["chi"])));
+        let (embryo, group) = (find(&["embryo", "sample"]), find(&["group", "condition"]));
+        Ok(mother.zip(chi).map(|(mother, chi)| ChiColumns { mother, chi, embryo, group }))
     }
 }
 

@@ -3,10 +3,11 @@
 //! | file | content |
 //! |---|---|
 //! | [`names`] | Sulston's names: a cell's mother and sister |
-//! | [`volumes`], `layout` | tables of volumes: long ones and those of frames × cells |
+//! | [`volumes`], `layout`, `division_table` | tables of volumes: long ones, those of frames × cells, and those of divisions |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`lifetimes`] | tables of lifetimes: over volume, which sister divides first, cells alive over time |
 //! | [`trend`] | χ by decades of the mother's volume |
+//! | [`dose`] | asymmetry of a division over the dose of a protein |
 //! | [`published`] | means over published embryos |
 //! | [`statistics`] | means, boxes, rank sums, straight lines |
 //! | [`significance`] | p values of slopes, of differences of means and of orders |
@@ -30,6 +31,8 @@
 
 #[cfg(feature = "contours")]
 pub mod contour;
+mod division_table;
+pub mod dose;
 pub mod events;
 mod layout;
 pub mod lifetimes;

@@ -4,10 +4,16 @@
 //! Jankele, Jelier & Gönczy, *eLife* 10, e61714 (2021): segmented volumes of 6 wild-type embryos (`wt`), 8 of the same strain as
 //! the changed ones (`ctrl`), and embryos whose first division was made equal by moving the spindle, 11 that hatched (`alive`) and
 //! 12 that did not (`dead`). Of the last two signed means alone are known, which are means of |χ| where all signs are alike.
+//!
+//! Villoutreix et al., *Sci. Rep.* 6, 37438 (2016): 1,702 divisions of five blastulae of *Paracentrotus lividus*, by population
+//! (macromeres, mesomeres, large and small micromeres) and generation. χ is that of the larger minus the smaller daughter.
+//!
+//! Rodrigues et al. (2024), CC BY 4.0: 83 two-cell embryos over the dosage of PAR-6, wild type, heterozygous and after RNAi.
 
 use furrow_input::InputError;
 use serde::Deserialize;
 
+use crate::dose::{DoseGroup, Spread};
 use crate::events::{Division, GroupSummary, MotherSummary, divisions, place};
 use crate::lifetimes::Lifetimes;
 use crate::table::malformed;
@@ -21,8 +27,19 @@ const VOLUMES: &str = include_str!("../data/jankele2021_volumes.csv");
 
 /// Lifetimes of the cells of 28 embryos of both groups: means of those measured in at least five.
 const LIFETIMES: &str = include_str!("../data/jankele2021_lifetimes.csv");
+/// Divisions of five sea-urchin embryos, by population and generation.
+const VILLOUTREIX: &str = include_str!("../data/villoutreix2016.csv");
 
 /// What it is called.
+pub const SEA_URCHIN_SOURCE: &str = "Villoutreix et al. 2016, Sci. Rep. 6:37438";
+
+/// Asymmetry over the dose of PAR-6, by condition and in bins of the dose.
+const RODRIGUES: &str = include_str!("../data/rodrigues2024.csv");
+
+/// What that is called.
+pub const DOSE_SOURCE: &str = "Rodrigues et al. 2024, dosage of PAR-6 and asymmetry of the two-cell stage";
+
+/// What the table of volumes is called.
 pub const SOURCE: &str = "Jankele, Jelier & Gönczy 2021, eLife 10:e61714";
 
 #[derive(Deserialize)]
@@ -34,6 +51,10 @@ struct Row {
     sd: Option<f64>,
     mean_signed: f64,
     sd_signed: Option<f64>,
+    #[serde(default)]
+    mother_volume: Option<f64>,
+    #[serde(default)]
+    embryos: Option<usize>,
 }
 
 /// Divisions of 14 embryos, of the groups `wt` and `ctrl`.
@@ -62,15 +83,27 @@ pub fn jankele2021_lifetimes() -> Result<Lifetimes, InputError> {
     Lifetimes::read(LIFETIMES.as_bytes(), "jankele2021_lifetimes.csv")
 }
 
-/// The published groups.
+/// The published groups of worms.
 ///
 /// # Errors
 /// None, as long as the shipped table is one.
 pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
+    groups_of(JANKELE, "jankele2021.csv")
+}
+
+/// The published populations of sea urchins, by generation.
+///
+/// # Errors
+/// None, as long as the shipped table is one.
+pub fn villoutreix2016() -> Result<Vec<GroupSummary>, InputError> {
+    groups_of(VILLOUTREIX, "villoutreix2016.csv")
+}
+
+fn groups_of(table: &str, file: &str) -> Result<Vec<GroupSummary>, InputError> {
     let mut groups: Vec<GroupSummary> = Vec::new();
-    for row in csv::Reader::from_reader(JANKELE.as_bytes()).deserialize() {
+    for row in csv::Reader::from_reader(table.as_bytes()).deserialize() {
         let row: Row = row.map_err(|error| {
-            malformed("jankele2021.csv", error.position().map_or(1, csv::Position::line) as usize, error.to_string())
+            malformed(file, error.position().map_or(1, csv::Position::line) as usize, error.to_string())
         })?;
         let event = MotherSummary {
             mother: row.mother,
@@ -79,18 +112,59 @@ pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
             sd: row.sd.or(row.sd_signed),
             mean_signed: row.mean_signed,
             sd_signed: row.sd_signed,
-            mother_volume: None,
+            mother_volume: row.mother_volume,
         };
         match groups.iter_mut().find(|group| group.group == row.group) {
             Some(group) => {
-                group.embryos = group.embryos.max(event.n);
+                group.embryos = row.embryos.unwrap_or(group.embryos.max(event.n));
                 group.events.push(event);
             }
-            None => groups.push(GroupSummary { group: row.group, embryos: event.n, events: vec![event] }),
+            None => {
+                let embryos = row.embryos.unwrap_or(event.n);
+                groups.push(GroupSummary { group: row.group, embryos, events: vec![event] });
+            }
         }
     }
     for group in &mut groups {
         group.events.sort_by(|a, b| place(&a.mother).cmp(&place(&b.mother)));
+    }
+    Ok(groups)
+}
+
+#[derive(Deserialize)]
+struct DoseRow {
+    by: String,
+    name: String,
+    n: usize,
+    dose: f64,
+    dose_sd: Option<f64>,
+    larger_share: f64,
+    larger_share_sd: Option<f64>,
+    chi_area: f64,
+    chi_area_sd: Option<f64>,
+    chi_volume: f64,
+    chi_volume_sd: Option<f64>,
+}
+
+/// Published asymmetries of the worm's first division over the dose of PAR-6: by condition, and in bins of the dose.
+///
+/// # Errors
+/// None, as long as the shipped table is one.
+pub fn rodrigues2024() -> Result<[Vec<DoseGroup>; 2], InputError> {
+    let mut groups = [Vec::new(), Vec::new()];
+    for row in csv::Reader::from_reader(RODRIGUES.as_bytes()).deserialize() {
+        let row: DoseRow = row.map_err(|error| {
+            malformed("rodrigues2024.csv", error.position().map_or(1, csv::Position::line) as usize, error.to_string())
+        })?;
+        let spread = |mean: f64, sd: Option<f64>| Spread { mean, sd };
+        groups[usize::from(row.by != "condition")].push(DoseGroup {
+            name: row.name,
+            n: row.n,
+            dose: spread(row.dose, row.dose_sd),
+            larger_share: spread(row.larger_share, row.larger_share_sd),
+            chi_area: spread(row.chi_area, row.chi_area_sd),
+            chi_volume: spread(row.chi_volume, row.chi_volume_sd),
+        });
     }
     Ok(groups)
 }

@@ -1,10 +1,10 @@
-//! Means, boxes, rank sums and straight lines.
+//! Means, boxes, rank sums, rank correlations and straight lines.
 //!
 //! # References
 //! Mann & Whitney, *Ann. Math. Stat.* 18, 50 (1947); Wilcoxon, *Biometrics Bull.* 1, 80 (1945).
 
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Mean of some values; NaN of none.
 pub fn mean(values: &[f64]) -> f64 {
@@ -142,6 +142,48 @@ pub fn stars(p: f64) -> &'static str {
     }
 }
 
+/// Spearman's rank correlation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RankCorrelation {
+    /// Pairs.
+    pub n: usize,
+    /// The correlation of the ranks, equal values sharing the mean of theirs.
+    pub rho: f64,
+    /// Probability of a correlation as strong, of either sign, between independent values; by Student's t.
+    pub p: f64,
+}
+
+/// The ranks of some values from 1, in their order; equal ones share the mean of theirs.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut before = 0.0;
+    for equal in order.chunk_by(|a, b| values[*a] == values[*b]) {
+        let count = equal.len() as f64;
+        equal.iter().for_each(|place| ranks[*place] = before + 0.5 * (count + 1.0));
+        before += count;
+    }
+    ranks
+}
+
+/// Spearman's rank correlation of pairs, two-sided; none of fewer than three pairs, or where either does not vary.
+pub fn rank_correlation(points: &[[f64; 2]]) -> Option<RankCorrelation> {
+    let n = points.len();
+    let [x, y] = [0, 1].map(|k| ranks(&points.iter().map(|point| point[k]).collect::<Vec<_>>()));
+    let middle = 0.5 * (n as f64 + 1.0);
+    let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - middle) * (b - middle)).sum::<f64>();
+    let varies = sum(&x, &x) * sum(&y, &y);
+    if n < 3 || varies <= 0.0 {
+        return None;
+    }
+    let rho = (sum(&x, &y) / varies.sqrt()).clamp(-1.0, 1.0);
+    let freedom = n as f64 - 2.0;
+    let t = rho.abs() * (freedom / ((1.0 - rho) * (1.0 + rho))).sqrt();
+    let p = StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |student| 2.0 * student.sf(t));
+    Some(RankCorrelation { n, rho, p })
+}
+
 /// A straight line through points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Line {
@@ -153,8 +195,12 @@ pub struct Line {
     pub slope_error: f64,
     /// Intercept; 0 of a line through the origin.
     pub intercept: f64,
+    /// Standard error of the intercept; `None` of a line through the origin.
+    pub intercept_error: Option<f64>,
     /// Share of the variation that it explains: about the mean, and of a line through the origin about 0.
     pub r_squared: f64,
+    /// Share of the variation about the mean that it explains; negative for a line through the origin that is worse than the mean.
+    pub r_squared_about_mean: f64,
 }
 
 /// The line of least squares through points (x, y), with an intercept; none of fewer than three points or where x does not vary.
@@ -185,5 +231,14 @@ fn least_squares(points: &[[f64; 2]], centre: Option<[f64; 2]>) -> Option<Line> 
         Some(_) => xy * xy / (xx * yy),
         None => 1.0 - left / yy,
     };
-    Some(Line { n, slope, slope_error, intercept: y - slope * x, r_squared })
+    let about_mean = |middle: f64| points.iter().map(|p| (p[1] - middle).powi(2)).sum::<f64>();
+    let r_squared_about_mean = match centre {
+        Some(_) => r_squared,
+        None => match about_mean(mean(&points.iter().map(|p| p[1]).collect::<Vec<_>>())) {
+            varies if varies > 0.0 => 1.0 - left / varies,
+            _ => 0.0,
+        },
+    };
+    let intercept_error = centre.map(|[x, _]| slope_error * (xx / n as f64 + x * x).sqrt());
+    Some(Line { n, slope, slope_error, intercept: y - slope * x, intercept_error, r_squared, r_squared_about_mean })
 }

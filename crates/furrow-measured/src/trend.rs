@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use crate::events::Division;
-use crate::statistics::{BoxPlot, RankSum, box_plot, mean, rank_sum, sd, stars};
+use crate::statistics::{
+    BoxPlot, Line, RankCorrelation, RankSum, box_plot, line, mean, rank_correlation, rank_sum, sd, stars,
+};
 
 /// Divisions of mothers in one decade of volume.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -14,6 +16,8 @@ pub struct VolumeBin {
     pub to: f64,
     /// Divisions.
     pub n: usize,
+    /// Mean volume of the mothers.
+    pub mother_volume: f64,
     /// Mean |χ|.
     pub mean: f64,
     /// Its standard deviation.
@@ -67,10 +71,64 @@ pub fn volume_bins(divisions: &[Division], edges: Option<&[f64]>) -> Vec<VolumeB
     let bin = |pair: &[f64]| {
         let inside = |division: &&Division| (pair[0]..pair[1]).contains(&division.mother_volume());
         let chi: Vec<f64> = divisions.iter().filter(inside).map(Division::chi).collect();
+        let volumes: Vec<f64> = divisions.iter().filter(inside).map(Division::mother_volume).collect();
         let (mean, sd, box_plot) = (mean(&chi), sd(&chi), box_plot(&chi));
-        (!chi.is_empty()).then(|| VolumeBin { from: pair[0], to: pair[1], n: chi.len(), mean, sd, box_plot, chi })
+        (!chi.is_empty()).then(|| VolumeBin {
+            from: pair[0],
+            to: pair[1],
+            n: chi.len(),
+            mother_volume: crate::statistics::mean(&volumes),
+            mean,
+            sd,
+            box_plot,
+            chi,
+        })
     };
     edges.windows(2).rev().filter_map(bin).collect()
+}
+
+/// χ over log₁₀ of the mother's volume, of pairs of both; its slope is per decade.
+pub fn volume_line(points: &[[f64; 2]]) -> Option<Line> {
+    line(&points.iter().map(|[volume, chi]| [volume.log10(), *chi]).collect::<Vec<_>>())
+}
+
+/// The trend of χ over the mother's volume.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeTrend {
+    /// χ over log₁₀ of the volume.
+    pub line: Option<Line>,
+    /// Rank correlation of volume and χ.
+    pub spearman: Option<RankCorrelation>,
+    /// The line of each embryo, in the order of the table: a trend over all may be one between embryos.
+    pub embryos: Vec<EmbryoTrend>,
+}
+
+/// The trend within an embryo.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EmbryoTrend {
+    /// The embryo.
+    pub embryo: String,
+    /// χ over log₁₀ of the volume.
+    pub line: Line,
+}
+
+/// The trend of some divisions, over all and within embryos.
+pub fn volume_trend(divisions: &[Division]) -> VolumeTrend {
+    let mut embryos: Vec<(&str, Vec<[f64; 2]>)> = Vec::new();
+    let mut all = Vec::new();
+    for division in divisions {
+        let point = [division.mother_volume(), division.chi()];
+        all.push(point);
+        match embryos.iter_mut().find(|(name, _)| *name == division.embryo) {
+            Some((_, points)) => points.push(point),
+            None => embryos.push((&division.embryo, vec![point])),
+        }
+    }
+    let of = |(embryo, points): (&str, Vec<[f64; 2]>)| {
+        Some(EmbryoTrend { embryo: embryo.to_owned(), line: volume_line(&points)? })
+    };
+    let embryos = embryos.into_iter().filter_map(of).collect();
+    VolumeTrend { line: volume_line(&all), spearman: rank_correlation(&all), embryos }
 }
 
 /// Each bin beside the next one of larger cells.

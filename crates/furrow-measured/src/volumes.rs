@@ -1,12 +1,17 @@
-//! Tables of cell volumes, in two layouts.
+//! Tables of cell volumes, in four layouts.
 //!
 //! * *Long*: one row per cell, or per cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
 //!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with the prefix `mean_`), `embryo`, and optionally `group`,
 //!   `frame`, `n` and `unit`.
 //! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`.
+//! * *Divisions*: one row per division, with the volumes of both daughters, `larger_um3` and `smaller_um3`, beside `embryo` and
+//!   `mother`, and optionally `mother_um3`, `population` and `generation`.
+//! * *χ*: one row per division, with `mother` and `chi` or `chi_signed`, and optionally `embryo` and `group`.
+//!
+//! Rows that begin with `#` are comments.
 //!
 //! A cell's volume is the mean over its frames. A value that cannot be used is skipped and reported with its place; a table
-//! with neither layout is an error.
+//! with none of these layouts is an error.
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
@@ -14,10 +19,11 @@ use std::io::Read;
 use furrow_input::{InputError, csv_value};
 use serde::Serialize;
 
+use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{Columns, embryo_of_file};
+use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
 use crate::names::is_cell;
-use crate::table::{Table, malformed, names, number};
+use crate::table::{Table, is_comment, malformed, names, number};
 
 /// Options for reading a table.
 #[derive(Clone, Debug, Default)]
@@ -30,7 +36,7 @@ pub struct ReadOptions {
 
 impl ReadOptions {
     /// The volume of a voxel, 1 if unknown.
-    fn voxel_volume(&self) -> f64 {
+    pub(crate) fn voxel_volume(&self) -> f64 {
         self.voxel.map_or(1.0, |voxel| voxel.powi(3))
     }
 }
@@ -82,6 +88,24 @@ pub struct Skipped {
     pub why: String,
 }
 
+impl Skipped {
+    pub(crate) fn new(file: &str, (value, why): &Rejected<'_>) -> Skipped {
+        Skipped {
+            file: file.to_owned(),
+            line: value.line,
+            column: format!("{} ({})", value.column + 1, value.name),
+            value: String::from_utf8_lossy(&value.text[..value.text.len().min(80)]).into_owned(),
+            why: why.clone(),
+        }
+    }
+
+    /// The place, the value and why, in a line.
+    pub fn described(&self) -> String {
+        let Skipped { line, column, value, why, .. } = self;
+        format!("line {line}, column {column}: {value:?}: {why}")
+    }
+}
+
 /// Most skipped values that are kept; all are counted.
 pub const MOST_PLACES: usize = 1000;
 
@@ -90,6 +114,8 @@ pub const MOST_PLACES: usize = 1000;
 pub struct Volumes {
     /// Embryos, in the order of the tables.
     pub embryos: Vec<Embryo>,
+    /// Divisions of tables that have both daughters in a row, in the order of the tables.
+    pub divisions: Vec<Division>,
     /// The unit of all; `None` before a table is read.
     pub unit: Option<Unit>,
     /// Values used.
@@ -101,26 +127,28 @@ pub struct Volumes {
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
+    /// Lines of divisions by file, embryo and mother.
+    pub(crate) division_lines: HashMap<(String, String, String), u64>,
 }
 
 /// A value with its place.
 #[derive(Clone, Copy)]
-struct Value<'r> {
-    line: u64,
+pub(crate) struct Value<'r> {
+    pub(crate) line: u64,
     column: usize,
     name: &'r str,
-    text: &'r [u8],
+    pub(crate) text: &'r [u8],
 }
 
 impl<'r> Value<'r> {
-    fn new((line, record): (u64, &'r csv::ByteRecord), header: &'r [String], column: usize) -> Value<'r> {
+    pub(crate) fn new((line, record): (u64, &'r csv::ByteRecord), header: &'r [String], column: usize) -> Value<'r> {
         let name = header.get(column).map_or("", String::as_str);
         Value { line, column, name, text: record.get(column).unwrap_or_default().trim_ascii() }
     }
 }
 
 /// A value that cannot be used, and why.
-type Rejected<'r> = (Value<'r>, String);
+pub(crate) type Rejected<'r> = (Value<'r>, String);
 
 impl Volumes {
     /// Adds a table. Reports name it `file`.
@@ -129,13 +157,24 @@ impl Volumes {
     /// A table without the required columns, or in another unit than the tables before.
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
-        let Some((_, first)) = table.next()? else {
-            return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
+        let (line, header) = loop {
+            let Some((line, first)) = table.next()? else {
+                return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
+            };
+            let header = names(first);
+            // The first column of a grid may be called anything.
+            if !is_comment(first) || header.iter().skip(1).any(|name| is_cell(name)) {
+                break (line as usize, header);
+            }
         };
-        let header = names(first);
-        let unit = match Columns::of(&header, file)? {
-            Some(columns) => self.read_long(&mut table, file, options, &header, &columns)?,
-            None => self.read_grid(&mut table, file, options, &header)?,
+        let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
+            self.read_divisions(&mut table, file, options, &header, &columns)?
+        } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
+            self.read_chi(&mut table, file, options, &header, &columns)?
+        } else if let Some(columns) = Columns::of(&header, (file, line))? {
+            self.read_long(&mut table, file, options, &header, &columns)?
+        } else {
+            self.read_grid(&mut table, file, options, &header)?
         };
         let unit = if unit == Unit::Voxels && options.voxel.is_some() { Unit::CubicMicrometres } else { unit };
         match self.unit.replace(unit).filter(|before| *before != unit) {
@@ -156,9 +195,7 @@ impl Volumes {
         let first = self.skipped.first();
         let file = first.map_or(tables, |skipped| skipped.file.as_str());
         let value = format!("none used, {} skipped", self.skipped_count);
-        let why = first.map_or("the table has no rows".to_owned(), |Skipped { line, column, value, why, .. }| {
-            format!("line {line}, column {column}: {value:?}: {why}")
-        });
+        let why = first.map_or("the table has no rows".to_owned(), Skipped::described);
         InputError::require(self.used > 0, file, "volumes", value, format!("at least one that can be used ({why})"))
     }
 
@@ -173,6 +210,9 @@ impl Volumes {
         let named = Unit::of_column(&header[columns.volume]);
         let (mut said, mut largest) = (None, 0.0_f64);
         while let Some(row) = table.next()? {
+            if is_comment(row.1) {
+                continue;
+            }
             let at = |column: usize| Value::new(row, header, column);
             if let Some(column) = columns.unit {
                 note_unit(file, &at(column), &mut said)?;
@@ -281,16 +321,10 @@ impl Volumes {
         })
     }
 
-    fn skip(&mut self, file: &str, (value, why): &Rejected<'_>) {
+    pub(crate) fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
         self.skipped_count += 1;
         if self.skipped.len() < MOST_PLACES {
-            self.skipped.push(Skipped {
-                file: file.to_owned(),
-                line: value.line,
-                column: format!("{} ({})", value.column + 1, value.name),
-                value: String::from_utf8_lossy(&value.text[..value.text.len().min(80)]).into_owned(),
-                why: why.clone(),
-            });
+            self.skipped.push(Skipped::new(file, rejected));
         }
     }
 }
@@ -337,7 +371,7 @@ fn has_decimal_comma(text: &[u8]) -> bool {
 }
 
 /// A volume, which is positive.
-fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
+pub(crate) fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
     let why = match number(value.text) {
         Some(volume) if volume > VOLUMES[0] && volume < VOLUMES[1] => return Ok(volume),
         Some(volume) if volume > 0.0 => "a volume must be from 1e-100 to 1e100",

@@ -2,7 +2,9 @@
 
 mod lifetimes;
 
-use furrow_measured::statistics::{Method, box_plot, line, line_through_origin, mean, rank_sum, sd, stars};
+use furrow_measured::statistics::{
+    Line, Method, box_plot, line, line_through_origin, mean, rank_correlation, rank_sum, sd, stars,
+};
 use serde_json::Value;
 
 fn reference() -> Value {
@@ -79,4 +81,45 @@ fn boxes_have_quartiles_between_values_and_whiskers_of_three_interquartile_range
 #[test]
 fn stars_follow_the_rule() {
     assert_eq!([0.2, 0.1, 0.09, 0.05, 0.049, 0.001, 0.0009].map(stars), ["n.s.", "n.s.", "*", "*", "**", "**", "***"]);
+}
+
+fn points(case: &Value) -> Vec<[f64; 2]> {
+    numbers(&case["x"]).into_iter().zip(numbers(&case["y"])).map(|(x, y)| [x, y]).collect()
+}
+
+#[test]
+fn rank_correlations_are_those_of_scipy() {
+    for case in reference()["correlations"].as_array().unwrap() {
+        let found = rank_correlation(&points(case)).unwrap();
+        close(found.rho, &case["rho"]);
+        close(found.p, &case["p"]);
+    }
+    assert!(rank_correlation(&[[1.0, 2.0], [2.0, 3.0]]).is_none());
+    assert!(rank_correlation(&[[1.0, 2.0], [1.0, 3.0], [1.0, 4.0]]).is_none());
+    assert_eq!(rank_correlation(&[[1.0, 2.0], [2.0, 3.0], [3.0, 4.0]]).unwrap().p, 0.0);
+}
+
+/// The two regressions of χ under compression: errors of slope and intercept, and R² about 0 and about the mean.
+#[test]
+fn regressions_have_the_errors_of_scipy() {
+    for case in reference()["regressions"].as_array().unwrap() {
+        let [free, origin] = [line(&points(case)).unwrap(), line_through_origin(&points(case)).unwrap()];
+        let parts = |line: Line| {
+            [
+                ("slope", Some(line.slope)),
+                ("slope_error", Some(line.slope_error)),
+                ("intercept", Some(line.intercept)),
+                ("intercept_error", line.intercept_error),
+                ("r_squared", Some(line.r_squared)),
+                ("r_squared_about_mean", Some(line.r_squared_about_mean)),
+            ]
+        };
+        for (found, expected) in [(free, &case["line"]), (origin, &case["origin"])] {
+            for (name, value) in parts(found).into_iter().filter(|(name, _)| !expected[*name].is_null()) {
+                close(value.unwrap_or_else(|| panic!("no {name}")), &expected[name]);
+            }
+        }
+        assert_eq!((origin.intercept, origin.intercept_error), (0.0, None));
+        assert_eq!(free.r_squared, free.r_squared_about_mean);
+    }
 }

@@ -1,7 +1,10 @@
 //! Tables of volumes as people write them.
 
+use furrow_measured::dose::{Doses, by_condition, by_dose, trend};
+use furrow_measured::events::Division;
 use furrow_measured::events::{divisions, summaries};
-use furrow_measured::trend::{adjacent_tests, volume_bins};
+use furrow_measured::published::{rodrigues2024, villoutreix2016};
+use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 fn read(table: &[u8]) -> Volumes {
@@ -171,4 +174,201 @@ fn names_that_were_written_for_spreadsheets_read_back_as_they_were() {
     let written = furrow_input::csv_field("=wt");
     let volumes = read(format!("embryo,cell,volume,group\n+e1,AB,60,{written}\n").as_bytes());
     assert_eq!((volumes.embryos[0].group.as_str(), volumes.embryos[0].name.as_str()), ("=wt", "+e1"));
+}
+
+/// A table of divisions with a comment, a mother that was not measured and rows that cannot be used.
+const DIVISIONS: &str = "\
+# Made up, in um^3; one \"quote\" more
+embryo,mother,population,generation,mother_um3,larger_um3,smaller_um3
+1,a,Mac,6,100,60,40
+1,b,Mac,10,,55,45
+# In between.
+1,b,Mac,10,99,55,45
+2,a,Mes,6,98,40,60
+2,b,Mes,6,x,60,40
+2,c,Mes,six,100,60,40
+2,,Mes,6,100,60,40
+2,d,Mes,7,110,75,25
+";
+
+#[test]
+fn divisions_are_read_row_by_row() {
+    let volumes = read(DIVISIONS.as_bytes());
+    let found = divisions(&volumes).divisions;
+    let of = |d: &Division| (d.group.clone(), d.mother.clone(), d.daughters[0].clone(), d.mother_measured);
+    let expected = [("Mac", "6", "a", Some(100.0)), ("Mac", "10", "b", None), ("Mes", "7", "d", Some(110.0))];
+    let expected = expected.map(|(group, generation, mother, own)| {
+        (group.to_owned(), format!("generation {generation}"), format!("{mother} larger"), own)
+    });
+    assert_eq!(found.iter().map(of).collect::<Vec<_>>(), expected);
+    assert_eq!(found.iter().map(|d| (100.0 * d.chi()).round() as i32).collect::<Vec<_>>(), [20, 10, 50]);
+    // Generation 10 follows generation 6, though not by the alphabet.
+    let groups = summaries(&found);
+    assert_eq!(
+        groups[0].events.iter().map(|event| &event.mother[..]).collect::<Vec<_>>(),
+        ["generation 6", "generation 10"]
+    );
+    assert_eq!((volumes.used, volumes.unit), (8, Some(Unit::CubicMicrometres)));
+    assert_eq!(
+        skipped(DIVISIONS),
+        [
+            "t.csv:6: 2 (mother) = \"b\": a second division of this cell; the first is on line 4",
+            "t.csv:7: 6 (larger_um3) = \"40\": the larger daughter must not be the smaller one",
+            "t.csv:8: 5 (mother_um3) = \"x\": not a number",
+            "t.csv:9: 4 (generation) = \"six\": not a whole number of a generation",
+            "t.csv:10: 2 (mother) = \"\": no name of a mother",
+        ]
+    );
+    let refusal = refused(b"# x\nembryo,larger_um3\n1,2\n");
+    assert!(
+        refusal.starts_with("t.csv:2:1: no column is called mother or smaller_um3; a table of divisions"),
+        "{refusal}"
+    );
+    assert!(refused(b"embryo,mother,larger_um3,smaller_voxels\n").ends_with("larger and smaller have different units"));
+}
+
+#[test]
+fn a_table_of_chi_needs_no_volumes() {
+    let table = "mother,chi\nP0,0.2\nP1,-0.1\nP2,1\nP3,\n";
+    let found = divisions(&read(table.as_bytes())).divisions;
+    let of = |d: &Division| (d.embryo.clone(), d.mother.clone(), d.chi_signed);
+    assert_eq!(
+        found.iter().map(of).collect::<Vec<_>>(),
+        [("t".into(), "P0".into(), 0.2), ("t".into(), "P1".into(), -0.1)]
+    );
+    assert_eq!(
+        skipped(table),
+        ["t.csv:4: 2 (chi) = \"1\": χ must be above -1 and below 1", "t.csv:5: 2 (chi) = \"\": not a number"]
+    );
+}
+
+#[test]
+fn a_comment_is_no_header_but_the_first_column_of_a_grid_may_be_called_anything() {
+    let grid = read(b"#,AB,P1\n1,60,40\n");
+    assert_eq!(grid.used, 2);
+    assert_eq!(read(b"# made up; by hand; today\nembryo,cell,volume\n# AB\ne,AB,1\n").used, 1);
+}
+
+#[test]
+fn shares_are_read_as_areas_and_as_volumes() {
+    let table =
+        "# c\npar6_dosage,larger_share,condition\n1,0.57,wt\n0.1,0.5,rnai\n0.3,0.51,rnai\n0.2,1.2,rnai\n-1,0.5,wt\n";
+    let doses = Doses::read(table.as_bytes(), "d.csv").unwrap();
+    let wild = &doses.divisions[0];
+    // By hand: s^1.5 of 0.57 and 0.43 are 0.430345 and 0.281971.
+    assert!(
+        (wild.chi_area() - 0.208299).abs() < 1e-5 && (wild.chi_volume() - 0.14).abs() < 1e-15,
+        "{}",
+        wild.chi_area()
+    );
+    assert_eq!((doses.divisions.len(), doses.skipped_count), (3, 2));
+    assert_eq!(
+        doses.skipped.iter().map(|skipped| skipped.described()).collect::<Vec<_>>(),
+        [
+            "line 6, column 2 (larger_share): \"1.2\": must be above 0 and below 1",
+            "line 7, column 1 (par6_dosage): \"-1\": must be from 0 to 1e6; 1 is the wild type",
+        ]
+    );
+    let names = |groups: Vec<furrow_measured::dose::DoseGroup>| {
+        groups.into_iter().map(|group| (group.name, group.n)).collect::<Vec<_>>()
+    };
+    assert_eq!(names(by_condition(&doses.divisions)), [("wt".to_owned(), 1), ("rnai".to_owned(), 2)]);
+    let bins = names(by_dose(&doses.divisions, None));
+    assert_eq!(bins, [("0..0.2".to_owned(), 1), ("0.2..0.4".to_owned(), 1), ("1..1.2".to_owned(), 1)]);
+    assert_eq!(names(by_dose(&doses.divisions, Some(&[0.0, 0.5]))), [("0..0.5".to_owned(), 2)]);
+    for (table, why) in [
+        ("dose\n1\n", "d.csv:1:1: no column is called larger_share"),
+        ("", "d.csv:1:1: the table is empty"),
+        (
+            "dose,larger_share\n",
+            "d.csv: rows = none used: must be at least one that can be used (the table has no rows)",
+        ),
+    ] {
+        let refusal = Doses::read(table.as_bytes(), "d.csv").unwrap_err().to_string();
+        assert!(refusal.starts_with(why), "{refusal}");
+    }
+}
+
+/// The published tables, which are not shipped; `None` where they are not.
+fn published(name: &str) -> Option<String> {
+    let folder = std::env::var("FURROW_DATA");
+    let folder = folder.unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").to_owned());
+    let found = std::fs::read_to_string(format!("{folder}/{name}")).ok();
+    if found.is_none() {
+        println!("skipped: no {name} in {folder}; FURROW_DATA names another folder");
+    }
+    found
+}
+
+fn reference(of: &str) -> serde_json::Value {
+    serde_json::from_str::<serde_json::Value>(include_str!("data/reference.json")).unwrap()[of].clone()
+}
+
+fn close(found: f64, expected: &serde_json::Value) {
+    let expected = expected.as_f64().unwrap();
+    assert!((found - expected).abs() <= 1e-10 * expected.abs(), "{found} {expected}");
+}
+
+#[test]
+fn the_sea_urchin_has_the_classes_and_tests_of_scipy() {
+    let Some(table) = published("villoutreix2016_divisions.csv") else { return };
+    let volumes = read(table.as_bytes());
+    let all = divisions(&volumes).divisions;
+    assert_eq!((all.len(), volumes.skipped_count), (1702, 0));
+    let two: Vec<Division> = all.iter().filter(|d| ["Mac", "Mes"].contains(&&d.group[..])).cloned().collect();
+    let reference = reference("sea_urchin");
+    for name in ["decades", "classes"] {
+        let expected = &reference[name];
+        let edges: Vec<f64> = expected["edges"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        let bins = volume_bins(&two, Some(&edges));
+        assert_eq!(bins.len(), edges.len() - 1);
+        for (bin, expected) in bins.iter().zip(expected["bins"].as_array().unwrap()) {
+            assert_eq!(bin.n as u64, expected["n"].as_u64().unwrap());
+            close(bin.mean, &expected["mean"]);
+            close(bin.sd.unwrap(), &expected["sd"]);
+        }
+        for (test, expected) in adjacent_tests(&bins).iter().zip(expected["tests"].as_array().unwrap()) {
+            close(test.test.u, &expected["u"]);
+            close(test.test.p, &expected["p"]);
+        }
+    }
+    let (found, expected) = (volume_trend(&two), &reference["trend"]);
+    close(found.line.unwrap().slope, &expected["slope"]);
+    close(found.line.unwrap().slope_error, &expected["slope_error"]);
+    close(found.spearman.unwrap().rho, &expected["rho"]);
+    close(found.spearman.unwrap().p, &expected["p"]);
+    // What is shipped is a summary of this table.
+    for (shipped, found) in villoutreix2016().unwrap().iter().zip(["Mac", "Mes", "LMic", "SMic"]) {
+        let computed = summaries(&all).into_iter().find(|group| group.group == found).unwrap();
+        assert_eq!((shipped.embryos, shipped.events.len()), (computed.embryos, computed.events.len()));
+        for (shipped, computed) in shipped.events.iter().zip(&computed.events) {
+            assert_eq!((&shipped.mother, shipped.n), (&computed.mother, computed.n));
+            assert!((shipped.mean - computed.mean).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn asymmetry_over_the_dose_has_the_trend_of_scipy() {
+    let Some(table) = published("rodrigues2024_dosage.csv") else { return };
+    let doses = Doses::read(table.as_bytes(), "d.csv").unwrap();
+    let (found, expected) = (trend(&doses.divisions), reference("dose"));
+    assert_eq!((doses.divisions.len() as u64, doses.skipped_count), (expected["n"].as_u64().unwrap(), 0));
+    close(found.spearman.unwrap().rho, &expected["rho"]);
+    close(found.spearman.unwrap().p, &expected["p"]);
+    for (line, expected) in [(found.chi_area, &expected["chi_area"]), (found.chi_volume, &expected["chi_volume"])] {
+        let line = line.unwrap();
+        close(line.slope, &expected["slope"]);
+        close(line.slope_error, &expected["slope_error"]);
+        close(line.intercept, &expected["intercept"]);
+        close(line.intercept_error.unwrap(), &expected["intercept_error"]);
+        close(line.r_squared, &expected["r_squared"]);
+    }
+    let computed = [by_condition(&doses.divisions), by_dose(&doses.divisions, None)];
+    for (shipped, computed) in rodrigues2024().unwrap().iter().flatten().zip(computed.iter().flatten()) {
+        assert_eq!((&shipped.name, shipped.n), (&computed.name, computed.n));
+        for (a, b) in [(shipped.dose, computed.dose), (shipped.chi_area, computed.chi_area)] {
+            assert!((a.mean - b.mean).abs() < 1e-6 && (a.sd.unwrap() - b.sd.unwrap()).abs() < 1e-6);
+        }
+    }
 }

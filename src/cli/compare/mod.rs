@@ -1,7 +1,9 @@
 //! `furrow compare`: the model beside measured embryos.
 
+mod by_size;
 mod contour;
 mod counts;
+mod dose;
 mod files;
 mod lifetimes;
 mod volumes;
@@ -27,6 +29,7 @@ enum What {
     Volumes(volumes::VolumesArgs),
     Lifetimes(lifetimes::LifetimesArgs),
     Contour(contour::ContourArgs),
+    Dose(dose::DoseArgs),
 }
 
 pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
@@ -36,6 +39,7 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
         What::Volumes(args) => volumes::run(args, context),
         What::Lifetimes(args) => lifetimes::run(args, context),
         What::Contour(args) => contour::run(args, context),
+        What::Dose(args) => dose::run(args, context),
     }
 }
 

@@ -1,11 +1,12 @@
 //! `furrow compare volumes`: size asymmetries beside the measured ones.
 
 use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
-use furrow_measured::published::{SOURCE, jankele2021};
+use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
-use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
+use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 
+use super::by_size::{bins_text, noise_text, trend_text};
 use super::{files, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
@@ -14,10 +15,11 @@ use crate::cli::interrupt;
 use crate::cli::output::{number, print, to_json, writable_folder};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use furrow_analysis::compare::noise::noise_null;
 use furrow_analysis::compare::volumes::{
-    Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model, regression,
-    scale, size_curves,
+    Band, Beside, BinModel, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model,
+    model_by_bin, regression, scale, size_curves,
 };
 use furrow_analysis::{Range, read_constants, tree_settings};
 use furrow_figures::plot;
@@ -25,23 +27,31 @@ use furrow_input::{InputError, open_file, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 use plot::comparison::{self, Comparison};
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Compares size asymmetries of measured divisions with the model's
 ///
 /// A table is long, with columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally group, frame
-/// and n, or a grid of frames by cells of one embryo in voxels, such as SampleNN_Volume.csv. Without a table the model is compared
+/// and n, or a grid of frames by cells of one embryo in voxels, such as SampleNN_Volume.csv, or of divisions, with columns embryo,
+/// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation, or of χ, with columns mother, chi (or
+/// chi_signed) and optionally embryo and group. Without a table the model is compared
 /// with published means. The model's χ is computed twice: grown from its zygote, and with the measured sizes of AB and P1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow compare volumes
-  furrow compare volumes --preset sulston1983 --plot chi.svg --json")]
+  furrow compare volumes --preset sulston1983 --plot chi.svg --json
+  furrow compare volumes --published villoutreix2016
+  furrow compare volumes data/jankele2021_volumes.csv --regress wt,ctrl")]
 pub struct VolumesArgs {
     /// Tables of cell volumes, CSV
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Published means that are compared without a table
+    #[arg(help_heading = "Tables", long, value_name = "NAME", value_enum, default_value_t = Published::Jankele2021, conflicts_with = "files")]
+    published: Published,
     /// Tables of a second condition, for a regression
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
@@ -51,8 +61,11 @@ pub struct VolumesArgs {
     /// Two groups to regress on each other, such as wt,ctrl
     #[arg(help_heading = "Statistics", long, value_name = "X,Y")]
     regress: Option<String>,
+    /// Populations of a table of divisions that are used, such as Mac,Mes; default all
+    #[arg(help_heading = "Tables", long, value_name = "NAME,NAME,..", value_delimiter = ',', requires = "files")]
+    population: Option<Vec<String>>,
     /// Edges of the bins of the mother's volume, ascending, such as 100,1000,10000; default decades
-    #[arg(help_heading = "Statistics", long, value_name = "V,V,..", value_delimiter = ',', value_parser = number)]
+    #[arg(help_heading = "Statistics", long, visible_alias = "classes", value_name = "V,V,..", value_delimiter = ',', value_parser = number)]
     bins: Option<Vec<f64>>,
     /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default such that P0 is as large as
     /// measured, and by all mothers where P0 is not
@@ -71,6 +84,15 @@ pub struct VolumesArgs {
     plot: PlotArgs,
 }
 
+/// The value of --published.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Published {
+    /// C. elegans, by mother
+    Jankele2021,
+    /// Sea urchin, by population and generation
+    Villoutreix2016,
+}
+
 /// The value of --length-scale.
 #[derive(Clone, Copy, Debug)]
 enum WantedScale {
@@ -86,7 +108,7 @@ fn wanted_scale(text: &str) -> Result<WantedScale, String> {
 }
 
 /// Skipped values that are listed.
-const MOST_SKIPPED: usize = 10;
+pub(super) const MOST_SKIPPED: usize = 10;
 
 /// The measured side of a comparison.
 struct Measured {
@@ -117,13 +139,30 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     }
     let flag = interrupt::flag();
     add_bands(&mut groups, &free, &lineage, &settings, &sets, context.threads, flag)?;
-    let bins = volume_bins(all, args.bins.as_deref());
+    // χ alone has no sizes.
+    let no_sizes = measured.volumes.unit == Some(Unit::OfMother);
+    if no_sizes {
+        groups.iter_mut().for_each(GroupBeside::without_sizes);
+    }
+    let sized = if no_sizes { &[][..] } else { &all[..] };
+    let bins = volume_bins(sized, args.bins.as_deref());
+    let Volumes { unit, used, skipped, skipped_count, divisions: in_rows, .. } = &measured.volumes;
+    let of_lineage = || {
+        let length = lineage.units().length_um.filter(|_| *unit == Some(Unit::CubicMicrometres))?;
+        Some(Scale { length, from: ScaleFrom::Lineage })
+    };
     let length_scale = match args.length_scale {
         Some(WantedScale::Length(length)) => Some(Scale { length, from: ScaleFrom::Given }),
-        Some(WantedScale::Fitted) => scale(all, &free, false),
-        None => scale(all, &free, true),
+        Some(WantedScale::Fitted) => scale(sized, &free, false),
+        None => scale(sized, &free, true).or_else(of_lineage),
     };
-    let Volumes { unit, used, skipped, skipped_count, .. } = &measured.volumes;
+    // Mothers without Sulston's names have no cell in the tree; one of their size is beside them.
+    let sizes = length_scale.filter(|_| !in_rows.is_empty() && !no_sizes);
+    let by_bin = match sizes {
+        Some(Scale { length, .. }) => bin_models(&settings, (sized, args.bins.as_deref()), length, context)?,
+        None => Vec::new(),
+    };
+    let (trend, noise) = (volume_trend(sized), noise_null(sized, &bins));
     let tests = adjacent_tests(&bins);
     let regressions = regressions(args, &groups)?;
     let in_um = length_scale.filter(|_| *unit == Some(Unit::CubicMicrometres));
@@ -142,6 +181,9 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         "members": (!sets.is_empty()).then_some(sets.len()),
         "bins": bins,
         "tests": tests,
+        "trend": trend,
+        "noise": noise,
+        "model_by_bin": by_bin,
         "regressions": regressions,
     }))?;
     if let Some(out) = &args.out {
@@ -150,13 +192,17 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     if picture.is_wanted() {
         let unit = unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
         let (groups, bins, length) = (&groups, &bins, length_scale.map(|scale| scale.length));
-        let curves = curves(&lineage, &settings, all, length, context)?;
-        picture.write(|| comparison::draw(&Comparison { groups, divisions: all, bins, unit, length, curves }))?;
+        let curves = curves(&lineage, &settings, sized, length, context)?;
+        let noise = noise.as_ref().map_or(&[][..], |null| &null.bins);
+        picture
+            .write(|| comparison::draw(&Comparison { groups, divisions: sized, bins, noise, unit, length, curves }))?;
     }
     if context.json {
         return print(&json);
     }
-    let by_size = bins_text(*unit, &bins, &tests);
+    let by_size = bins_text(*unit, &bins, &tests, &by_bin)
+        + &if in_rows.is_empty() { String::new() } else { trend_text(&trend) }
+        + &noise.as_ref().map_or(String::new(), noise_text);
     let groups: String = groups.iter().map(group_text).collect();
     let regressions: String = regressions.iter().map(regression_text).collect();
     let source = measured.source.map_or(String::new(), |source| format!("measured: means published by {source}\n\n"));
@@ -184,6 +230,18 @@ fn curves(
     Ok(size_curves(lineage, settings, [from, to], &context.memo()?, &context.scheduling(&show))?)
 }
 
+/// The model's cells as large as the mothers of each bin.
+fn bin_models(
+    settings: &TreeSettings,
+    (divisions, edges): (&[Division], Option<&[f64]>),
+    length: f64,
+    context: &Context,
+) -> Result<Vec<BinModel>, CliError> {
+    let line = ProgressLine::new(context.progress);
+    let show = |progress| line.show_all(progress);
+    Ok(model_by_bin(settings, &volume_bins(divisions, edges), length, &context.memo()?, &context.scheduling(&show))?)
+}
+
 /// Smallest radius of the curve, in L_h: smaller cells stay at rest.
 const SMALLEST: f64 = 1.0;
 
@@ -203,8 +261,11 @@ fn check(args: &VolumesArgs) -> Result<(), InputError> {
 fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     let mut volumes = Volumes::default();
     if args.files.is_empty() {
-        let groups = jankele2021()?;
-        return Ok(Measured { source: Some(SOURCE), volumes, found: Divisions::default(), groups });
+        let (source, groups) = match args.published {
+            Published::Jankele2021 => (SOURCE, jankele2021()?),
+            Published::Villoutreix2016 => (SEA_URCHIN_SOURCE, villoutreix2016()?),
+        };
+        return Ok(Measured { source: Some(source), volumes, found: Divisions::default(), groups });
     }
     // Two conditions are two groups, if their tables name none.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
@@ -215,9 +276,28 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
         }
     }
     volumes.require_used(&args.files[0].display().to_string())?;
-    let found = divisions(&volumes);
+    let mut found = divisions(&volumes);
+    if let Some(wanted) = &args.population {
+        keep_populations(&mut found.divisions, wanted)?;
+    }
     let groups = summaries(&found.divisions);
     Ok(Measured { source: None, volumes, found, groups })
+}
+
+/// Leaves the divisions of the populations asked for.
+fn keep_populations(divisions: &mut Vec<Division>, wanted: &[String]) -> Result<(), InputError> {
+    let known: BTreeSet<String> = divisions.iter().map(|division| division.group.clone()).collect();
+    let unknown = wanted.iter().find(|name| !known.contains(name.trim()));
+    let allowed = format!("populations of the tables: {}", Vec::from_iter(known.clone()).join(", "));
+    InputError::require(
+        unknown.is_none(),
+        "--population",
+        "population",
+        unknown.cloned().unwrap_or_default(),
+        allowed,
+    )?;
+    divisions.retain(|division| wanted.iter().any(|name| name.trim() == division.group));
+    Ok(())
 }
 
 /// The regressions asked for: of named groups, or of two conditions.
@@ -246,6 +326,7 @@ fn scale_text(unit: Option<Unit>, scale: Option<Scale>) -> String {
     let from = match from {
         ScaleFrom::Given => "as given",
         ScaleFrom::P0 => "by P0",
+        ScaleFrom::Lineage => "by the lineage file",
         ScaleFrom::Fitted => "by all mothers that the model has",
     };
     format!("one L_h is {length:.4} {unit}, {from}\n")
@@ -273,9 +354,10 @@ fn group_text(group: &GroupBeside) -> String {
     let name = if group.group.is_empty() { "measured".to_owned() } else { format!("group {}", group.group) };
     let with_bands = group.events.iter().any(|event| event.band.is_some());
     let bands = if with_bands { "  over the constants: median, 90 %" } else { "" };
+    let wide = group.events.iter().map(|event| event.measured.mother.len()).fold(10, usize::max);
     let mut out = format!(
-        "{name}, {} embryos\nmother       n       χ measured   signed   model (sd off)     AB, P1 as measured{bands}\n",
-        group.embryos
+        "{name}, {} embryos\n{:<wide$}   n       χ measured   signed   model (sd off)     AB, P1 as measured{bands}\n",
+        group.embryos, "mother"
     );
     for event in &group.events {
         let Beside { measured, model, given_first, band, .. } = event;
@@ -290,12 +372,12 @@ fn group_text(group: &GroupBeside) -> String {
         let chi = format!("{:.3}{}", measured.mean, plus_minus(measured.sd));
         let (model, first, band) = (of(model), of(given_first), band.map_or(String::new(), band_text));
         let (mother, n, signed) = (&measured.mother, measured.n, measured.mean_signed);
-        let _ = writeln!(out, "{mother:<10}{n:>4} {chi:>16} {signed:>+8.3} {model:>16} {first:>22}{band}");
+        let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>+8.3} {model:>16} {first:>22}{band}");
     }
     out + "\n"
 }
 
-fn plus_minus(sd: Option<f64>) -> String {
+pub(super) fn plus_minus(sd: Option<f64>) -> String {
     sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
@@ -308,28 +390,24 @@ fn band_text(Band { chi, divides }: Band) -> String {
     }
 }
 
-fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest]) -> String {
-    if bins.is_empty() {
-        return String::new();
-    }
-    let mut out = format!("χ by the mother's volume ({}), of all groups:\n", unit.map_or("", Unit::symbol));
-    for (k, bin) in bins.iter().enumerate() {
-        let test = k.checked_sub(1).and_then(|k| tests.get(k)).map_or(String::new(), |test| {
-            format!("  larger than above: U = {}, p = {:.3e} {}", test.test.u, test.test.p, test.stars)
-        });
-        let (name, sd) = (bin.name(), plus_minus(bin.sd));
-        let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
-    }
-    out + "\n"
-}
-
 fn regression_text(regression: &Regression) -> String {
-    let Regression { x, y, mothers, through_origin, with_intercept } = regression;
+    let Regression { x, y, mothers, only_x, only_y, through_origin, with_intercept } = regression;
     let mut out = format!("χ of {y} over χ of {x}, {} mothers:\n", mothers.len());
     for (name, line) in [("through the origin", through_origin), ("with an intercept", with_intercept)] {
-        let Some(Line { slope, slope_error, intercept, r_squared, .. }) = line else { continue };
-        let at = if name == "with an intercept" { format!(", intercept {intercept:+.4}") } else { String::new() };
-        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{at}, R² = {r_squared:.4}");
+        let Some(Line { slope, slope_error, intercept, intercept_error, r_squared, r_squared_about_mean, .. }) = line
+        else {
+            continue;
+        };
+        let rest = match intercept_error {
+            Some(error) => format!(", intercept {intercept:+.4} ± {error:.4}, R² = {r_squared:.4} about the mean"),
+            None => format!(", R² = {r_squared:.4} about 0, {r_squared_about_mean:.4} about the mean"),
+        };
+        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{rest}");
+    }
+    for (group, only) in [(x, only_x), (y, only_y)].into_iter().filter(|(_, only)| !only.is_empty()) {
+        let shown: Vec<&str> = only.iter().take(MOST_SKIPPED).map(String::as_str).collect();
+        let more = if only.len() > shown.len() { ", …" } else { "" };
+        let _ = writeln!(out, "  skipped, measured in {group} alone: {} ({}{more})", only.len(), shown.join(", "));
     }
     out + "\n"
 }

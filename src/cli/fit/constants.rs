@@ -121,6 +121,10 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
             "\n{name}: misfit {misfit:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}, {} of another kind",
             parts.rounds, parts.terminal, parts.chi, parts.not_symmetric, parts.reversed
         );
+        if !targets.divisions.is_empty() {
+            let _ =
+                writeln!(out, "  {} of {} given divisions contradicted", parts.contradicted, targets.divisions.len());
+        }
     }
     let names: String = best.constants.iter().map(|(p, _)| format!("{:>9}", p.to_string())).collect();
     out += "\nThe front between the embryo's counts and the published thresholds:\n";

@@ -5,9 +5,13 @@
 //! | [`volumes`] | χ of measured divisions and of the tree, free or with the measured first division |
 //! | [`lifetimes`] | lifetimes of cells, over volume and by which sister divides first |
 //! | [`departure`] | when a tree with a clock leaves the embryo's |
+//! | [`dose`] | asymmetry over the dose of a protein, beside the model's over the strength of its cue |
+//! | [`noise`] | how much of a trend over size noise makes |
 //! | [`counts`] | rounds of founders, by every reading and at every stage |
 
 pub mod counts;
 pub mod departure;
+pub mod dose;
 pub mod lifetimes;
+pub mod noise;
 pub mod volumes;

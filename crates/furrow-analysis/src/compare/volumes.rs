@@ -77,6 +77,14 @@ pub struct GroupBeside {
     pub tests: Vec<AdjacentTest>,
 }
 
+impl GroupBeside {
+    /// Leaves out what needs sizes: of a table of χ they are not known.
+    pub fn without_sizes(&mut self) {
+        (self.bins, self.tests) = (Vec::new(), Vec::new());
+        self.events.iter_mut().for_each(|event| event.measured.mother_volume = None);
+    }
+}
+
 /// χ of two groups by mother: y of the second over x of the first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Regression {
@@ -86,6 +94,10 @@ pub struct Regression {
     pub y: String,
     /// Mothers that both have measured.
     pub mothers: Vec<String>,
+    /// Mothers that only the group along x has.
+    pub only_x: Vec<String>,
+    /// Mothers that only the group along y has.
+    pub only_y: Vec<String>,
     /// Through the origin.
     pub through_origin: Option<Line>,
     /// With an intercept.
@@ -186,10 +198,16 @@ pub fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
     let names = x.events.iter().map(|event| event.measured.mother.clone());
     let matched: Vec<(String, [f64; 2])> =
         names.filter_map(|name| Some((name.clone(), [of(x, &name)?, of(y, &name)?]))).collect();
+    let without = |these: &GroupBeside, others: &GroupBeside| {
+        let names = these.events.iter().map(|event| event.measured.mother.clone());
+        names.filter(|name| of(others, name).is_none()).collect()
+    };
     let points: Vec<[f64; 2]> = matched.iter().map(|(_, point)| *point).collect();
     Regression {
         x: x.group.clone(),
         y: y.group.clone(),
+        only_x: without(x, y),
+        only_y: without(y, x),
         mothers: matched.into_iter().map(|(name, _)| name).collect(),
         through_origin: line_through_origin(&points),
         with_intercept: line(&points),
@@ -243,6 +261,8 @@ pub struct Scale {
 pub enum ScaleFrom {
     /// It was given.
     Given,
+    /// The lineage file's.
+    Lineage,
     /// P0, as large as its daughters together, has the radius R0 of the model's.
     P0,
     /// All mothers that the model has: the mean of the logarithms of measured over modelled radii is 0.
@@ -260,6 +280,42 @@ pub fn scale(divisions: &[Division], cells: &Cells, by_p0: bool) -> Option<Scale
     let ratio = |d: &Division| Some((radius(d.mother_volume()) / cells.get(&d.mother)?.r0).ln());
     let ratios: Vec<f64> = divisions.iter().filter_map(ratio).collect();
     (!ratios.is_empty()).then(|| Scale { length: mean(&ratios).exp(), from: ScaleFrom::Fitted })
+}
+
+/// The model's cell without a cue beside the divisions of a bin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BinModel {
+    /// The bin.
+    pub bin: String,
+    /// Mean volume of its mothers, in the unit of the table.
+    pub volume: f64,
+    /// A cell of this volume.
+    pub model: Modelled,
+}
+
+/// The model's cells without a cue as large as the mean mother of each bin; one L_h is `length` in the cube root of the unit.
+///
+/// # Errors
+/// [`SchedulerError`] if no workers can be started. A division that cannot be computed has no outcome.
+pub fn model_by_bin(
+    settings: &TreeSettings,
+    bins: &[VolumeBin],
+    length: f64,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Vec<BinModel>, SchedulerError> {
+    let radius = |bin: &VolumeBin| (0.75 / std::f64::consts::PI * bin.mother_volume).cbrt() / length;
+    let input = |bin: &VolumeBin| {
+        let cell = Cell { r0: radius(bin), ..settings.cell.clone().with_cue(Cue::none()) };
+        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
+    };
+    let found = scheduler::solve_all(bins.iter().map(input), memo, options, divide)?.divisions;
+    let of = |(bin, found): (&VolumeBin, &Option<furrow_mechanics::division::Division>)| {
+        let (outcome, chi) =
+            (found.as_ref().map(|found| found.outcome()), found.as_ref().and_then(|found| found.chi()));
+        BinModel { bin: bin.name(), volume: bin.mother_volume, model: Modelled { r0: radius(bin), outcome, chi } }
+    };
+    Ok(bins.iter().zip(&found).map(of).collect())
 }
 
 /// χ over the size of a cell.

@@ -3,7 +3,8 @@
 //! The misfit of a set of constants follows from its tree:
 //!
 //! * \[F.3 misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
-//!   founder that should divide symmetrically and does not, and for each pitchfork of another kind than the given one),
+//!   founder that should divide symmetrically and does not, for each pitchfork of another kind than the given one, and for each
+//!   division that ends otherwise than given),
 //!
 //! averaged over the founders and divisions in the targets. Counts are piecewise constant and have no useful derivative.
 //! The second objective is
@@ -79,6 +80,8 @@ pub struct Parts {
     pub not_symmetric: usize,
     /// Pitchforks whose asymmetric branch lies on the other side than the given one.
     pub reversed: usize,
+    /// Divisions that end otherwise than given.
+    pub contradicted: usize,
 }
 
 /// A threshold beside the published one.
@@ -208,12 +211,13 @@ impl Objective<'_> {
         let (tree, _) = grow_alone(self.lineage, settings, EndRule::Thresholds(&ends), self.memo, self.cancel).ok()?;
         let founders = self.founders(&tree);
         let (cell, thresholds, reversed) = self.thresholds(cell);
-        let parts = Parts { reversed, ..self.parts(&founders) };
+        let contradicted = self.targets.contradicted(&cell, self.settings.numerics, self.memo, self.cancel).ok()?;
+        let parts = Parts { reversed, contradicted, ..self.parts(&founders) };
         let weights = self.targets.weights;
         let misfit = weights.rounds * parts.rounds
             + weights.terminal * parts.terminal
             + weights.chi * parts.chi
-            + (parts.not_symmetric + parts.reversed) as f64;
+            + (parts.not_symmetric + parts.reversed + parts.contradicted) as f64;
         let thresholds_rms = (!thresholds.is_empty()).then(|| {
             let sum: f64 = thresholds.iter().map(|t| (t.computed / t.xi_s - 1.0).powi(2)).sum();
             (sum / thresholds.len() as f64).sqrt()
@@ -259,6 +263,7 @@ impl Objective<'_> {
             terminal: mean(counted().map(terminal).collect()),
             chi: mean(self.targets.chi.iter().map(chi).collect()),
             reversed: 0,
+            contradicted: 0,
             not_symmetric: self.targets.symmetric.iter().filter_map(named).filter(|f| !f.symmetric).count(),
         }
     }

@@ -2,13 +2,17 @@
 
 use std::fmt::Display;
 
-use furrow_cell::{Cell, Parameter};
+use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document};
 use furrow_lineage::Lineage;
+use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
+use furrow_lineage::batch::{Memo, scheduler};
 use furrow_mechanics::calibration::Threshold;
-use furrow_mechanics::calibration::statements::GivenCriticality;
+use furrow_mechanics::calibration::statements::{GivenCriticality, GivenDivision};
+use furrow_mechanics::division::{DivisionInput, divide};
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
 
 /// The built-in targets: the wild-type embryo of C. elegans.
 pub const EMBRYO: &str = include_str!("../../data/embryo.ron");
@@ -90,6 +94,9 @@ pub struct Targets {
     /// The side on which the asymmetric branch lies at some of these thresholds.
     #[serde(default)]
     pub criticalities: Vec<GivenCriticality>,
+    /// How cells are known to divide, as for `calibrate`.
+    #[serde(default)]
+    pub divisions: Vec<GivenDivision>,
     /// Measurements predicted with the fitted cue.
     pub out_of_sample: Option<OutOfSample>,
 }
@@ -135,6 +142,9 @@ impl Targets {
             let value = format!("{r0} at epsilon = {epsilon}");
             require(known, format!("criticalities[{k}].r0"), &value, "a cell of one of the thresholds")?;
         }
+        for (k, given) in self.divisions.iter().enumerate() {
+            given.check(source_name, &format!("divisions[{k}]"))?;
+        }
         let founder = |field: String, name: &str| {
             let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
             let found = lineage.founders.iter().find(|founder| founder.name == name);
@@ -173,6 +183,29 @@ impl Targets {
         Ok(())
     }
 
+    /// Number of divisions that the constants of a cell contradict; one that cannot be computed is contradicted.
+    ///
+    /// # Errors
+    /// [`SchedulerError`] if no worker can be started.
+    pub fn contradicted(
+        &self,
+        cell: &Cell,
+        numerics: Numerics,
+        memo: &Memo,
+        cancel: &AtomicBool,
+    ) -> Result<usize, SchedulerError> {
+        if self.divisions.is_empty() {
+            return Ok(0);
+        }
+        let inputs = self.divisions.iter().map(|given| DivisionInput { cell: given.cell(cell), numerics, seed: 0 });
+        let options = SchedulerOptions { threads: 1, interrupt: Some(cancel), ..SchedulerOptions::default() };
+        let found = scheduler::solve_all(inputs, memo, &options, divide)?.divisions;
+        let contradicted = |(given, found): &(&GivenDivision, &Option<_>)| {
+            found.as_ref().is_none_or(|division| given.contradiction(division).is_some())
+        };
+        Ok(self.divisions.iter().zip(&found).filter(contradicted).count())
+    }
+
     /// The cell with constants at a place in the unit cube that the limits span.
     pub fn cell_at(&self, cell: &Cell, place: &[f64]) -> Cell {
         let mut out = cell.clone();
@@ -187,5 +220,31 @@ impl Targets {
     pub fn place_of(&self, cell: &Cell) -> Vec<f64> {
         let share = |u: &Searched| (u.parameter.get(cell) / u.from).ln() / (u.to / u.from).ln();
         self.unknowns.iter().map(share).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_cell::settings::Settings;
+    use furrow_lineage::batch::Quantisation;
+
+    /// A zygote without a cue divides equally in embryos: one preset says so too, the other contradicts it.
+    #[test]
+    fn the_statement_of_a_zygote_without_a_cue_excludes_constants() {
+        let with = |statement: &str| {
+            let text = EMBRYO.replacen("    weights:", &format!("    divisions: [{statement}],\n    weights:"), 1);
+            parse_document::<Targets>(&text, "t.ron", "a file of targets", "Fit").unwrap()
+        };
+        let lineage = Lineage::c_elegans().unwrap();
+        let targets = with("(r0: 5.4, outcome: symmetric)");
+        targets.check("t.ron", &lineage).unwrap();
+        let contradicted = ["gao2026", "gao2026-thresholds"].map(|preset| {
+            let Settings { cell, numerics, .. } = Settings::load(preset, None, &[]).unwrap();
+            targets.contradicted(&cell, numerics, &Memo::new(Quantisation::DEFAULT), &false.into()).unwrap()
+        });
+        assert_eq!(contradicted, [0, 1]);
+        let refusal = with("(r0: 5.4)").check("t.ron", &lineage).unwrap_err().to_string();
+        assert_eq!(refusal, "t.ron: divisions[0].outcome = (none): must be given, unless furrow is");
     }
 }

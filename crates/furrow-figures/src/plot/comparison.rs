@@ -4,10 +4,11 @@ use furrow_measured::events::Division;
 use furrow_measured::statistics::BoxPlot;
 use furrow_measured::trend::{VolumeBin, adjacent_tests};
 
-use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::legend::{Key, Legend, Marker, point, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, WHITE, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Stroke, font};
+use furrow_analysis::compare::noise::{Interval, NoiseBin};
 use furrow_analysis::compare::volumes::{Band, Beside, GroupBeside, Modelled, SizeCurve};
 
 /// Height of the chart by mother, and of that over volume.
@@ -27,6 +28,8 @@ pub struct Comparison<'a> {
     pub divisions: &'a [Division],
     /// |χ| by the mother's volume, of all groups.
     pub bins: &'a [VolumeBin],
+    /// χ that noise makes of equal divisions, by bin; may be empty.
+    pub noise: &'a [NoiseBin],
     /// The unit in the label of the volume axis.
     pub unit: String,
     /// One L_h in the cube root of the unit, by which the model's cells have a volume too.
@@ -45,7 +48,8 @@ pub fn draw(comparison: &Comparison<'_>) -> Canvas {
             mothers.push(event.measured.mother.clone());
         }
     }
-    let each = 30.0 + 24.0 * groups.len() as f64;
+    let longest = mothers.iter().map(|mother| font::width(mother, style::text::TICK)).fold(0.0, f64::max);
+    let each = (30.0 + 24.0 * groups.len() as f64).max(longest + 14.0);
     // As many mothers in a row as leave the text large enough to be read.
     let in_row = (((WIDEST - 150.0) / each) as usize).clamp(1, mothers.len().max(1));
     let width = (150.0 + in_row as f64 * each).max(760.0);
@@ -97,6 +101,11 @@ fn legend(comparison: &Comparison<'_>) -> Legend {
         .with_if(any(|event| &event.model), Key::Point(style::MODEL, Marker::Diamond), "model")
         .with_if(any(|event| &event.given_first), ring, "model, AB and P1 as measured")
         .with_if(banded, Key::Area(BAND), "model, 90 % of the sets of constants");
+    legend = legend.with_if(
+        !comparison.noise.is_empty(),
+        Key::Point(NOISE, Marker::Square),
+        "equal divisions with noise, 95 % of draws",
+    );
     for (k, curve) in comparison.curves.iter().enumerate() {
         let what = if curve.cue.is_empty() { "no cue".to_owned() } else { format!("cue {}", curve.cue) };
         let key = dash(k).map_or(Key::Line(style::MODEL), |dash| Key::Dashes(style::MODEL, dash));
@@ -107,6 +116,9 @@ fn legend(comparison: &Comparison<'_>) -> Legend {
 
 /// Green as the model, and pale as what is not sure.
 const BAND: Colour = [0x99, 0xd8, 0xc7];
+
+/// The colour of what noise makes: that of the sixth group.
+const NOISE: Colour = style::SERIES[6];
 
 /// The dashes of a curve over size.
 fn dash(curve: usize) -> Option<[f64; 2]> {
@@ -175,7 +187,7 @@ fn draw_box(chart: &mut Chart<'_>, x: f64, found: &BoxPlot, colour: Colour) {
 /// χ over the mother's volume: every division, boxes of the bins with the stars of their tests, the model's cells, and the model
 /// over size.
 fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Comparison<'_>) {
-    let Comparison { groups, divisions, bins, ref unit, length, ref curves } = *comparison;
+    let Comparison { groups, divisions, bins, noise, ref unit, length, ref curves } = *comparison;
     let volume = |r0: f64, length: f64| 4.0 / 3.0 * std::f64::consts::PI * (length * r0).powi(3);
     let modelled: Vec<[f64; 2]> = groups
         .iter()
@@ -209,6 +221,14 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
     for bin in bins.iter().filter(|bin| bin.n >= FEWEST) {
         if let Some(found) = &bin.box_plot {
             draw_box(&mut chart, middle(bin), found, style::INK);
+        }
+    }
+    for (bin, null) in bins.iter().zip(noise) {
+        if let Some(Interval { mean, low, high }) = null.null {
+            // Beside the box.
+            chart.error_bar(middle(bin), [low, high], 18.0, 4.0, Stroke::solid(NOISE, 1.8));
+            let [x, y] = chart.at([middle(bin), mean]);
+            point(chart.canvas, [x + 18.0, y], 4.5, Marker::Square, NOISE);
         }
     }
     for (pair, test) in bins.windows(2).zip(adjacent_tests(bins)) {

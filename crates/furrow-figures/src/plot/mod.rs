@@ -12,6 +12,7 @@
 //! | [`comparison`] | measured size asymmetries beside the model's |
 //! | [`lifetimes`] | lifetimes of cells beside the model's, and cells alive over time |
 //! | [`contours`] | measured outlines of a dividing cell, with the model's over them |
+//! | [`dose`] | asymmetry over the dose of a protein beside the model's over the strength of its cue |
 //! | [`fit`] | constants, activities and cues that fit |
 //! | [`reproduction`] | the figures of the paper, each by what it is |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
@@ -22,6 +23,7 @@ pub mod calibration;
 pub mod comparison;
 pub mod contours;
 pub mod division;
+pub mod dose;
 // Nothing is fitted on wasm32.
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;

@@ -167,7 +167,11 @@ impl GivenDivision {
         }
     }
 
-    fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
+    /// Checks its numbers; `name` is its place in the file `source_name`.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
         let numbers = [("r0", self.r0), ("epsilon", self.epsilon.unwrap_or(0.5)), ("xi_s", self.xi_s.unwrap_or(1.0))];
         check_numbers(source_name, name, &numbers)?;
         let refuse = |field: &str, value: &str, allowed: &str| {

@@ -1,0 +1,110 @@
+//! Asymmetry over the dose of a protein beside the model's over the strength of its cue, by both readings of the sizes.
+
+use furrow_analysis::compare::dose::DoseModel;
+use furrow_measured::dose::{DoseGroup, DosedDivision};
+use furrow_measured::statistics::Line;
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart};
+use crate::drawing::style::{self, Colour, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+
+const WIDTH: f64 = 1180.0;
+const CHART: f64 = 480.0;
+
+/// One reading of the sizes.
+#[derive(Clone, Debug)]
+pub struct Reading<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// χ of a division.
+    pub chi: fn(&DosedDivision) -> f64,
+    /// Mean and standard deviation of χ in a bin.
+    pub mean_sd: fn(&DoseGroup) -> (f64, Option<f64>),
+    /// The line through all divisions.
+    pub line: Option<Line>,
+}
+
+/// What is drawn.
+#[derive(Clone, Debug)]
+pub struct DoseComparison<'a> {
+    /// Single divisions; none where means alone are known.
+    pub divisions: &'a [DosedDivision],
+    /// Conditions in the order of their colours.
+    pub conditions: &'a [DoseGroup],
+    /// Divisions by dose.
+    pub bins: &'a [DoseGroup],
+    /// The readings, side by side.
+    pub readings: [Reading<'a>; 2],
+    /// The model's curve.
+    pub model: &'a [DoseModel],
+    /// The model's cell.
+    pub cell: String,
+}
+
+/// The colour of a condition: green is the model's, black that of means.
+fn colour(condition: usize) -> Colour {
+    [5, 1, 2, 4, 6].map(|k: usize| style::SERIES[k])[condition % 5]
+}
+
+/// Draws a chart for each reading.
+pub fn draw(comparison: &DoseComparison<'_>) -> Canvas {
+    let DoseComparison { divisions, conditions, bins, readings, model, cell } = comparison;
+    let mut legend = Legend::default();
+    for (k, condition) in conditions.iter().enumerate().filter(|_| !divisions.is_empty()) {
+        let name = if condition.name.is_empty() { "measured" } else { &condition.name };
+        legend = legend.with(Key::Point(colour(k), Marker::Disc), format!("{name}, n = {}", condition.n));
+    }
+    legend = legend
+        .with(Key::Point(style::INK, Marker::Square), "bins of the dose, mean ± sd")
+        .with_if(readings.iter().any(|r| r.line.is_some()), Key::Dashes(style::MUTED, style::DASHED), "least squares")
+        .with(Key::Line(style::MODEL), format!("model, amplitude of the cue × dose: {cell}"));
+    let title = "Size asymmetry over the dose of a protein";
+    let (mut canvas, top) = titled(WIDTH, CHART, title, &legend);
+    let highest = |reading: &Reading<'_>| {
+        let single = divisions.iter().map(reading.chi);
+        let means = bins.iter().map(|bin| {
+            let (mean, sd) = (reading.mean_sd)(bin);
+            mean + sd.unwrap_or(0.0)
+        });
+        single.chain(means).chain(model.iter().filter_map(|point| point.chi)).fold(0.1, f64::max)
+    };
+    let most = readings.iter().map(highest).fold(0.0, f64::max);
+    let farthest = divisions.iter().map(|division| division.dose).chain(model.iter().map(|point| point.dose));
+    let farthest = 1.04 * farthest.fold(1.0, f64::max);
+    let width = 0.5 * WIDTH;
+    for (k, reading) in readings.iter().enumerate() {
+        let x = Axis::new("dose (wild type 1)", [-0.03 * farthest, farthest]);
+        let y = Axis::new(format!("{}, sizes as {}", style::CHI, reading.name), [-0.1 * most, 1.06 * most]);
+        let mut chart = Chart::new(&mut canvas, [k as f64 * width, top], [width, CHART], x, y);
+        panel(&mut chart, comparison, reading, farthest);
+    }
+    canvas
+}
+
+fn panel(chart: &mut Chart<'_>, comparison: &DoseComparison<'_>, reading: &Reading<'_>, farthest: f64) {
+    let DoseComparison { divisions, conditions, bins, model, .. } = comparison;
+    for division in *divisions {
+        let k = conditions.iter().position(|condition| condition.name == division.condition).unwrap_or(0);
+        let at = chart.at([division.dose, (reading.chi)(division)]);
+        chart.canvas.disc(at, 3.4, colour(k), 0.6, None);
+    }
+    if let Some(Line { slope, intercept, .. }) = reading.line {
+        let ends = [0.0, farthest].map(|dose| [dose, intercept + slope * dose]);
+        chart.line(ends, Stroke::dashed(style::MUTED, 1.6, style::DASHED));
+    }
+    // Where a cell does not divide the curve has a gap.
+    for piece in model.split(|point| point.chi.is_none()) {
+        let points: Vec<[f64; 2]> = piece.iter().filter_map(|point| Some([point.dose, point.chi?])).collect();
+        chart.line(points, Stroke::solid(style::MODEL, 2.4));
+    }
+    for bin in *bins {
+        let (mean, sd) = (reading.mean_sd)(bin);
+        if let Some(sd) = sd {
+            chart.error_bar(bin.dose.mean, [mean - sd, mean + sd], 0.0, 4.0, Stroke::solid(style::INK, 1.6));
+        }
+        chart.point([bin.dose.mean, mean], 5.0, Marker::Square, style::INK);
+        let [x, y] = chart.at([bin.dose.mean, mean - sd.unwrap_or(0.0)]);
+        chart.canvas.text([x, y + 18.0], &bin.n.to_string(), text::TICK, Anchor::Middle, style::MUTED);
+    }
+}

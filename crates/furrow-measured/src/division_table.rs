@@ -1,0 +1,146 @@
+//! Tables with a division in every row.
+
+use std::io::Read;
+
+use furrow_input::{InputError, csv_value};
+
+use crate::events::{Division, GENERATION};
+use crate::layout::{ChiColumns, DivisionColumns, Unit, embryo_of_file};
+use crate::table::{Table, is_comment, number};
+use crate::volumes::{ReadOptions, Rejected, Value, Volumes, positive};
+
+impl Volumes {
+    pub(crate) fn read_divisions<R: Read>(
+        &mut self,
+        table: &mut Table<'_, R>,
+        file: &str,
+        options: &ReadOptions,
+        header: &[String],
+        columns: &DivisionColumns,
+    ) -> Result<Unit, InputError> {
+        while let Some(row) = table.next()? {
+            if is_comment(row.1) {
+                continue;
+            }
+            let found = division(columns, |column| Value::new(row, header, column), options);
+            match found.and_then(|found| self.first_of_its_mother(file, found)) {
+                Ok(division) => {
+                    self.used += 2 + u64::from(division.mother_measured.is_some());
+                    self.divisions.push(division);
+                }
+                Err(rejected) => self.skip(file, &rejected),
+            }
+        }
+        Ok(columns.unit)
+    }
+
+    pub(crate) fn read_chi<R: Read>(
+        &mut self,
+        table: &mut Table<'_, R>,
+        file: &str,
+        options: &ReadOptions,
+        header: &[String],
+        columns: &ChiColumns,
+    ) -> Result<Unit, InputError> {
+        while let Some(row) = table.next()? {
+            if is_comment(row.1) {
+                continue;
+            }
+            let found = chi_division(columns, |column| Value::new(row, header, column), (file, options));
+            match found.and_then(|found| self.first_of_its_mother(file, found)) {
+                Ok(division) => {
+                    self.used += 1;
+                    self.divisions.push(division);
+                }
+                Err(rejected) => self.skip(file, &rejected),
+            }
+        }
+        Ok(Unit::OfMother)
+    }
+
+    /// The division, or the name of a mother that has divided before.
+    fn first_of_its_mother<'r>(
+        &mut self,
+        file: &str,
+        (mother, division): (Value<'r>, Division),
+    ) -> Result<Division, Rejected<'r>> {
+        let key = (file.to_owned(), division.embryo.clone(), text(mother));
+        match self.division_lines.insert(key.clone(), mother.line) {
+            None => Ok(division),
+            Some(first) => {
+                self.division_lines.insert(key, first);
+                Err((mother, format!("a second division of this cell; the first is on line {first}")))
+            }
+        }
+    }
+}
+
+fn text(value: Value<'_>) -> String {
+    csv_value(&String::from_utf8_lossy(value.text)).to_owned()
+}
+
+/// The division of a row, with the name of its mother.
+fn division<'r>(
+    columns: &DivisionColumns,
+    at: impl Fn(usize) -> Value<'r>,
+    options: &ReadOptions,
+) -> Result<(Value<'r>, Division), Rejected<'r>> {
+    let [larger, smaller] = columns.daughters.map(&at);
+    let volumes = [positive(larger)?, positive(smaller)?];
+    if volumes[0] < volumes[1] {
+        return Err((larger, "the larger daughter must not be the smaller one".to_owned()));
+    }
+    let own = columns.mother_volume.map(&at).filter(|value| !value.text.is_empty()).map(positive).transpose()?;
+    let (embryo, mother) = (at(columns.embryo), at(columns.mother));
+    for (value, what) in [(embryo, "no name of an embryo"), (mother, "no name of a mother")] {
+        if value.text.is_empty() {
+            return Err((value, what.to_owned()));
+        }
+    }
+    let generation = columns.generation.map(&at).filter(|value| !value.text.is_empty());
+    if let Some(value) = generation.filter(|value| text(*value).parse::<u32>().is_err()) {
+        return Err((value, "not a whole number of a generation".to_owned()));
+    }
+    let factor = if columns.unit == Unit::Voxels { options.voxel_volume() } else { 1.0 };
+    let name = text(mother);
+    let group = columns.population.map(|column| text(at(column))).unwrap_or_default();
+    let division = Division {
+        embryo: text(embryo),
+        group: options.group.clone().filter(|_| group.is_empty()).unwrap_or(group),
+        // Mothers of different embryos have nothing in common but their generation.
+        mother: generation.map_or_else(|| name.clone(), |number| format!("{GENERATION}{}", text(number))),
+        daughters: ["larger", "smaller"].map(|which| format!("{name} {which}")),
+        volumes: volumes.map(|volume| factor * volume),
+        chi_signed: (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]),
+        mother_measured: own.map(|volume| factor * volume),
+    };
+    Ok((mother, division))
+}
+
+/// The division of a row of χ: daughters are fractions of their mother.
+fn chi_division<'r>(
+    columns: &ChiColumns,
+    at: impl Fn(usize) -> Value<'r>,
+    (file, options): (&str, &ReadOptions),
+) -> Result<(Value<'r>, Division), Rejected<'r>> {
+    let (mother, value) = (at(columns.mother), at(columns.chi));
+    if mother.text.is_empty() {
+        return Err((mother, "no name of a mother".to_owned()));
+    }
+    let chi = number(value.text).ok_or((value, "not a number".to_owned()))?;
+    if chi.abs() >= 1.0 {
+        return Err((value, "χ must be above -1 and below 1".to_owned()));
+    }
+    let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
+    let name = text(mother);
+    let division = Division {
+        embryo: columns.embryo.map_or_else(|| embryo_of_file(file), |column| text(at(column))),
+        group: options.group.clone().filter(|_| group.is_empty()).unwrap_or(group),
+        daughters: ["first", "second"].map(|which| format!("{name} {which}")),
+        mother: name,
+        volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],
+        chi_signed: chi,
+        mother_measured: None,
+    };
+    Ok((mother, division))
+}

@@ -1,0 +1,244 @@
+//! Asymmetry of a division over the dose of a protein.
+//!
+//! Tables have the columns `dose` (or one whose name ends in `_dose` or `_dosage`) and `larger_share`, the share of the two
+//! daughters' size that the larger one has, and optionally `condition`. Dose 1 is that of the wild type. Sizes are areas of an
+//! image or volumes; both readings are kept, because sources do not always say which:
+//!
+//! * \[volume\] χ = 2s − 1
+//! * \[area\] χ = (s^{3/2} − (1 − s)^{3/2})/(s^{3/2} + (1 − s)^{3/2}), of daughters of one shape
+//!
+//! # References
+//! Rodrigues et al. (2024): two-cell stage of *C. elegans* over the dosage of PAR-6, CC BY 4.0.
+
+use std::io::Read;
+
+use furrow_input::{InputError, csv_value};
+use serde::{Deserialize, Serialize};
+
+use crate::layout::unified;
+use crate::statistics::{Line, RankCorrelation, line, mean, rank_correlation, sd};
+use crate::table::{Table, is_comment, listed, malformed, names, number};
+use crate::volumes::{MOST_PLACES, Rejected, Skipped, Value};
+
+/// A division of a cell with a dose.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DosedDivision {
+    /// The dose; 1 in the wild type.
+    pub dose: f64,
+    /// Share of the two daughters' size that the larger one has.
+    pub larger_share: f64,
+    /// The condition; empty if the table has none.
+    pub condition: String,
+}
+
+impl DosedDivision {
+    /// χ if sizes are areas.
+    pub fn chi_area(&self) -> f64 {
+        let [large, small] = [self.larger_share, 1.0 - self.larger_share].map(|share| share.powf(1.5));
+        (large - small) / (large + small)
+    }
+
+    /// χ if sizes are volumes.
+    pub fn chi_volume(&self) -> f64 {
+        2.0 * self.larger_share - 1.0
+    }
+}
+
+/// A table of doses.
+#[derive(Clone, Debug, Default)]
+pub struct Doses {
+    /// Its divisions, in its order.
+    pub divisions: Vec<DosedDivision>,
+    /// Rows that could not be used, at most [`MOST_PLACES`].
+    pub skipped: Vec<Skipped>,
+    /// How many there are.
+    pub skipped_count: u64,
+}
+
+impl Doses {
+    /// Reads a table. Reports name it `file`.
+    ///
+    /// # Errors
+    /// A table without the required columns, or of which no row can be used.
+    pub fn read(from: impl Read, file: &str) -> Result<Doses, InputError> {
+        let mut table = Table::open(from, file)?;
+        let (line, header) = loop {
+            let Some((line, first)) = table.next()? else {
+                return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
+            };
+            if !is_comment(first) {
+                break (line as usize, names(first));
+            }
+        };
+        let columns = Columns::of(&header, (file, line))?;
+        let mut doses = Doses::default();
+        while let Some(row) = table.next()? {
+            if is_comment(row.1) {
+                continue;
+            }
+            match columns.division(|column| Value::new(row, &header, column)) {
+                Ok(division) => doses.divisions.push(division),
+                Err(rejected) => doses.skip(file, &rejected),
+            }
+        }
+        let first = doses.skipped.first().map_or("the table has no rows".to_owned(), Skipped::described);
+        let allowed = format!("at least one that can be used ({first})");
+        InputError::require(!doses.divisions.is_empty(), file, "rows", "none used", allowed)?;
+        Ok(doses)
+    }
+
+    fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
+        self.skipped_count += 1;
+        if self.skipped.len() < MOST_PLACES {
+            self.skipped.push(Skipped::new(file, rejected));
+        }
+    }
+}
+
+struct Columns {
+    dose: usize,
+    share: usize,
+    condition: Option<usize>,
+}
+
+impl Columns {
+    fn of(header: &[String], (file, line): (&str, usize)) -> Result<Columns, InputError> {
+        let lower = unified(header, (file, line))?;
+        let find = |is: &dyn Fn(&str) -> bool| lower.iter().position(|name| is(name));
+        let dose =
+            find(&|name| ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}"))));
+        let share = find(&|name| name == "larger_share");
+        let condition = find(&|name| name == "condition" || name == "group");
+        let (Some(dose), Some(share)) = (dose, share) else {
+            let missing = if dose.is_none() { "dose" } else { "larger_share" };
+            let message = format!(
+                "no column is called {missing}; a table of doses has the columns dose (or one whose name ends in _dose or _dosage) \
+                 and larger_share; the columns here are {}",
+                listed(header)
+            );
+            return Err(malformed(file, line, message));
+        };
+        Ok(Columns { dose, share, condition })
+    }
+
+    fn division<'r>(&self, at: impl Fn(usize) -> Value<'r>) -> Result<DosedDivision, Rejected<'r>> {
+        let read = |column: usize, fits: fn(f64) -> bool, allowed: &str| {
+            let value = at(column);
+            match number(value.text) {
+                Some(number) if fits(number) => Ok(number),
+                Some(_) => Err((value, format!("must be {allowed}"))),
+                None => Err((value, "not a number".to_owned())),
+            }
+        };
+        let dose = read(self.dose, |dose| (0.0..=1e6).contains(&dose), "from 0 to 1e6; 1 is the wild type")?;
+        let larger_share = read(self.share, |share| share > 0.0 && share < 1.0, "above 0 and below 1")?;
+        let text = |column: usize| csv_value(&String::from_utf8_lossy(at(column).text)).to_owned();
+        Ok(DosedDivision { dose, larger_share, condition: self.condition.map(text).unwrap_or_default() })
+    }
+}
+
+/// A mean and the standard deviation of the sample.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// The mean.
+    pub mean: f64,
+    /// The standard deviation, by n − 1; `None` of one value.
+    pub sd: Option<f64>,
+}
+
+impl Spread {
+    fn of(values: &[f64]) -> Spread {
+        Spread { mean: mean(values), sd: sd(values) }
+    }
+}
+
+/// Divisions of one condition, or with doses of one bin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DoseGroup {
+    /// The condition, or the bin's doses.
+    pub name: String,
+    /// Divisions.
+    pub n: usize,
+    /// The dose.
+    pub dose: Spread,
+    /// The share of the larger daughter.
+    pub larger_share: Spread,
+    /// χ if sizes are areas.
+    pub chi_area: Spread,
+    /// χ if sizes are volumes.
+    pub chi_volume: Spread,
+}
+
+impl DoseGroup {
+    fn of(name: String, divisions: &[&DosedDivision]) -> DoseGroup {
+        let each = |get: fn(&DosedDivision) -> f64| Spread::of(&divisions.iter().map(|d| get(d)).collect::<Vec<f64>>());
+        DoseGroup {
+            name,
+            n: divisions.len(),
+            dose: each(|division| division.dose),
+            larger_share: each(|division| division.larger_share),
+            chi_area: each(DosedDivision::chi_area),
+            chi_volume: each(DosedDivision::chi_volume),
+        }
+    }
+}
+
+/// Divisions by condition, in the order of the table.
+pub fn by_condition(divisions: &[DosedDivision]) -> Vec<DoseGroup> {
+    let mut names: Vec<&str> = Vec::new();
+    for division in divisions {
+        if !names.contains(&division.condition.as_str()) {
+            names.push(&division.condition);
+        }
+    }
+    let of = |name: &str| divisions.iter().filter(|division| division.condition == name).collect::<Vec<_>>();
+    names.into_iter().map(|name| DoseGroup::of(name.to_owned(), &of(name))).collect()
+}
+
+/// Most bins that are made without edges.
+const MOST_BINS: usize = 50;
+
+/// Divisions in bins of the dose, those without a division left out. `edges` rise; without them bins are 0.2 wide, or
+/// if these were too many a fiftieth of the largest dose.
+pub fn by_dose(divisions: &[DosedDivision], edges: Option<&[f64]>) -> Vec<DoseGroup> {
+    let most = divisions.iter().map(|division| division.dose).fold(0.0, f64::max);
+    let default = || {
+        let count = (most * 5.0).floor() as usize + 1;
+        match count <= MOST_BINS {
+            true => (0..=count).map(|k| k as f64 / 5.0).collect(),
+            false => (0..=MOST_BINS).map(|k| k as f64 * 1.001 * most / MOST_BINS as f64).collect::<Vec<f64>>(),
+        }
+    };
+    let edges = edges.map_or_else(default, <[f64]>::to_vec);
+    let bin = |pair: &[f64]| {
+        let inside = |division: &&DosedDivision| (pair[0]..pair[1]).contains(&division.dose);
+        let inside: Vec<&DosedDivision> = divisions.iter().filter(inside).collect();
+        (!inside.is_empty()).then(|| DoseGroup::of(format!("{}..{}", pair[0], pair[1]), &inside))
+    };
+    edges.windows(2).filter_map(bin).collect()
+}
+
+/// The trend of asymmetry over the dose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DoseTrend {
+    /// Rank correlation of dose and share, the same for every reading of the share.
+    pub spearman: Option<RankCorrelation>,
+    /// The share of the larger daughter over the dose; its intercept is the share without the protein.
+    pub larger_share: Option<Line>,
+    /// χ over the dose if sizes are areas.
+    pub chi_area: Option<Line>,
+    /// χ over the dose if sizes are volumes.
+    pub chi_volume: Option<Line>,
+}
+
+/// The trend of some divisions.
+pub fn trend(divisions: &[DosedDivision]) -> DoseTrend {
+    let over = |get: fn(&DosedDivision) -> f64| divisions.iter().map(|d| [d.dose, get(d)]).collect::<Vec<[f64; 2]>>();
+    let share = over(|division| division.larger_share);
+    DoseTrend {
+        spearman: rank_correlation(&share),
+        larger_share: line(&share),
+        chi_area: line(&over(DosedDivision::chi_area)),
+        chi_volume: line(&over(DosedDivision::chi_volume)),
+    }
+}

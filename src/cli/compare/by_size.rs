@@ -1,0 +1,86 @@
+//! χ over the mother's volume as text: bins, trend, noise.
+
+use std::fmt::Write;
+
+use furrow_analysis::compare::noise::{Interval, NoiseBin, NoiseNull};
+use furrow_analysis::compare::volumes::BinModel;
+use furrow_measured::statistics::{Line, RankCorrelation};
+use furrow_measured::trend::{AdjacentTest, EmbryoTrend, VolumeBin, VolumeTrend};
+use furrow_measured::volumes::Unit;
+
+use super::volumes::plus_minus;
+
+/// Bins of the volume, each with its test and the model's cell of its mean size, where there are such.
+pub fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest], model: &[BinModel]) -> String {
+    if bins.is_empty() {
+        return String::new();
+    }
+    let mut out = format!("χ by the mother's volume ({}), of all groups:\n", unit.map_or("", Unit::symbol));
+    for (k, bin) in bins.iter().enumerate() {
+        let test = k.checked_sub(1).and_then(|k| tests.get(k)).map_or(String::new(), |test| {
+            format!("  larger than above: U = {}, p = {:.3e} {}", test.test.u, test.test.p, test.stars)
+        });
+        let (name, sd) = (bin.name(), plus_minus(bin.sd));
+        let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
+    }
+    if !model.is_empty() {
+        let _ = writeln!(out, "Model, cells without a cue as large as the mean mother of each bin:");
+    }
+    for BinModel { bin, volume, model } in model {
+        let end = match (model.chi, model.outcome) {
+            (Some(chi), _) => format!("χ = {chi:.3}"),
+            (None, Some(outcome)) => outcome.name().to_owned(),
+            (None, None) => "-".to_owned(),
+        };
+        let _ = writeln!(out, "  {bin:<16} V = {volume:<8.0} R0 = {:<6.3} {end}", model.r0);
+    }
+    out + "\n"
+}
+
+/// The trend over all divisions, and within embryos if there are several.
+pub fn trend_text(trend: &VolumeTrend) -> String {
+    let Some(Line { slope, slope_error, n, .. }) = trend.line else { return String::new() };
+    let mut out = format!("Trend: χ changes by {slope:+.4} ± {slope_error:.4} per decade of volume ({n} divisions)");
+    if let Some(RankCorrelation { rho, p, .. }) = trend.spearman {
+        let _ = write!(out, "; Spearman ρ = {rho:+.3}, p = {p:.3e}");
+    }
+    out.push('\n');
+    if trend.embryos.len() > 1 {
+        for EmbryoTrend { embryo, line } in trend.embryos.iter().take(MOST_EMBRYOS) {
+            let _ = writeln!(out, "  embryo {embryo}: {:+.4} ± {:.4} ({})", line.slope, line.slope_error, line.n);
+        }
+    }
+    out + "\n"
+}
+
+/// Embryos whose own trend is listed.
+const MOST_EMBRYOS: usize = 20;
+
+/// What noise alone makes of equal divisions.
+pub fn noise_text(null: &NoiseNull) -> String {
+    let mut out = format!(
+        "Noise, estimated from the mother's own volume against that of her daughters together ({} divisions, {} draws of equal ones):\n",
+        null.n, null.draws
+    );
+    for group in &null.groups {
+        let (from, to, error) = (group.from, group.to, 100.0 * group.relative_error);
+        let _ = writeln!(out, "  V from {from:.0} to {to:.0}: {error:.1} % of one volume");
+    }
+    for NoiseBin { bin, measured, null } in &null.bins {
+        let made = null.map_or("-".to_owned(), interval);
+        let _ = writeln!(out, "  {bin:<16} χ = {measured:.3}, of noise alone {made}");
+    }
+    let Interval { mean, low, high } = null.null_slope;
+    let _ = writeln!(
+        out,
+        "  Trend {:+.4} per decade; of noise alone {mean:+.4} [{low:+.4}, {high:+.4}]: {:.0} % of it ({:.1} % of the draws are as steep)",
+        null.measured.slope,
+        100.0 * null.share,
+        100.0 * null.p
+    );
+    out + "  The noise is an upper bound: growth and differences between embryos widen the spread too.\n\n"
+}
+
+fn interval(Interval { mean, low, high }: Interval) -> String {
+    format!("{mean:.3} [{low:.3}, {high:.3}]")
+}

@@ -1,0 +1,214 @@
+//! `furrow compare dose`: asymmetry over the dose of a protein beside the model's over the strength of its cue.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use furrow_analysis::compare::dose::{DoseModel, doses_to, over_dose};
+use furrow_figures::plot::dose::{DoseComparison, Reading, draw};
+use furrow_input::{InputError, open_file};
+use furrow_lineage::{Length, parse_cue};
+use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread, by_condition, by_dose, trend};
+use furrow_measured::published::{DOSE_SOURCE, rodrigues2024};
+use furrow_measured::statistics::{Line, RankCorrelation};
+use furrow_measured::volumes::Skipped;
+use serde_json::json;
+
+use super::volumes::{MOST_SKIPPED, plus_minus};
+use crate::cli::cell::{length, load_lineage, natural, set};
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::{merged, number, print_as};
+use crate::cli::picture::PlotArgs;
+use crate::cli::progress::ProgressLine;
+
+/// Compares asymmetry over the dose of a protein with the model's over the strength of its cue
+///
+/// A table has the columns dose (or one whose name ends in _dose or _dosage; 1 is the wild type) and larger_share, the larger
+/// daughter's share of the size of both, and optionally condition. Without a table the model is compared with published means
+/// over the dose of PAR-6. The model's cell has its whole cue at dose 1 and none at 0. Sizes are read as areas and as volumes.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow compare dose
+  furrow compare dose --preset sulston1983 --plot dose.svg --json")]
+pub struct DoseArgs {
+    /// Table of doses, CSV
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Edges of the bins of the dose, ascending; default 0.2 apart
+    #[arg(help_heading = "Statistics", long, value_name = "D,D,..", value_delimiter = ',', value_parser = number, requires = "file")]
+    bins: Option<Vec<f64>>,
+    /// Radius R0 of the model's cell, in L_h, or in µm if the lineage file has units; default the first cell's, 5.4 in gao2026
+    #[arg(help_heading = "Model", long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    r0: Option<Length>,
+    /// Cue at dose 1, as for furrow divide
+    #[arg(help_heading = "Model", long, value_name = "CUE", default_value = "germline")]
+    cue: String,
+    /// Lineage file with named cues; default the built-in one
+    #[arg(help_heading = "Model", long, value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+/// The measured side.
+struct Measured {
+    source: Option<&'static str>,
+    doses: Doses,
+    conditions: Vec<DoseGroup>,
+    bins: Vec<DoseGroup>,
+    trend: DoseTrend,
+}
+
+/// The model's side: its cell, χ for a curve, and χ at the mean dose of each bin.
+struct Model {
+    cell: String,
+    r0: f64,
+    curve: Vec<DoseModel>,
+    by_bin: Vec<DoseModel>,
+}
+
+pub fn run(args: &DoseArgs, context: &Context) -> Result<(), CliError> {
+    let picture = args.plot.file()?;
+    let measured = read(args)?;
+    let model = model(args, &measured, context)?;
+    let Measured { source, doses, conditions, bins, trend } = &measured;
+    let beside = bins.iter().zip(&model.by_bin).map(|(bin, model)| merged(json!(bin), json!({ "model": model })));
+    let document = json!({
+        "source": source,
+        "used": doses.divisions.len(),
+        "skipped": doses.skipped,
+        "skipped_count": doses.skipped_count,
+        "conditions": conditions,
+        "bins": beside.collect::<Vec<_>>(),
+        "trend": trend,
+        "model": { "r0": model.r0, "cue": args.cue, "points": model.curve },
+    });
+    picture.write(|| {
+        let area = Reading {
+            name: "areas",
+            chi: DosedDivision::chi_area,
+            mean_sd: |bin| (bin.chi_area.mean, bin.chi_area.sd),
+            line: trend.chi_area,
+        };
+        let volume = Reading {
+            name: "volumes",
+            chi: DosedDivision::chi_volume,
+            mean_sd: |bin| (bin.chi_volume.mean, bin.chi_volume.sd),
+            line: trend.chi_volume,
+        };
+        let (divisions, readings, cell) = (&doses.divisions[..], [area, volume], model.cell.clone());
+        draw(&DoseComparison { divisions, conditions, bins, readings, model: &model.curve, cell })
+    })?;
+    print_as(context.json, &document, || text(&measured, &model))
+}
+
+fn read(args: &DoseArgs) -> Result<Measured, CliError> {
+    if let Some(edges) = &args.bins {
+        let rising = edges.len() >= 2 && !edges.windows(2).any(|pair| pair[0] >= pair[1]);
+        let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+        InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")?;
+    }
+    let Some(file) = &args.file else {
+        let [conditions, bins] = rodrigues2024()?;
+        let (source, doses) = (Some(DOSE_SOURCE), Doses::default());
+        // Single divisions are not shipped.
+        return Ok(Measured { source, doses, conditions, bins, trend: trend(&[]) });
+    };
+    let doses = Doses::read(open_file(file)?, &file.display().to_string())?;
+    let (conditions, bins) = (by_condition(&doses.divisions), by_dose(&doses.divisions, args.bins.as_deref()));
+    let trend = trend(&doses.divisions);
+    Ok(Measured { source: None, doses, conditions, bins, trend })
+}
+
+fn model(args: &DoseArgs, measured: &Measured, context: &Context) -> Result<Model, CliError> {
+    let lineage = load_lineage(args.lineage.as_deref())?;
+    let cue = parse_cue(&args.cue, &lineage)?;
+    let mut settings = context.settings.clone();
+    let r0 = args.r0.map(|r0| natural("--r0", r0, &lineage.units())).transpose()?;
+    set(&mut settings, [("--r0", "r0", r0)])?;
+    settings.check_divisions("settings")?;
+    let cell = settings.cell.clone();
+    let means: Vec<f64> = measured.bins.iter().map(|bin| bin.dose.mean).collect();
+    let single = measured.doses.divisions.iter().map(|division| division.dose);
+    let mut doses = doses_to(single.chain(means.iter().copied()).fold(1.0, f64::max));
+    let count = doses.len();
+    doses.extend(means);
+    let line = ProgressLine::new(context.progress);
+    let show = |progress| line.show_all(progress);
+    let (memo, scheduling) = (context.memo()?, context.scheduling(&show));
+    let numerics = (settings.numerics, 0);
+    let mut curve = over_dose(&cell, &cue, &doses, numerics, &memo, &scheduling)?;
+    let by_bin = curve.split_off(count);
+    Ok(Model { cell: format!("R0 = {}, cue {}", cell.r0, args.cue), r0: cell.r0, curve, by_bin })
+}
+
+fn text(measured: &Measured, model: &Model) -> String {
+    let Measured { source, doses, conditions, bins, trend } = measured;
+    let mut out = match source {
+        Some(source) => format!("measured: means published by {source}\n\n"),
+        None => format!("{} divisions used, {} rows skipped\n", doses.divisions.len(), doses.skipped_count),
+    };
+    for skipped in doses.skipped.iter().take(MOST_SKIPPED) {
+        let Skipped { file, line, column, value, why } = skipped;
+        let _ = writeln!(out, "  skipped {file}:{line}, column {column}: {value:?}: {why}");
+    }
+    let head = |first: &str| format!("{first:<12}   n          dose    larger share  χ (as areas)  χ (as volumes)");
+    let _ = writeln!(out, "{}", head("condition"));
+    for group in conditions {
+        let _ = writeln!(out, "{}", row(group));
+    }
+    let _ = writeln!(out, "\n{}   model", head("doses"));
+    for (group, model) in bins.iter().zip(&model.by_bin) {
+        let _ = writeln!(out, "{}   {}", row(group), ended(model));
+    }
+    out + "\n" + &trend_text(trend) + &model_text(model)
+}
+
+fn row(group: &DoseGroup) -> String {
+    let DoseGroup { name, n, dose, larger_share, chi_area, chi_volume } = group;
+    let spread = |Spread { mean, sd }: &Spread| format!("{mean:.3}{}", plus_minus(*sd));
+    let [dose, share, area, volume] = [dose, larger_share, chi_area, chi_volume].map(spread);
+    format!("{name:<12}{n:>4} {dose:>13} {share:>15} {area:>13} {volume:>15}")
+}
+
+fn ended(model: &DoseModel) -> String {
+    match (model.chi, model.outcome) {
+        (Some(chi), _) => format!("{chi:.3}"),
+        (None, Some(outcome)) => outcome.name().to_owned(),
+        (None, None) => "-".to_owned(),
+    }
+}
+
+fn trend_text(trend: &DoseTrend) -> String {
+    let mut out = String::new();
+    if let Some(RankCorrelation { n, rho, p }) = trend.spearman {
+        let _ = writeln!(out, "Trend of {n} divisions: Spearman ρ = {rho:+.3}, p = {p:.3e}");
+    }
+    for (name, line) in [
+        ("larger share", trend.larger_share),
+        ("χ, sizes as areas", trend.chi_area),
+        ("χ, sizes as volumes", trend.chi_volume),
+    ] {
+        let Some(Line { slope, slope_error, intercept, intercept_error, r_squared, .. }) = line else { continue };
+        let error = intercept_error.unwrap_or_default();
+        let _ = writeln!(
+            out,
+            "  {name}: slope {slope:+.4} ± {slope_error:.4}, at dose 0 {intercept:.4} ± {error:.4}, R² = {r_squared:.3}"
+        );
+    }
+    out
+}
+
+fn model_text(model: &Model) -> String {
+    let at = |dose: f64| {
+        let nearest = |point: &&DoseModel| (point.dose - dose).abs();
+        model
+            .curve
+            .iter()
+            .min_by(|a, b| nearest(a).total_cmp(&nearest(b)))
+            .map_or(String::new(), |point| format!("χ = {} at dose {:.3}", ended(point), point.dose))
+    };
+    format!("Model, {}, amplitude × dose: {}, {}\n", model.cell, at(0.0), at(1.0))
+}
