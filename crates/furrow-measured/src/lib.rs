@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`names`] | Sulston's names: a cell's mother and sister |
 //! | [`volumes`], `layout` | tables of volumes: long ones and those of frames × cells |
+//! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, Mastodon, GEFF |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`trend`] | χ by decades of the mother's volume |
 //! | [`published`] | means over published embryos |
@@ -34,5 +35,6 @@ pub mod names;
 pub mod published;
 pub mod statistics;
 mod table;
+pub mod tracked;
 pub mod trend;
 pub mod volumes;
