@@ -18,6 +18,7 @@ mod acetree;
 mod archive;
 mod cd;
 mod geff;
+mod rounds;
 mod spot_tables;
 mod spots;
 mod unpack;
@@ -28,6 +29,8 @@ use std::path::Path;
 
 use furrow_input::{InputError, open_file};
 use serde::Serialize;
+
+pub use rounds::TrackedRounds;
 
 use crate::volumes::{Skipped, Unit};
 

@@ -37,7 +37,7 @@ fn blosc(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static str> {
     // Bytes of the header: versions, flags, size of a value, then the lengths of all, of a block and of the chunk.
     const HEADER: usize = 16;
     const SHORT: &str = "it ends too early";
-    let number = |at: usize| {
+    let number = |at: usize| -> Result<usize, &'static str> {
         let bytes = packed.get(at..).and_then(|rest| rest.first_chunk::<4>()).ok_or(SHORT)?;
         Ok(u32::from_le_bytes(*bytes) as usize)
     };

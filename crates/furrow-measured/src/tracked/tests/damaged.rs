@@ -22,7 +22,7 @@ fn changed(content: &[u8], changes: &[(usize, u8)]) -> Vec<u8> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
     #[test]
     fn damaged_files_are_read_or_refused(changes in prop::collection::vec((0..10_000_usize, any::<u8>()), 1..6), which in 0..4_usize) {

@@ -274,7 +274,7 @@ fn wrong_geff_is_refused_with_its_place() {
         (bytes("nodes/ids/0", 8, 10), "nodes/ids = 10: must be of one node only"),
         (bytes("edges/ids/0.0", 0, 77), "edges/ids[0] = 77: must be a node's id"),
         (bytes("edges/ids/0.0", 4, 10), "edges/ids:1:1: a link from \"P0\" to \"P0\", both at time 1"),
-        (bytes("edges/ids/0.0", 8, 10), "edges/ids:3:1: \"ID11\" has two mothers"),
+        (bytes("edges/ids/0.0", 68, 18), "edges/ids:9:1: \"ABa\" has two mothers, \"ABa\" and \"ABp\""),
     ] {
         let folder = written(&files);
         let error = refused(&folder.path().join("embryo.geff"));

@@ -200,7 +200,10 @@ fn wrong_nuclei_are_refused_with_their_place() {
             "nuclei/t001-nuclei:1:1: 9 columns; a nucleus has at least 10: number, valid,",
         ),
         (&["x,1,-1,1,-1,0,0,0,9,A,0\n"], "number (column 1) = \"x\": must be -1 or a whole number from 1"),
-        (&["\n1,maybe,-1,1,-1,0,0,0,9,A,0\n"], "t001-nuclei:2:1: valid (column 2) = \"maybe\": must be 0 or 1"),
+        (
+            &["2,0,-1,-1,-1,0,0,0,9,A,0\n1,maybe,-1,1,-1,0,0,0,9,A,0\n"],
+            "t001-nuclei:2:1: valid (column 2) = \"maybe\": must be 0 or 1",
+        ),
         (&["1,1,-1,NaN,-1,0,0,0,9,A,0\n"], "successor 1 (column 4) = \"NaN\": must be -1 or a whole number from 1"),
         (
             &["1,1,-1,1,-1,0,0,0,9,A,0\n1,1,-1,1,-1,0,0,0,9,B,0\n"],
@@ -272,4 +275,14 @@ fn wrong_archives_and_cd_tables_are_refused() {
     let why: Vec<&str> = lineage.skipped.iter().map(|s| s.why.as_str()).collect();
     let late = "it is born while its mother AB is still there, until time 5";
     assert_eq!(why, ["must be a diameter above 0, in pixels", "must be the name of a cell", late]);
+}
+
+#[test]
+fn rounds_count_divisions_to_the_last_cells() {
+    let folder = nuclei(&NUCLEI);
+    let lineage = tracked(folder.path());
+    let found = lineage.rounds(&["P0", "E", "AB", "P1"]);
+    let of = |cell: &str, terminal, min, mean, max| TrackedRounds { cell: cell.to_owned(), terminal, min, mean, max };
+    let expected = [of("P0", 3, 1, 5.0 / 3.0, 2), of("AB", 2, 1, 1.0, 1), of("P1", 1, 0, 0.0, 0)];
+    assert_eq!((found, lineage.terminal()), (expected.to_vec(), 3));
 }
