@@ -24,7 +24,7 @@ pub fn check(data: &[u8]) {
     assert_eq!(names(&again), names(&tree));
     // One kind of length per format: the kinds differ in numbers only.
     for (k, format) in Format::ALL.into_iter().enumerate() {
-        let lengths = [BranchLengths::Time, BranchLengths::Generation, BranchLengths::None][k % 3];
+        let lengths = BranchLengths::NAMED[k % 4].1;
         match export(&tree, format, lengths, &["#000000"]) {
             Exported::File(text) => assert!(!text.is_empty()),
             Exported::Folder(files) => assert!(files.iter().all(|(name, _)| !name.is_empty())),

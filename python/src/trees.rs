@@ -6,7 +6,7 @@ use std::sync::Arc;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::{Grown, grown, tree_settings};
 use furrow_cell::Parameter;
-use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
+use furrow_formats::exchange::{BranchLengths, Exported, Format, check_tree, export};
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
@@ -195,6 +195,7 @@ impl GrownTree {
     fn export(&self, format: &str, lengths: &str) -> Result<Vec<(&'static str, String)>, Error> {
         let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
         let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
+        check_tree(&self.tree, format, lengths)?;
         Ok(match export(&self.tree, format, lengths, &report::founder_colours(&self.tree.lineage)) {
             Exported::File(text) => vec![("", text)],
             Exported::Folder(files) => files,

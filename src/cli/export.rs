@@ -5,7 +5,7 @@ use super::context::{Globals, start_logs};
 use super::error::CliError;
 use super::output::{print, print_as, writable_file, writable_folder};
 use clap::Args;
-use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
+use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, check_tree, export};
 use furrow_formats::files::FileSet;
 use furrow_formats::{TREE_SCHEMA, read_tree, write_atomically};
 use furrow_input::InputError;
@@ -31,8 +31,9 @@ pub struct ExportArgs {
     /// Output file, or for itol a folder; default stdout
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Branch lengths: time from birth to division in τ (default), one per generation, or none. Cells just above the threshold
-    /// of division take thousands of τ and dwarf all other branches
+    /// Branch lengths: the time a division takes in τ (default), one per generation, minutes from birth to division by the
+    /// lineage's clock, or none. Cells just above the threshold of division take thousands of τ and dwarf all other branches.
+    /// The time points of lineagetree are minutes if there is a clock, or generations
     #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(BranchLengths::NAMED))]
     branch_lengths: Option<BranchLengths>,
     /// Prints the JSON Schema of tree.json
@@ -45,7 +46,9 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     let (Some(file), Some(format)) = (&args.tree, args.to) else { return print(TREE_SCHEMA) };
     check(args, format, globals)?;
     let tree = read_tree(file)?;
-    let exported = export(&tree, format, args.branch_lengths.unwrap_or_default(), &founder_colours(&tree.lineage));
+    let lengths = args.branch_lengths.unwrap_or_default();
+    check_tree(&tree, format, lengths)?;
+    let exported = export(&tree, format, lengths, &founder_colours(&tree.lineage));
     let (out, files) = match (&exported, &args.out) {
         (Exported::File(text), None) => return print(text),
         (Exported::File(text), Some(out)) => {
@@ -73,14 +76,8 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
 
 /// Refuses conflicting options before the tree is read.
 fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), InputError> {
-    if let Some(lengths) = args.branch_lengths.filter(|_| !format.has_lengths()) {
-        let why = match format {
-            Format::Csv => "it has a column for each",
-            _ => "its time points are generations",
-        };
-        let name = BranchLengths::NAMED.iter().find(|(_, known)| *known == lengths).map_or("", |(name, _)| *name);
-        let allowed = format!("left out with --to {}: {why}", format.name());
-        return Err(InputError::not_allowed("--branch-lengths", "branch_lengths", name, allowed));
+    if let Some(lengths) = args.branch_lengths {
+        format.check_lengths(lengths)?;
     }
     match (&args.out, format) {
         (None, Format::Itol) => Err(needs_folder()),

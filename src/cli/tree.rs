@@ -17,6 +17,7 @@ use furrow_formats::files::FileSet;
 use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
 use furrow_input::InputError;
 use furrow_lineage::batch::{Summary, scheduler::workers};
+use furrow_lineage::clock::alive;
 use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_report as report;
@@ -81,10 +82,13 @@ const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
 /// The counts of a tree in `--json`.
 fn tree_counts(tree: &Tree) -> Value {
     let report::TreeSummary { generations, ended, slow, .. } = report::TreeSummary::of(tree);
-    json!({
+    let counts = json!({
         "founders": founder_rows(tree), "cells": tree.len(), "generations": generations.len(), "ended": ended,
         "slow_cells": slow,
-    })
+    });
+    let minutes = tree.times().zip(tree.time_origin());
+    let minutes = minutes.map(|(times, origin)| json!({ "minute_zero": origin.to_string(), "alive": alive(&times) }));
+    merged(counts, minutes.unwrap_or_default())
 }
 
 /// Those of a scenario; `cue` is as it was asked for, null where the lineage's own cues are in force.
@@ -299,6 +303,7 @@ pub fn grown(
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
+        warn_of_origin(tree, &scenario.name);
     }
     Ok((grown, spread))
 }
@@ -316,6 +321,19 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
             return;
         }
         tracing::warn!("{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
+    }
+}
+
+/// Warns of a clock whose origin does not take place in the tree.
+fn warn_of_origin(tree: &Tree, scenario: &str) {
+    let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
+    let wanted = tree.lineage.clock.as_ref().and_then(|clock| clock.origin.as_ref());
+    if let (Some(wanted), Some(origin)) = (wanted, tree.time_origin())
+        && *wanted != origin
+    {
+        tracing::warn!(
+            "{place}the {wanted}, minute 0 of the clock, does not take place: minutes are from the {origin}"
+        );
     }
 }
 

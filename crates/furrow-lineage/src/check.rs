@@ -1,8 +1,10 @@
 //! Checks of a lineage file. Errors name place, value and what is allowed.
 
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 use super::clash;
+use super::clock::FounderClock;
 use super::definition::{CueRule, Daughter, Founder, Lineage};
 use super::rules::{PhysicsRule, Span};
 use furrow_cell::{CueError, SIZES};
@@ -31,6 +33,27 @@ fn span_complaint(span: Span) -> Option<(&'static str, String, String)> {
     }
     let (above, below) = (above_r0?, below_r0?);
     (above >= below).then(|| ("above_r0", above.to_string(), format!("less than below_r0 = {below}")))
+}
+
+/// Numbers of minutes that a clock may have. With the limits of volumes and exponents no time overflows.
+const MINUTES: RangeInclusive<f64> = 1e-6..=1e6;
+
+/// The same in words.
+const MINUTES_ALLOWED: &str = "a number of minutes from 1e-6 to 1e6";
+
+/// The values of a law of lifetimes that are given, each with its field and what is allowed.
+fn law_ranges(
+    lifetime_min: Option<f64>,
+    at_volume: Option<f64>,
+    exponent: Option<f64>,
+) -> impl Iterator<Item = (&'static str, f64, RangeInclusive<f64>, &'static str)> {
+    let of_first = "a fraction of the first cell's volume, from 1e-6 to 1e6";
+    let values = [
+        ("lifetime_min", lifetime_min, MINUTES, MINUTES_ALLOWED),
+        ("at_volume", at_volume, 1e-6..=1e6, of_first),
+        ("exponent", exponent, -5.0..=5.0, "a number from -5 to 5"),
+    ];
+    values.into_iter().filter_map(|(field, value, range, allowed)| Some((field, value?, range, allowed)))
 }
 
 impl Check<'_> {
@@ -97,7 +120,50 @@ impl Check<'_> {
         let mother = self.mothers(&index)?;
         self.one_tree(&mother)?;
         self.pairs(&mother)?;
-        self.clashes(&mother)
+        self.clashes(&mother)?;
+        self.clock()
+    }
+
+    /// The file's clock and those of its founders.
+    fn clock(&self) -> Checked {
+        for f in &self.lineage.founders {
+            let Some(own) = f.clock else { continue };
+            let allowed = "left out where the file has no clock";
+            self.require(f, self.lineage.clock.is_some(), "clock", "(given)", allowed)?;
+            let allowed = "given with lifetime_min, which it belongs to";
+            self.require(
+                f,
+                own.lifetime_min.is_some() || own.at_volume.is_none(),
+                "clock.at_volume",
+                "(alone)",
+                allowed,
+            )?;
+            let FounderClock { lifetime_min, at_volume, exponent } = own;
+            for (field, value, range, allowed) in law_ranges(lifetime_min, at_volume, exponent) {
+                self.require(f, range.contains(&value), &format!("clock.{field}"), value, allowed)?;
+            }
+        }
+        let Some(clock) = &self.lineage.clock else { return Ok(()) };
+        let (lifetime_min, at_volume) = (Some(clock.lifetime_min), Some(clock.at_volume));
+        for (field, value, range, allowed) in law_ranges(lifetime_min, at_volume, Some(clock.exponent)) {
+            self.ensure(range.contains(&value), &format!("clock.{field}"), value, allowed)?;
+        }
+        if let Some(tau) = clock.tau_min {
+            self.ensure(MINUTES.contains(&tau), "clock.tau_min", tau, MINUTES_ALLOWED)?;
+        }
+        let known = |field: &str, name: &str| {
+            let allowed = "a founder of this file, or a cell that the naming rule can name below one";
+            self.ensure(self.lineage.founder_of(name).is_some(), field, shown(name), allowed)
+        };
+        if let Some(origin) = &clock.origin {
+            known("clock.origin", origin.cell())?;
+        }
+        for (name, minutes) in clock.lifetimes.iter().flatten() {
+            known("clock.lifetimes", name)?;
+            let field = format!("clock.lifetimes[{}]", shown(name));
+            self.ensure(MINUTES.contains(minutes), &field, minutes, MINUTES_ALLOWED)?;
+        }
+        Ok(())
     }
 
     /// The cues that the file names.

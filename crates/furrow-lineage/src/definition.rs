@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 
 use serde::{Deserialize, Serialize};
 
+use super::clock::{Clock, FounderClock, Lifetimes};
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
 use super::rules::{PhysicsRule, Span};
@@ -64,6 +65,9 @@ pub struct Founder {
     /// `physics_rules`. Generations are counted from the founder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub physics_rules: Vec<PhysicsRule>,
+    /// How long it and its descendants up to the next founder with a clock live.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock: Option<FounderClock>,
     /// Letters (anterior, posterior) of the generations below it; the file's `naming` after these.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub letters: Vec<(char, char)>,
@@ -144,10 +148,11 @@ fn default_naming() -> (char, char) {
 /// A lineage as its file gives it. [`Lineage::parse`] has checked it: one first cell, every mother and cue known, no
 /// cycle, two founders or none below each founder, names that cannot clash.
 ///
-/// `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue) while a file is read: its cues may be in µm and seconds.
+/// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue): its cues may be in µm and seconds; and `L` is
+/// [`WrittenLifetimes`](super::clock::WrittenLifetimes): lifetimes may be in a file of their own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>"))]
-pub struct Lineage<C = Cue> {
+#[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>, L: Deserialize<'de>"))]
+pub struct Lineage<C = Cue, L = Lifetimes> {
     /// The organism.
     pub name: String,
     /// Source of the observed counts.
@@ -173,6 +178,9 @@ pub struct Lineage<C = Cue> {
     /// counted from the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub physics_rules: Vec<PhysicsRule>,
+    /// How long cells live; without it trees have no minutes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock: Option<Clock<L>>,
     /// Founders, in the order tables list them.
     pub founders: Vec<Founder>,
 }

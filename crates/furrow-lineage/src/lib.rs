@@ -3,6 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | [`definition`], `read`, `check`, `clash` | the lineage file: founders, cues, names, limits; reading it, checking it |
+//! | [`clock`] | how long cells live; births and divisions in minutes |
 //! | [`scenario`] | one of several lineages that are compared |
 //! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
 //! | [`rules`] | parameters of cells by generation, size and mother |
@@ -16,6 +17,7 @@
 pub mod batch;
 mod check;
 mod clash;
+pub mod clock;
 pub mod definition;
 pub mod grow;
 pub mod observed;
@@ -29,6 +31,7 @@ pub mod thresholds;
 pub mod tree;
 pub mod units;
 
+pub use clock::{CellTimes, Clock, FounderClock, Origin};
 pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, Place, TEMPLATE};
 pub use grow::{GrowError, Grower, grow_replicates, grow_together};
 pub use observed::ObservedRounds;

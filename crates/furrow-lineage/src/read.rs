@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::check::Check;
+use super::clock::{Clock, WrittenLifetimes};
 use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
 use super::rules::PhysicsRule;
 use super::units::Units;
@@ -66,11 +67,12 @@ fn checked(lineage: Lineage, text: &str, file: &str) -> Result<Lineage, InputErr
 
 /// The unchecked lineage of a text without a base.
 fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
-    let written: Lineage<WrittenCue> = parse_document(text, file, "a lineage file", "Lineage")?;
+    let written: Lineage<WrittenCue, WrittenLifetimes> = parse_document(text, file, "a lineage file", "Lineage")?;
     // Without `..`: the compiler asks for every field.
-    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders } = written;
+    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, clock, founders } = written;
     let cues = in_units(cues, units, file)?;
-    Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders })
+    let clock = clock.map(|clock| clock.resolved(file)).transpose()?;
+    Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, clock, founders })
 }
 
 /// Cues in L_h and τ.
@@ -118,6 +120,8 @@ struct Differing {
     /// In place of those of the base, if there are any.
     #[serde(default)]
     physics_rules: Vec<PhysicsRule>,
+    /// In place of that of the base and of its founders.
+    clock: Option<Clock<WrittenLifetimes>>,
     /// Founders of the base by name, with what differs, and further ones.
     #[serde(default)]
     founders: Vec<Founder>,
@@ -143,8 +147,19 @@ fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
 
 impl Differing {
     fn over(self, mut base: Lineage, file: &str) -> Result<Lineage, InputError> {
-        let Differing { base: _, name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders } =
-            self;
+        let Differing {
+            base: _,
+            name,
+            citation,
+            naming,
+            units,
+            limits,
+            cues,
+            cue_rules,
+            physics_rules,
+            clock,
+            founders,
+        } = self;
         base.name = name.unwrap_or(base.name);
         base.citation = citation.or(base.citation);
         base.naming = naming.unwrap_or(base.naming);
@@ -156,6 +171,11 @@ impl Differing {
         }
         if !physics_rules.is_empty() {
             base.physics_rules = physics_rules;
+        }
+        if let Some(clock) = clock {
+            base.clock = Some(clock.resolved(file)?);
+            // Their laws are relative to a clock that is gone.
+            base.founders.iter_mut().for_each(|founder| founder.clock = None);
         }
         let of_base = base.founders.len();
         let mut changed = vec![false; of_base];
@@ -177,8 +197,20 @@ impl Differing {
 /// Overrides a founder of the base.
 fn replace(founder: &mut Founder, with: Founder) {
     // Without `..`: a new field does not compile until it is handled.
-    let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, physics_rules, letters, observed } =
-        with;
+    let Founder {
+        name: _,
+        mother,
+        daughter,
+        cue,
+        inherit,
+        cue_rules,
+        r0,
+        physics,
+        physics_rules,
+        clock,
+        letters,
+        observed,
+    } = with;
     founder.mother = mother.or(founder.mother.take());
     founder.daughter = daughter.or(founder.daughter);
     // A cue and rules exclude each other, so that either takes the place of both.
@@ -194,6 +226,7 @@ fn replace(founder: &mut Founder, with: Founder) {
     if !physics_rules.is_empty() {
         founder.physics_rules = physics_rules;
     }
+    founder.clock = clock.or(founder.clock);
     if !letters.is_empty() {
         founder.letters = letters;
     }

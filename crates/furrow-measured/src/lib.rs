@@ -6,9 +6,11 @@
 //! | [`volumes`], `layout` | tables of volumes: long ones and those of frames × cells |
 //! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, Mastodon, GEFF |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
+//! | [`lifetimes`] | tables of lifetimes: over volume, which sister divides first, cells alive over time |
 //! | [`trend`] | χ by decades of the mother's volume |
 //! | [`published`] | means over published embryos |
 //! | [`statistics`] | means, boxes, rank sums, straight lines |
+//! | [`significance`] | p values of slopes, of differences of means and of orders |
 //! | `contour` | outlines of cells, their furrows and overlaps (feature `contours`) |
 //!
 //! # Examples
@@ -31,8 +33,10 @@
 pub mod contour;
 pub mod events;
 mod layout;
+pub mod lifetimes;
 pub mod names;
 pub mod published;
+pub mod significance;
 pub mod statistics;
 mod table;
 pub mod tracked;

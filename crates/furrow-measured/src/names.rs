@@ -56,6 +56,22 @@ fn mother(name: &str) -> Option<&str> {
     birth(name).map(|(mother, ..)| mother)
 }
 
+/// The founder that a cell is or descends from, the nearest one; `None` for anything that is not the name of a cell.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::names::founder;
+/// assert_eq!([founder("MSap"), founder("EMS"), founder("Ea")], [Some("MS"), Some("EMS"), Some("E")]);
+/// ```
+pub fn founder(name: &str) -> Option<&str> {
+    is_cell(name).then(|| std::iter::successors(Some(name), |name| mother(name)).find(|name| is_founder(name)))?
+}
+
+/// Whether a cell is one of the founders of the chart.
+fn is_founder(name: &str) -> bool {
+    name == "P0" || NAMED.iter().any(|(_, first, second)| [*first, *second].contains(&name))
+}
+
 /// Whether this is the name of a cell.
 pub fn is_cell(name: &str) -> bool {
     name == "P0" || mother(name).is_some()

@@ -9,6 +9,7 @@ use furrow_input::InputError;
 use serde::Deserialize;
 
 use crate::events::{Division, GroupSummary, MotherSummary, divisions, place};
+use crate::lifetimes::Lifetimes;
 use crate::table::malformed;
 use crate::volumes::{ReadOptions, Volumes};
 
@@ -17,6 +18,9 @@ const JANKELE: &str = include_str!("../data/jankele2021.csv");
 
 /// Volumes of cells of single embryos, of the groups `wt` and `ctrl`.
 const VOLUMES: &str = include_str!("../data/jankele2021_volumes.csv");
+
+/// Lifetimes of the cells of 28 embryos of both groups: means of those measured in at least five.
+const LIFETIMES: &str = include_str!("../data/jankele2021_lifetimes.csv");
 
 /// What it is called.
 pub const SOURCE: &str = "Jankele, Jelier & Gönczy 2021, eLife 10:e61714";
@@ -37,9 +41,25 @@ struct Row {
 /// # Errors
 /// None, as long as the shipped table is one.
 pub fn jankele2021_divisions() -> Result<Vec<Division>, InputError> {
+    Ok(divisions(&jankele2021_volumes()?).divisions)
+}
+
+/// Volumes of the cells of these embryos.
+///
+/// # Errors
+/// None, as long as the shipped table is one.
+pub fn jankele2021_volumes() -> Result<Volumes, InputError> {
     let mut volumes = Volumes::default();
     volumes.read(VOLUMES.as_bytes(), "jankele2021_volumes.csv", &ReadOptions::default())?;
-    Ok(divisions(&volumes).divisions)
+    Ok(volumes)
+}
+
+/// Lifetimes of the cells of 28 unperturbed embryos, those of both groups.
+///
+/// # Errors
+/// None, as long as the shipped table is one.
+pub fn jankele2021_lifetimes() -> Result<Lifetimes, InputError> {
+    Lifetimes::read(LIFETIMES.as_bytes(), "jankele2021_lifetimes.csv")
 }
 
 /// The published groups.

@@ -34,8 +34,9 @@ impl<'f, R: Read> Table<'f, R> {
         if first.contains(&0) {
             return Err(malformed(file, 1, "this is no text: it has a byte 0"));
         }
-        let mut lines = first.split(|byte| *byte == b'\n');
-        let line = lines.find(|line| !line.trim_ascii().is_empty()).unwrap_or_default();
+        // Text in a comment says nothing of the columns.
+        let says = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
+        let line = first.split(|byte| *byte == b'\n').find(says).unwrap_or_default();
         let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| line.iter().filter(|b| *b == d).count());
         let mut builder = csv::ReaderBuilder::new();
         builder.delimiter(delimiter.unwrap_or(b',')).flexible(true).has_headers(false);
@@ -57,6 +58,11 @@ impl<'f, R: Read> Table<'f, R> {
         }
         Ok(more.then(|| (self.record.position().map_or(0, csv::Position::line), &self.record)))
     }
+}
+
+/// Whether a row is a comment.
+pub(crate) fn is_comment(row: &ByteRecord) -> bool {
+    row.get(0).is_some_and(|field| field.starts_with(b"#"))
 }
 
 /// The names of the columns, without blanks around them.

@@ -1,5 +1,7 @@
 //! Statistics beside SciPy's (`data/make_reference.py` says how they were made).
 
+mod lifetimes;
+
 use furrow_measured::statistics::{Method, box_plot, line, line_through_origin, mean, rank_sum, sd, stars};
 use serde_json::Value;
 

@@ -40,7 +40,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
         cell.epsilon,
         cell.xi_s
     );
-    out += &(rounds(rows) + &cues(tree, rows) + &physics(tree));
+    out += &(rounds(rows) + &last_divisions(tree) + &cues(tree, rows) + &physics(tree));
     let summary = TreeSummary::of(tree);
     let ended = summary.ended_text();
     out += &(generations(&summary) + &format!("\nBranches end: {ended}.\n"));
@@ -67,19 +67,21 @@ fn rounds(rows: &[FounderRow]) -> String {
     let cue_width = cues.iter().map(|cue| cue.chars().count()).max().unwrap_or(0).max(4);
     let in_um = rows.iter().any(|row| row.r0_um.is_some());
     let observed = observed_columns(rows);
-    let blank = name_width + cue_width + 30 + if in_um { 8 } else { 0 };
+    let in_min = rows.iter().any(|row| row.last_division_min.is_some());
+    let blank = name_width + cue_width + 30 + if in_um { 8 } else { 0 } + if in_min { 10 } else { 0 };
     let um = |text: &str| if in_um { format!("  {text:>6}") } else { String::new() };
+    let min = |text: &str| if in_min { format!("  {text:>8}") } else { String::new() };
     let beside = |sign: &str, text: String| if observed.is_empty() { text } else { format!("{sign}{text}") };
     let line = |text: String| format!("{}\n", text.trim_end());
     let head = if observed.is_empty() { "" } else { " | rounds, observed" };
     let width: usize = observed.iter().map(|column| column.1 + 1).sum();
     let (own, others) = (texts(&MODEL, |column| column.0.to_owned()), texts(&observed, |column| column.0.to_owned()));
-    let (um_head, others) = (um("µm"), beside(" |", others));
+    let (um_head, min_head, others) = (um("µm"), min("last min"), beside(" |", others));
     let (dashes, rule) = ("-".repeat(blank), beside("+", "-".repeat(width)));
     let mut out = [
         line(format!("{:blank$}| rounds, model               {head}", "")),
         line(format!(
-            "{:name_width$}      R0{um_head}  {:cue_width$}  division         χ |{own}{others}",
+            "{:name_width$}      R0{um_head}  {:cue_width$}  division         χ{min_head} |{own}{others}",
             "founder", "cue"
         )),
         line(format!("{dashes}+-----------------------------{rule}")),
@@ -91,11 +93,19 @@ fn rounds(rows: &[FounderRow]) -> String {
         let seen = texts(&observed, |column| row.observed.as_ref().map_or(String::new(), column.2));
         let (name, outcome, seen) = (&row.name, outcome_name(row.outcome), beside(" |", seen));
         let (r0, r0_um, chi) = (decimals(row.r0, 3), um(&decimals(row.r0_um, 2)), decimals(row.chi, 3));
+        let last = min(&decimals(row.last_division_min, 1));
         out += &line(format!(
-            "{name:name_width$}  {r0:>6}{r0_um}  {cue:cue_width$}  {outcome:10}  {chi:>6} |{model}{seen}"
+            "{name:name_width$}  {r0:>6}{r0_um}  {cue:cue_width$}  {outcome:10}  {chi:>6}{last} |{model}{seen}"
         ));
     }
     out + "\n"
+}
+
+/// What the minutes of the table are.
+fn last_divisions(tree: &Tree) -> String {
+    paragraph(tree.time_origin().into_iter().map(|origin| {
+        format!("last min: the last division among its descendants and itself, in minutes from the {origin}\n")
+    }))
 }
 
 /// The cues that the table names.

@@ -1,6 +1,7 @@
-//! `furrow fit`: constants, activities or a cue fitted to observations.
+//! `furrow fit`: constants, activities, a cue or a clock fitted to observations.
 
 mod activity;
+mod clock;
 mod constants;
 mod cue;
 
@@ -23,7 +24,8 @@ Examples:
   furrow fit constants --out fitted.ron
   furrow fit activity --rounds max
   furrow fit cue --preset sulston1983
-  furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1")]
+  furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1
+  furrow fit clock")]
 pub struct FitArgs {
     /// What to fit; default constants, with the options below
     #[command(subcommand)]
@@ -44,6 +46,7 @@ Examples:
     Constants(constants::ConstantsArgs),
     Activity(activity::ActivityArgs),
     Cue(cue::CueArgs),
+    Clock(clock::ClockArgs),
 }
 
 // The lineage that all fits are about.
@@ -85,6 +88,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
         What::Constants(args) => constants::run(args, context),
         What::Activity(args) => activity::run(args, context),
         What::Cue(args) => cue::run(args, context),
+        What::Clock(args) => clock::run(args, context),
     }
 }
 

@@ -5,11 +5,13 @@
 //! | [`targets`] | the observations, and the limits of the search |
 //! | [`mod@constants`] | one set of constants for the embryo, and its cost in published thresholds |
 //! | [`activity`] | the activity that each founder would need for its observed rounds |
+//! | [`clock`] | how lifetimes depend on volume, by founder |
 //! | [`germline`] | the cue that gives the measured χ of the germline |
 //! | [`search`] | derivative-free search |
 //! | [`error`] | why a fit fails |
 
 pub mod activity;
+pub mod clock;
 pub mod constants;
 pub mod error;
 pub mod germline;
@@ -18,6 +20,7 @@ pub mod targets;
 
 pub use crate::ranges::Reading;
 pub use activity::{FounderActivity, activities};
+pub use clock::{FewCells, FittedClock, FittedLaw, Unused, fit_clock};
 pub use constants::{Evaluated, FittedConstants, fit_constants};
 pub use error::FitError;
 pub use germline::{ChiResidual, FittedCue, fit_cue};

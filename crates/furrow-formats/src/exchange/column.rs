@@ -1,6 +1,40 @@
 //! What the formats share: the columns of a cell, branch lengths, the leaves.
 
-use furrow_lineage::{CellId, Side, Tree};
+use std::ops::Deref;
+
+use furrow_lineage::{CellId, CellTimes, Side, Tree};
+
+/// A tree with the times of its cells, where its lineage has a clock.
+#[derive(Clone, Debug)]
+pub struct TimedTree<'t> {
+    tree: &'t Tree,
+    times: Option<Vec<CellTimes>>,
+}
+
+impl<'t> TimedTree<'t> {
+    /// The tree with its times.
+    pub fn new(tree: &'t Tree) -> TimedTree<'t> {
+        TimedTree { tree, times: tree.times() }
+    }
+
+    /// The times of a cell.
+    pub(super) fn times(&self, id: CellId) -> Option<CellTimes> {
+        self.times.as_ref().map(|times| times[id.index()])
+    }
+
+    /// The columns of its cells: [`COLUMNS`], of which those in minutes come last, where there is a clock.
+    pub fn columns(&self) -> &'static [Column] {
+        &COLUMNS[..COLUMNS.len() - if self.times.is_some() { 0 } else { MINUTES }]
+    }
+}
+
+impl Deref for TimedTree<'_> {
+    type Target = Tree;
+
+    fn deref(&self) -> &Tree {
+        self.tree
+    }
+}
 
 /// Type of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,17 +57,22 @@ pub struct Column {
     /// Whether the comments of Newick and Nexus have it too: not if the brackets say it already, nor if it is a sentence.
     pub note: bool,
     /// Its value for a cell, if there is one.
-    pub of: fn(&Tree, CellId) -> Option<String>,
+    pub of: fn(&TimedTree<'_>, CellId) -> Option<String>,
 }
 
-const fn column(name: &'static str, kind: Kind, note: bool, of: fn(&Tree, CellId) -> Option<String>) -> Column {
+type Value = fn(&TimedTree<'_>, CellId) -> Option<String>;
+
+const fn column(name: &'static str, kind: Kind, note: bool, of: Value) -> Column {
     Column { name, kind, note, of }
 }
 
+/// How many columns are in minutes.
+const MINUTES: usize = 2;
+
 /// All columns, in the order in which they are written.
-pub const COLUMNS: [Column; 18] = [
+pub const COLUMNS: [Column; 20] = [
     column("mother", Kind::Text, false, |tree, id| Some(tree.cell(tree.mother(id)?).name.clone())),
-    column("daughter", Kind::Text, false, daughter),
+    column("daughter", Kind::Text, false, |tree, id| daughter(tree, id)),
     column("founder", Kind::Text, true, |tree, id| Some(tree.founder_name(id).to_owned())),
     column("generation", Kind::Count, true, |tree, id| Some(tree.cell(id).generation.to_string())),
     column("r0", Kind::Number, true, |tree, id| Some(tree.cell(id).r0.to_string())),
@@ -41,15 +80,17 @@ pub const COLUMNS: [Column; 18] = [
     column("cue", Kind::Text, true, |tree, id| Some(tree.cue_name(id).to_owned())),
     column("cue_terms", Kind::Text, false, |tree, id| Some(tree.cell(id).cue.to_string())),
     column("outcome", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.outcome()?.name().to_owned())),
-    column("chi", Kind::Number, true, chi),
+    column("chi", Kind::Number, true, |tree, id| chi(tree, id)),
     column("chi_signed", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.chi_signed())),
     column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.u_furrow())),
     column("t_end", Kind::Number, true, |tree, id| number(tree.cell(id).fate.t_end())),
     column("slow_growth_rate", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.slow_growth_rate)),
     column("phi", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.phi)),
     column("ended", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.terminal_reason()?.name().to_owned())),
-    column("ended_why", Kind::Text, false, ended_why),
-    column("birth_chi", Kind::Number, false, birth_chi),
+    column("ended_why", Kind::Text, false, |tree, id| ended_why(tree, id)),
+    column("birth_chi", Kind::Number, false, |tree, id| birth_chi(tree, id)),
+    column("birth_min", Kind::Number, true, |tree, id| number(Some(tree.times(id)?.birth_min))),
+    column("division_min", Kind::Number, true, |tree, id| number(tree.times(id)?.division_min)),
 ];
 
 fn number(number: Option<f64>) -> Option<String> {
@@ -89,20 +130,35 @@ pub enum BranchLengths {
     /// One, and 0 for the first cell: the distance of a cell from it is its generation. Every branch has a length then, as some
     /// programs demand.
     Generation,
+    /// The time from the cell's birth to its division in minutes, by the lineage's clock; none for a cell without daughters.
+    Minutes,
     /// No lengths.
     None,
 }
 
 impl BranchLengths {
     /// All of them, by their names on the command line.
-    pub const NAMED: [(&str, BranchLengths); 3] =
-        [("time", BranchLengths::Time), ("generation", BranchLengths::Generation), ("none", BranchLengths::None)];
+    pub const NAMED: [(&str, BranchLengths); 4] = [
+        ("time", BranchLengths::Time),
+        ("generation", BranchLengths::Generation),
+        ("minutes", BranchLengths::Minutes),
+        ("none", BranchLengths::None),
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        Self::NAMED.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| *name)
+    }
 
     /// The length of a cell's branch.
-    pub fn of(self, tree: &Tree, cell: CellId) -> Option<f64> {
+    pub fn of(self, tree: &TimedTree<'_>, cell: CellId) -> Option<f64> {
         match self {
             BranchLengths::Time => tree.cell(cell).fate.t_end(),
             BranchLengths::Generation => Some(if cell == tree.first() { 0.0 } else { 1.0 }),
+            BranchLengths::Minutes => {
+                let CellTimes { birth_min, division_min } = tree.times(cell)?;
+                division_min.map(|division| division - birth_min)
+            }
             BranchLengths::None => None,
         }
     }

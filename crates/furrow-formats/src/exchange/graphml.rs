@@ -2,13 +2,12 @@
 
 use std::fmt::Write;
 
-use super::column::{BranchLengths, COLUMNS, Column, Kind};
-use furrow_lineage::Tree;
+use super::column::{BranchLengths, Column, Kind, TimedTree};
 
 /// A directed graph with an edge from each mother to each of her daughters. Nodes are called as the cells, and have all
 /// columns as data; edges have a `length` where the branch to the daughter has one.
-pub(super) fn graphml(tree: &Tree, lengths: BranchLengths) -> String {
-    let keys = COLUMNS.iter().map(|Column { name, kind, .. }| {
+pub(super) fn graphml(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
+    let keys = tree.columns().iter().map(|Column { name, kind, .. }| {
         let kind = match kind {
             Kind::Text => "string",
             Kind::Count => "int",
@@ -18,7 +17,7 @@ pub(super) fn graphml(tree: &Tree, lengths: BranchLengths) -> String {
     });
     let name = |id| escape(&tree.cell(id).name);
     let nodes = tree.cells().map(|id| {
-        let known = COLUMNS.iter().filter_map(|column| Some((column.name, escape(&(column.of)(tree, id)?))));
+        let known = tree.columns().iter().filter_map(|column| Some((column.name, escape(&(column.of)(tree, id)?))));
         let data: String = known.map(|(key, value)| format!("<data key=\"{key}\">{value}</data>")).collect();
         format!("<node id=\"{}\">{data}</node>\n", name(id))
     });

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::column::{self, BranchLengths};
+use super::column::{self, BranchLengths, TimedTree};
 use super::newick;
 use furrow_lineage::{CellId, Tree};
 
@@ -25,7 +25,7 @@ const GREY: &str = "#808080";
 pub const ITOL_FILES: [&str; 5] = ["tree.nwk", "founders.txt", "birth_chi.txt", "chi.txt", "labels.txt"];
 
 /// The text of each of [`ITOL_FILES`].
-pub(super) fn itol(tree: &Tree, lengths: BranchLengths, colours: &[&str]) -> Vec<(&'static str, String)> {
+pub(super) fn itol(tree: &TimedTree<'_>, lengths: BranchLengths, colours: &[&str]) -> Vec<(&'static str, String)> {
     let texts = [newick::plain(tree, lengths), founders(tree, colours), birth_chi(tree), chi(tree), labels(tree)];
     ITOL_FILES.into_iter().zip(texts).collect()
 }

@@ -6,10 +6,11 @@ mod itol;
 mod newick;
 mod tables;
 
-pub use column::{BranchLengths, COLUMNS, Column, Kind};
+pub use column::{BranchLengths, COLUMNS, Column, Kind, TimedTree};
 pub use itol::ITOL_FILES;
 pub use newick::newick;
 
+use furrow_input::InputError;
 use furrow_lineage::Tree;
 
 /// A format that other programs read.
@@ -26,7 +27,8 @@ pub enum Format {
     Itol,
     /// One row a cell, with all columns.
     Csv,
-    /// The numeric CSV of the Python package LineageTree, one row a cell at the time point of its generation.
+    /// The numeric CSV of the Python package LineageTree: with a clock a row for each minute of a cell's life, else one at the time
+    /// point of its generation.
     LineageTree,
     /// A directed graph from mothers to daughters, with all columns of each cell.
     GraphMl,
@@ -50,11 +52,52 @@ impl Format {
         }
     }
 
-    /// Whether its branch lengths can be chosen. The CSV of cells has all lengths as columns; LineageTree needs consecutive
-    /// whole numbers, which are the generations.
-    pub fn has_lengths(self) -> bool {
-        !matches!(self, Format::Csv | Format::LineageTree)
+    /// The branch lengths that it can have. The CSV of cells has all as columns; the time points of LineageTree are minutes or
+    /// generations.
+    fn lengths(self) -> &'static [BranchLengths] {
+        match self {
+            Format::Csv => &[],
+            Format::LineageTree => &[BranchLengths::Generation, BranchLengths::Minutes],
+            _ => &[BranchLengths::Time, BranchLengths::Generation, BranchLengths::Minutes, BranchLengths::None],
+        }
     }
+
+    /// Refuses branch lengths that the format cannot have.
+    ///
+    /// # Errors
+    /// Names the lengths and what is allowed.
+    pub fn check_lengths(self, lengths: BranchLengths) -> Result<(), InputError> {
+        let why = match self {
+            Format::Csv => "left out with --to csv: it has a column for each".to_owned(),
+            _ => format!("generation or minutes with --to {}: they are its time points", self.name()),
+        };
+        let ok = self.lengths().contains(&lengths);
+        InputError::require(ok, "--branch-lengths", "branch_lengths", lengths.name(), why)
+    }
+}
+
+/// Most rows of a file for LineageTree.
+const MOST_ROWS: u64 = 20_000_000;
+
+/// Refuses branch lengths that the tree does not have, or that would make its file too long.
+///
+/// # Errors
+/// Names the lengths and what is allowed.
+pub fn check_tree(tree: &Tree, format: Format, lengths: BranchLengths) -> Result<(), InputError> {
+    let refused = |value: String, allowed: &str| {
+        Err(InputError::not_allowed("--branch-lengths", "branch_lengths", value, allowed))
+    };
+    if lengths == BranchLengths::Minutes && tree.lineage.clock.is_none() {
+        return refused("minutes".to_owned(), "time, generation or none: the tree's lineage has no clock");
+    }
+    if format == Format::LineageTree {
+        let rows = tables::lineage_tree_rows(&TimedTree::new(tree), lengths);
+        if rows > MOST_ROWS {
+            let value = format!("minutes, {rows} rows");
+            return refused(value, "generation: a file has at most 20000000 rows");
+        }
+    }
+    Ok(())
 }
 
 /// A tree in another format.
@@ -66,7 +109,7 @@ pub enum Exported {
     Folder(Vec<(&'static str, String)>),
 }
 
-/// A tree in another format. `lengths` are those of the branches where the format [has them](Format::has_lengths); `colours`
+/// A tree in another format. `lengths` are those of the branches where the format [has them](Format::check_lengths); `colours`
 /// are those of the founders, as `#rrggbb`, for the formats with colours (grey if there are too few).
 ///
 /// ```
@@ -83,12 +126,13 @@ pub enum Exported {
 /// # Ok::<(), furrow_input::InputError>(())
 /// ```
 pub fn export(tree: &Tree, format: Format, lengths: BranchLengths, colours: &[&str]) -> Exported {
+    let tree = &TimedTree::new(tree);
     Exported::File(match format {
         Format::Newick => newick::plain(tree, lengths),
         Format::Nhx => newick::nhx(tree, lengths),
         Format::Nexus => newick::nexus(tree, lengths),
         Format::Csv => tables::cells_csv(tree),
-        Format::LineageTree => tables::lineage_tree_csv(tree),
+        Format::LineageTree => tables::lineage_tree_csv(tree, lengths),
         Format::GraphMl => graphml::graphml(tree, lengths),
         Format::Itol => return Exported::Folder(itol::itol(tree, lengths, colours)),
     })

@@ -2,7 +2,7 @@
 
 use std::iter::successors;
 
-use super::column::{BranchLengths, COLUMNS};
+use super::column::{BranchLengths, TimedTree};
 use furrow_lineage::{CellId, Side, Tree};
 
 /// The tree in plain Newick: names on inner nodes, a cell's branch length is its division time `t_end` in τ (for a cell
@@ -10,22 +10,22 @@ use furrow_lineage::{CellId, Side, Tree};
 /// cells that cannot divide). A cell just above the threshold of division takes thousands of τ. The anterior daughter comes
 /// first.
 pub fn newick(tree: &Tree) -> String {
-    plain(tree, BranchLengths::Time)
+    plain(&TimedTree::new(tree), BranchLengths::Time)
 }
 
 /// The tree in plain Newick with any branch lengths.
-pub(super) fn plain(tree: &Tree, lengths: BranchLengths) -> String {
+pub(super) fn plain(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
     nested(tree, |cell| length(tree, cell, lengths)) + "\n"
 }
 
 /// Newick with `[&&NHX:key=value:…]` behind the branch length of each cell.
-pub(super) fn nhx(tree: &Tree, lengths: BranchLengths) -> String {
+pub(super) fn nhx(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
     nested(tree, |cell| length(tree, cell, lengths) + &comment(tree, cell, "&&NHX:", ":")) + "\n"
 }
 
 /// A Nexus file with the leaves as taxa and one rooted tree. `[&key=value,…]` stands between the name of a cell and its
 /// branch length, where FigTree and BEAST put what they say of a node.
-pub(super) fn nexus(tree: &Tree, lengths: BranchLengths) -> String {
+pub(super) fn nexus(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
     let labels: Vec<String> = tree.leaves().map(|leaf| format!("\n    {}", quoted(&tree.cell(leaf).name))).collect();
     let (count, labels, name) = (labels.len(), labels.concat(), quoted(&tree.lineage.name));
     let nested = nested(tree, |cell| comment(tree, cell, "&", ",") + &length(tree, cell, lengths));
@@ -65,14 +65,14 @@ fn quoted(name: &str) -> String {
     }
 }
 
-fn length(tree: &Tree, cell: CellId, lengths: BranchLengths) -> String {
+fn length(tree: &TimedTree<'_>, cell: CellId, lengths: BranchLengths) -> String {
     lengths.of(tree, cell).map_or(String::new(), |length| format!(":{length}"))
 }
 
 /// The columns of a cell as a comment, without the characters that comments reserve: neither form can escape them.
-fn comment(tree: &Tree, cell: CellId, opening: &str, between: &str) -> String {
+fn comment(tree: &TimedTree<'_>, cell: CellId, opening: &str, between: &str) -> String {
     let plain = |c: char| if c.is_whitespace() || "[]{}()=:;,'\"".contains(c) { '_' } else { c };
-    let noted = COLUMNS.iter().filter(|column| column.note).filter_map(|column| {
+    let noted = tree.columns().iter().filter(|column| column.note).filter_map(|column| {
         let value: String = (column.of)(tree, cell)?.chars().map(plain).collect();
         Some(format!("{}={value}", column.name))
     });

@@ -12,8 +12,10 @@ use serde::{Deserialize, Serialize};
 
 use super::provenance::Provenance;
 use furrow_cell::Cue;
+use furrow_lineage::clock::last_divisions;
 use furrow_lineage::{
-    CellId, FounderPhysics, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings, founder_rounds,
+    CellId, CellTimes, FounderPhysics, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings,
+    founder_rounds,
 };
 use furrow_mechanics::division::Outcome;
 
@@ -49,6 +51,9 @@ pub struct FounderRow {
     pub chi: Option<f64>,
     /// Rounds grown.
     pub rounds: Option<Rounds>,
+    /// The last division among its descendants and itself, in minutes; none without a clock, or if none divides.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub last_division_min: Option<f64>,
     /// Rounds observed.
     pub observed: Option<ObservedRounds>,
     /// The same, under its former name.
@@ -57,6 +62,11 @@ pub struct FounderRow {
 
 /// The founders' table, in the lineage file's order.
 pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
+    rows_with(tree, tree.times().as_deref())
+}
+
+fn rows_with(tree: &Tree, times: Option<&[CellTimes]>) -> Vec<FounderRow> {
+    let last = times.map(|times| last_divisions(tree, times)).unwrap_or_default();
     let mut cued = vec![BTreeMap::new(); tree.lineage.founders.len()];
     for id in tree.cells() {
         let cell = tree.cell(id);
@@ -78,6 +88,7 @@ pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
             outcome: cell.and_then(|c| c.fate.outcome()),
             chi: cell.and_then(|c| c.fate.chi()),
             rounds,
+            last_division_min: last.get(founder).copied().flatten(),
             observed: definition.observed,
             sulston: definition.observed,
         }
@@ -122,10 +133,15 @@ struct Record<'a> {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     phi: Option<f64>,
     ended: Option<TerminalReason>,
+    /// Minutes, where the lineage has a clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    birth_min: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    division_min: Option<f64>,
 }
 
 impl<'a> Record<'a> {
-    fn of(tree: &'a Tree, id: CellId) -> Record<'a> {
+    fn of(tree: &'a Tree, id: CellId, times: Option<CellTimes>) -> Record<'a> {
         let cell = tree.cell(id);
         let division = cell.fate.division();
         Record {
@@ -146,6 +162,8 @@ impl<'a> Record<'a> {
             slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
             phi: division.and_then(|d| d.phi),
             ended: cell.fate.terminal_reason().cloned(),
+            birth_min: times.map(|times| times.birth_min),
+            division_min: times.and_then(|times| times.division_min),
         }
     }
 }
@@ -155,13 +173,14 @@ impl<'a> Record<'a> {
 /// # Errors
 /// None in practice; serialisation to memory is typed as fallible.
 pub fn tree_to_json(tree: &Tree) -> Result<String, serde_json::Error> {
+    let times = tree.times();
     let head = Head {
         schema: SCHEMA,
         schema_version: SCHEMA_VERSION,
         provenance: Provenance::current(),
         settings: &tree.settings,
         lineage: &tree.lineage,
-        founders: founder_rows(tree),
+        founders: rows_with(tree, times.as_deref()),
     };
     let mut out = serde_json::to_vec_pretty(&head)?;
     out.reserve(360 * tree.len());
@@ -172,7 +191,8 @@ pub fn tree_to_json(tree: &Tree) -> Result<String, serde_json::Error> {
             out.extend_from_slice(b",\n");
         }
         out.extend_from_slice(b"    ");
-        serde_json::to_writer(&mut out, &Record::of(tree, id))?;
+        let times = times.as_ref().map(|times| times[id.index()]);
+        serde_json::to_writer(&mut out, &Record::of(tree, id, times))?;
     }
     out.extend_from_slice(b"\n  ]\n}\n");
     // JSON is UTF-8 by construction.

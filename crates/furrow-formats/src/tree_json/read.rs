@@ -11,7 +11,7 @@ use super::{Record, SCHEMA, SCHEMA_VERSION};
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_input::{InputError, forbidden, read_text_up_to, shown};
-use furrow_lineage::{CellId, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
+use furrow_lineage::{CellId, CellTimes, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionRow, Outcome};
 
 /// The longest file of a tree that is read, in bytes: 512 MB, which the million cells take that a lineage grows to unless it
@@ -198,8 +198,11 @@ fn build(lineage: Lineage, settings: TreeSettings, records: &[Record<'_>]) -> Re
         };
         add().map_err(|message| wrong(index, message))?;
     }
+    let times = tree.times();
     for (id, record) in tree.cells().zip(records) {
-        whole(&tree, id, record).map_err(|message| wrong(id.index(), message))?;
+        whole(&tree, id, record)
+            .and_then(|()| on_time(times.as_ref().map(|times| times[id.index()]), record))
+            .map_err(|message| wrong(id.index(), message))?;
     }
     Ok(tree)
 }
@@ -288,6 +291,27 @@ fn whole(tree: &Tree, id: CellId, record: &Record<'_>) -> Result<(), Complaint> 
         (_, None) => "outcome: must be symmetric or asymmetric, with t_end, where there are daughters",
     };
     Err(complaint.to_owned())
+}
+
+/// Difference in minutes up to which times of a file are those of its clock: powers differ between machines in their last digits.
+const SAME_MIN: f64 = 1e-6;
+
+/// Whether the times of a cell, where the file gives them, are those of the lineage's clock.
+fn on_time(times: Option<CellTimes>, record: &Record<'_>) -> Result<(), Complaint> {
+    let [birth, division] = [times.map(|times| times.birth_min), times.and_then(|times| times.division_min)];
+    for (name, given, known) in
+        [("birth_min", record.birth_min, birth), ("division_min", record.division_min, division)]
+    {
+        let Some(given) = given else { continue };
+        let same = |known: f64| (given - known).abs() <= SAME_MIN * known.abs().max(1.0);
+        if !known.is_some_and(same) {
+            let allowed = known.map_or("left out: the cell has none by the lineage's clock".to_owned(), |known| {
+                format!("{known:?} by the lineage's clock, or left out")
+            });
+            return Err(format!("{name} = {given:?}: must be {allowed}"));
+        }
+    }
+    Ok(())
 }
 
 impl Record<'_> {

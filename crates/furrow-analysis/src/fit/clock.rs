@@ -1,0 +1,192 @@
+//! The clock of a lineage, fitted to measured lifetimes and volumes.
+//!
+//! Of each founder with three cells or more, ln lifetime over ln volume is a straight line by least squares; its slope, with the
+//! sign changed, is the exponent. `lifetime_min` is the line's value at `at_volume`, the geometric mean of the founder's volumes,
+//! where the errors of both are independent. Cells whose founder has fewer get the exponent of the line through all cells.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use furrow_input::InputError;
+use furrow_lineage::{FounderClock, Lineage};
+use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
+use furrow_measured::names::birth;
+use furrow_measured::significance::trend;
+use furrow_measured::statistics::mean;
+use furrow_measured::volumes::{Unit, Volumes};
+use serde::Serialize;
+
+/// The line through some cells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedLaw {
+    /// The founder, or `all`.
+    pub founder: String,
+    /// Exponent of the lifetime over the volume, with the sign changed.
+    pub exponent: f64,
+    /// Its standard error.
+    pub se: f64,
+    /// Cells.
+    pub n: usize,
+    /// Lifetime at `at_volume`, in minutes.
+    pub lifetime_min: f64,
+    /// The geometric mean of the cells' volumes, as a fraction of the first cell's.
+    pub at_volume: f64,
+    /// Share of the variation of ln lifetime that the line explains.
+    pub r_squared: f64,
+    /// Two-sided p value of the exponent.
+    pub p: f64,
+}
+
+/// A founder with too few cells for a line of its own.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FewCells {
+    /// The founder.
+    pub founder: String,
+    /// Cells.
+    pub n: usize,
+    /// The geometric mean of their lifetimes, in minutes.
+    pub lifetime_min: f64,
+    /// That of their volumes, as a fraction of the first cell's.
+    pub at_volume: f64,
+}
+
+/// A cell that the fit does not use.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Unused {
+    /// The cell.
+    pub cell: String,
+    /// Why.
+    pub why: &'static str,
+}
+
+/// A fitted clock.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedClock {
+    /// The line through all cells.
+    pub all: FittedLaw,
+    /// Those of founders, in the order of the lineage.
+    pub exponents: Vec<FittedLaw>,
+    /// Founders with one cell or two.
+    pub few: Vec<FewCells>,
+    /// Mean volume of the first cell, in the unit of the table.
+    pub first_volume: f64,
+    /// Cells with a lifetime that the fit does not use.
+    pub skipped: Vec<Unused>,
+}
+
+/// Fits the clock of a lineage to lifetimes and volumes.
+///
+/// # Errors
+/// The first cell has no volume, or fewer than three cells have a lifetime and a volume; both name the tables as `files`.
+pub fn fit_clock(
+    lineage: &Lineage,
+    lifetimes: &Lifetimes,
+    volumes: &Volumes,
+    files: &str,
+) -> Result<FittedClock, InputError> {
+    let means = mean_volumes(volumes);
+    let first_volume = first_volume(lineage, &means, volumes.unit, files)?;
+    let (mut points, mut skipped): (Vec<Vec<[f64; 2]>>, Vec<Unused>) =
+        (vec![Vec::new(); lineage.founders.len()], Vec::new());
+    for cell in &lifetimes.cells {
+        let placed = founder_of(lineage, &cell.cell).ok_or("no founder of the lineage is above it");
+        match placed.and_then(|founder| Ok((founder, means.get(&cell.cell).ok_or("no volume")?))) {
+            Ok((founder, volume)) => points[founder].push([(volume / first_volume).ln(), cell.mean.ln()]),
+            Err(why) => skipped.push(Unused { cell: cell.cell.clone(), why }),
+        }
+    }
+    let used: usize = points.iter().map(Vec::len).sum();
+    let all = law("all", &points.concat()).ok_or_else(|| {
+        let allowed = "three cells or more with a lifetime and a volume, and volumes that differ";
+        InputError::not_allowed(files, "cells", used, allowed)
+    })?;
+    let named = || lineage.founders.iter().map(|founder| founder.name.as_str()).zip(&points);
+    let few = |(name, points): (&str, &Vec<[f64; 2]>)| {
+        let (founder, n, [at_volume, lifetime_min]) = (name.to_owned(), points.len(), centre(points));
+        (n > 0 && law(name, points).is_none()).then_some(FewCells { founder, n, lifetime_min, at_volume })
+    };
+    Ok(FittedClock {
+        exponents: named().filter_map(|(name, points)| law(name, points)).collect(),
+        few: named().filter_map(few).collect(),
+        all,
+        first_volume,
+        skipped,
+    })
+}
+
+/// The geometric means of the volumes and the lifetimes of some points.
+fn centre(points: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|k| mean(&points.iter().map(|point| point[k]).collect::<Vec<_>>()).exp())
+}
+
+fn law(founder: &str, points: &[[f64; 2]]) -> Option<FittedLaw> {
+    let found = trend(points)?;
+    let [at_volume, lifetime_min] = centre(points);
+    Some(FittedLaw {
+        founder: founder.to_owned(),
+        exponent: -found.line.slope,
+        se: found.line.slope_error,
+        n: found.line.n,
+        lifetime_min,
+        at_volume,
+        r_squared: found.line.r_squared,
+        p: found.p,
+    })
+}
+
+/// The founder of the lineage that a cell is or descends from by Sulston's names, the nearest one.
+fn founder_of(lineage: &Lineage, cell: &str) -> Option<usize> {
+    let mut line = std::iter::successors(Some(cell), |cell| birth(cell).map(|(mother, ..)| mother));
+    line.find_map(|cell| lineage.founders.iter().position(|founder| founder.name == cell))
+}
+
+/// The volume of the first cell: measured, or 1 where volumes are fractions.
+fn first_volume(
+    lineage: &Lineage,
+    means: &BTreeMap<String, f64>,
+    unit: Option<Unit>,
+    files: &str,
+) -> Result<f64, InputError> {
+    let first = &lineage.founders[lineage.first()].name;
+    match (means.get(first), unit) {
+        (Some(volume), _) => Ok(*volume),
+        (None, Some(Unit::Relative)) => Ok(1.0),
+        (None, _) => {
+            let allowed = format!("given for the first cell, {first}: lifetimes are relative to it");
+            Err(InputError::not_allowed(files, "volumes", "(not given)", allowed))
+        }
+    }
+}
+
+impl FittedClock {
+    /// The clock of each founder by name, as a lineage file gives it.
+    fn founder_clocks(&self) -> impl Iterator<Item = (&str, FounderClock)> {
+        let own = self.exponents.iter().map(|law| {
+            let (lifetime_min, at_volume) = (Some(law.lifetime_min), Some(law.at_volume));
+            (law.founder.as_str(), FounderClock { lifetime_min, at_volume, exponent: Some(law.exponent) })
+        });
+        own.chain(self.few.iter().map(|few| {
+            let (lifetime_min, at_volume) = (Some(few.lifetime_min), Some(few.at_volume));
+            let exponent = Some(self.all.exponent);
+            (few.founder.as_str(), FounderClock { lifetime_min, at_volume, exponent })
+        }))
+    }
+
+    /// The clock as a lineage file: one that differs from the built-in lineage, or without `base` one with the fields to copy.
+    pub fn as_ron(&self, base: Option<&str>) -> String {
+        let law = |lifetime: f64, volume: f64, exponent: f64| {
+            format!("lifetime_min: {lifetime:.2}, at_volume: {volume:.5}, exponent: {exponent:.4}")
+        };
+        let mut out = "// Found by furrow fit clock.\nLineage(\n".to_owned();
+        if let Some(base) = base {
+            let _ = writeln!(out, "    base: {base:?},");
+        }
+        let FittedLaw { lifetime_min, at_volume, exponent, .. } = self.all;
+        let _ = writeln!(out, "    clock: ({}),\n    founders: [", law(lifetime_min, at_volume, exponent));
+        for (name, FounderClock { lifetime_min, at_volume, exponent }) in self.founder_clocks() {
+            let of = [lifetime_min, at_volume, exponent].map(|value| value.unwrap_or(f64::NAN));
+            let _ = writeln!(out, "        (name: {name:?}, clock: ({})),", law(of[0], of[1], of[2]));
+        }
+        out + "    ],\n)\n"
+    }
+}

@@ -1,0 +1,352 @@
+//! The clock: how long cells live, and the minutes at which the cells of a tree are born and divide.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::definition::Lineage;
+use super::tree::{CellId, Tree, TreeCell};
+use furrow_input::{InputError, read_text, shown};
+
+/// Lifetimes in minutes by the names of cells.
+pub type Lifetimes = BTreeMap<String, f64>;
+
+/// How long cells live, from birth to division: `lifetime_min · (V / at_volume)^−exponent` minutes, with the volume V as a
+/// fraction of the first cell's.
+///
+/// `L` is [`WrittenLifetimes`] while a file is read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, bound(deserialize = "L: Deserialize<'de>"))]
+pub struct Clock<L = Lifetimes> {
+    /// Lifetime in minutes of a cell of the volume `at_volume`.
+    pub lifetime_min: f64,
+    /// The volume that lives `lifetime_min`, as a fraction of the first cell's; 1 if not given.
+    #[serde(default = "whole", skip_serializing_if = "is_whole")]
+    pub at_volume: f64,
+    /// Exponent; 0, which gives all cells one lifetime, if not given.
+    #[serde(default)]
+    pub exponent: f64,
+    /// One τ in minutes. If it is given, the time from the start of a division to its pinch-off, `t_end` · `tau_min`, is added
+    /// to lifetimes by the law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tau_min: Option<f64>,
+    /// The event at minute 0; the birth of the first cell if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Origin>,
+    /// Lifetimes of some cells, from birth to division, in place of the law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lifetimes: Option<L>,
+}
+
+/// The law of a founder and its descendants up to the next founder with a clock. What is not given is inherited: from the
+/// nearest founder above that gives it, or from the file's clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FounderClock {
+    /// As [`Clock::lifetime_min`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lifetime_min: Option<f64>,
+    /// As [`Clock::at_volume`]; 1 where `lifetime_min` is given without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_volume: Option<f64>,
+    /// As [`Clock::exponent`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+}
+
+/// The event at minute 0.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// The birth of a cell.
+    Birth(String),
+    /// The division of a cell.
+    Division(String),
+}
+
+impl Origin {
+    /// The cell whose event it is.
+    pub fn cell(&self) -> &str {
+        match self {
+            Origin::Birth(cell) | Origin::Division(cell) => cell,
+        }
+    }
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Origin::Birth(cell) => write!(f, "birth of {cell}"),
+            Origin::Division(cell) => write!(f, "division of {cell}"),
+        }
+    }
+}
+
+fn whole() -> f64 {
+    1.0
+}
+
+fn is_whole(value: &f64) -> bool {
+    *value == 1.0
+}
+
+/// Lifetimes as a file gives them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WrittenLifetimes {
+    /// A table in a file, with the columns `cell` and `lifetime_min`. Its path is relative to the folder of the lineage file.
+    File(String),
+    /// Minutes by name.
+    Inline(Lifetimes),
+}
+
+impl<'de> Deserialize<'de> for WrittenLifetimes {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<WrittenLifetimes, D::Error> {
+        struct Written;
+        impl<'de> serde::de::Visitor<'de> for Written {
+            type Value = WrittenLifetimes;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("minutes by name, as in {\"ABa\": 23.9}, or the name of a CSV file")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, file: &str) -> Result<WrittenLifetimes, E> {
+                Ok(WrittenLifetimes::File(file.to_owned()))
+            }
+
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<WrittenLifetimes, A::Error> {
+                let mut lifetimes = Lifetimes::new();
+                while let Some((name, minutes)) = map.next_entry::<String, f64>()? {
+                    if lifetimes.insert(name.clone(), minutes).is_some() {
+                        return Err(serde::de::Error::custom(format!("the cell {} is given twice", shown(&name))));
+                    }
+                }
+                Ok(WrittenLifetimes::Inline(lifetimes))
+            }
+        }
+        deserializer.deserialize_any(Written)
+    }
+}
+
+impl Clock<WrittenLifetimes> {
+    /// The clock with the lifetimes of its file, beside the lineage file `lineage`.
+    ///
+    /// # Errors
+    /// Names the file, and the line that is wrong in it.
+    pub(super) fn resolved(self, lineage: &str) -> Result<Clock, InputError> {
+        // Without `..`: the compiler asks for every field.
+        let Clock { lifetime_min, at_volume, exponent, tau_min, origin, lifetimes } = self;
+        let lifetimes = match lifetimes {
+            None => None,
+            Some(WrittenLifetimes::Inline(lifetimes)) => Some(lifetimes),
+            Some(WrittenLifetimes::File(file)) => {
+                let path = Path::new(lineage).parent().unwrap_or(Path::new("")).join(file);
+                Some(read_lifetimes(&read_text(&path)?, &path.display().to_string())?)
+            }
+        };
+        Ok(Clock { lifetime_min, at_volume, exponent, tau_min, origin, lifetimes })
+    }
+}
+
+/// Reads the columns `cell` and `lifetime_min` of a table; lines that begin with # are comments.
+fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
+    let malformed = |line: u64, message: String| InputError::Malformed {
+        file: file.to_owned(),
+        line: line.max(1) as usize,
+        column: 1,
+        message,
+    };
+    let unreadable = |error: csv::Error| malformed(error.position().map_or(1, csv::Position::line), error.to_string());
+    let text = text.trim_start_matches('\u{feff}');
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let header = reader.headers().map_err(unreadable)?.clone();
+    let column = |name: &str| {
+        let missing =
+            || malformed(1, format!("no column is called {name}; a table of lifetimes has cell and lifetime_min"));
+        header.iter().position(|column| column == name).ok_or_else(missing)
+    };
+    let (cell, minutes) = (column("cell")?, column("lifetime_min")?);
+    let mut lifetimes = Lifetimes::new();
+    for row in reader.records() {
+        let row = row.map_err(unreadable)?;
+        let line = row.position().map_or(1, csv::Position::line);
+        let (name, value) = (&row[cell], &row[minutes]);
+        let refused = || malformed(line, format!("lifetime_min = {}: must be a number above 0", shown(value)));
+        let value = value.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0).ok_or_else(refused)?;
+        if lifetimes.insert(name.to_owned(), value).is_some() {
+            return Err(malformed(line, format!("the cell {} is given twice", shown(name))));
+        }
+    }
+    Ok(lifetimes)
+}
+
+/// The law of a founder, with what it inherits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LifetimeLaw {
+    /// Lifetime in minutes of a cell of the volume `at_volume`.
+    pub lifetime_min: f64,
+    /// That volume, as a fraction of the first cell's.
+    pub at_volume: f64,
+    /// Exponent.
+    pub exponent: f64,
+}
+
+impl LifetimeLaw {
+    /// The lifetime of a cell in minutes; its volume is a fraction of the first cell's.
+    pub fn lifetime(&self, volume: f64) -> f64 {
+        self.lifetime_min * (volume / self.at_volume).powf(-self.exponent)
+    }
+}
+
+impl Lineage {
+    /// The law of a founder (an index into the lineage's founders); none without a clock.
+    pub fn lifetime_law(&self, founder: usize) -> Option<LifetimeLaw> {
+        let inherited = match self.mother(founder) {
+            Some(mother) => self.lifetime_law(mother)?,
+            None => {
+                let Clock { lifetime_min, at_volume, exponent, .. } = *self.clock.as_ref()?;
+                LifetimeLaw { lifetime_min, at_volume, exponent }
+            }
+        };
+        let Some(own) = self.founders[founder].clock else { return Some(inherited) };
+        let exponent = own.exponent.unwrap_or(inherited.exponent);
+        Some(match own.lifetime_min {
+            None => LifetimeLaw { exponent, ..inherited },
+            Some(lifetime_min) => LifetimeLaw { lifetime_min, at_volume: own.at_volume.unwrap_or(1.0), exponent },
+        })
+    }
+
+    /// The founder that a cell of that name is or descends from by the naming rule, the nearest one; none if no cell can have
+    /// the name.
+    pub fn founder_of(&self, name: &str) -> Option<usize> {
+        let below = self.daughters();
+        (0..self.founders.len()).find(|&k| {
+            let Some(rest) = name.strip_prefix(self.founders[k].name.as_str()) else { return false };
+            let named = |(n, letter): (usize, char)| {
+                let (anterior, posterior) = self.letters(k, n + 1);
+                letter == anterior || letter == posterior
+            };
+            rest.is_empty() || below[k].is_none() && rest.chars().enumerate().all(named)
+        })
+    }
+}
+
+/// When a cell is born and divides, in minutes from the origin of the lineage's clock.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellTimes {
+    /// Birth.
+    pub birth_min: f64,
+    /// Division; none for a cell without daughters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub division_min: Option<f64>,
+}
+
+impl Tree {
+    /// When each cell is born and divides, in the order of the cells; none if the lineage has no clock.
+    pub fn times(&self) -> Option<Vec<CellTimes>> {
+        let clock = self.lineage.clock.as_ref()?;
+        let laws: Vec<LifetimeLaw> =
+            (0..self.lineage.founders.len()).map(|k| self.lineage.lifetime_law(k)).collect::<Option<_>>()?;
+        let mut times: Vec<CellTimes> = Vec::with_capacity(self.len());
+        for id in self.cells() {
+            let cell = self.cell(id);
+            // Mothers come before daughters.
+            let birth_min = self.mother(id).and_then(|mother| times[mother.index()].division_min).unwrap_or(0.0);
+            let divides = self.daughter_count(id) > 0;
+            let division_min = divides.then(|| birth_min + clock.lifetime(cell, &laws[cell.founder]));
+            times.push(CellTimes { birth_min, division_min });
+        }
+        let zero = self.origin_minute(clock.origin.as_ref(), &times).unwrap_or(0.0);
+        for CellTimes { birth_min, division_min } in &mut times {
+            *birth_min -= zero;
+            division_min.iter_mut().for_each(|division| *division -= zero);
+        }
+        Some(times)
+    }
+
+    /// The event at minute 0 of [`times`](Self::times): the origin of the clock where it takes place in this tree, else the
+    /// birth of the first cell; none without a clock.
+    pub fn time_origin(&self) -> Option<Origin> {
+        let clock = self.lineage.clock.as_ref()?;
+        let takes_place = |origin: &&Origin| match self.cell_called(origin.cell()) {
+            None => false,
+            Some(id) => matches!(origin, Origin::Birth(_)) || self.daughter_count(id) > 0,
+        };
+        let first = || Origin::Birth(self.cell(self.first()).name.clone());
+        Some(clock.origin.as_ref().filter(takes_place).cloned().unwrap_or_else(first))
+    }
+
+    fn cell_called(&self, name: &str) -> Option<CellId> {
+        self.cells().find(|id| self.cell(*id).name == name)
+    }
+
+    /// The minute of the origin, counted from the birth of the first cell; none if it does not take place.
+    fn origin_minute(&self, origin: Option<&Origin>, times: &[CellTimes]) -> Option<f64> {
+        let origin = origin?;
+        let of = times[self.cell_called(origin.cell())?.index()];
+        match origin {
+            Origin::Birth(_) => Some(of.birth_min),
+            Origin::Division(_) => of.division_min,
+        }
+    }
+}
+
+impl Clock {
+    /// The lifetime of a cell that divides, in minutes.
+    fn lifetime(&self, cell: &TreeCell, law: &LifetimeLaw) -> f64 {
+        if let Some(minutes) = self.lifetimes.as_ref().and_then(|lifetimes| lifetimes.get(&cell.name)) {
+            return *minutes;
+        }
+        let pinch_off = self.tau_min.zip(cell.fate.t_end()).map_or(0.0, |(tau, t_end)| tau * t_end);
+        law.lifetime(cell.volume_fraction) + pinch_off
+    }
+}
+
+/// A number of cells at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Alive {
+    /// Minutes from the origin of the clock.
+    pub min: f64,
+    /// Cells that were born by then and have not divided.
+    pub cells: usize,
+}
+
+/// Most intervals of [`alive`].
+const INTERVALS: f64 = 100.0;
+
+/// The cells alive over time, from the first birth to the last division, at multiples of 1, 2, 5, 10, … minutes, at most about a
+/// hundred. Cells without daughters live on.
+pub fn alive(times: &[CellTimes]) -> Vec<Alive> {
+    let mut births: Vec<f64> = times.iter().map(|cell| cell.birth_min).collect();
+    let mut divisions: Vec<f64> = times.iter().filter_map(|cell| cell.division_min).collect();
+    births.sort_by(f64::total_cmp);
+    divisions.sort_by(f64::total_cmp);
+    let Some(first) = births.first() else { return Vec::new() };
+    let last = divisions.last().unwrap_or(first);
+    let step = round_step((last - first) / INTERVALS);
+    let count = ((last / step).ceil() - (first / step).ceil()).clamp(0.0, 2.0 * INTERVALS) as usize;
+    let by = |sorted: &[f64], min: f64| sorted.partition_point(|time| *time <= min);
+    let at = |k: usize| {
+        let min = ((first / step).ceil() + k as f64) * step;
+        Alive { min, cells: by(&births, min) - by(&divisions, min) }
+    };
+    (0..=count).map(at).collect()
+}
+
+/// The least of 1, 2, 5, 10, 20, … that is no less than a number.
+fn round_step(least: f64) -> f64 {
+    let decade = 10_f64.powf(least.max(1.0).log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * decade).find(|step| *step >= least).unwrap_or(10.0 * decade)
+}
+
+/// The last division among the descendants of each founder, itself included, in minutes, in the order of the lineage's founders;
+/// none where none divides.
+pub fn last_divisions(tree: &Tree, times: &[CellTimes]) -> Vec<Option<f64>> {
+    let mut last: Vec<Option<f64>> = vec![None; tree.len()];
+    // From behind, daughters come before their mothers.
+    for id in tree.cells().rev() {
+        let below = tree.daughters(id).into_iter().flatten().map(|daughter| last[daughter.index()]);
+        last[id.index()] = below.flatten().chain(times[id.index()].division_min).reduce(f64::max);
+    }
+    (0..tree.lineage.founders.len()).map(|k| tree.founder_cell(k).and_then(|id| last[id.index()])).collect()
+}

@@ -1,0 +1,379 @@
+//! Tables of lifetimes, from a cell's birth to its division.
+//!
+//! Columns, in any order: `cell`; `lifetime_min` (or `lifetime_s`, `lifetime_h`); optionally `sd_min`, `birth_min` and `n`. With a
+//! column `n` a row is a cell's mean over n embryos; without it a row is a cell of one embryo, and rows of a cell are averaged.
+//! Lines that begin with `#` are comments. A row that cannot be used is skipped and reported with its place.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io::Read;
+
+use csv::ByteRecord;
+use furrow_input::InputError;
+use serde::Serialize;
+
+use crate::events::place;
+use crate::names::{birth, founder};
+use crate::significance::{Sample, Trend, sign_test, trend, welch};
+use crate::statistics::{mean, sd};
+use crate::table::{Table, is_comment, listed, malformed, names, number};
+use crate::volumes::{MOST_PLACES, Skipped, Volumes};
+
+/// How long a cell lives in some embryos.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Lifetime {
+    /// The cell.
+    pub cell: String,
+    /// The founder that it is or descends from.
+    pub founder: String,
+    /// Embryos.
+    pub n: u64,
+    /// Mean from birth to division, in minutes.
+    pub mean: f64,
+    /// Its standard deviation over embryos.
+    pub sd: Option<f64>,
+    /// Mean time of birth, in minutes from the origin of the table.
+    pub birth: Option<f64>,
+}
+
+impl Lifetime {
+    /// When it divides, if the table says when it is born.
+    pub fn division(&self) -> Option<f64> {
+        Some(self.birth? + self.mean)
+    }
+}
+
+/// Lifetimes of the cells of some embryos.
+#[derive(Clone, Debug, Default)]
+pub struct Lifetimes {
+    /// By cell, in the order of the table.
+    pub cells: Vec<Lifetime>,
+    /// Rows used.
+    pub used: u64,
+    /// Rows that could not be used, at most [`MOST_PLACES`].
+    pub skipped: Vec<Skipped>,
+    /// How many there are.
+    pub skipped_count: u64,
+}
+
+/// Units in the names of columns, and minutes in each.
+const UNITS: [(&str, f64); 3] = [("min", 1.0), ("s", 1.0 / 60.0), ("h", 60.0)];
+
+/// A column of times and the minutes in its unit.
+type TimeColumn = (usize, f64);
+
+/// The columns of a table.
+struct Columns {
+    header: Vec<String>,
+    cell: usize,
+    lifetime: TimeColumn,
+    n: Option<usize>,
+    sd: Option<TimeColumn>,
+    birth: Option<TimeColumn>,
+}
+
+impl Columns {
+    fn of(first: &ByteRecord, file: &str, line: u64) -> Result<Columns, InputError> {
+        let header: Vec<String> = names(first).into_iter().map(|name| name.to_lowercase()).collect();
+        let refused = |why: String| malformed(file, line as usize, why);
+        if let Some((k, name)) = header.iter().enumerate().find(|(k, name)| header[..*k].contains(name)) {
+            return Err(refused(format!("two columns are called {name:?}, the second of them column {}", k + 1)));
+        }
+        let at = |wanted: &str| header.iter().position(|name| name == wanted);
+        let time = |what: &str| -> Result<Option<TimeColumn>, InputError> {
+            let named = || UNITS.map(|(unit, _)| format!("{what}_{unit}")).join(", ");
+            if let Some(column) = at(what) {
+                let why =
+                    format!("column {} is called {what:?}: its name must have the unit, as {}", column + 1, named());
+                return Err(refused(why));
+            }
+            let mut found = UNITS.iter().filter_map(|(unit, minutes)| Some((at(&format!("{what}_{unit}"))?, *minutes)));
+            match (found.next(), found.next()) {
+                (Some(_), Some((second, _))) => Err(refused(format!(
+                    "column {} is a second one for the {what}; allowed is one of {}",
+                    second + 1,
+                    named()
+                ))),
+                (found, _) => Ok(found),
+            }
+        };
+        let missing = |what: &str| refused(format!("no column is called {what}; the columns are {}", listed(&header)));
+        let cell = at("cell").ok_or_else(|| missing("cell"))?;
+        let lifetime = time("lifetime")?.ok_or_else(|| missing("lifetime_min"))?;
+        let (n, sd, birth) = (at("n"), time("sd")?, time("birth")?);
+        if let (None, Some((column, _))) = (n, sd) {
+            let why = format!("column {} is a standard deviation, but no column is called n", column + 1);
+            return Err(refused(why));
+        }
+        Ok(Columns { cell, lifetime, n, sd, birth, header })
+    }
+}
+
+/// A row that cannot be used: the column, and why.
+type Rejected = (usize, &'static str);
+
+/// What a row says.
+struct Row {
+    cell: String,
+    n: u64,
+    mean: f64,
+    sd: Option<f64>,
+    birth: Option<f64>,
+}
+
+/// Limits of a time, in minutes: sums beyond them could overflow.
+const TIMES: [f64; 2] = [1e-9, 1e12];
+
+fn read_row(record: &ByteRecord, columns: &Columns) -> Result<Row, Rejected> {
+    let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
+    let minutes = |(column, unit): TimeColumn| number(text(column)).map(|time| time * unit);
+    let cell = str::from_utf8(text(columns.cell)).ok().filter(|name| founder(name).is_some());
+    let cell = cell.ok_or((columns.cell, "no name of Sulston's"))?.to_owned();
+    let mean = minutes(columns.lifetime).filter(|mean| (TIMES[0]..=TIMES[1]).contains(mean));
+    let mean = mean.ok_or((columns.lifetime.0, "must be a time above 0"))?;
+    let n = match columns.n {
+        None => 1,
+        Some(column) => {
+            let n = number(text(column)).filter(|n| (1.0..=1e9).contains(n) && n.fract() == 0.0);
+            n.ok_or((column, "must be a number of embryos, at least 1"))? as u64
+        }
+    };
+    let optional = |column: Option<TimeColumn>, least: f64, why: &'static str| match column {
+        Some(column) if !text(column.0).is_empty() => {
+            let fine = |time: &f64| (least..=TIMES[1]).contains(time);
+            minutes(column).filter(fine).map(Some).ok_or((column.0, why))
+        }
+        _ => Ok(None),
+    };
+    let sd = optional(columns.sd, 0.0, "must be a time of 0 or more, or empty")?;
+    let birth = optional(columns.birth, -TIMES[1], "must be a time, or empty")?;
+    Ok(Row { cell, n, mean, sd, birth })
+}
+
+impl Lifetimes {
+    /// Reads a table. Reports name it `file`.
+    ///
+    /// # Errors
+    /// A table without the required columns, or without a row that can be used.
+    pub fn read(from: impl Read, file: &str) -> Result<Lifetimes, InputError> {
+        let mut table = Table::open(from, file)?;
+        let columns = loop {
+            let Some((line, first)) = table.next()? else {
+                return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
+            };
+            if !is_comment(first) {
+                break Columns::of(first, file, line)?;
+            }
+        };
+        let mut found = Lifetimes::default();
+        let (mut rows, mut places): (Vec<Vec<Row>>, HashMap<String, (usize, u64)>) = (Vec::new(), HashMap::new());
+        while let Some((line, record)) = table.next()? {
+            if is_comment(record) {
+                continue;
+            }
+            let row = match read_row(record, &columns) {
+                Ok(row) => row,
+                Err((column, why)) => {
+                    found.skip((file, line), (column, &columns.header), record, why.to_owned());
+                    continue;
+                }
+            };
+            let next = (rows.len(), line);
+            match places.get(&row.cell) {
+                Some((_, before)) if columns.n.is_some() => {
+                    let why = format!("a second row of this cell; the first is on line {before}");
+                    found.skip((file, line), (columns.cell, &columns.header), record, why);
+                    continue;
+                }
+                Some((at, _)) => rows[*at].push(row),
+                None => {
+                    places.insert(row.cell.clone(), next);
+                    rows.push(vec![row]);
+                }
+            }
+            found.used += 1;
+        }
+        let first = found.skipped.first().map_or("the table has no rows".to_owned(), |skipped| {
+            let Skipped { line, column, value, why, .. } = skipped;
+            format!("line {line}, column {column}: {value:?}: {why}")
+        });
+        let value = format!("none used, {} skipped", found.skipped_count);
+        InputError::require(
+            found.used > 0,
+            file,
+            "lifetimes",
+            value,
+            format!("at least one that can be used ({first})"),
+        )?;
+        found.cells = rows.iter().filter_map(|rows| averaged(rows)).collect();
+        Ok(found)
+    }
+
+    fn skip(&mut self, (file, line): (&str, u64), (at, header): (usize, &[String]), record: &ByteRecord, why: String) {
+        self.skipped_count += 1;
+        if self.skipped.len() < MOST_PLACES {
+            let text = record.get(at).unwrap_or_default().trim_ascii();
+            self.skipped.push(Skipped {
+                file: file.to_owned(),
+                line,
+                column: format!("{} ({})", at + 1, header[at]),
+                value: String::from_utf8_lossy(&text[..text.len().min(80)]).into_owned(),
+                why,
+            });
+        }
+    }
+
+    /// The lifetime of a cell.
+    pub fn of(&self, cell: &str) -> Option<&Lifetime> {
+        self.cells.iter().find(|lifetime| lifetime.cell == cell)
+    }
+
+    /// The cell by whose birth another clock is set to the table's: of those measured in the most embryos the one born first.
+    pub fn reference(&self) -> Option<&Lifetime> {
+        let most = self.cells.iter().filter(|cell| cell.birth.is_some()).map(|cell| cell.n).max()?;
+        let often = self.cells.iter().filter(|cell| cell.n == most && cell.birth.is_some());
+        often.min_by(|a, b| a.birth.unwrap_or_default().total_cmp(&b.birth.unwrap_or_default()))
+    }
+}
+
+/// One row as it is, or the mean over several of one embryo each.
+fn averaged(rows: &[Row]) -> Option<Lifetime> {
+    let first = rows.first()?;
+    let founder = founder(&first.cell)?.to_owned();
+    let births: Vec<f64> = rows.iter().filter_map(|row| row.birth).collect();
+    let lives: Vec<f64> = rows.iter().map(|row| row.mean).collect();
+    let (n, mean_life, sd) = match rows {
+        [row] => (row.n, row.mean, row.sd),
+        rows => (rows.len() as u64, mean(&lives), sd(&lives)),
+    };
+    let birth = (!births.is_empty()).then(|| mean(&births));
+    Some(Lifetime { cell: first.cell.clone(), founder, n, mean: mean_life, sd, birth })
+}
+
+/// Mean volume of every cell over the embryos that have it.
+pub fn mean_volumes(volumes: &Volumes) -> BTreeMap<String, f64> {
+    let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for cell in volumes.embryos.iter().flat_map(|embryo| &embryo.cells) {
+        all.entry(cell.cell.clone()).or_default().push(cell.volume());
+    }
+    all.into_iter().map(|(cell, volumes)| (cell, mean(&volumes))).collect()
+}
+
+/// ln lifetime over ln volume of cells: all of them, and by founder.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Slopes {
+    /// Over all cells.
+    pub all: Option<Trend>,
+    /// By founder, of those with three cells or more.
+    pub founders: BTreeMap<String, Trend>,
+}
+
+/// The slopes of cells with a founder, a volume and a lifetime.
+pub fn slopes<'a>(cells: impl IntoIterator<Item = (&'a str, f64, f64)>) -> Slopes {
+    let (mut all, mut founders): (Vec<[f64; 2]>, BTreeMap<String, Vec<[f64; 2]>>) = Default::default();
+    for (founder, volume, lifetime) in cells {
+        let point = [volume.ln(), lifetime.ln()];
+        all.push(point);
+        founders.entry(founder.to_owned()).or_default().push(point);
+    }
+    let founders = founders.into_iter().filter_map(|(founder, points)| Some((founder, trend(&points)?)));
+    Slopes { all: trend(&all), founders: founders.collect() }
+}
+
+/// Two measured sisters.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sisters {
+    /// Their mother.
+    pub mother: String,
+    /// Their names, in the order of names.
+    pub daughters: [String; 2],
+    /// Mean lifetimes, in minutes.
+    pub lifetimes: [f64; 2],
+    /// Which divides first: 0 or 1; none if their means are equal.
+    pub first: Option<usize>,
+    /// Two-sided p value of Welch's test of their lifetimes; embryos are not paired.
+    pub p: Option<f64>,
+}
+
+/// Pairs of sisters that both have a lifetime, by generation and name of the mother.
+pub fn sisters(lifetimes: &Lifetimes) -> Vec<Sisters> {
+    let by_name: HashMap<&str, &Lifetime> = lifetimes.cells.iter().map(|cell| (cell.cell.as_str(), cell)).collect();
+    let of = |cell: &Lifetime| {
+        let (mother, other, is_first) = birth(&cell.cell)?;
+        let other = *by_name.get(other.as_str()).filter(|_| is_first)?;
+        let sample = |cell: &Lifetime| Some(Sample { n: cell.n, mean: cell.mean, sd: cell.sd? });
+        let lifetimes = [cell.mean, other.mean];
+        let p = sample(cell).zip(sample(other)).and_then(|(a, b)| welch(a, b));
+        let daughters = [cell.cell.clone(), other.cell.clone()];
+        Some(Sisters { mother: mother.to_owned(), daughters, lifetimes, first: smaller(lifetimes), p })
+    };
+    let mut pairs: Vec<Sisters> = lifetimes.cells.iter().filter_map(of).collect();
+    pairs.sort_by(|a, b| place(&a.mother).cmp(&place(&b.mother)));
+    pairs
+}
+
+/// Which of two values is the smaller; none if they are equal.
+pub fn smaller([a, b]: [f64; 2]) -> Option<usize> {
+    if a == b { None } else { Some(usize::from(b < a)) }
+}
+
+/// How often an expected order is the measured one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Agreement {
+    /// Pairs with an expected and a measured order.
+    pub pairs: usize,
+    /// Of these, with the same.
+    pub agree: usize,
+    /// Probability of so many or more by tosses of a coin.
+    pub p: f64,
+}
+
+/// How often the order that `expected` gives is the measured one; pairs that it gives none for are left out.
+pub fn agreement(pairs: &[Sisters], expected: impl Fn(&Sisters) -> Option<usize>) -> Agreement {
+    let both = pairs.iter().filter_map(|pair| Some((pair.first?, expected(pair)?)));
+    let (pairs, agree) = both.fold((0, 0), |(n, agree), (a, b)| (n + 1, agree + usize::from(a == b)));
+    Agreement { pairs, agree, p: sign_test(agree, pairs) }
+}
+
+/// Numbers of cells alive over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CellsOverTime {
+    /// Cells whose divisions come first and whose mothers' are not known: all others descend from them.
+    pub roots: Vec<String>,
+    /// Times of division, rising, each with the number of cells from then on.
+    pub steps: Vec<(f64, usize)>,
+    /// The first birth of a cell whose lifetime the table lacks; from there on divisions can be missing.
+    pub known_until: f64,
+}
+
+impl CellsOverTime {
+    /// Cells alive at a time.
+    pub fn at(&self, time: f64) -> usize {
+        let before = self.steps.partition_point(|(division, _)| *division <= time);
+        before.checked_sub(1).map_or(self.roots.len(), |k| self.steps[k].1)
+    }
+}
+
+/// The numbers of cells that a table's births and lifetimes give; none without births. A cell divides where its lifetime ends, or
+/// if that is not known where its daughters are born.
+pub fn cells_over_time(lifetimes: &Lifetimes) -> Option<CellsOverTime> {
+    let mut divisions: BTreeMap<String, f64> = BTreeMap::new();
+    for cell in &lifetimes.cells {
+        if let (Some((mother, ..)), Some(born)) = (birth(&cell.cell), cell.birth) {
+            divisions.entry(mother.to_owned()).or_insert(born);
+        }
+    }
+    divisions.extend(lifetimes.cells.iter().filter_map(|cell| Some((cell.cell.clone(), cell.division()?))));
+    let is_root = |cell: &&String| birth(cell).is_none_or(|(mother, ..)| !divisions.contains_key(mother));
+    let roots: Vec<String> = divisions.keys().filter(is_root).cloned().collect();
+    let mut with_daughters: Vec<&str> =
+        lifetimes.cells.iter().filter_map(|cell| birth(&cell.cell)).map(|(mother, ..)| mother).collect();
+    with_daughters.sort_unstable();
+    // Both daughters need a lifetime.
+    let both: Vec<&str> = with_daughters.chunk_by(|a, b| a == b).filter(|of| of.len() == 2).map(|of| of[0]).collect();
+    let ends = divisions.iter().filter(|(cell, _)| both.binary_search(&cell.as_str()).is_err());
+    let known_until = ends.map(|(_, time)| *time).min_by(f64::total_cmp)?;
+    let mut times: Vec<f64> = divisions.into_values().collect();
+    times.sort_by(f64::total_cmp);
+    let steps = times.into_iter().enumerate().map(|(k, time)| (time, roots.len() + k + 1)).collect();
+    Some(CellsOverTime { roots, steps, known_until })
+}

@@ -1,0 +1,135 @@
+//! Lifetimes beside SciPy's statistics of the shipped tables (`data/make_lifetimes.py` says how they were made).
+
+use std::collections::BTreeMap;
+
+use furrow_measured::lifetimes::{
+    Lifetimes, Sisters, agreement, cells_over_time, mean_volumes, sisters, slopes, smaller,
+};
+use furrow_measured::published::{jankele2021_lifetimes, jankele2021_volumes};
+use furrow_measured::significance::{Sample, Trend, sign_test, welch};
+use serde_json::Value;
+
+use super::close;
+
+fn reference() -> Value {
+    serde_json::from_str(include_str!("../data/lifetimes.json")).unwrap()
+}
+
+fn same(found: &Trend, expected: &Value) {
+    assert_eq!(found.line.n as u64, expected["n"]);
+    let of = [found.line.slope, found.line.slope_error, found.line.intercept, found.line.r_squared, found.p];
+    for (found, name) in of.into_iter().zip(["slope", "slope_error", "intercept", "r_squared", "p"]) {
+        close(found, &expected[name]);
+    }
+}
+
+#[test]
+fn lifetimes_over_volumes_are_those_of_scipy() {
+    let (lifetimes, volumes) = (jankele2021_lifetimes().unwrap(), mean_volumes(&jankele2021_volumes().unwrap()));
+    assert_eq!((lifetimes.cells.len(), lifetimes.used, lifetimes.skipped_count), (190, 190, 0));
+    let with_volume = lifetimes.cells.iter();
+    let found = slopes(with_volume.filter_map(|cell| Some((&*cell.founder, *volumes.get(&cell.cell)?, cell.mean))));
+    let expected = &reference()["trends"];
+    same(&found.all.unwrap(), &expected["all"]);
+    let names: Vec<&str> = found.founders.keys().map(String::as_str).collect();
+    assert_eq!(names, ["AB", "C", "E", "MS"]);
+    found.founders.iter().for_each(|(founder, trend)| same(trend, &expected[founder]));
+}
+
+#[test]
+fn orders_of_sisters_are_those_of_scipy() {
+    let (lifetimes, volumes) = (jankele2021_lifetimes().unwrap(), mean_volumes(&jankele2021_volumes().unwrap()));
+    let (pairs, reference) = (sisters(&lifetimes), reference());
+    assert_eq!(pairs.len(), reference["sisters"].as_object().unwrap().len());
+    for pair in &pairs {
+        let expected = &reference["sisters"][&pair.mother];
+        assert_eq!(pair.first.map(|k| pair.daughters[k].as_str()), expected["first"].as_str(), "{}", pair.mother);
+        close(pair.p.unwrap(), &expected["p"]);
+    }
+    // The larger sister divides first.
+    let by_volume = |pair: &Sisters| {
+        let of = |k: usize| volumes.get(&pair.daughters[k]);
+        smaller([*of(1)?, *of(0)?])
+    };
+    let (found, expected) = (agreement(&pairs, by_volume), &reference["by_volume"]);
+    assert_eq!(
+        (found.pairs as u64, found.agree as u64),
+        (expected["pairs"].as_u64().unwrap(), expected["agree"].as_u64().unwrap())
+    );
+    close(found.p, &expected["p"]);
+    for case in reference["signs"].as_array().unwrap() {
+        let [agree, of] = ["agree", "of"].map(|name| case[name].as_u64().unwrap() as usize);
+        close(sign_test(agree, of), &case["p"]);
+    }
+    assert_eq!(sign_test(0, 0), 1.0);
+    let one = Sample { n: 1, mean: 1.0, sd: 0.0 };
+    assert_eq!(welch(one, one), None);
+}
+
+#[test]
+fn the_numbers_of_cells_follow_from_births_and_lifetimes() {
+    let found = cells_over_time(&jankele2021_lifetimes().unwrap()).unwrap();
+    assert_eq!(found.roots, ["AB", "P1"]);
+    // Two cells, then three and four; at the division of ABal and ABar eight; P4's daughters have no lifetimes.
+    let at: Vec<usize> = [-30.0, -22.0, -10.0, 20.0, 30.0].map(|time| found.at(time)).to_vec();
+    assert_eq!(at, [2, 3, 4, 8, 12]);
+    assert!((found.known_until - 170.17).abs() < 1e-9, "{}", found.known_until);
+    assert_eq!(found.steps.last().unwrap().1, found.steps.len() + 2);
+}
+
+fn read(table: &str) -> Lifetimes {
+    Lifetimes::read(table.as_bytes(), "t.csv").unwrap()
+}
+
+#[test]
+fn rows_of_single_embryos_are_averaged_in_the_unit_of_their_column() {
+    let found = read("# a remark, with, commas\nCell\tlifetime_s\tbirth_h\nABa\t600\t0.5\nABp\t900\t\nABa\t720\t0.7\n");
+    let (a, p) = (found.of("ABa").unwrap(), found.of("ABp").unwrap());
+    assert_eq!((a.n, a.mean, a.birth, &*a.founder), (2, 11.0, Some(36.0), "AB"));
+    assert!((a.sd.unwrap() - 2f64.sqrt()).abs() < 1e-12);
+    assert_eq!((p.n, p.mean, p.sd, p.birth, p.division()), (1, 15.0, None, None, None));
+    assert_eq!(found.reference().unwrap().cell, "ABa");
+}
+
+#[test]
+fn rows_that_cannot_be_used_are_told_with_their_place() {
+    let table = "# x\ncell,n,lifetime_min,sd_min,birth_min\nABa,8,23,1,0\nABa,8,23,1,0\nnuc,8,23,1,0\nABp,0,23,1,0\nABp,8,-1,1,0\nABp,8,,1,0\nABp,8,2,-1,0\nABp,8,2,1,x\nABp\n";
+    let found = read(table);
+    let said: Vec<String> =
+        found.skipped.iter().map(|s| format!("{}: {} = {:?}: {}", s.line, s.column, s.value, s.why)).collect();
+    let expected = [
+        "4: 1 (cell) = \"ABa\": a second row of this cell; the first is on line 3",
+        "5: 1 (cell) = \"nuc\": no name of Sulston's",
+        "6: 2 (n) = \"0\": must be a number of embryos, at least 1",
+        "7: 3 (lifetime_min) = \"-1\": must be a time above 0",
+        "8: 3 (lifetime_min) = \"\": must be a time above 0",
+        "9: 4 (sd_min) = \"-1\": must be a time of 0 or more, or empty",
+        "10: 5 (birth_min) = \"x\": must be a time, or empty",
+        "11: 3 (lifetime_min) = \"\": must be a time above 0",
+    ];
+    assert_eq!(said, expected);
+    assert_eq!((found.used, found.skipped_count), (1, 8));
+}
+
+#[test]
+fn what_is_no_table_of_lifetimes_is_refused() {
+    let cases = BTreeMap::from([
+        ("", "t.csv:1:1: the table is empty"),
+        ("# only\n# remarks\n", "t.csv:1:1: the table is empty"),
+        (
+            "# x\ncell,lifetime\nAB,1\n",
+            "t.csv:2:1: column 2 is called \"lifetime\": its name must have the unit, as lifetime_min, lifetime_s, lifetime_h",
+        ),
+        ("cell,n\nAB,1\n", "no column is called lifetime_min; the columns are \"cell\", \"n\""),
+        ("n,lifetime_min\n1,1\n", "no column is called cell"),
+        ("cell,lifetime_min,lifetime_s\nAB,1,1\n", "column 3 is a second one for the lifetime"),
+        ("cell,cell,lifetime_min\n", "two columns are called \"cell\""),
+        ("cell,lifetime_min,sd_min\nAB,1,1\n", "column 3 is a standard deviation, but no column is called n"),
+        ("cell,lifetime_min\nAB,0\n", "none used, 1 skipped"),
+        ("cell,lifetime_min\n", "the table has no rows"),
+    ]);
+    for (table, expected) in cases {
+        let said = Lifetimes::read(table.as_bytes(), "t.csv").unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
+}

@@ -1,0 +1,124 @@
+//! `furrow fit clock`: how lifetimes depend on volume, by founder.
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::cell::load_lineage;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::{merged, print_as, writable_file};
+use furrow_analysis::fit::{FittedClock, FittedLaw, Unused, fit_clock};
+use furrow_formats::write_atomically;
+use furrow_input::{InputError, open_file};
+use furrow_measured::lifetimes::Lifetimes;
+use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
+use furrow_measured::volumes::{ReadOptions, Volumes};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Fits the lifetimes of cells as powers of their volumes, by founder
+///
+/// Of each founder with three cells or more, ln lifetime over ln volume is fitted by a straight line. Prints a clock for a lineage
+/// file.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow fit clock
+  furrow fit clock lifetimes.csv --volumes volumes.csv --out clock.ron
+  furrow fit clock lifetimes.csv --json")]
+pub struct ClockArgs {
+    /// Lifetimes, CSV with the columns cell and lifetime_min, and optionally n and sd_min; default the published ones
+    #[arg(value_name = "TABLE.csv")]
+    table: Option<PathBuf>,
+    /// Volumes of the cells, CSV as for compare volumes; default the published ones
+    #[arg(help_heading = "Targets", long, value_name = "TABLE.csv")]
+    volumes: Option<PathBuf>,
+    /// Lineage whose founders are fitted; default the built-in C. elegans founders
+    #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
+    /// Writes the clock as a lineage file, on the built-in lineage unless --lineage is given
+    #[arg(help_heading = "Output", long, value_name = "FILE.ron")]
+    out: Option<PathBuf>,
+}
+
+pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
+    let lineage = load_lineage(args.lineage.as_deref())?;
+    writable_file("--out", args.out.as_deref())?;
+    let name = |file: &Path| file.display().to_string();
+    let lifetimes = match &args.table {
+        Some(file) => Lifetimes::read(open_file(file)?, &name(file))?,
+        None => jankele2021_lifetimes()?,
+    };
+    let volumes = match &args.volumes {
+        Some(file) => read_volumes(file)?,
+        None => jankele2021_volumes()?,
+    };
+    let files = args.volumes.as_deref().map_or_else(|| "the published volumes".to_owned(), name);
+    let found = fit_clock(&lineage, &lifetimes, &volumes, &files)?;
+    let ron = found.as_ron(args.lineage.is_none().then_some("c_elegans"));
+    if let Some(file) = &args.out {
+        write_atomically(file, ron.as_bytes())?;
+    }
+    let (lifetimes_of, volumes_of) = (
+        args.table.as_deref().map_or_else(|| SOURCE.to_owned(), name),
+        args.volumes.as_deref().map_or_else(|| SOURCE.to_owned(), name),
+    );
+    let skipped_rows: Vec<_> = lifetimes.skipped.iter().chain(&volumes.skipped).collect();
+    let skipped_count = lifetimes.skipped_count + volumes.skipped_count;
+    let about = json!({
+        "lifetimes": lifetimes_of, "volumes": volumes_of, "skipped_rows": skipped_rows, "skipped_row_count": skipped_count,
+        "ron": ron,
+    });
+    print_as(context.json, &merged(json!(found), about), || {
+        let rows = skipped_rows.iter().take(MOST_ROWS).map(|row| {
+            format!("{}, line {}, column {}: {:?}: {}\n", row.file, row.line, row.column, row.value, row.why)
+        });
+        let rows: String = rows.collect();
+        let rows = if skipped_count > 0 { format!("{skipped_count} rows skipped:\n{rows}\n") } else { rows };
+        format!("Lifetimes: {lifetimes_of}; volumes: {volumes_of}\n\n{}{rows}{ron}", clock_text(&found))
+    })
+}
+
+/// Most skipped rows that the text lists.
+const MOST_ROWS: usize = 10;
+
+fn read_volumes(file: &Path) -> Result<Volumes, InputError> {
+    let mut volumes = Volumes::default();
+    volumes.read(open_file(file)?, &file.display().to_string(), &ReadOptions::default())?;
+    volumes.require_used(&file.display().to_string())?;
+    Ok(volumes)
+}
+
+fn clock_text(found: &FittedClock) -> String {
+    let mut out = "founder  cells   exponent       se     R²   minutes   at volume / first\n".to_owned();
+    for FittedLaw { founder, exponent, se, n, lifetime_min, at_volume, r_squared, .. } in
+        found.exponents.iter().chain([&found.all])
+    {
+        let _ = writeln!(
+            out,
+            "{founder:<8} {n:>5}   {exponent:>8.4} {se:>8.4} {r_squared:>6.3} {lifetime_min:>9.2}   {at_volume:>9.5}"
+        );
+    }
+    for few in &found.few {
+        let _ = writeln!(
+            out,
+            "{:<8} {:>5}          -        -      - {:>9.2}   {:>9.5}",
+            few.founder, few.n, few.lifetime_min, few.at_volume
+        );
+    }
+    out += "Founders with one cell or two get the exponent of all cells.\n";
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for Unused { cell, why } in &found.skipped {
+        match reasons.iter_mut().find(|(known, _)| known == why) {
+            Some((_, cells)) => cells.push(cell),
+            None => reasons.push((why, vec![cell])),
+        }
+    }
+    for (why, cells) in reasons {
+        let shown = cells.iter().take(MOST_ROWS).copied().collect::<Vec<_>>().join(", ");
+        let more = cells.len().saturating_sub(MOST_ROWS);
+        let more = if more > 0 { format!(" and {more} more (all with --json)") } else { String::new() };
+        let _ = writeln!(out, "{} cells skipped, {why}: {shown}{more}", cells.len());
+    }
+    out + "\n"
+}
