@@ -1,7 +1,7 @@
 //! GEFF: a graph of spots or cells as Zarr arrays.
 //!
 //! Read are the nodes' ids, the edges, the property of the time axis, names (`name`, else `label`), and sizes: the radius that the
-//! metadata name as `sphere`, or the property `radius`. The rest is left aside.
+//! metadata name as `sphere`, or the property `radius`, or `volume` without a unit. The rest is left aside.
 //!
 //! # References
 //! <https://live-image-tracking-tools.github.io/geff>.
@@ -157,10 +157,12 @@ impl Nodes {
     }
 }
 
-/// The radii of nodes.
+/// The sizes of nodes.
 struct Sizes {
     property: String,
-    radii: Option<Vec<Option<f64>>>,
+    values: Option<Vec<Option<f64>>>,
+    /// Whether they are volumes, not radii.
+    are_volumes: bool,
     unit: Unit,
     options: Option<TrackOptions>,
 }
@@ -175,6 +177,12 @@ impl Sizes {
     ) -> Result<Sizes, InputError> {
         let property = metadata["sphere"].as_str().unwrap_or("radius").to_owned();
         let radii = nodes.property(&property)?;
+        if radii.is_none() {
+            // As furrow writes them.
+            let property = "volume".to_owned();
+            let values = nodes.property(&property)?;
+            return Ok(Sizes { property, values, are_volumes: true, unit: Unit::Relative, options: None });
+        }
         let own = &metadata["node_props_metadata"][&property]["unit"];
         let space = axes.iter().find(|axis| axis["type"] == "space").map_or(&Value::Null, |axis| &axis["unit"]);
         let said = if own.is_null() { space } else { own };
@@ -187,17 +195,20 @@ impl Sizes {
                 return Err(InputError::not_allowed(file, field, other, "micrometer, pixel, or none (relative sizes)"));
             }
         };
-        Ok(Sizes { property, radii, unit, options })
+        Ok(Sizes { property, values: radii, are_volumes: false, unit, options })
     }
 
     /// The volume of a node.
     fn volume(&self, spots: &mut Spots, file: &str, id: f64, k: usize) -> Option<f64> {
-        let radius = self.radii.as_ref()?[k]?;
-        if !(radius > 0.0 && radius < 1e30) {
+        let size = self.values.as_ref()?[k]?;
+        if !(size > 0.0 && size < 1e30) {
             let column = format!("{} of node {}", self.property, shown_number(id));
-            spots.skip(file, 0, &column, &radius.to_string(), "must be a radius above 0");
+            spots.skip(file, 0, &column, &size.to_string(), "must be above 0");
             return None;
         }
-        Some(self.options.map_or_else(|| sphere(2.0 * radius), |options| sphere_of_pixels(2.0 * radius, &options)))
+        if self.are_volumes {
+            return Some(size);
+        }
+        Some(self.options.map_or_else(|| sphere(2.0 * size), |options| sphere_of_pixels(2.0 * size, &options)))
     }
 }
