@@ -18,6 +18,7 @@ mod acetree;
 mod archive;
 mod cd;
 mod geff;
+mod lifetimes;
 mod rounds;
 mod spot_tables;
 mod spots;

@@ -90,3 +90,29 @@ fn unshuffled(bytes: &[u8], size: usize) -> Vec<u8> {
     out.extend(&bytes[count * size..]);
     out
 }
+
+#[cfg(all(test, feature = "geff"))]
+mod tests {
+    use super::*;
+
+    /// The numbers from 0 to 1999 in eight bytes, as Python's numcodecs compresses them: Blosc in blocks of 8192 bytes, cut into
+    /// one stream per byte of a number; Blosc with Zstandard; Zstandard alone.
+    #[test]
+    fn numbers_compressed_by_python_are_read() {
+        let numbers: Vec<u8> = (0..2000_u64).flat_map(u64::to_le_bytes).collect();
+        for (packed, codec) in [
+            (&include_bytes!("tests/counted.blosc")[..], "blosc"),
+            (include_bytes!("tests/counted_zstd.blosc"), "blosc"),
+            (include_bytes!("tests/counted.zst"), "zstd"),
+        ] {
+            assert_eq!(unpacked(packed, codec, numbers.len()).as_ref(), Ok(&numbers), "{codec}");
+            // Damaged or cut short: an error or other numbers, no panic.
+            for at in 0..packed.len() {
+                let mut changed = packed.to_vec();
+                changed[at] ^= 0x55;
+                let _ = unpacked(&changed, codec, numbers.len());
+                assert_ne!(unpacked(&packed[..at], codec, numbers.len()).as_ref(), Ok(&numbers), "{codec} {at}");
+            }
+        }
+    }
+}

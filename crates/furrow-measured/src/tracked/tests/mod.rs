@@ -286,3 +286,18 @@ fn rounds_count_divisions_to_the_last_cells() {
     let expected = [of("P0", 3, 1, 5.0 / 3.0, 2), of("AB", 2, 1, 1.0, 1), of("P1", 1, 0, 0.0, 0)];
     assert_eq!((found, lineage.terminal()), (expected.to_vec(), 3));
 }
+
+#[test]
+fn lifetimes_need_minutes_and_both_ends() {
+    let folder = nuclei(&NUCLEI);
+    let error = tracked(folder.path()).lifetimes("embryo").unwrap_err().to_string();
+    assert_eq!(error.split(':').next(), Some("--frame-minutes"), "{error}");
+    let options = TrackOptions { pixel: None, frame_minutes: Some(1.5) };
+    let found = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo").unwrap();
+    // P0 is there from the start, and the others were not seen to divide.
+    let [ab] = &found.cells[..] else { panic!("{found:?}") };
+    assert_eq!((ab.cell.as_str(), ab.founder.as_str(), ab.n, ab.mean, ab.birth), ("AB", "AB", 1, 3.0, Some(4.5)));
+    let folder = nuclei(&NUCLEI[..2]);
+    let error = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo").unwrap_err().to_string();
+    assert!(error.starts_with("embryo: cells = 1: must be at least one cell"), "{error}");
+}
