@@ -19,7 +19,6 @@ Examples:
   furrow export furrow-out/tree.json --to nexus --out tree.nex
   furrow export furrow-out/tree.json --to newick --branch-lengths generation
   furrow export furrow-out/tree.json --to itol --out itol
-  furrow export furrow-out/tree.json --to geff --out tree.geff
   furrow export --schema")]
 pub struct ExportArgs {
     /// The tree.json that furrow tree wrote

@@ -26,8 +26,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   furrow compare counts
-  furrow compare counts --preset sulston1983 --json
-  furrow compare counts --measured embryo.zip")]
+  furrow compare counts --preset sulston1983 --json")]
 pub struct CountsArgs {
     /// A tree that was grown before; default the built-in C. elegans founders, grown now
     #[arg(value_name = "TREE.json")]

@@ -154,7 +154,7 @@ pub fn format_of(path: &Path) -> Result<Option<Format>, InputError> {
         return Ok(if is_zarr { Some(Format::Geff) } else { acetree::is_folder(path).then_some(Format::AceTree) });
     }
     // A pipe can be read only once: it is a plain table.
-    if !path.is_file() {
+    if path.exists() && !path.is_file() {
         return Ok(None);
     }
     let mut head = Vec::new();

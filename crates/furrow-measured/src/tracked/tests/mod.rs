@@ -256,6 +256,8 @@ fn wrong_archives_and_cd_tables_are_refused() {
         let error = refused(&path);
         assert!(error.contains(message), "{error}\n{message}");
     }
+    let (folder, _) = file("there.zip", "");
+    assert!(refused(&folder.path().join("not_there.zip")).contains("cannot be read"));
     let header = "cellTime,cell,time,none,size\n";
     for (table, message) in [
         ("cellTime,cell,time\n".to_owned(), "CD.csv:1:1: no column is called size; a CD table has cell, time and size"),
