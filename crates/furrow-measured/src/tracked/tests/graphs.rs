@@ -127,13 +127,16 @@ fn wrong_spots_and_links_are_refused_with_their_place() {
     assert_eq!((skipped.line, skipped.column.as_str(), skipped.value.as_str()), (7, "RADIUS", "0"));
 }
 
+/// Id, frame, radius and name of a spot.
+type Row = (u64, f64, f64, &'static str);
+
 /// Files of a GEFF by their names.
 pub(super) type Files = Vec<(String, Vec<u8>)>;
 
 /// A GEFF of the same embryo, a node per spot, in Zarr version 2 or 3; `chunk` rows in a chunk.
 pub(super) fn geff(version: u8, chunk: usize) -> Files {
-    let spots = TRACKMATE_SPOTS.lines().skip(4).map(|line| line.split(',').collect::<Vec<&str>>());
-    let spots: Vec<(u64, f64, f64, &str)> =
+    let spots = TRACKMATE_SPOTS.lines().skip(4).map(|line| line.split(',').collect::<Vec<&'static str>>());
+    let spots: Vec<Row> =
         spots.map(|s| (s[1].parse().unwrap(), s[8].parse().unwrap(), s[9].parse().unwrap(), s[0])).collect();
     let mut files = Files::new();
     let metadata = json!({ "geff": {
@@ -185,11 +188,11 @@ pub(super) fn geff(version: u8, chunk: usize) -> Files {
         }
     };
     let float = || [json!("<f8"), json!("float64")];
-    let each = |of: &dyn Fn(&(u64, f64, f64, &str)) -> Vec<u8>| spots.iter().map(of).collect::<Vec<_>>();
+    let each = |of: &dyn Fn(&Row) -> Vec<u8>| spots.iter().map(of).collect::<Vec<_>>();
     array("nodes/ids", [json!("<u8"), json!("uint64")], 1, each(&|s| s.0.to_le_bytes().into()));
     array("nodes/props/t/values", float(), 1, each(&|s| (60.0 * s.1).to_le_bytes().into()));
     array("nodes/props/size/values", float(), 1, each(&|s| s.2.to_le_bytes().into()));
-    let missing = |s: &(u64, f64, f64, &str)| vec![u8::from(s.3 == "P1")];
+    let missing = |s: &Row| vec![u8::from(s.3 == "P1")];
     array("nodes/props/size/missing", [json!("|b1"), json!("bool")], 1, each(&missing));
     let text =
         |name: &str| (0..4).flat_map(|k| name.chars().nth(k).map_or(0, u32::from).to_le_bytes()).collect::<Vec<u8>>();
