@@ -28,6 +28,7 @@ pub fn check(data: &[u8]) {
         match export(&tree, format, lengths, &["#000000"]) {
             Exported::File(text) => assert!(!text.is_empty()),
             Exported::Folder(files) => assert!(files.iter().all(|(name, _)| !name.is_empty())),
+            Exported::Binary(files) => assert!(files.iter().all(|(name, _)| !name.is_empty())),
         }
     }
 }

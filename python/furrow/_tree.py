@@ -167,9 +167,9 @@ class Tree:
         """The tree as Newick."""
         return self._grown.newick()
 
-    def export(self, format: str, lengths: str = "time") -> str | dict[str, str]:
-        """The tree in a format for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, or
-        ``itol``, which gives several files by name.
+    def export(self, format: str, lengths: str = "time") -> str | dict[str, str] | dict[str, bytes]:
+        """The tree in a format for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, ``ctc``,
+        or ``itol`` and ``geff``, which give several files by name.
 
         ``lengths`` are the branch lengths: ``time``, ``generation``, ``none`` or, if the lineage has a clock, ``minutes``.
         """

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use furrow_analysis::compare::counts::counts as counted;
 use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
 use furrow_analysis::{grown, read_constants, scenarios_of, tree_settings};
-use furrow_input::open_file;
 use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
@@ -79,7 +78,7 @@ pub fn compare_volumes(
             volumes.read(text.as_bytes(), "volumes", &options)?;
         }
         for file in &files {
-            volumes.read(open_file(file)?, &file.display().to_string(), &options)?;
+            volumes.read_file(file, &options)?;
         }
         if !published {
             volumes.require_used("volumes")?;

@@ -16,7 +16,7 @@ use furrow_mechanics::division::Division;
 use furrow_report::{self as report, TreeSummary};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 use serde_json::json;
 
 use crate::errors::{ARGUMENTS, Error};
@@ -192,13 +192,23 @@ impl GrownTree {
     }
 
     /// The tree in a format of other programs, as files by name; a single file has no name.
-    fn export(&self, format: &str, lengths: &str) -> Result<Vec<(&'static str, String)>, Error> {
+    fn export<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        lengths: &str,
+    ) -> Result<Vec<(String, Bound<'py, PyAny>)>, Error> {
         let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
         let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
         check_tree(&self.tree, format, lengths)?;
         Ok(match export(&self.tree, format, lengths, &report::founder_colours(&self.tree.lineage)) {
-            Exported::File(text) => vec![("", text)],
-            Exported::Folder(files) => files,
+            Exported::File(text) => vec![(String::new(), PyString::new(py, &text).into_any())],
+            Exported::Folder(files) => {
+                files.iter().map(|(name, text)| ((*name).to_owned(), PyString::new(py, text).into_any())).collect()
+            }
+            Exported::Binary(files) => {
+                files.into_iter().map(|(name, bytes)| (name, PyBytes::new(py, &bytes).into_any())).collect()
+            }
         })
     }
 

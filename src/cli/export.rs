@@ -28,12 +28,12 @@ pub struct ExportArgs {
     #[arg(help_heading = "Output", long, value_name = "FORMAT", required_unless_present = "schema",
         value_parser = one_of(Format::ALL.map(|format| (format.name(), format))))]
     to: Option<Format>,
-    /// Output file, or for itol a folder; default stdout
+    /// Output file, or for itol and geff a folder; default stdout
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Branch lengths: the time a division takes in τ (default), one per generation, minutes from birth to division by the
     /// lineage's clock, or none. Cells just above the threshold of division take thousands of τ and dwarf all other branches.
-    /// The time points of lineagetree are minutes if there is a clock, or generations
+    /// The time points of lineagetree, geff and ctc are minutes if there is a clock, or generations
     #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(BranchLengths::NAMED))]
     branch_lengths: Option<BranchLengths>,
     /// Prints the JSON Schema of tree.json
@@ -56,13 +56,22 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
             (out, vec![])
         }
         (Exported::Folder(files), out) => {
-            let out = out.as_ref().ok_or_else(needs_folder)?;
+            let out = out.as_ref().ok_or_else(|| needs_folder(format))?;
             let mut set = FileSet::new(out);
             for (name, text) in files {
                 set.stage(name, text.as_bytes())?;
             }
             set.commit()?;
             (out, files.iter().map(|(name, _)| *name).collect::<Vec<_>>())
+        }
+        (Exported::Binary(files), out) => {
+            let out = out.as_ref().ok_or_else(|| needs_folder(format))?;
+            let mut set = FileSet::new(out);
+            for (name, bytes) in files {
+                set.stage(name, bytes)?;
+            }
+            set.commit()?;
+            (out, vec![])
         }
     };
     let (format, cells, out) = (format.name(), tree.len(), out.display().to_string());
@@ -80,17 +89,25 @@ fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), Inp
         format.check_lengths(lengths)?;
     }
     match (&args.out, format) {
-        (None, Format::Itol) => Err(needs_folder()),
+        (None, Format::Itol | Format::Geff) => Err(needs_folder(format)),
         (None, _) if globals.json => {
             let allowed = "given with --json, since without it the export itself goes to stdout";
             Err(InputError::not_allowed("--out", "out", "(not given)", allowed))
         }
         (None, _) => Ok(()),
+        (Some(folder), Format::Geff) => {
+            // Its arrays would hide those that are written.
+            let other = folder.join("zarr.json");
+            let allowed = "a folder without a file zarr.json, which is of Zarr version 3: version 2 is written";
+            InputError::require(!other.exists(), "--out", "out", folder.display(), allowed)?;
+            writable_folder("--out", folder.as_path(), &[".zattrs"])
+        }
         (Some(folder), Format::Itol) => writable_folder("--out", folder.as_path(), &ITOL_FILES),
         (Some(file), _) => writable_file("--out", file.as_path()),
     }
 }
 
-fn needs_folder() -> InputError {
-    InputError::not_allowed("--out", "out", "(not given)", "a folder for the files of itol")
+fn needs_folder(format: Format) -> InputError {
+    let allowed = format!("a folder for the files of {}", format.name());
+    InputError::not_allowed("--out", "out", "(not given)", allowed)
 }

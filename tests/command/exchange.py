@@ -168,6 +168,29 @@ def networkx():
     same("time", "tree.graphml", nodes, [name for name in ENDS if graph.out_degree(name) == 0])
 
 
+def geff():
+    import geff
+    from geff.validate.data import ValidationConfig
+    from geff.validate.structure import validate_structure
+
+    for file, key in [("tree.geff", "birth_min"), ("generation.geff", "generation")]:
+        validate_structure(file)
+        wanted = ValidationConfig(graph=True, sphere=True, ellipsoid=True, lineage=True, tracklet=True)
+        graph, metadata = geff.read(file, structure_validation=True, data_validation=wanted)
+        nodes = {}
+        for node, read in graph.nodes(data=True):
+            cell = cells[read["name"]]
+            above = [graph.nodes[mother]["name"] for mother in graph.predecessors(node)]
+            nodes[cell["name"]] = (above[0] if above else None, LENGTHS["none"](cell), None)
+            assert len(above) < 2 and read["t"] == cell.get(key, cell["generation"]), (file, read)
+            assert (read["r0"], read["volume"]) == (cell["r0"], cell["volume_fraction"]), (file, read)
+            assert (read.get("chi"), read.get("outcome")) == (cell["chi"], cell["outcome"]), (file, read)
+            assert (read["founder"], read["generation"]) == (cell["founder"], cell["generation"]), (file, read)
+        unit = "minute" if key in document["cells"][0] and key == "birth_min" else None
+        assert metadata.directed and metadata.axes[0].unit == unit, metadata.axes
+        same("none", file, nodes, ENDS)
+
+
 def jsonschema():
     from jsonschema import Draft202012Validator
 

@@ -89,3 +89,8 @@ fn sweeps() {
 fn workflows() {
     check_session("command/sessions/workflows.txt");
 }
+
+#[test]
+fn tracked() {
+    check_session("command/sessions/tracked.txt");
+}

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`names`] | Sulston's names: a cell's mother and sister |
 //! | [`volumes`], `layout`, `division_table` | tables of volumes: long ones, those of frames × cells, and those of divisions |
+//! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, Mastodon, GEFF |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`lifetimes`] | tables of lifetimes: over volume, which sister divides first, cells alive over time |
 //! | [`trend`] | χ by decades of the mother's volume |
@@ -41,5 +42,6 @@ pub mod published;
 pub mod significance;
 pub mod statistics;
 mod table;
+pub mod tracked;
 pub mod trend;
 pub mod volumes;

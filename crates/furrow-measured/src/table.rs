@@ -16,7 +16,7 @@ pub(crate) struct Table<'f, R: Read> {
 }
 
 impl<'f, R: Read> Table<'f, R> {
-    /// Opens a table. The most frequent of comma, semicolon and tab in its first line separates its columns.
+    /// Opens a table. The most frequent of comma, semicolon and tab in its first line that is not empty separates its columns.
     ///
     /// # Errors
     /// A file that cannot be read, or is not in UTF-8.
@@ -34,9 +34,9 @@ impl<'f, R: Read> Table<'f, R> {
         if first.contains(&0) {
             return Err(malformed(file, 1, "this is no text: it has a byte 0"));
         }
-        let mut lines = first.split(|byte| *byte == b'\n');
         // Text in a comment says nothing of the columns.
-        let line = lines.clone().find(|line| !line.starts_with(b"#")).or_else(|| lines.next()).unwrap_or_default();
+        let says = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
+        let line = first.split(|byte| *byte == b'\n').find(says).unwrap_or_default();
         let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| line.iter().filter(|b| *b == d).count());
         let mut builder = csv::ReaderBuilder::new();
         builder.delimiter(delimiter.unwrap_or(b',')).flexible(true).has_headers(false);

@@ -15,8 +15,9 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
+use std::path::Path;
 
-use furrow_input::{InputError, csv_value};
+use furrow_input::{InputError, csv_value, open_file};
 use serde::Serialize;
 
 use crate::events::Division;
@@ -24,6 +25,7 @@ pub use crate::layout::Unit;
 use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
 use crate::names::is_cell;
 use crate::table::{Table, is_comment, malformed, names, number};
+use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
 /// Options for reading a table.
 #[derive(Clone, Debug, Default)]
@@ -124,6 +126,8 @@ pub struct Volumes {
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
+    /// Whether some are of nuclei rather than of cells.
+    pub of_nuclei: bool,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
@@ -177,6 +181,60 @@ impl Volumes {
             self.read_grid(&mut table, file, options, &header)?
         };
         let unit = if unit == Unit::Voxels && options.voxel.is_some() { Unit::CubicMicrometres } else { unit };
+        self.require_unit(unit, file)
+    }
+
+    /// Adds a file: a table, or cells that another program [followed over time](crate::tracked).
+    ///
+    /// # Errors
+    /// As [`Volumes::read`] and [`Volumes::add_tracked`].
+    pub fn read_file(&mut self, path: &Path, options: &ReadOptions) -> Result<(), InputError> {
+        match read_tracked(path, &TrackOptions { pixel: options.voxel, frame_minutes: None })? {
+            Some(lineage) => self.add_tracked(lineage, options),
+            None => self.read(open_file(path)?, &path.display().to_string(), options),
+        }
+    }
+
+    /// Adds the cells of an embryo that were followed over time. Cells without a name of Sulston's and cells without a size are
+    /// skipped.
+    ///
+    /// # Errors
+    /// Volumes are in another unit than those before.
+    pub fn add_tracked(&mut self, lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
+        let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
+        let embryo = self.embryo(options.group.clone().unwrap_or_default(), lineage.name);
+        self.skipped_count += lineage.skipped_count;
+        self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
+        for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {
+            let value = Value { line: *line, column: 0, name: "name", text: name.as_bytes() };
+            let refused = |why: &str| Err((value, why.to_owned()));
+            let noted = match volume {
+                _ if !is_cell(name) => refused("no name of Sulston's"),
+                None => refused("no size"),
+                Some(volume) => {
+                    let cell = self.cell(embryo, name, *line);
+                    let lifespan = &mut self.embryos[embryo].cells[cell];
+                    if lifespan.frames > 0 {
+                        let why = "a second cell of this name; the first begins on line";
+                        Err((value, format!("{why} {}", lifespan.line)))
+                    } else {
+                        (lifespan.sum, lifespan.frames) = (volume * *sizes as f64, *sizes);
+                        Ok(())
+                    }
+                }
+            };
+            match noted {
+                Ok(()) => self.used += sizes,
+                Err(rejected) => self.skip(file, &rejected),
+            }
+        }
+        self.of_nuclei |= is_of_nuclei;
+        let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
+        self.require_unit(unit, file)
+    }
+
+    /// Requires that all volumes are in one unit.
+    fn require_unit(&mut self, unit: Unit, file: &str) -> Result<(), InputError> {
         match self.unit.replace(unit).filter(|before| *before != unit) {
             Some(before) => {
                 let before = before.symbol();

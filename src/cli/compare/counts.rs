@@ -6,18 +6,22 @@ use crate::cli::error::CliError;
 use crate::cli::output::print_as;
 use crate::cli::picture::PlotArgs;
 use clap::Args;
-use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts};
+use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts, counts_beside};
 use furrow_figures::plot;
 use furrow_formats::read_tree;
+use furrow_input::InputError;
 use furrow_lineage::Lineage;
+use furrow_measured::tracked::{TrackOptions, TrackedLineage, read_tracked};
+use furrow_measured::volumes::Skipped;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///
 /// Observed are the counts that the tree's lineage file gives; of C. elegans the rounds at hatching and in embryos of 349 and 549 cells
 /// (Sulston et al. 1983). Says by which reading rounds are within one of the observed, where cells ended and why, and of C. elegans
-/// whether the paper's sentence on rounds holds.
+/// whether the paper's sentence on rounds holds. With --measured, the tree is compared with an embryo that another program followed,
+/// up to its last frame.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -27,20 +31,41 @@ pub struct CountsArgs {
     /// A tree that was grown before; default the built-in C. elegans founders, grown now
     #[arg(value_name = "TREE.json")]
     tree: Option<PathBuf>,
+    /// An embryo followed by another program: nuclei (zip) or CD table of AceTree, spots of TrackMate or Mastodon (CSV), GEFF
+    #[arg(help_heading = "Tables", long, value_name = "FILE")]
+    measured: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotArgs,
 }
 
 pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
+    let measured = args.measured.as_deref().map(read_measured).transpose()?;
     let tree = match &args.tree {
         Some(file) => read_tree(file)?,
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let source = args.tree.as_ref().map_or("c_elegans.ron (built in)".to_owned(), |file| file.display().to_string());
-    let found = counts(&tree, &source)?;
+    let found = match &measured {
+        Some((measured, file)) => counts_beside(&tree, measured, file)?,
+        None => counts(&tree, &source)?,
+    };
     picture.write(|| plot::rounds::draw(&tree))?;
     print_as(context.json, &found, || counts_text(&found))
+}
+
+/// An embryo that was followed, and the name of its file.
+fn read_measured(path: &Path) -> Result<(TrackedLineage, String), InputError> {
+    let file = path.display().to_string();
+    let Some(lineage) = read_tracked(path, &TrackOptions::default())? else {
+        let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
+        return Err(InputError::other_file(file, "an embryo that was followed", reason));
+    };
+    if let Some(Skipped { file, line, column, value, why }) = lineage.skipped.first() {
+        let count = lineage.skipped_count;
+        tracing::warn!("{count} values are not used; the first is {file}:{line}, column {column}: {value:?}: {why}");
+    }
+    Ok((lineage, file))
 }
 
 fn counts_text(found: &Counts) -> String {

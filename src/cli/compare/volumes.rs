@@ -23,7 +23,7 @@ use furrow_analysis::compare::volumes::{
 };
 use furrow_analysis::{Range, read_constants, tree_settings};
 use furrow_figures::plot;
-use furrow_input::{InputError, open_file, read_text};
+use furrow_input::{InputError, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 use plot::comparison::{self, Comparison};
 use serde_json::json;
@@ -36,8 +36,9 @@ use std::path::PathBuf;
 /// A table is long, with columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally group, frame
 /// and n, or a grid of frames by cells of one embryo in voxels, such as SampleNN_Volume.csv, or of divisions, with columns embryo,
 /// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation, or of χ, with columns mother, chi (or
-/// chi_signed) and optionally embryo and group. Without a table the model is compared
-/// with published means. The model's χ is computed twice: grown from its zygote, and with the measured sizes of AB and P1.
+/// chi_signed) and optionally embryo and group. Embryos followed by other programs are read too: nuclei (zip) or CD tables of
+/// AceTree, spots of TrackMate or Mastodon as CSV with their links beside them, GEFF. Without a table the model is compared with
+/// published means. The model's χ is computed twice: grown from its zygote, and with the measured sizes of AB and P1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -46,7 +47,7 @@ Examples:
   furrow compare volumes --published villoutreix2016
   furrow compare volumes data/jankele2021_volumes.csv --regress wt,ctrl")]
 pub struct VolumesArgs {
-    /// Tables of cell volumes, CSV
+    /// Tables of cell volumes (CSV), or tracked embryos (zip, CSV, folder)
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Published means that are compared without a table
@@ -55,7 +56,7 @@ pub struct VolumesArgs {
     /// Tables of a second condition, for a regression
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
-    /// Edge of a voxel in µm, which converts voxels to µm³
+    /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm
     #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number)]
     voxel: Option<f64>,
     /// Two groups to regress on each other, such as wt,ctrl
@@ -272,10 +273,13 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
         let options = ReadOptions { voxel: args.voxel, group };
         for file in files {
-            volumes.read(open_file(file)?, &file.display().to_string(), &options)?;
+            volumes.read_file(file, &options)?;
         }
     }
     volumes.require_used(&args.files[0].display().to_string())?;
+    if volumes.of_nuclei {
+        tracing::warn!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
+    }
     let mut found = divisions(&volumes);
     if let Some(wanted) = &args.population {
         keep_populations(&mut found.divisions, wanted)?;

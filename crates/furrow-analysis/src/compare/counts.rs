@@ -4,8 +4,9 @@
 //! terminal cell, or full doublings. All are reported: of the worm at hatching and at earlier stages, of another lineage beside the
 //! counts that its file gives.
 
-use furrow_input::{InputError, parse_document};
+use furrow_input::{InputError, listed, parse_document};
 use furrow_lineage::{Founder, FounderRounds, Lineage, ObservedRounds, Tree, founder_rounds};
+use furrow_measured::tracked::{TrackedLineage, TrackedRounds};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -122,6 +123,26 @@ pub struct Counts {
 
 /// Divisions from P0 to Z2 and Z3.
 const GERMLINE: u32 = 5;
+
+/// A tree beside an embryo that was followed, at its last frame. Errors name the embryo's file `source_name`.
+///
+/// # Errors
+/// None of the lineage's founders was followed.
+pub fn counts_beside(tree: &Tree, measured: &TrackedLineage, source_name: &str) -> Result<Counts, InputError> {
+    let names: Vec<&str> = tree.lineage.founders.iter().map(|founder| founder.name.as_str()).collect();
+    let observed = |TrackedRounds { cell, terminal, min, mean, max }| {
+        // As in the model: the first generation with a terminal cell is the first that does not double fully.
+        ObservedAtStage { founder: cell, cells: terminal, min, mean, max, full_doublings: min }
+    };
+    let founders: Vec<ObservedAtStage> = measured.rounds(&names).into_iter().map(observed).collect();
+    let allowed = format!("those of at least one founder: {}", listed(names.iter().copied(), ", "));
+    let known = listed(measured.cells.iter().map(|cell| cell.name.as_str()), ", ");
+    InputError::require(!founders.is_empty(), source_name, "names", known, allowed)?;
+    let stage = Stage { cells: measured.terminal(), founders };
+    let stages = vec![at_stage(tree, &founder_rounds(tree), &stage)];
+    let lineage = tree.lineage.name.clone();
+    Ok(Counts { lineage, stages, sentence: Vec::new(), ends: ends(tree), germline: None })
+}
 
 /// A tree beside the observed embryo: the worm's stages if the tree's lineage has the worm's counts, else its own counts. Errors
 /// name the tree `source_name`.

@@ -1,6 +1,7 @@
 //! Trees for other programs.
 
 mod column;
+mod geff;
 mod graphml;
 mod itol;
 mod newick;
@@ -32,12 +33,25 @@ pub enum Format {
     LineageTree,
     /// A directed graph from mothers to daughters, with all columns of each cell.
     GraphMl,
+    /// A folder in GEFF, the graph exchange format of trackers: arrays of Zarr.
+    Geff,
+    /// The text file of tracks of the Cell Tracking Challenge: label, first and last time point, mother's label.
+    Ctc,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 7] =
-        [Format::Newick, Format::Nhx, Format::Nexus, Format::Itol, Format::Csv, Format::LineageTree, Format::GraphMl];
+    pub const ALL: [Format; 9] = [
+        Format::Newick,
+        Format::Nhx,
+        Format::Nexus,
+        Format::Itol,
+        Format::Csv,
+        Format::LineageTree,
+        Format::GraphMl,
+        Format::Geff,
+        Format::Ctc,
+    ];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -49,15 +63,17 @@ impl Format {
             Format::Csv => "csv",
             Format::LineageTree => "lineagetree",
             Format::GraphMl => "graphml",
+            Format::Geff => "geff",
+            Format::Ctc => "ctc",
         }
     }
 
-    /// The branch lengths that it can have. The CSV of cells has all as columns; the time points of LineageTree are minutes or
-    /// generations.
+    /// The branch lengths that it can have. The CSV of cells has all as columns; the time points of LineageTree, GEFF and
+    /// the Cell Tracking Challenge are minutes or generations.
     fn lengths(self) -> &'static [BranchLengths] {
         match self {
             Format::Csv => &[],
-            Format::LineageTree => &[BranchLengths::Generation, BranchLengths::Minutes],
+            Format::LineageTree | Format::Geff | Format::Ctc => &[BranchLengths::Generation, BranchLengths::Minutes],
             _ => &[BranchLengths::Time, BranchLengths::Generation, BranchLengths::Minutes, BranchLengths::None],
         }
     }
@@ -107,6 +123,8 @@ pub enum Exported {
     File(String),
     /// Several files that belong together, by name.
     Folder(Vec<(&'static str, String)>),
+    /// The same of files that are no text; names may have folders before them.
+    Binary(Vec<(String, Vec<u8>)>),
 }
 
 /// A tree in another format. `lengths` are those of the branches where the format [has them](Format::check_lengths); `colours`
@@ -135,5 +153,7 @@ pub fn export(tree: &Tree, format: Format, lengths: BranchLengths, colours: &[&s
         Format::LineageTree => tables::lineage_tree_csv(tree, lengths),
         Format::GraphMl => graphml::graphml(tree, lengths),
         Format::Itol => return Exported::Folder(itol::itol(tree, lengths, colours)),
+        Format::Geff => return Exported::Binary(geff::geff(tree, lengths != BranchLengths::Generation)),
+        Format::Ctc => tables::ctc(tree, lengths),
     })
 }

@@ -87,6 +87,17 @@ fn spans(tree: &TimedTree<'_>, lengths: BranchLengths) -> Vec<[u64; 2]> {
     spans
 }
 
+/// A line per cell, `label first last mother`, as `res_track.txt` of the Cell Tracking Challenge. Labels count the cells from 1; the
+/// first cell has mother 0.
+pub(super) fn ctc(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
+    let mut out = String::with_capacity(24 * tree.len());
+    for (id, [from, to]) in tree.cells().zip(spans(tree, lengths)) {
+        let mother = tree.mother(id).map_or(0, |mother| mother.index() + 1);
+        let _ = writeln!(out, "{} {from} {} {mother}", id.index() + 1, to - 1);
+    }
+    out
+}
+
 /// Rows that [`lineage_tree_csv`] would write.
 pub(super) fn lineage_tree_rows(tree: &TimedTree<'_>, lengths: BranchLengths) -> u64 {
     spans(tree, lengths).iter().map(|[from, to]| to - from).sum()

@@ -1,0 +1,141 @@
+//! GEFF, a graph in arrays of Zarr version 2, not compressed.
+//!
+//! # References
+//! <https://live-image-tracking-tools.github.io/geff>, <https://zarr-specs.readthedocs.io>.
+
+use serde_json::{Value, json};
+
+use super::column::TimedTree;
+use furrow_lineage::{CellId, TreeCell};
+
+/// The version of GEFF.
+const VERSION: &str = "1.3";
+
+/// Properties that some cells lack. Their files are the same of every tree, so that no file of a tree before is left in a folder.
+const INCOMPLETE: [&str; 2] = ["chi", "outcome"];
+
+/// The values of a property.
+enum Values {
+    Whole(Vec<u64>),
+    Numbers(Vec<Option<f64>>),
+    Texts(Vec<Option<String>>),
+}
+
+/// A property of nodes: its name, what it says, and its values.
+type Property = (&'static str, &'static str, Values);
+
+/// The files of a folder: a node per cell, an edge from each mother to each daughter. `t` is the birth in minutes where
+/// `in_minutes` and the lineage has a clock, else the generation.
+pub(super) fn geff(tree: &TimedTree<'_>, in_minutes: bool) -> Vec<(String, Vec<u8>)> {
+    let times = in_minutes.then(|| tree.cells().map(|id| Some(tree.times(id)?.birth_min)).collect::<Option<Vec<_>>>());
+    let (times, unit) = match times.flatten() {
+        Some(minutes) => (minutes, Some("minute")),
+        None => (tree.cells().map(|id| f64::from(tree.cell(id).generation)).collect(), None),
+    };
+    let range = times.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(*t), b.max(*t)]);
+    let properties = properties(tree, times);
+    let mut files = vec![(".zattrs".to_owned(), pretty(&metadata(&properties, range, unit)))];
+    for group in ["", "nodes/", "nodes/props/", "edges/", "edges/props/"] {
+        files.push((format!("{group}.zgroup"), pretty(&json!({ "zarr_format": 2 }))));
+    }
+    let ids = tree.cells().map(|id| id.index() as u64).collect();
+    array(&mut files, "nodes/ids", "<u8", &[tree.len()], &Values::Whole(ids));
+    for (name, _, values) in &properties {
+        let folder = format!("nodes/props/{name}");
+        files.push((format!("{folder}/.zgroup"), pretty(&json!({ "zarr_format": 2 }))));
+        let (kind, missing) = match values {
+            Values::Whole(_) => ("<u8".to_owned(), None),
+            Values::Numbers(of) => ("<f8".to_owned(), Some(of.iter().map(Option::is_none).collect())),
+            Values::Texts(of) => (format!("<U{}", longest(of)), Some(of.iter().map(Option::is_none).collect())),
+        };
+        array(&mut files, &format!("{folder}/values"), &kind, &[tree.len()], values);
+        if let Some(missing) = missing.filter(|_: &Vec<bool>| INCOMPLETE.contains(name)) {
+            let missing = Values::Whole(missing.into_iter().map(u64::from).collect());
+            array(&mut files, &format!("{folder}/missing"), "|b1", &[tree.len()], &missing);
+        }
+    }
+    let edge = |id: CellId| Some([tree.mother(id)?.index() as u64, id.index() as u64]);
+    let edges: Vec<u64> = tree.cells().filter_map(edge).flatten().collect();
+    array(&mut files, "edges/ids", "<u8", &[edges.len() / 2, 2], &Values::Whole(edges));
+    files
+}
+
+/// The properties of all cells.
+fn properties(tree: &TimedTree<'_>, times: Vec<f64>) -> Vec<Property> {
+    let numbers =
+        |of: fn(&TreeCell) -> Option<f64>| Values::Numbers(tree.cells().map(|id| of(tree.cell(id))).collect());
+    let texts = |of: &dyn Fn(CellId) -> Option<String>| Values::Texts(tree.cells().map(of).collect());
+    let outcome = |id: CellId| Some(tree.cell(id).fate.outcome()?.name().to_owned());
+    let generations = tree.cells().map(|id| tree.cell(id).generation.into()).collect();
+    vec![
+        ("t", "birth", Values::Numbers(times.into_iter().map(Some).collect())),
+        ("name", "name of the cell", texts(&|id| Some(tree.cell(id).name.clone()))),
+        ("founder", "the founder that it is or descends from", texts(&|id| Some(tree.founder_name(id).to_owned()))),
+        ("generation", "divisions from the first cell", Values::Whole(generations)),
+        ("r0", "radius of the cell at rest, in L_h", numbers(|cell| Some(cell.r0))),
+        ("volume", "volume divided by the first cell's", numbers(|cell| Some(cell.volume_fraction))),
+        ("chi", "size asymmetry of its division", numbers(|cell| cell.fate.chi())),
+        ("outcome", "of its division: symmetric, asymmetric or failed", texts(&outcome)),
+    ]
+}
+
+fn metadata(properties: &[Property], [min, max]: [f64; 2], unit: Option<&str>) -> Value {
+    let of = |(name, description, values): &Property| {
+        let kind = match values {
+            Values::Whole(_) => "uint64",
+            Values::Numbers(_) => "float64",
+            Values::Texts(_) => "str",
+        };
+        let unit = unit.filter(|_| *name == "t");
+        let known =
+            json!({ "identifier": name, "dtype": kind, "varlength": false, "unit": unit, "description": description });
+        ((*name).to_owned(), known)
+    };
+    let known: serde_json::Map<String, Value> = properties.iter().map(of).collect();
+    json!({ "geff": {
+        "geff_version": VERSION,
+        "directed": true,
+        "axes": [{ "name": "t", "type": "time", "unit": unit, "min": min, "max": max }],
+        "node_props_metadata": known,
+        "edge_props_metadata": {},
+        // Not `sphere`: its radii have a unit of space, which L_h is not.
+        "extra": { "software": format!("furrow {}", env!("CARGO_PKG_VERSION")) },
+    } })
+}
+
+/// Characters of the longest text, at least one.
+fn longest(texts: &[Option<String>]) -> usize {
+    texts.iter().flatten().map(|text| text.chars().count()).fold(1, usize::max)
+}
+
+/// Adds an array in one chunk.
+fn array(files: &mut Vec<(String, Vec<u8>)>, name: &str, kind: &str, shape: &[usize], values: &Values) {
+    let fill = if kind.starts_with("<U") { json!("") } else { json!(0) };
+    let fill = if kind == "|b1" { json!(false) } else { fill };
+    let chunks: Vec<usize> = shape.iter().map(|length| (*length).max(1)).collect();
+    let document = json!({ "zarr_format": 2, "shape": shape, "chunks": chunks, "dtype": kind, "compressor": null,
+        "fill_value": fill, "order": "C", "filters": null, "dimension_separator": "." });
+    files.push((format!("{name}/.zarray"), pretty(&document)));
+    let bytes: Vec<u8> = match values {
+        Values::Whole(of) if kind == "|b1" => of.iter().map(|number| *number as u8).collect(),
+        Values::Whole(of) => of.iter().flat_map(|number| number.to_le_bytes()).collect(),
+        // What is missing has a value too, which nobody reads.
+        Values::Numbers(of) => of.iter().flat_map(|number| number.unwrap_or(0.0).to_le_bytes()).collect(),
+        Values::Texts(of) => {
+            let width = longest(of);
+            let points = |text: &Option<String>| {
+                let text = text.as_deref().unwrap_or_default().chars().map(u32::from);
+                text.chain(std::iter::repeat(0)).take(width).flat_map(u32::to_le_bytes).collect::<Vec<u8>>()
+            };
+            of.iter().flat_map(points).collect()
+        }
+    };
+    // A chunk of no rows has no file.
+    if shape[0] > 0 {
+        files.push((format!("{name}/{}", if shape.len() > 1 { "0.0" } else { "0" }), bytes));
+    }
+}
+
+fn pretty(document: &Value) -> Vec<u8> {
+    format!("{document:#}\n").into_bytes()
+}

@@ -1,0 +1,181 @@
+//! Nuclei of AceTree and StarryNite: one file per frame, `nuclei/t001-nuclei` and so on, in a zip archive or a folder.
+//!
+//! A line is a nucleus: its number in the frame (from 1), whether it is valid, the number of the nucleus that it comes from
+//! in the frame before (−1 or `nill`: none), those of one or two in the frame after, x, y and z in pixels and planes, the diameter
+//! in pixels, its name, the weight, and more; column 15 is a name given by hand, which replaces the other. Nuclei
+//! that are not valid were deleted in AceTree and are no cells.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use csv::ByteRecord;
+use furrow_input::{InputError, shown};
+
+use super::spots::{Spot, Spots};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, archive, embryo_of, sphere_of_pixels, unit_of_pixels};
+use crate::table::{Table, malformed, number};
+
+/// Columns that every line has.
+const COLUMNS: [&str; 10] =
+    ["number", "valid", "predecessor", "successor 1", "successor 2", "x", "y", "z", "size", "name"];
+
+/// The column of a name given by hand, from 0.
+const ASSIGNED: usize = 14;
+
+/// Nuclei of one frame: where each is among the spots, and whom it says it becomes; `None` if it is not valid.
+type Frame = HashMap<u64, Option<Nucleus>>;
+
+/// A valid nucleus.
+struct Nucleus {
+    spot: usize,
+    predecessor: Option<u64>,
+    successors: [Option<u64>; 2],
+}
+
+/// The frame of a file of nuclei.
+fn frame_of(name: &str) -> Option<u32> {
+    let name = name.rsplit('/').next()?.strip_prefix('t')?;
+    let digits = name.find(|c: char| !c.is_ascii_digit())?;
+    name[digits..].starts_with("-nuclei").then(|| name[..digits].parse().ok())?
+}
+
+/// The folder with the files of nuclei: this one, or `nuclei` in it.
+fn folder_of(path: &Path) -> Option<PathBuf> {
+    let has_nuclei = |folder: &Path| {
+        let mut entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.any(|entry| frame_of(&entry.file_name().to_string_lossy()).is_some())
+    };
+    [path.join("nuclei"), path.to_owned()].into_iter().find(|folder| has_nuclei(folder))
+}
+
+/// Whether a folder holds files of nuclei.
+pub(super) fn is_folder(path: &Path) -> bool {
+    folder_of(path).is_some()
+}
+
+pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
+    let file = path.display().to_string();
+    let mut texts = BTreeMap::new();
+    if let Some(folder) = folder_of(path) {
+        let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.clone(), reason: e.to_string() };
+        for entry in fs::read_dir(&folder).map_err(unreadable)?.flatten() {
+            let Some(frame) = frame_of(&entry.file_name().to_string_lossy()) else { continue };
+            let name = entry.path().display().to_string();
+            let unreadable = |e: std::io::Error| InputError::Unreadable { file: name.clone(), reason: e.to_string() };
+            texts.insert(frame, (name.clone(), fs::read(entry.path()).map_err(unreadable)?));
+        }
+    } else {
+        for (frame, name, text) in archive::files(path, frame_of)? {
+            texts.insert(frame, (format!("{file}/{name}"), text));
+        }
+    }
+    let (Some((&first, _)), Some((&last, _))) = (texts.first_key_value(), texts.last_key_value()) else {
+        let wanted = "an archive of AceTree's nuclei";
+        return Err(InputError::other_file(file, wanted, "it has no file nuclei/t001-nuclei or of another frame"));
+    };
+    if let Some(missing) = (first..=last).find(|frame| !texts.contains_key(frame)) {
+        let why = format!("it has files from t{first:03}-nuclei to t{last:03}-nuclei, but not t{missing:03}-nuclei");
+        return Err(InputError::other_file(file, "an archive of AceTree's nuclei", why));
+    }
+    let mut spots = Spots::default();
+    let mut before: Option<(u32, Frame)> = None;
+    for (frame, (name, text)) in texts {
+        spots.files.push(name);
+        let nuclei = read_frame(&mut spots, frame, &text, options)?;
+        if let Some((frame, before)) = &before {
+            link(&mut spots, *frame, before, &nuclei)?;
+        }
+        before = Some((frame, nuclei));
+    }
+    spots.lineage(embryo_of(path), Format::AceTree, TimeUnit::Frames, unit_of_pixels(options))
+}
+
+/// Adds the nuclei of a frame, whose file was added last.
+fn read_frame(spots: &mut Spots, frame: u32, text: &[u8], options: &TrackOptions) -> Result<Frame, InputError> {
+    let file = spots.files.len() - 1;
+    let name = spots.files[file].clone();
+    let mut nuclei = Frame::new();
+    let mut table = Table::open(text, &name)?;
+    while let Some((line, row)) = table.next()? {
+        if row.len() < COLUMNS.len() {
+            let why =
+                format!("{} columns; a nucleus has at least {}: {}", row.len(), COLUMNS.len(), COLUMNS.join(", "));
+            return Err(malformed(&name, line as usize, why));
+        }
+        let link = |at: usize| link_at(row, at, &name, line);
+        let (index, valid) = (link(0)?, text_at(row, 1));
+        let Some(index) = index else {
+            return Err(refused(&name, line, 0, &text_at(row, 0), "a whole number from 1"));
+        };
+        let is_valid = number(valid.as_bytes()).ok_or_else(|| refused(&name, line, 1, &valid, "0 or 1"))? >= 1.0;
+        let nucleus = if is_valid {
+            let (given, found) = (text_at(row, ASSIGNED), text_at(row, 9));
+            let cell = if given.is_empty() { found } else { given };
+            let size = text_at(row, 8);
+            let diameter = number(size.as_bytes()).filter(|size| *size > 0.0 && *size < 1e30);
+            if diameter.is_none() {
+                spots.skip(&name, line, "9 (size)", &size, "must be a diameter above 0, in pixels");
+            }
+            let volume = diameter.map(|diameter| sphere_of_pixels(diameter, options));
+            let spot = spots.push(Spot { time: frame.into(), name: cell, volume, file, line });
+            Some(Nucleus { spot, predecessor: link(2)?, successors: [link(3)?, link(4)?] })
+        } else {
+            None
+        };
+        if nuclei.insert(index, nucleus).is_some() {
+            let index = index.to_string();
+            return Err(refused(&name, line, 0, &index, "a number that no other nucleus of the frame has"));
+        }
+    }
+    Ok(nuclei)
+}
+
+/// Links the nuclei of a frame to those of the one before, which is `frame`.
+fn link(spots: &mut Spots, frame: u32, before: &Frame, nuclei: &Frame) -> Result<(), InputError> {
+    let mut order: Vec<(u64, &Nucleus)> =
+        nuclei.iter().filter_map(|(index, nucleus)| Some((*index, nucleus.as_ref()?))).collect();
+    order.sort_by_key(|(index, _)| *index);
+    for (index, nucleus) in order {
+        let Some(predecessor) = nucleus.predecessor else { continue };
+        let Spot { file, line, .. } = *spots.get(nucleus.spot);
+        let (file, shown) = (spots.files[file].clone(), predecessor.to_string());
+        match before.get(&predecessor) {
+            Some(Some(mother)) => {
+                if !mother.successors.contains(&Some(index)) {
+                    let why = format!("nucleus {predecessor} of frame {frame} does not name {index} as a successor");
+                    spots.skip(&file, line, "3 (predecessor)", &shown, why);
+                    continue;
+                }
+                spots.link(mother.spot, nucleus.spot, &file, line)?;
+            }
+            Some(None) => {
+                let why = format!("nucleus {predecessor} of frame {frame} is not valid");
+                spots.skip(&file, line, "3 (predecessor)", &shown, why);
+            }
+            None => return Err(refused(&file, line, 2, &shown, &format!("-1 or a nucleus of frame {frame}"))),
+        }
+    }
+    Ok(())
+}
+
+/// The text in a column, from 0; empty if the line is shorter.
+fn text_at(row: &ByteRecord, column: usize) -> String {
+    String::from_utf8_lossy(row.get(column).unwrap_or_default().trim_ascii()).into_owned()
+}
+
+/// The nucleus in a column; `None` for −1 and `nill`.
+fn link_at(row: &ByteRecord, column: usize, file: &str, line: u64) -> Result<Option<u64>, InputError> {
+    let text = text_at(row, column);
+    if ["", "-1", "nill"].contains(&text.as_str()) {
+        return Ok(None);
+    }
+    let number = text.parse().ok().filter(|number| *number >= 1);
+    number.map(Some).ok_or_else(|| refused(file, line, column, &text, "-1 or a whole number from 1"))
+}
+
+/// The error for a value, by its column from 0.
+fn refused(file: &str, line: u64, column: usize, value: &str, allowed: &str) -> InputError {
+    let name = COLUMNS[column];
+    malformed(file, line as usize, format!("{name} (column {}) = {}: must be {allowed}", column + 1, shown(value)))
+}

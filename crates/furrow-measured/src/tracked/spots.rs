@@ -1,0 +1,198 @@
+//! Spots and the links between them, as cells: chains of spots between divisions.
+
+use furrow_input::InputError;
+
+use super::{Format, TimeUnit, TrackedCell, TrackedLineage};
+use crate::names::{birth, is_cell};
+use crate::table::malformed;
+use crate::volumes::{MOST_PLACES, Skipped, Unit};
+
+/// A cell in one frame.
+#[derive(Clone, Debug)]
+pub(super) struct Spot {
+    /// Its frame or minute.
+    pub time: f64,
+    /// The name it has there; empty if it has none.
+    pub name: String,
+    /// The volume it has there.
+    pub volume: Option<f64>,
+    /// Index of its file.
+    pub file: usize,
+    /// Line, from 1.
+    pub line: u64,
+}
+
+/// Spots with their links.
+#[derive(Debug, Default)]
+pub(super) struct Spots {
+    /// Names of files.
+    pub files: Vec<String>,
+    spots: Vec<Spot>,
+    /// The spot before each.
+    previous: Vec<Option<usize>>,
+    /// The spots after each.
+    next: Vec<[Option<usize>; 2]>,
+    skipped: Vec<Skipped>,
+    skipped_count: u64,
+}
+
+impl Spots {
+    /// None yet, of a file.
+    pub fn of(file: &str) -> Spots {
+        Spots { files: vec![file.to_owned()], ..Spots::default() }
+    }
+
+    /// Adds a spot.
+    pub fn push(&mut self, spot: Spot) -> usize {
+        self.spots.push(spot);
+        self.previous.push(None);
+        self.next.push([None; 2]);
+        self.spots.len() - 1
+    }
+
+    /// The spot.
+    pub fn get(&self, spot: usize) -> &Spot {
+        &self.spots[spot]
+    }
+
+    /// Reports a value that cannot be used.
+    pub fn skip(&mut self, file: &str, line: u64, column: &str, value: &str, why: impl Into<String>) {
+        self.skipped_count += 1;
+        if self.skipped.len() < MOST_PLACES {
+            let value = value.chars().take(80).collect();
+            self.skipped.push(Skipped { file: file.into(), line, column: column.into(), value, why: why.into() });
+        }
+    }
+
+    /// Links a spot to one of a later frame, or the other way round. `file` and `line` are those of the link.
+    ///
+    /// # Errors
+    /// A link within a frame, one given twice, a second mother, a third daughter.
+    pub fn link(&mut self, a: usize, b: usize, file: &str, line: u64) -> Result<(), InputError> {
+        let name = |spot: usize| self.shown(spot);
+        let refused = |why: String| Err(malformed(file, line as usize, why));
+        let (from, to) = if self.spots[a].time <= self.spots[b].time { (a, b) } else { (b, a) };
+        if self.spots[from].time == self.spots[to].time {
+            let (a, b, time) = (name(a), name(b), self.spots[a].time);
+            return refused(format!("a link from {a} to {b}, both at time {time}: links must lead to a later time"));
+        }
+        match self.previous[to] {
+            Some(other) if other == from => {
+                return refused(format!("a second link from {} to {}: each must be given once", name(from), name(to)));
+            }
+            Some(other) => {
+                let (to, other, from) = (name(to), name(other), name(from));
+                return refused(format!("{to} has two mothers, {other} and {from}: a cell must have one"));
+            }
+            None => {}
+        }
+        let Some(place) = self.next[from].iter().position(Option::is_none) else {
+            let (from, to) = (name(from), name(to));
+            return refused(format!("{from} has a third link to a later spot, {to}: a cell has at most two daughters"));
+        };
+        self.next[from][place] = Some(to);
+        self.previous[to] = Some(from);
+        Ok(())
+    }
+
+    /// A spot in a message.
+    fn shown(&self, spot: usize) -> String {
+        let Spot { name, file, line, .. } = &self.spots[spot];
+        let place = if *line > 0 { format!(" ({}:{line})", self.files[*file]) } else { String::new() };
+        format!("{}{place}", furrow_input::shown(name))
+    }
+
+    /// Whether a cell is born with a spot: at a division, or where the name becomes that of a daughter, as where only one
+    /// daughter was followed.
+    fn is_born(&self, spot: usize) -> bool {
+        let Some(before) = self.previous[spot] else { return true };
+        let (name, mother) = (&self.spots[spot].name, &self.spots[before].name);
+        self.next[before][1].is_some() || birth(name).is_some_and(|(named, ..)| named == mother)
+    }
+
+    /// The cells, mothers before daughters.
+    ///
+    /// # Errors
+    /// There are no spots.
+    pub fn lineage(
+        mut self,
+        name: String,
+        format: Format,
+        time: TimeUnit,
+        volumes: Unit,
+    ) -> Result<TrackedLineage, InputError> {
+        if self.spots.is_empty() {
+            let file = self.files.first().cloned().unwrap_or_default();
+            let reason = self.skipped.first().map_or("it has no spots".to_owned(), |first| {
+                let Skipped { line, column, value, why, .. } = first;
+                format!("line {line}, {column}: {value:?}: {why}")
+            });
+            return Err(InputError::other_file(
+                file,
+                &format!("{} with a cell that can be used", format.name()),
+                reason,
+            ));
+        }
+        let mut order: Vec<usize> = (0..self.spots.len()).collect();
+        order.sort_by(|a, b| self.spots[*a].time.total_cmp(&self.spots[*b].time));
+        let mut cells: Vec<TrackedCell> = Vec::new();
+        let mut of_spot = vec![0; self.spots.len()];
+        for spot in order {
+            let index = match self.previous[spot].filter(|_| !self.is_born(spot)) {
+                Some(before) => of_spot[before],
+                None => {
+                    let mother = self.previous[spot].map(|before| of_spot[before]);
+                    self.begin(&mut cells, spot, mother)
+                }
+            };
+            of_spot[spot] = index;
+            self.extend(&mut cells[index], spot);
+        }
+        let Spots { skipped, skipped_count, .. } = self;
+        Ok(TrackedLineage { name, format, cells, time, volumes, skipped, skipped_count })
+    }
+
+    /// Adds a cell that begins with a spot.
+    fn begin(&self, cells: &mut Vec<TrackedCell>, spot: usize, mother: Option<usize>) -> usize {
+        let (index, Spot { time, name, file, line, .. }) = (cells.len(), &self.spots[spot]);
+        if let Some(mother) = mother {
+            // Spots come in the order of time: this is the first daughter.
+            cells[mother].division.get_or_insert(*time);
+            cells[mother].daughters.push(index);
+        }
+        cells.push(TrackedCell {
+            name: name.clone(),
+            mother,
+            daughters: Vec::new(),
+            birth: *time,
+            division: None,
+            last: *time,
+            volume: None,
+            sizes: 0,
+            place: (self.files[*file].clone(), *line),
+        });
+        index
+    }
+
+    /// Adds a spot to its cell.
+    fn extend(&mut self, cell: &mut TrackedCell, spot: usize) {
+        let Spot { time, name, volume, file, line } = self.spots[spot].clone();
+        cell.last = time;
+        if let Some(volume) = volume {
+            let sum = cell.volume.unwrap_or(0.0) * cell.sizes as f64 + volume;
+            cell.sizes += 1;
+            cell.volume = Some(sum / cell.sizes as f64);
+        }
+        if name.is_empty() || name == cell.name {
+            return;
+        }
+        match [is_cell(&cell.name), is_cell(&name)] {
+            [false, true] => cell.name = name,
+            [true, true] => {
+                let (file, why) = (self.files[file].clone(), format!("the cell is called {} before", cell.name));
+                self.skip(&file, line, "name", &name, why);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! Small made-up embryos in every format, and files that are wrong.
+
+mod damaged;
+mod graphs;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use flate2::{Compression, Crc, write::DeflateEncoder};
+use tempfile::TempDir;
+
+use super::*;
+
+/// Nuclei of P0 in frames 1 and 2, AB and P1 from 3 on, AB's daughters from 5 on; P1 is last seen in 6.
+const NUCLEI: [&str; 6] = [
+    "1, 1, -1, 1, -1, 100, 90, 10.5, 40, P0, 500\n2, 0, -1, -1, -1, 5, 5, 1, 7, Nuc2, 1\n",
+    "1, 1, 1, 2, 3, 100, 90, 10.5, 40, P0, 500\n",
+    "2, 1, 1, 1, nill, 80, 90, 10, 30, AB, 500\n3, 1, 1, 2, -1, 120, 90, 10, 20, P1, 500\n",
+    "1, 1, 2, 1, 2, 80, 90, 10, 30, AB, 500\n2, 1, 3, 3, -1, 120, 90, 10, 20, P1, 500\n",
+    "1,1,1,1,-1,70,80,9,22,Nuc7,9,0,0,0,ABa\n2,1,1,2,-1,70,99,9,24,ABp,9\n3,1,2,3,-1,120,90,10,20,P1,9\n",
+    "1,1,1,-1,-1,70,80,9,22,ABa,9\n2,1,2,-1,-1,70,99,9,24,ABp,9\n3,1,3,-1,-1,120,90,10,20,P1,9\n",
+];
+
+/// A folder of nuclei.
+fn nuclei(files: &[&str]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("nuclei")).unwrap();
+    for (k, text) in files.iter().enumerate() {
+        fs::write(folder.path().join(format!("nuclei/t{:03}-nuclei", k + 1)), text).unwrap();
+    }
+    folder
+}
+
+/// A zip archive; every second file is deflated.
+fn zip(files: &[(String, Vec<u8>)]) -> Vec<u8> {
+    let (mut out, mut directory) = (Vec::new(), Vec::new());
+    for (k, (name, content)) in files.iter().enumerate() {
+        let (method, mut packed, mut crc) = ((k % 2 * 8) as u16, content.clone(), Crc::new());
+        crc.update(content);
+        if method == 8 {
+            let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+            encoder.write_all(content).unwrap();
+            packed = encoder.finish().unwrap();
+        }
+        let mut common = [20_u16, 0, method, 0, 0].iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+        let lengths = [crc.sum(), packed.len() as u32, content.len() as u32];
+        common.extend(lengths.iter().flat_map(|n| n.to_le_bytes()));
+        common.extend((name.len() as u16).to_le_bytes());
+        common.extend([0, 0]);
+        directory.extend(b"PK\x01\x02\x14\x00");
+        directory.extend(&common);
+        directory.extend([0; 10]);
+        directory.extend((out.len() as u32).to_le_bytes());
+        directory.extend(name.bytes());
+        out.extend(b"PK\x03\x04");
+        out.extend(&common);
+        out.extend(name.bytes());
+        out.extend(packed);
+    }
+    let [count, length, at] = [files.len(), directory.len(), out.len()];
+    out.extend(directory);
+    out.extend(b"PK\x05\x06\0\0\0\0");
+    out.extend([count as u16, count as u16].iter().flat_map(|n| n.to_le_bytes()));
+    out.extend([length as u32, at as u32].iter().flat_map(|n| n.to_le_bytes()));
+    out.extend([0, 0]);
+    out
+}
+
+fn zipped(files: &[&str]) -> Vec<u8> {
+    let named =
+        files.iter().enumerate().map(|(k, text)| (format!("nuclei/t{:03}-nuclei", k + 1), text.as_bytes().into()));
+    zip(&named.collect::<Vec<_>>())
+}
+
+/// A file in a folder of its own.
+fn file(name: &str, content: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, content).unwrap();
+    (folder, path)
+}
+
+fn tracked(path: &Path) -> TrackedLineage {
+    read_tracked(path, &TrackOptions::default()).unwrap().unwrap()
+}
+
+/// The error, without the folder's name.
+fn refused(path: &Path) -> String {
+    let error = read_tracked(path, &TrackOptions::default()).unwrap_err().to_string();
+    let folder = path.parent().unwrap().display().to_string();
+    error.replace(&format!("{}/", path.display()), "").replace(&format!("{folder}/"), "")
+}
+
+/// Name, mother's name, birth, division and last time of each cell.
+type Life<'a> = (&'a str, Option<&'a str>, f64, Option<f64>, f64);
+
+fn lives(lineage: &TrackedLineage) -> Vec<Life<'_>> {
+    let name = |cell: usize| lineage.cells[cell].name.as_str();
+    let life = |cell: &TrackedCell| cell.mother.map(name);
+    let each = lineage.cells.iter().map(|cell| (cell.name.as_str(), life(cell), cell.birth, cell.division, cell.last));
+    each.collect()
+}
+
+const LIVES: [Life<'static>; 5] = [
+    ("P0", None, 1.0, Some(3.0), 2.0),
+    ("AB", Some("P0"), 3.0, Some(5.0), 4.0),
+    ("P1", Some("P0"), 3.0, None, 6.0),
+    ("ABa", Some("AB"), 5.0, None, 6.0),
+    ("ABp", Some("AB"), 5.0, None, 6.0),
+];
+
+#[test]
+fn nuclei_in_a_folder_and_in_an_archive_are_the_same_cells() {
+    let folder = nuclei(&NUCLEI);
+    let lineage = tracked(folder.path());
+    assert_eq!((lineage.format, lineage.time, lineage.volumes), (Format::AceTree, TimeUnit::Frames, Unit::Voxels));
+    assert_eq!(lives(&lineage), LIVES);
+    assert_eq!((lineage.skipped_count, lineage.of_nuclei()), (0, true));
+    assert_eq!(lineage.cells[0].daughters, [1, 2]);
+    assert_eq!(
+        lineage.cells.iter().map(TrackedCell::lifetime).collect::<Vec<_>>(),
+        [None, Some(2.0), None, None, None]
+    );
+    // A sphere of 40 pixels.
+    assert!((lineage.cells[0].volume.unwrap() - 33_510.321_638_291_13).abs() < 1e-9);
+
+    let (_folder, path) = file("embryo.zip", zipped(&NUCLEI));
+    assert_eq!(lives(&tracked(&path)), LIVES);
+    assert_eq!(tracked(&path).name, "embryo");
+    let options = TrackOptions { pixel: Some(0.5), frame_minutes: Some(1.5) };
+    let scaled = read_tracked(&path, &options).unwrap().unwrap();
+    assert_eq!((scaled.time, scaled.volumes), (TimeUnit::Minutes, Unit::CubicMicrometres));
+    assert_eq!((scaled.cells[1].birth, scaled.cells[1].lifetime()), (4.5, Some(3.0)));
+    assert!((scaled.cells[0].volume.unwrap() - 33_510.321_638_291_13 / 8.0).abs() < 1e-9);
+}
+
+/// A CD table of the same embryo.
+fn cd_table() -> String {
+    let mut table = "cellTime,cell,time,none,global,local,blot,cross,z,x,y,size,gweight\n".to_owned();
+    for (cell, times, size) in
+        [("AB", 3..5, 30), ("P0", 1..3, 40), ("P1", 3..7, 20), ("ABa", 5..7, 22), ("ABp", 5..7, 24)]
+    {
+        times.for_each(|t| table += &format!("{cell}:{t},{cell},{t},1,2,3,4,5,10.5,80,90,{size},700\n"));
+    }
+    table
+}
+
+#[test]
+fn a_cd_table_gives_the_cells_that_the_nuclei_give() {
+    let (_folder, path) = file("CDembryo.csv", cd_table());
+    let (cd, folder) = (tracked(&path), nuclei(&NUCLEI));
+    let mut found = lives(&cd);
+    found.sort_by_key(|life| LIVES.iter().position(|known| known.0 == life.0));
+    assert_eq!(found, LIVES);
+    for cell in &tracked(folder.path()).cells {
+        let same = cd.cells.iter().find(|other| other.name == cell.name).unwrap();
+        assert_eq!((same.volume, same.sizes), (cell.volume, cell.sizes), "{}", cell.name);
+    }
+}
+
+/// Where only one daughter was followed, the name shows the division.
+#[test]
+fn a_new_name_of_a_daughter_begins_a_cell() {
+    let folder = nuclei(&["1,1,-1,1,-1,0,0,0,9,AB,0\n", "1,1,1,1,-1,0,0,0,9,ABa,0\n", "1,1,1,-1,-1,0,0,0,9,ABpr,0\n"]);
+    let lineage = tracked(folder.path());
+    assert_eq!(lives(&lineage), [("AB", None, 1.0, Some(2.0), 1.0), ("ABa", Some("AB"), 2.0, None, 3.0)]);
+    let skipped = &lineage.skipped[0];
+    assert_eq!((lineage.skipped_count, skipped.value.as_str(), skipped.line), (1, "ABpr", 1));
+    assert_eq!(skipped.why, "the cell is called ABa before");
+}
+
+#[test]
+fn three_hundred_and_sixty_frames_are_read_in_under_two_seconds() {
+    let frame = |k: usize| {
+        let before = |n: usize| if k == 0 { -1 } else { n as i64 };
+        let after = |n: usize| if k == 359 { -1 } else { n as i64 };
+        let line = |n| {
+            format!(
+                "{n}, 1, {}, {}, -1, 100, 90, 10.5, 40, Nuc{n}, 500, 0, 0, 0, , 1, 2, 3, 4, 5\n",
+                before(n),
+                after(n)
+            )
+        };
+        (format!("nuclei/t{:03}-nuclei", k + 1), (1..=550).map(line).collect::<String>().into_bytes())
+    };
+    let (_folder, path) = file("long.zip", zip(&(0..360).map(frame).collect::<Vec<_>>()));
+    let start = Instant::now();
+    let lineage = tracked(&path);
+    assert_eq!((lineage.cells.len(), lineage.cells[7].sizes), (550, 360));
+    assert!(start.elapsed().as_secs_f64() < 2.0, "{:?}", start.elapsed());
+}
+
+#[test]
+fn wrong_nuclei_are_refused_with_their_place() {
+    for (files, message) in [
+        (
+            &["1,1,-1,1,-1,0,0,0,9\n"][..],
+            "nuclei/t001-nuclei:1:1: 9 columns; a nucleus has at least 10: number, valid,",
+        ),
+        (&["x,1,-1,1,-1,0,0,0,9,A,0\n"], "number (column 1) = \"x\": must be -1 or a whole number from 1"),
+        (
+            &["2,0,-1,-1,-1,0,0,0,9,A,0\n1,maybe,-1,1,-1,0,0,0,9,A,0\n"],
+            "t001-nuclei:2:1: valid (column 2) = \"maybe\": must be 0 or 1",
+        ),
+        (&["1,1,-1,NaN,-1,0,0,0,9,A,0\n"], "successor 1 (column 4) = \"NaN\": must be -1 or a whole number from 1"),
+        (
+            &["1,1,-1,1,-1,0,0,0,9,A,0\n1,1,-1,1,-1,0,0,0,9,B,0\n"],
+            ":2:1: number (column 1) = \"1\": must be a number that no",
+        ),
+        (
+            &[NUCLEI[0], "1,1,9,1,-1,0,0,0,9,A,0\n"],
+            "predecessor (column 3) = \"9\": must be -1 or a nucleus of frame 1",
+        ),
+        (&["", ""], "is not nuclei of AceTree with a cell that can be used: it has no spots"),
+        (&["\u{feff}\u{0}"], "this is no text: it has a byte 0"),
+    ] {
+        let error = refused(nuclei(files).path());
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+    let folder = nuclei(&NUCLEI);
+    fs::remove_file(folder.path().join("nuclei/t004-nuclei")).unwrap();
+    assert!(refused(folder.path()).ends_with("from t001-nuclei to t006-nuclei, but not t004-nuclei"));
+    // Links that contradict each other, and sizes that are none, are reported; the cells are read.
+    let folder =
+        nuclei(&[NUCLEI[0], "1,1,1,-1,-1,0,0,0,-3,P0,0\n2,1,1,-1,-1,0,0,0,9,AB,0\n3,1,2,-1,-1,0,0,0,9,P1,0\n"]);
+    let lineage = tracked(folder.path());
+    let why: Vec<String> =
+        lineage.skipped.iter().map(|s| format!("{} {} {}: {}", s.line, s.column, s.value, s.why)).collect();
+    assert_eq!(
+        why,
+        [
+            "1 9 (size) -3: must be a diameter above 0, in pixels",
+            "2 3 (predecessor) 1: nucleus 1 of frame 1 does not name 2 as a successor",
+            "3 3 (predecessor) 2: nucleus 2 of frame 1 is not valid",
+        ]
+    );
+}
+
+#[test]
+fn wrong_archives_and_cd_tables_are_refused() {
+    let whole = zipped(&NUCLEI);
+    let mut encrypted = whole.clone();
+    let at = whole.windows(4).position(|four| four == b"PK\x01\x02").unwrap();
+    encrypted[at + 8] = 1;
+    let mut changed = whole.clone();
+    changed[30 + 18 + 3] ^= 1;
+    for (content, message) in [
+        (&whole[..whole.len() - 30], "is not a zip archive: its directory is damaged"),
+        (&zip(&[("readme".to_owned(), vec![])]), "it has no file nuclei/t001-nuclei"),
+        (&encrypted, "nuclei/t001-nuclei: is not a file that can be unpacked: it is encrypted"),
+        (&changed, "its length or its checksum is wrong"),
+    ] {
+        let (_folder, path) = file("embryo.zip", content);
+        let error = refused(&path);
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+    let (folder, _) = file("there.zip", "");
+    assert!(refused(&folder.path().join("not_there.zip")).contains("cannot be read"));
+    let header = "cellTime,cell,time,none,size\n";
+    for (table, message) in [
+        ("cellTime,cell,time\n".to_owned(), "CD.csv:1:1: no column is called size; a CD table has cell, time and size"),
+        (header.to_owned(), "CD.csv: is not CD table with a cell that can be used: it has no spots"),
+        (
+            format!("{header}AB:1,AB,1,0,9\nAB:1,AB,1,0,9\n"),
+            "CD.csv:3:1: cell AB a second time at time 1; the first is on line 2",
+        ),
+        (format!("{header}AB:1,AB,NaN,0,9\n"), "line 2, time: \"NaN\": must be a number of frames from 0"),
+    ] {
+        let (_folder, path) = file("CD.csv", table);
+        let error = refused(&path);
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+    let (_folder, path) = file("CD.csv", format!("{header}a,AB,5,0,9\nb,ABa,5,0,-9\nc,,5,0,9\n"));
+    let lineage = tracked(&path);
+    let why: Vec<&str> = lineage.skipped.iter().map(|s| s.why.as_str()).collect();
+    let late = "it is born while its mother AB is still there, until time 5";
+    assert_eq!(why, ["must be a diameter above 0, in pixels", "must be the name of a cell", late]);
+}
+
+#[test]
+fn rounds_count_divisions_to_the_last_cells() {
+    let folder = nuclei(&NUCLEI);
+    let lineage = tracked(folder.path());
+    let found = lineage.rounds(&["P0", "E", "AB", "P1"]);
+    let of = |cell: &str, terminal, min, mean, max| TrackedRounds { cell: cell.to_owned(), terminal, min, mean, max };
+    let expected = [of("P0", 3, 1, 5.0 / 3.0, 2), of("AB", 2, 1, 1.0, 1), of("P1", 1, 0, 0.0, 0)];
+    assert_eq!((found, lineage.terminal()), (expected.to_vec(), 3));
+}
+
+#[test]
+fn lifetimes_need_minutes_and_both_ends() {
+    let folder = nuclei(&NUCLEI);
+    let error = tracked(folder.path()).lifetimes("embryo").unwrap_err().to_string();
+    assert_eq!(error.split(':').next(), Some("--frame-minutes"), "{error}");
+    let options = TrackOptions { pixel: None, frame_minutes: Some(1.5) };
+    let found = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo").unwrap();
+    // P0 is there from the start, and the others were not seen to divide.
+    let [ab] = &found.cells[..] else { panic!("{found:?}") };
+    assert_eq!((ab.cell.as_str(), ab.founder.as_str(), ab.n, ab.mean, ab.birth), ("AB", "AB", 1, 3.0, Some(4.5)));
+    let folder = nuclei(&NUCLEI[..2]);
+    let error = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo").unwrap_err().to_string();
+    assert!(error.starts_with("embryo: cells = 1: must be at least one cell"), "{error}");
+}
