@@ -1,7 +1,7 @@
 //! `furrow compare lifetimes`: measured lifetimes beside those of a tree with a clock.
 
 use super::trees_of;
-use crate::cli::cell::load_lineage;
+use crate::cli::cell::{load_lineage, positive};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::output::{merged, print_as};
@@ -18,6 +18,7 @@ use furrow_lineage::Tree;
 use furrow_measured::lifetimes::{Agreement, Lifetimes, mean_volumes};
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::Trend;
+use furrow_measured::tracked::{TrackOptions, read_tracked};
 use furrow_measured::volumes::{ReadOptions, Skipped, Volumes};
 use serde_json::json;
 use std::fmt::Write;
@@ -26,7 +27,7 @@ use std::path::PathBuf;
 /// Compares measured lifetimes of cells with those of a tree with a clock
 ///
 /// A table has the columns cell and lifetime_min (or lifetime_s, lifetime_h), and optionally n, sd_min and birth_min; lines that begin
-/// with # are comments. Without a table the means of 28 embryos of C. elegans are used. Prints every cell, the lifetime over the volume
+/// with # are comments. An embryo that another program followed is read too, as by compare volumes. Without a table the means of 28 embryos of C. elegans are used. Prints every cell, the lifetime over the volume
 /// by founder, which of two sisters divides first, and when the model's tree leaves the embryo's. A clock is fitted, so that the
 /// model's lifetimes are no predictions: cells, their sizes and by these the order of sisters are.
 #[derive(Debug, Args)]
@@ -35,7 +36,7 @@ Examples:
   furrow compare lifetimes
   furrow compare lifetimes lifetimes.csv --tree furrow-out/tree.json --plot lifetimes.svg --json")]
 pub struct LifetimesArgs {
-    /// Table of lifetimes, CSV; default published means
+    /// Table of lifetimes, CSV, or an embryo followed by another program; default published means
     #[arg(value_name = "TABLE")]
     table: Option<PathBuf>,
     /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
@@ -44,6 +45,9 @@ pub struct LifetimesArgs {
     /// Tables of cell volumes, as for compare volumes; default published ones of C. elegans
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
+    /// Minutes from one frame to the next, for embryos of programs that count frames
+    #[arg(help_heading = "Tables", long, value_name = "MIN")]
+    frame_minutes: Option<f64>,
     #[command(flatten)]
     plot: PlotArgs,
 }
@@ -53,10 +57,7 @@ const MOST_SKIPPED: usize = 10;
 
 pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
-    let lifetimes = match &args.table {
-        Some(file) => Lifetimes::read(open_file(file)?, &file.display().to_string())?,
-        None => jankele2021_lifetimes()?,
-    };
+    let lifetimes = lifetimes(args)?;
     let volumes = volumes(args)?;
     let tree = tree(args, context)?;
     let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
@@ -80,13 +81,23 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     })
 }
 
+fn lifetimes(args: &LifetimesArgs) -> Result<Lifetimes, InputError> {
+    let Some(file) = &args.table else { return jankele2021_lifetimes() };
+    let name = file.display().to_string();
+    let frame_minutes = args.frame_minutes.map(|minutes| positive("--frame-minutes", minutes)).transpose()?;
+    match read_tracked(file, &TrackOptions { pixel: None, frame_minutes })? {
+        Some(embryo) => embryo.lifetimes(&name),
+        None => Lifetimes::read(open_file(file)?, &name),
+    }
+}
+
 fn volumes(args: &LifetimesArgs) -> Result<Volumes, InputError> {
     if args.volumes.is_empty() {
         return jankele2021_volumes();
     }
     let mut volumes = Volumes::default();
     for file in &args.volumes {
-        volumes.read(open_file(file)?, &file.display().to_string(), &ReadOptions::default())?;
+        volumes.read_file(file, &ReadOptions::default())?;
     }
     volumes.require_used(&args.volumes[0].display().to_string())?;
     Ok(volumes)
