@@ -9,10 +9,14 @@
 //! | [`base`] | the shape at one place |
 //! | [`equations`] | the linearised balance of forces |
 //! | [`problem`] | the boundary-value problem |
+//! | [`mode`] | what a mode looks like |
+//! | [`scan`] | growth rates along a branch |
 
 pub mod base;
 pub mod equations;
+pub mod mode;
 pub mod problem;
+pub mod scan;
 
 use furrow_bvp::{Direction, Gauss, Residual, Solution, System};
 use furrow_spectra::{Arnoldi, Krylov};
@@ -22,23 +26,13 @@ use crate::cortex::{Cortex, Domain};
 use crate::stability::spectrum::{Result, rightmost, sort};
 use crate::stability::{Parity, Shifts, Spectrum, StabilityError, freeze};
 use equations::{REGULATOR, W};
+use mode::Mode;
 use problem::Disturbance;
 
 /// How far from a rate the shift for its mode lies, relative to the rate and the cell's own pace.
 const MODE_DISTANCE: f64 = 1e-2;
 /// Steps of the inverse iteration for a mode.
 const MODE_STEPS: usize = 8;
-
-/// One mode of a disturbance.
-#[derive(Clone, Debug)]
-pub struct Mode {
-    /// The azimuthal number.
-    pub m: usize,
-    /// Its growth rate.
-    pub rate: f64,
-    /// The components of [`equations`], with the changes of (L, p), on the mesh of the whole contour.
-    pub disturbance: Solution,
-}
 
 /// Disturbances of one azimuthal number m about one shape.
 ///
@@ -66,6 +60,8 @@ pub struct Azimuthal {
     problem: Disturbance,
     system: System,
     shifts: Shifts,
+    /// The shape, the whole contour.
+    shape: Solution,
     /// A disturbance that is zero, on the mesh of the shape.
     zero: Solution,
     /// A solution before it is refined.
@@ -116,6 +112,7 @@ impl Azimuthal {
             problem,
             system,
             shifts,
+            shape: y.clone(),
             found: zero.clone(),
             zero,
             right_hand_side: Residual::default(),
@@ -174,7 +171,7 @@ impl Azimuthal {
         let scaled = |values: &[f64]| values.iter().map(|v| v / largest).collect();
         let disturbance =
             Solution { nodes: scaled(nodes), stages: scaled(stages), scalars: scaled(scalars), ..self.zero.clone() };
-        Ok(Mode { m: self.m, rate, disturbance })
+        Ok(Mode { m: self.m, rate, disturbance, shape: self.shape.clone() })
     }
 
     fn at_shift(&mut self, shift: f64, wanted: usize) -> Result<Spectrum> {
