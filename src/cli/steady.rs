@@ -74,7 +74,13 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let picture = args.plot.file()?;
     let most = args.azimuthal.unwrap_or(0);
-    InputError::require(!picture.is_wanted() || most > 0, "--azimuthal", "M", most, "1 to 16 with --plot, which draws the modes")?;
+    InputError::require(
+        !picture.is_wanted() || most > 0,
+        "--azimuthal",
+        "M",
+        most,
+        "1 to 16 with --plot, which draws the modes",
+    )?;
     let shape = stationary(&cell, &context.settings.numerics)?;
     let spectrum = shape.spectrum()?;
     let Cell { r0, epsilon, xi_s, cue, .. } = &shape.cortex.cell;

@@ -5,8 +5,8 @@
 
 use serde_json::{Value, json};
 
-use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
 use furrow_mechanics::azimuthal::mode::Mode;
+use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
 use furrow_mechanics::stability::{GrowthRate, Spectrum};
 
 /// A stationary shape and its stability: its rightmost growth rates with the parity of their modes, and the activities at which

@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 
 use furrow_bvp::{Gauss, Solution};
 use furrow_cell::RigidityGradient;
-use furrow_mechanics::azimuthal::Mode;
 use furrow_mechanics::azimuthal::equations::{ARC, LENGTH, PRESSURE, REGULATOR, V1, V2, W};
+use furrow_mechanics::azimuthal::mode::Mode;
 use furrow_mechanics::cortex::equations as base;
 use num_dual::{Dual64, DualNum, HyperDual64};
 
@@ -209,6 +209,14 @@ impl Displaced<'_> {
             }
         }
         out
+    }
+
+    /// How far a_s is from the stretching of the meridian, at the worst place.
+    pub fn arclength_error(&self) -> f64 {
+        let gauss = Gauss::new(self.state.shape.m);
+        let points = (0..self.state.shape.intervals() * self.state.shape.m).map(|k| self.point(&gauss, k));
+        let error = |point: Point| (point.mode_s[ARC] - self.surface(&point, 0.0, 1.0).length(0).0.eps).abs();
+        points.map(error).fold(0.0, f64::max)
     }
 
     fn point(&self, gauss: &Gauss, k: usize) -> Point {

@@ -15,7 +15,8 @@
 //!   S11 = \[τ − η₋S22 − X_s(½K − k2) − X_b K − …\]/η₊, η± = η_b ± η_s
 //! * \[A.5 stress\] τ2 = η₋S11 + η₊S22 − X_s(½K − k2) + X_b K + …, χ = 2η_s S12 + X_s k12
 //! * \[A.6 flow\] v1_s = S11 + c1 w v_s − c1 σw − k1 v_n, v2_s = cot v2 + (m/r)(v1 − c1 v w) + 2S12 − 2k12 v_n
-//! * \[A.7 shear\] M_s = Q + c1 w q, Q_s = −cot Q − δcot q + c1 w(q_s + cot q) − cot c1 … + m²M/r² + …
+//! * \[A.7 shear\] M_s = Q + c1 w q, Q_s = −cot Q − δcot q + c1 w q_s + m²M/r² + δ\[γC + κC(2c1c2 − ½C²)\] + k1 T + k2 T_φφ + c1 τ + c2 τ2 −
+//!   δp − δf_c
 //! * \[A.8 tangential\] τ_s = c1 w T_s − cot(τ − τ2) − δcot(T − T_φφ) − (m/r)χ + Γv1 + v δΓ − C K κ_s − ½C²δκ_s − δγ_s
 //! * \[A.9 azimuthal\] χ_s = −2cot χ + (m/r)\[τ2 + c1 w(T_φφ − T) + ½C²δκ + δγ\] + Γv2
 //! * \[A.10 shell\] δf_c = β ∂_sU − w ∂_n²U, U the shell's potential

@@ -31,8 +31,9 @@ use problem::Disturbance;
 
 /// How far from a rate the shift for its mode lies, relative to the rate and the cell's own pace.
 const MODE_DISTANCE: f64 = 1e-2;
-/// Steps of the inverse iteration for a mode.
-const MODE_STEPS: usize = 8;
+/// Most steps of the inverse iteration for a mode, which ends where it changes by no more than this.
+const MODE_STEPS: usize = 60;
+const MODE_SETTLED: f64 = 1e-12;
 
 /// Disturbances of one azimuthal number m about one shape.
 ///
@@ -164,7 +165,14 @@ impl Azimuthal {
                 return Err(StabilityError::Factorisation { shift, column: 0 });
             }
             rate = shift * (1.0 - inverse);
-            mode.iter_mut().zip(&next).for_each(|(mode, next)| *mode = next / largest);
+            let mut change = 0.0f64;
+            for (mode, next) in mode.iter_mut().zip(&next) {
+                change = change.max((*mode - next / largest).abs());
+                *mode = next / largest;
+            }
+            if change < MODE_SETTLED {
+                break;
+            }
         }
         let Direction { nodes, stages, scalars } = &self.update;
         let largest = largest(&next[..points]);
