@@ -21,7 +21,6 @@ use std::fmt::Write;
 Examples:
   furrow steady --r0 2
   furrow steady --r0 2 --xi 15 --epsilon 0.8 --json
-  furrow steady --r0 2 --xi 15 --cue germline
   furrow steady --r0 1.65 --cue regulator:none,turnover=10,diffusion=1,activity=0.3
   furrow steady --r0 2 --xi 21 --azimuthal 4 --plot modes.png")]
 pub struct SteadyArgs {
@@ -66,6 +65,12 @@ fn lines(found: &[Azimuthal]) -> String {
             format!("  {}{rigid}", format!("{:?}", mode.parity()).to_lowercase())
         });
         let _ = writeln!(out, "  m = {m:<2} {:>14.6}{of_mode}", spectrum.growth_rate());
+    }
+    let rate = |row: &Azimuthal| row.spectrum.growth_rate();
+    if let Some(fastest) =
+        found.iter().max_by(|a, b| rate(a).total_cmp(&rate(b))).filter(|row| row.m > 0 && rate(row) > 0.0)
+    {
+        let _ = writeln!(out, "disturbances m = {} grow fastest: the cell does not stay axisymmetric", fastest.m);
     }
     out
 }
