@@ -5,11 +5,13 @@ use super::context::Context;
 use super::error::CliError;
 use super::output::{csv_of, filled, number, print_as, writable_file};
 use super::picture::PlotArgs;
+use super::steady::MOST_AZIMUTHAL;
 use clap::Args;
 use furrow_analysis::{Diagram, diagram};
 use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
+use furrow_mechanics::azimuthal::scan::Crossing;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use furrow_report::event_report;
 use serde_json::{Value, json};
@@ -21,7 +23,8 @@ use std::path::PathBuf;
 Examples:
   furrow branch --r0 2 --xi-max 30
   furrow branch --r0 2 --xi-max 30 --plot branch.svg --csv branch.csv
-  furrow branch --r0 2.2 --cue germline --xi-max 30 --json")]
+  furrow branch --r0 2.2 --cue germline --xi-max 30 --json
+  furrow branch --r0 2 --xi-max 30 --azimuthal 2")]
 pub struct BranchArgs {
     #[command(flatten)]
     cell: CellArgs,
@@ -31,6 +34,9 @@ pub struct BranchArgs {
     /// Largest step along a branch, in arclength
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
     max_step: f64,
+    /// Also computes growth rates of disturbances cos mφ, m = 1 to M, at every point, and where they change sign
+    #[arg(help_heading = "Numerics", long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]
+    azimuthal: Option<u8>,
     /// Prints every point of the branches, not only folds and pitchforks
     #[arg(help_heading = "Output", long)]
     points: bool,
@@ -74,6 +80,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         contours: picture.is_wanted(),
         xi: [0.0, positive("--xi-max", args.xi_max)?],
         growth_rates: true,
+        azimuthal: args.azimuthal.map_or(0, usize::from),
         ..BranchOptions::default()
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
@@ -84,6 +91,28 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     }
     picture.write(|| plot::branch::draw(&cell, &found.branches))?;
     print_as(context.json, &document, || text(&cell, &found, args.points))
+}
+
+/// The points of a branch, with `stability` where growth rates beyond axial symmetry are asked for.
+fn points(name: &'static str, branch: &Branch) -> Vec<Value> {
+    let mut points: Vec<Value> = branch.points.iter().map(|p| point(name, p)).collect();
+    for (point, rates) in points.iter_mut().zip(&branch.azimuthal.rates) {
+        let row = |(k, rate): (usize, &Option<f64>)| filled(json!({ "m": k + 1, "growth_rate": rate }));
+        point["stability"] = json!({ "azimuthal": rates.iter().enumerate().map(row).collect::<Vec<_>>() });
+    }
+    points
+}
+
+/// Where growth rates of disturbances that are not axisymmetric change sign; nothing unless asked for.
+fn azimuthal(found: &Diagram) -> Option<Vec<Value>> {
+    let scanned = found.branches.iter().any(|(_, branch)| !branch.azimuthal.rates.is_empty());
+    let crossings = found.branches.iter().flat_map(|(name, branch)| {
+        branch.azimuthal.crossings.iter().map(move |crossing| {
+            let Crossing { m, point, grows } = crossing;
+            json!({ "branch": name, "m": m, "xi_s": point.xi_s, "H": point.elongation, "grows_beyond": grows })
+        })
+    });
+    scanned.then(|| crossings.collect())
 }
 
 /// What `--json` prints.
@@ -100,8 +129,9 @@ fn document(cell: &Cell, found: &Diagram) -> Value {
         "r0": cell.r0,
         "epsilon": cell.epsilon,
         "cue": cell.cue,
-        "points": of(found, |name, branch| branch.points.iter().map(|p| point(name, p)).collect()),
+        "points": of(found, points),
         "events": of(found, |name, branch| branch.events.iter().map(|event| event_report(name, event)).collect()),
+        "azimuthal": azimuthal(found),
         "scaling": found.scaling,
         "steps": found.branches.iter().map(|(_, branch)| branch.work.steps).sum::<usize>(),
         "newton_iterations": found.branches.iter().map(|(_, branch)| branch.work.iterations).sum::<usize>(),
@@ -132,6 +162,12 @@ fn text(cell: &Cell, found: &Diagram, points: bool) -> String {
         };
         let (kind, ShapePoint { xi_s, elongation: h, .. }) = (event.kind(), event.point());
         let _ = writeln!(out, "{kind} of the {name} branch at ξ_s = {xi_s:.6}, H = {h:.6}: {of}");
+    }
+    for (name, branch) in &found.branches {
+        for Crossing { m, point, grows } in &branch.azimuthal.crossings {
+            let verb = if *grows { "begin to grow" } else { "stop growing" };
+            let _ = writeln!(out, "disturbances m = {m} of the {name} branch {verb} at ξ_s = {:.6}", point.xi_s);
+        }
     }
     for (name, branch) in &found.branches {
         let (xi_s, count, why) = (last(branch), branch.points.len(), &branch.ended);

@@ -4,11 +4,16 @@ use super::cell::ActiveCellArgs;
 use super::context::Context;
 use super::error::CliError;
 use super::output::{merged, print_as};
+use super::picture::PlotArgs;
 use clap::Args;
 use furrow_cell::Cell;
-use furrow_mechanics::equilibria::stationary;
-use furrow_report::stationary_report;
-use serde_json::json;
+use furrow_figures::plot;
+use furrow_input::InputError;
+use furrow_mechanics::azimuthal::mode::Mode;
+use furrow_mechanics::equilibria::{StationaryShape, stationary};
+use furrow_mechanics::stability::{Spectrum, StabilityError};
+use furrow_report::{azimuthal_report, stationary_report};
+use serde_json::{Value, json};
 use std::fmt::Write;
 
 #[derive(Debug, Args)]
@@ -16,20 +21,83 @@ use std::fmt::Write;
 Examples:
   furrow steady --r0 2
   furrow steady --r0 2 --xi 15 --epsilon 0.8 --json
-  furrow steady --r0 2 --xi 15 --cue germline
-  furrow steady --r0 1.65 --cue regulator:none,turnover=10,diffusion=1,activity=0.3")]
+  furrow steady --r0 1.65 --cue regulator:none,turnover=10,diffusion=1,activity=0.3
+  furrow steady --r0 2 --xi 21 --azimuthal 4 --plot modes.png")]
 pub struct SteadyArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
+    /// Also computes growth rates of disturbances cos mφ, m up to M, which are not axisymmetric
+    #[arg(help_heading = "Output", long, value_name = "M", value_parser = clap::value_parser!(u8).range(0..=MOST_AZIMUTHAL))]
+    azimuthal: Option<u8>,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+/// Largest azimuthal number offered: modes that turn faster around the axis decay ever faster.
+pub const MOST_AZIMUTHAL: i64 = 16;
+
+/// What is known of the disturbances of one azimuthal number; the mode is that of the leading rate, for m = 0 none.
+struct Azimuthal {
+    m: usize,
+    spectrum: Spectrum,
+    mode: Option<Mode>,
+}
+
+fn azimuthal(shape: &StationaryShape, axisymmetric: &Spectrum, most: usize) -> Result<Vec<Azimuthal>, StabilityError> {
+    let mut found = vec![Azimuthal { m: 0, spectrum: axisymmetric.clone(), mode: None }];
+    for m in 1..=most {
+        let mut disturbances = shape.azimuthal(m);
+        let spectrum = disturbances.leading()?;
+        let mode = disturbances.mode(spectrum.growth_rate())?;
+        found.push(Azimuthal { m, spectrum, mode: Some(mode) });
+    }
+    Ok(found)
+}
+
+/// One line for each azimuthal number.
+fn lines(found: &[Azimuthal]) -> String {
+    let mut out = "beyond axial symmetry, leading growth rates (1/τ):\n".to_owned();
+    for Azimuthal { m, spectrum, mode } in found {
+        let of_mode = mode.as_ref().map_or(String::new(), |mode| {
+            let rigid = mode.rigid().map_or(String::new(), |rigid| {
+                format!(", {:.0} % shift, {:.0} % tilt of the cell", 100.0 * rigid.translation, 100.0 * rigid.rotation)
+            });
+            format!("  {}{rigid}", format!("{:?}", mode.parity()).to_lowercase())
+        });
+        let _ = writeln!(out, "  m = {m:<2} {:>14.6}{of_mode}", spectrum.growth_rate());
+    }
+    let rate = |row: &Azimuthal| row.spectrum.growth_rate();
+    if let Some(fastest) =
+        found.iter().max_by(|a, b| rate(a).total_cmp(&rate(b))).filter(|row| row.m > 0 && rate(row) > 0.0)
+    {
+        let _ = writeln!(out, "disturbances m = {} grow fastest: the cell does not stay axisymmetric", fastest.m);
+    }
+    out
 }
 
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
+    let picture = args.plot.file()?;
+    let most = args.azimuthal.unwrap_or(0);
+    InputError::require(
+        !picture.is_wanted() || most > 0,
+        "--azimuthal",
+        "M",
+        most,
+        "1 to 16 with --plot, which draws the modes",
+    )?;
     let shape = stationary(&cell, &context.settings.numerics)?;
     let spectrum = shape.spectrum()?;
     let Cell { r0, epsilon, xi_s, cue, .. } = &shape.cortex.cell;
     let found = stationary_report(&shape, &spectrum);
-    let document = merged(json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue }), found);
+    let mut document = merged(json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue }), found);
+    let disturbed = args.azimuthal.map(|most| azimuthal(&shape, &spectrum, usize::from(most))).transpose()?;
+    if let Some(disturbed) = &disturbed {
+        let rows = disturbed.iter().map(|row| azimuthal_report(row.m, &row.spectrum, row.mode.as_ref()));
+        document["azimuthal"] = rows.collect::<Vec<Value>>().into();
+        let modes: Vec<Mode> = disturbed.iter().filter_map(|row| row.mode.clone()).collect();
+        picture.write(|| plot::azimuthal::draw(&shape.cortex, &modes))?;
+    }
     print_as(context.json, &document, || {
         let verdict = if spectrum.is_stable() { "stable" } else { "unstable" };
         let mut out = format!("R0 = {r0}, ε = {epsilon}, ξ_s = {xi_s}: {verdict}\n");
@@ -42,6 +110,9 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
         for rate in &spectrum.values {
             let imaginary = if rate.im == 0.0 { String::new() } else { format!(" {:+.6}i", rate.im) };
             let _ = writeln!(out, "  {:>14.6}{imaginary}  {}", rate.re, format!("{:?}", rate.parity).to_lowercase());
+        }
+        if let Some(disturbed) = &disturbed {
+            out += &lines(disturbed);
         }
         if !shape.folds.is_empty() {
             let folds: Vec<String> = shape.folds.iter().map(|x| format!("{x:.5}")).collect();

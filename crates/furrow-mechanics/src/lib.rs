@@ -10,6 +10,7 @@
 //! |---|---|
 //! | [`cortex`] | the equations of the surface, their derivatives, symmetry, observables |
 //! | [`stability`] | growth rates of small disturbances of a stationary shape |
+//! | [`azimuthal`] | growth rates of disturbances that are not axisymmetric |
 //! | [`equilibria`] | branches of stationary shapes, folds and pitchforks |
 //! | [`calibration`] | constants from thresholds |
 //! | [`division`] | one division in time |
@@ -21,6 +22,7 @@
 //! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
 //! called *the paper* throughout.
 
+pub mod azimuthal;
 pub mod calibration;
 pub mod cortex;
 pub mod critical;

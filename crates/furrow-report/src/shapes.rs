@@ -5,6 +5,7 @@
 
 use serde_json::{Value, json};
 
+use furrow_mechanics::azimuthal::mode::Mode;
 use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
 use furrow_mechanics::stability::{GrowthRate, Spectrum};
 
@@ -24,6 +25,24 @@ pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value 
     });
     if let (Some(middle), Some(pole)) = (shape.regulator_at(0.5), shape.regulator_at(0.0)) {
         report["regulator"] = json!({ "phi_mid": middle, "phi_pole": pole });
+    }
+    report
+}
+
+/// Disturbances of one azimuthal number m of a stationary shape: their rightmost growth rates, the parity of the leading mode and, for
+/// m = 1, which shares of it shift and tilt the cell as a whole.
+pub fn azimuthal_report(m: usize, spectrum: &Spectrum, mode: Option<&Mode>) -> Value {
+    let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im });
+    let mut report = json!({
+        "m": m,
+        "growth_rate": spectrum.growth_rate(),
+        "growth_rates": spectrum.values.iter().map(rate).collect::<Vec<_>>(),
+    });
+    if let Some(mode) = mode {
+        report["parity"] = format!("{:?}", mode.parity()).to_lowercase().into();
+        if let Some(rigid) = mode.rigid() {
+            report["rigid"] = json!({ "translation": rigid.translation, "rotation": rigid.rotation });
+        }
     }
     report
 }

@@ -27,7 +27,7 @@ pub fn rates<D: Number, const N: usize>(
 ) -> [D; N] {
     let [r, z, m, psi, q, v, t]: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
     let carried = (N > COMPONENTS).then(|| [y[PHI], y[J] * length]);
-    let c = coefficients(cell, u, length, carried);
+    let c = coefficients(cell, u, D::from(length), carried);
     let (sin, cos) = psi.sin_cos();
     let c2 = sin / r;
     let c1 = m / c.kappa - c2;

@@ -30,23 +30,23 @@ pub struct Coefficients<D> {
 }
 
 /// A profile f and ∂f/∂u.
-fn profile<D: Number>(profile: &Profile, u: D, length: f64) -> [D; 2] {
+fn profile<D: Number>(profile: &Profile, u: D, length: D) -> [D; 2] {
     let in_u = |omega: Width| match omega {
-        Width::Fraction(omega) => omega,
-        Width::Length(omega) => omega / length,
+        Width::Fraction(omega) => D::from(omega),
+        Width::Length(omega) => length.recip() * omega,
     };
     match *profile {
         Profile::Band { u0, omega } => {
             let omega = in_u(omega);
             let x = (u - u0) / omega;
             let f = (-(x * x)).exp();
-            [f, f * x * (-2.0 / omega)]
+            [f, f * x * -2.0 / omega]
         }
         Profile::Step { u0, omega } => {
             // ½(1 + tanh x) = 1/(1 + e^(−2x)), and its slope by the logistic's f(1 − f).
             let omega = in_u(omega);
-            let f = (((u - u0) * (-2.0 / omega)).exp() + 1.0).recip();
-            [f, f * (-f + 1.0) * (2.0 / omega)]
+            let f = (((u - u0) * -2.0 / omega).exp() + 1.0).recip();
+            [f, f * (-f + 1.0) * 2.0 / omega]
         }
         Profile::Gradient => [u * -2.0 + 1.0, D::from(-2.0)],
         // What follows PAR polarity is a step or a band by now.
@@ -59,7 +59,7 @@ fn profile<D: Number>(profile: &Profile, u: D, length: f64) -> [D; 2] {
 ///
 /// # Panics
 /// For a field or a profile of the model that is missing here.
-pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64, carried: Option<[D; 2]>) -> Coefficients<D> {
+pub fn coefficients<D: Number>(cell: &Cell, u: D, length: D, carried: Option<[D; 2]>) -> Coefficients<D> {
     let one = D::from(1.0);
     let [mut kappa, mut eta_b, mut eta_s, mut friction, mut xi_s, mut xi_b] = [one; 6];
     let (mut kappa_u, mut tension, mut tension_u) = (D::from(0.0), D::from(cell.material.tension), D::from(0.0));
@@ -85,7 +85,7 @@ pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64, carried: Option<[
     let activity = material.gain * cell.xi_s;
     Coefficients {
         kappa: kappa * material.kappa,
-        kappa_s: kappa_u * (material.kappa / length),
+        kappa_s: kappa_u * material.kappa / length,
         eta_b: eta_b * material.eta_b,
         eta_s: eta_s * material.eta_s,
         friction: friction * material.friction,

@@ -7,6 +7,7 @@
 //! | [`balance`] | the balance of forces as rates along the contour, term by term from the paper |
 //! | [`contour`] | curvatures and strain rates of a computed shape, from its positions and velocities alone |
 //! | [`virtual_power`] | the balance of forces in its weak form, from energy and stress power |
+//! | [`displaced`] | the weak form on a surface that is not axisymmetric |
 //! | [`states`] | shapes at rest, moving shapes, random states |
 //! | [`report`] | assertions that print what they compare |
 //!
@@ -15,6 +16,7 @@
 pub mod balance;
 pub mod coefficients;
 pub mod contour;
+pub mod displaced;
 pub mod report;
 pub mod states;
 pub mod virtual_power;

@@ -3,6 +3,7 @@
 //! | file | what it shows |
 //! |---|---|
 //! | [`division`] | a cell as it divides, χ and its neck over time, the normal forces half-way |
+//! | [`azimuthal`] | modes of a stationary shape that are not axisymmetric |
 //! | [`branch`] | a bifurcation diagram, with shapes |
 //! | [`boundary`] | curves of pitchforks and folds, the critical value |
 //! | [`perturbation`] | how far disturbed stationary shapes come from where they started |
@@ -17,6 +18,7 @@
 //! | [`reproduction`] | the figures of the paper, each by what it is |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
 
+pub mod azimuthal;
 pub mod boundary;
 pub mod branch;
 pub mod calibration;

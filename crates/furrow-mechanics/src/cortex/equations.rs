@@ -191,6 +191,22 @@ impl<D> LocalCoefficients<D> {
     }
 }
 
+impl LocalCoefficients<f64> {
+    /// Adds `factor` times others.
+    pub fn add(&mut self, factor: f64, other: &LocalCoefficients<f64>) {
+        self.kappa += factor * other.kappa;
+        self.kappa_u += factor * other.kappa_u;
+        self.eta_sum += factor * other.eta_sum;
+        self.eta_difference += factor * other.eta_difference;
+        self.friction += factor * other.friction;
+        self.tension += factor * other.tension;
+        self.tension_u += factor * other.tension_u;
+        self.xi_s += factor * other.xi_s;
+        self.xi_b += factor * other.xi_b;
+        self.source += factor * other.source;
+    }
+}
+
 impl<D: Number> LocalCoefficients<D> {
     /// Adds what one term of a cue does, M.16, or the regulator: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the
     /// coefficients without the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
@@ -354,6 +370,19 @@ impl<D: Number> Constants<D> {
 }
 
 impl Constants<f64> {
+    /// Derivatives by u of the coefficients [`at`](Self::at) a place.
+    pub fn slope(&self, u: f64, length: f64) -> LocalCoefficients<f64> {
+        let mut slope = self.uniform.map(|_| 0.0);
+        for term in &self.cue {
+            let [_, f_u, f_uu] = term.at(u, length);
+            slope.modulate(term.field, &self.uniform, f_u, f_uu);
+        }
+        if let Some(source) = self.regulator.as_ref().and_then(|regulator| regulator.source) {
+            slope.source = source.profile.at(u, length)[1] * source.amplitude;
+        }
+        slope
+    }
+
     /// [`regulated`](Self::regulated), and its derivatives by φ.
     pub fn regulated_by_phi(
         &self,

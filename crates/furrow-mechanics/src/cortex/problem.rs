@@ -169,7 +169,7 @@ impl Cortex {
     }
 
     /// The rates of change at a collocation point.
-    fn motion(&self, at: CollocationPoint) -> BdfTerm {
+    pub(crate) fn motion(&self, at: CollocationPoint) -> BdfTerm {
         if self.rate == 0.0 {
             return BdfTerm::default();
         }

@@ -10,6 +10,7 @@ use super::branch::{
 };
 use super::error::PointKind;
 use super::locate::{fold_near, not_located};
+use crate::azimuthal::scan::AzimuthalScan;
 use crate::cortex::equations::{R, REGULATED, Z};
 use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain, observables};
@@ -133,6 +134,8 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     let gauss = branch.system.gauss.clone();
     let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
+    let mut azimuthal = AzimuthalScan::new(options.azimuthal);
+    azimuthal.take_in(&branch);
     let ended = branch.follow(options.xi, options.points, |branch, advance| {
         if run.rejoined(&gauss, &branch.state.solution) {
             run.stop = Some(BranchEnd::Rejoined);
@@ -145,10 +148,11 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
         }
         let point = ShapePoint::newest(branch, run.events.len(), &mut stability);
         contours.extend(options.contours.then(|| newest_contour(branch)));
+        azimuthal.take_in(branch);
         run.take_in(branch, point, pitchfork.point.xi_s)
     });
     let Run { points, events, samples, stop, .. } = run;
-    let branch = Branch::complete(&branch, (points, contours), events, ended, stop);
+    let branch = Branch::complete(&branch, (points, contours, azimuthal), events, ended, stop);
     AsymmetricBranch { branch, scaling: scaling(&samples) }
 }
 

@@ -6,6 +6,7 @@ use furrow_bvp::{
 };
 
 use super::error::{CellName, PointKind, Result, ShapeError};
+use crate::azimuthal::scan::AzimuthalScan;
 use crate::cortex::equations::{COMPONENTS, J, LENGTH, M, PRESSURE, Q, R, REGULATED, T, V, Z};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables, resolution};
@@ -28,6 +29,8 @@ pub struct BranchOptions {
     pub growth_rates: bool,
     /// Whether the contour of every point is kept.
     pub contours: bool,
+    /// Largest azimuthal number m whose growth rates are computed at every point; 0 for none.
+    pub azimuthal: usize,
 }
 
 impl Default for BranchOptions {
@@ -38,6 +41,7 @@ impl Default for BranchOptions {
             settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
             growth_rates: false,
             contours: false,
+            azimuthal: 0,
         }
     }
 }
@@ -269,6 +273,8 @@ pub struct Branch {
     pub points: Vec<ShapePoint>,
     /// Their contours (r, z) from pole to pole, if asked for; else none.
     pub contours: Vec<Vec<[f64; 2]>>,
+    /// Growth rates of disturbances that are not axisymmetric, if asked for.
+    pub azimuthal: AzimuthalScan,
     /// Folds and pitchforks in order.
     pub events: Vec<BranchEvent>,
     /// How it ended.
@@ -281,7 +287,7 @@ impl Branch {
     /// What a run along `branch` has found, with how the continuation ended and, if it was stopped on the way, why.
     pub(super) fn complete(
         branch: &Continuation<Cortex>,
-        (points, contours): (Vec<ShapePoint>, Vec<Vec<[f64; 2]>>),
+        (points, contours, azimuthal): (Vec<ShapePoint>, Vec<Vec<[f64; 2]>>, AzimuthalScan),
         events: Vec<BranchEvent>,
         ended: Result<Termination, ContinuationError>,
         stopped: Option<BranchEnd>,
@@ -295,7 +301,7 @@ impl Branch {
             (Ok(Termination::PointLimit(points)), _) => BranchEnd::PointLimit(points),
             (Ok(_), stopped) => stopped.unwrap_or(BranchEnd::Enough),
         };
-        Branch { points, contours, events, ended, work: branch.work }
+        Branch { points, contours, azimuthal, events, ended, work: branch.work }
     }
 
     /// Its pitchforks in order.

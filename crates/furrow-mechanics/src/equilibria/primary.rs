@@ -14,6 +14,7 @@ use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError, resolved};
 use super::locate::{fold_near, not_located, pitchfork_near};
 use super::passive::passive;
+use crate::azimuthal::scan::AzimuthalScan;
 use crate::cortex::equations::R;
 use crate::cortex::observables::{self, PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;
@@ -155,7 +156,10 @@ pub fn follow_within(
     let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
     let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
+    let mut azimuthal = AzimuthalScan::new(options.azimuthal);
+    azimuthal.take_in(&branch);
     let ended = branch.follow(options.xi, options.points, |branch, advance| {
+        azimuthal.take_in(branch);
         contours.extend(options.contours.then(|| newest_contour(branch)));
         let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
         if advance.passed_fold {
@@ -171,7 +175,7 @@ pub fn follow_within(
         budget.spend(1 + advance.rejected) && detector.stop.is_none() && !enough
     });
     budget.check(cell)?;
-    Ok(Branch::complete(&branch, (points, contours), events, ended, detector.stop))
+    Ok(Branch::complete(&branch, (points, contours, azimuthal), events, ended, detector.stop))
 }
 
 /// Whether the newest shape is so narrow somewhere that the branch is left there.

@@ -5,6 +5,7 @@ use furrow_bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solutio
 
 use super::error::{CellName, Result, ShapeError, resolved};
 use super::{locate, primary};
+use crate::azimuthal::Azimuthal;
 use crate::cortex::equations::{LENGTH, PRESSURE, R};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables};
@@ -159,6 +160,11 @@ impl StationaryShape {
     /// The regulator φ at u; none without one.
     pub fn regulator_at(&self, u: f64) -> Option<f64> {
         observables::regulator_at(&Gauss::new(self.solution.m), &self.solution, self.cortex.domain, u)
+    }
+
+    /// Disturbances of azimuthal number m, which need not be axisymmetric.
+    pub fn azimuthal(&self, m: usize) -> Azimuthal {
+        Azimuthal::new(&self.cortex, &self.solution, m)
     }
 
     /// The rightmost growth rates.

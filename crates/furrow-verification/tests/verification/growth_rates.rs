@@ -12,11 +12,12 @@
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{BoundaryValueProblem, Gauss, Newton, Solution, System};
 use furrow_cell::{Cell, Numerics, Shell};
-use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, Z};
+use furrow_mechanics::azimuthal::Azimuthal;
+use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, V, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::stepper::Stepper;
 use furrow_mechanics::stability::{Parity, Stability};
-use furrow_verification::report::near;
+use furrow_verification::report::{near, within};
 use furrow_verification::states::{passive_shape, uneven_cell};
 
 /// A cell that is a sphere at any activity.
@@ -143,5 +144,105 @@ fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
         let rate = (size(&stepper) / before).ln() / (50.0 * dt);
         println!("σ = {sigma}, amplitudes {before:e} {:e}", size(&stepper));
         near(&format!("ξ_s = {xi_s}, ℓ = {l}: rate of growth over σ"), rate / sigma, 1.0, 1e-3);
+    }
+}
+
+/// On a sphere the rates of a disturbance of azimuthal number m are those of all ℓ ≥ m, whatever m. Without activity they are those of
+/// Helfrich's modes of a vesicle, (ℓ − 1)(ℓ + 2)\[γ + κℓ(ℓ + 1)/R²\]/R² over what resists.
+#[test]
+fn on_a_sphere_rates_depend_on_the_degree_alone() {
+    let numerics = Numerics { intervals: 160, ..Numerics::default() };
+    for (r0, xi_s, p0) in [(1.0, 0.0, 0.2), (1.5, 0.0, 0.0), (2.0, 14.0, 0.2), (3.0, 40.0, 0.2)] {
+        let mut cell = sphere(r0, xi_s);
+        cell.shell.p0 = p0;
+        let (cortex, y) = at_rest(&cell, Domain::Half, &numerics);
+        for m in 0..5 {
+            let spectrum = Azimuthal::new(&cortex, &y, m).leading().unwrap();
+            // A volume that is kept has no mode ℓ = 0.
+            let mut expected: Vec<f64> = (m.max(1)..40).map(|l| exact(&cell, l as f64)).collect();
+            expected.sort_by(|a, b| b.total_cmp(a));
+            for (found, expected) in spectrum.values.iter().zip(&expected).take(2) {
+                near(&format!("R0 = {r0}, ξ_s = {xi_s}, m = {m}"), found.re, *expected, 1e-9);
+            }
+        }
+    }
+}
+
+/// For m = 0 the rates are those of axisymmetric disturbances, which come from other equations.
+#[test]
+fn without_an_azimuthal_number_rates_are_those_of_axisymmetric_disturbances() {
+    let regulator = "regulator:none,turnover=10,diffusion=1,activity=0.3";
+    for cue in [
+        "none",
+        "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1",
+        "activity:step,u0=0.4,omega=0.3Lh,amplitude=0.2",
+        regulator,
+    ] {
+        for (r0, xi_s) in [(1.65, 20.0), (2.2, 16.0)] {
+            let cell = Cell { xi_s, ..Cell::new(r0) }.with_cue(cue.parse().unwrap());
+            let shape = furrow_mechanics::equilibria::stationary(&cell, &Numerics::default()).unwrap();
+            let today = shape.spectrum().unwrap();
+            let found = Azimuthal::new(&shape.cortex, &shape.solution, 0).leading().unwrap();
+            for (found, today) in found.values.iter().zip(&today.values).take(2) {
+                near(cue, found.re, today.re, 1e-8);
+                near(cue, found.im.abs(), today.im.abs(), 1e-8);
+            }
+        }
+    }
+}
+
+/// A shape without a shell that is no sphere, on the branch that leaves the sphere where mode 2 begins to grow. It moves and turns
+/// freely: friction resists flow, not displacement.
+fn free_shape(numerics: &Numerics) -> (Cortex, Solution) {
+    let at = |xi_s: f64| {
+        let mut cell = sphere(2.0, xi_s);
+        cell.shell.p0 = 0.0;
+        cell
+    };
+    let (mut low, mut high) = (1.0, 60.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if exact(&at(middle), 2.0) < 0.0 { low = middle } else { high = middle }
+    }
+    let cell = at(1.05 * low);
+    let rest = furrow_mechanics::equilibria::passive(&sphere(2.0, 0.0), numerics).unwrap().0;
+    let mut y = bulged(&Gauss::new(rest.m), &cell, &rest, -0.2, 2);
+    let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
+    let mut system = System::new(cortex.dimensions(), y.m);
+    let newton = Newton { tolerance: 1e-12, ..Newton::default() };
+    newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).unwrap();
+    (cortex, y)
+}
+/// Without a shell, translations (m = 0 and 1) and a rotation (m = 1) neither grow nor decay, although the cortex flows.
+#[test]
+fn rigid_motions_of_a_free_cell_neither_grow_nor_decay() {
+    let (cortex, y) = free_shape(&Numerics::default());
+    let flow = y.stages.chunks_exact(COMPONENTS).fold(0.0f64, |most, s| most.max(s[V].abs()));
+    assert!(flow > 0.01, "{flow}");
+    for (m, motions) in [(0, 1), (1, 2)] {
+        let mut disturbances = Azimuthal::new(&cortex, &y, m);
+        disturbances.arnoldi.wanted = 6;
+        let mut rates: Vec<f64> = disturbances.leading().unwrap().values.iter().map(|v| v.re.hypot(v.im)).collect();
+        rates.sort_by(f64::total_cmp);
+        for rate in &rates[..motions] {
+            within(&format!("rigid motion, m = {m}"), *rate, 1e-8);
+        }
+        assert!(rates[motions] > 1e-3, "{rates:?}");
+    }
+}
+
+/// Rates of a furrowed shape from a mesh and from its halves.
+#[test]
+fn halved_meshes_give_the_same_rates_for_every_azimuthal_number() {
+    let cell = Cell { xi_s: 21.0, ..Cell::new(2.0) };
+    let rates = [48, 96].map(|intervals| {
+        let shape =
+            furrow_mechanics::equilibria::stationary(&cell, &Numerics { intervals, ..Numerics::default() }).unwrap();
+        [0, 1, 2, 3, 4].map(|m| Azimuthal::new(&shape.cortex, &shape.solution, m).leading().unwrap())
+    });
+    for (m, (coarse, fine)) in rates[0].iter().zip(&rates[1]).enumerate() {
+        for (coarse, fine) in coarse.values.iter().zip(&fine.values).take(2) {
+            near(&format!("m = {m}"), coarse.re, fine.re, 1e-8);
+        }
     }
 }

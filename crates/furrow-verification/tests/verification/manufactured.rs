@@ -54,7 +54,7 @@ fn chosen<D: Number, const N: usize>(cell: &Cell, u: D) -> [D; N] {
     let (v, v_u) = (s1 * 0.2 - s2 * 0.3, c1 * (0.2 * PI) - c2 * (0.3 * 2.0 * PI));
     let q = s1 * 0.4 + s2 * 0.6;
     let [phi, phi_u, _] = carried(u);
-    let here = coefficients(cell, u, LENGTH, Some([phi, phi_u]));
+    let here = coefficients(cell, u, D::from(LENGTH), Some([phi, phi_u]));
     let (sin, cos) = psi.sin_cos();
     let curvature = [psi_u / LENGTH, sin / r];
     let [r_t, z_t] = motion(u);

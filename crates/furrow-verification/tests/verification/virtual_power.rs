@@ -6,11 +6,18 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{BoundaryValueProblem, Newton, System};
 use furrow_cell::{Cell, Numerics, RigidityGradient};
+use furrow_mechanics::azimuthal::Azimuthal;
+use furrow_mechanics::azimuthal::mode::Mode;
 use furrow_mechanics::cortex::equations::{COMPONENTS, J, M, PHI, PSI, Q, R, T, V, Z};
+use furrow_mechanics::cortex::observables::positions;
+use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::{DivisionError, DivisionInput, DivisionOptions, Frame, divide_with};
 use furrow_verification::coefficients::coefficients;
 use furrow_verification::contour::{Computed, Place};
+use furrow_verification::displaced::{Displaced, Virtual};
 use furrow_verification::report::{near, within};
 use furrow_verification::states::{cues, moving, resting, uneven_cell};
 use furrow_verification::virtual_power::{Power, motions, power};
@@ -216,4 +223,64 @@ fn the_cue_is_switched_on_with_the_activity() {
     assert!(frames > 5, "{frames} shapes without noise before there is a neck");
     within("virtual power at t = 0, without cue", before.unwrap(), SOLVED);
     within("virtual power after the first step, with cue", after, SOLVED);
+}
+
+/// A mode of azimuthal number m of a shape at rest, the `rank`-th of those that do not oscillate.
+fn with_mode(state: &Computed, m: usize, rank: usize) -> Mode {
+    let cortex = Cortex::new(&state.cell, Domain::Full, &[]);
+    let mut disturbances = Azimuthal::new(&cortex, &state.shape, m);
+    let rates = disturbances.leading().unwrap().values;
+    let real: Vec<f64> = rates.iter().filter(|rate| rate.im == 0.0).map(|rate| rate.re).collect();
+    disturbances.mode(real.get(rank).copied().unwrap_or(real[0])).unwrap()
+}
+
+/// The largest imbalance of a state with a mode on it over all virtual motions, relative to the largest of all powers.
+fn imbalance(state: &Computed, mode: &Mode) -> f64 {
+    let powers = Displaced { state, mode }.powers(&Virtual::all());
+    let size = powers.iter().map(|power| power.largest()).fold(0.0, f64::max);
+    powers.iter().map(|power| power.imbalance()).fold(0.0, f64::max) / size
+}
+
+/// Forces do no work on the displaced surface either, and nothing of a regulator is lost there: every term of the linearised balances.
+#[test]
+fn forces_do_no_work_where_a_mode_displaces_the_surface() {
+    let mut largest = 0.0f64;
+    let cues = cues();
+    let carried = cues.len() - 4;
+    // Every field, profiles in turn, and the last regulators.
+    for (k, cue) in cues.iter().enumerate().filter(|(k, _)| k % 4 == 0 || *k >= carried) {
+        let state = resting(&uneven_cell(2.0, 9.0, cue).unwrap()).unwrap();
+        // Without a cue, every m.
+        for m in if k == 0 { 0..4 } else { 1 + k % 3..2 + k % 3 } {
+            let mode = with_mode(&state, m, k % 2);
+            let displaced = Displaced { state: &state, mode: &mode };
+            let worst = imbalance(&state, &mode).max(displaced.arclength_error());
+            println!("{cue}, m = {m}, σ = {}: {worst:.1e}", mode.rate);
+            largest = largest.max(worst);
+        }
+    }
+    within("virtual power on a displaced surface", largest, EXACT);
+}
+
+/// The same of a moving shape, frozen at an instant: it has a normal velocity of its own.
+#[test]
+fn forces_do_no_work_where_a_mode_displaces_a_moving_surface() {
+    let before = moving(&uneven_cell(2.0, 30.0, "none").unwrap(), 6).unwrap();
+    let mut cortex = Cortex::new(&before.cell, Domain::Full, &[]);
+    cortex.rate = 20.0;
+    positions(&before.shape, &mut cortex.past);
+    let (mut shape, mut system) = (before.shape.clone(), System::new(cortex.dimensions(), before.shape.m));
+    let newton = Newton { tolerance: 1e-11, ..Newton::default() };
+    newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut shape, &[], false).unwrap();
+    let now = shape.stages.chunks_exact(COMPONENTS).zip(&cortex.past);
+    let motion: Vec<[f64; 2]> =
+        now.map(|(y, past)| [cortex.rate * (y[R] - past[0]), cortex.rate * (y[Z] - past[1])]).collect();
+    assert!(motion.iter().any(|rate| rate[0].abs() > 0.1), "it hardly moves");
+    let state = Computed { shape, motion, noise: Vec::new(), ..before };
+    for m in 0..3 {
+        let mut disturbances = Azimuthal::frozen(&cortex, &state.shape, m);
+        let rate = disturbances.leading().unwrap().growth_rate();
+        let mode = disturbances.mode(rate).unwrap();
+        within(&format!("virtual power, m = {m}, σ = {rate}"), imbalance(&state, &mode), EXACT);
+    }
 }

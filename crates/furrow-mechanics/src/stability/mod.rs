@@ -21,104 +21,25 @@
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
 //! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
 
+mod shifts;
+pub(crate) mod spectrum;
+
 use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, System};
 use furrow_cell::Cell;
-use furrow_spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
+use furrow_spectra::{Arnoldi, Krylov};
 
-use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, R, REGULATED, Z};
+use crate::cortex::equations::{J, LENGTH, PHI, PSI, R, REGULATED, Z};
 use crate::cortex::observables::{carried, positions};
 use crate::cortex::problem::{MotionResponse, SHAPE_SCALARS};
 use crate::cortex::symmetry::even;
 use crate::cortex::{Cortex, Domain};
-
-/// Symmetry of a mode under reflection at the equator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parity {
-    /// r even, z odd: the mode keeps the mirror symmetry.
-    Even,
-    /// r odd, z even: the mode breaks it.
-    Odd,
-    /// The state itself was given on the full domain; nothing is known.
-    Mixed,
-}
-
-/// One growth rate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GrowthRate {
-    /// Re σ, in 1/τ; positive grows.
-    pub re: f64,
-    /// Im σ, in 1/τ.
-    pub im: f64,
-    /// Symmetry of the mode.
-    pub parity: Parity,
-    /// Estimated error of σ, from the residual of its Ritz pair.
-    pub error: f64,
-}
-
-/// The rightmost growth rates of a stationary state.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spectrum {
-    /// Sorted by falling real part; complex pairs appear with both signs.
-    pub values: Vec<GrowthRate>,
-}
-
-impl Spectrum {
-    /// Rightmost growth rate of all, or of one parity.
-    pub fn rightmost(&self, parity: Option<Parity>) -> Option<&GrowthRate> {
-        self.values.iter().find(|v| parity.is_none_or(|p| v.parity == p))
-    }
-
-    /// Largest real part.
-    pub fn growth_rate(&self) -> f64 {
-        self.values.first().map_or(f64::NAN, |v| v.re)
-    }
-
-    /// Adds what another shift saw and this spectrum does not hold yet: rates found from both agree.
-    fn add(&mut self, other: Spectrum, shift: f64) {
-        for value in other.values {
-            let slack = 1e-5 * (value.re.abs() + shift) + 10.0 * value.error;
-            let near = |v: &GrowthRate| (v.re - value.re).hypot(v.im - value.im) <= slack + 10.0 * v.error;
-            if !self.values.iter().any(|v| v.parity == value.parity && near(v)) {
-                self.values.push(value);
-            }
-        }
-        sort(&mut self.values);
-    }
-
-    /// Whether every disturbance decays.
-    pub fn is_stable(&self) -> bool {
-        self.growth_rate() < 0.0
-    }
-}
-
-/// Why no spectrum could be computed.
-#[expect(missing_docs, reason = "the messages say what the fields are")]
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum StabilityError {
-    /// The shifted system could not be factorised.
-    #[error("the system shifted by {shift} is singular or not finite (pivot {column})")]
-    Factorisation { shift: f64, column: usize },
-    /// The eigenvalues of the projected matrix could not be computed.
-    #[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
-    Projected { dimension: usize },
-    /// The rightmost growth rate did not settle.
-    #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
-    NotConverged { value: f64, error: f64, dimension: usize },
-}
-
-type Result<T, E = StabilityError> = std::result::Result<T, E>;
+pub use spectrum::{GrowthRate, Parity, Spectrum, StabilityError};
+use spectrum::{Result, sort};
+pub(crate) use {shifts::Shifts, spectrum::rightmost};
 
 /// Steps of the power iteration for one mode: each leaves a third of what is nearest to it, and far less of what decays at
 /// the cell's own pace.
 const DIRECTION_STEPS: usize = 12;
-
-/// Growth rates further than this many shifts from the shift are left to other shifts.
-const REACH: f64 = 50.0;
-
-/// A regulator that hardly spreads and turns over slowly has many modes of nearly one rate, which only a shift as small as they tells
-/// apart: where the first shift does not, it is made smaller by this factor so many times.
-const NEARER: f64 = 1.0 / 16.0;
-const MOST_NEARER: usize = 3;
 
 /// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
 ///
@@ -175,10 +96,8 @@ impl Stability {
     /// A failed factorisation, or a rightmost growth rate that does not converge.
     pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum> {
         let (mut fixed, state) = freeze(cortex, y);
-        let (near, mut spectrum) = self.within_reach(&mut fixed, &state, self.arnoldi.wanted)?;
-        self.add_at(&mut fixed, &state, [8.0 * near, near], self.arnoldi.wanted, &mut spectrum)?;
-        self.add_fast(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted, &mut spectrum)?;
-        Ok(spectrum)
+        let (shifts, wanted) = (Shifts::of(&fixed, &state), self.arnoldi.wanted);
+        shifts.leading(wanted, |shift, wanted| self.at_shift(&mut fixed, &state, shift, wanted))
     }
 
     /// The largest growth rate only, from one shift, and from more where the shape has a narrow neck.
@@ -187,9 +106,8 @@ impl Stability {
     /// As [`leading`](Self::leading).
     pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64> {
         let (mut fixed, state) = freeze(cortex, y);
-        let (near, mut spectrum) = self.within_reach(&mut fixed, &state, 1)?;
-        self.add_fast(&mut fixed, &state, near, 1, &mut spectrum)?;
-        Ok(spectrum.growth_rate())
+        let shifts = Shifts::of(&fixed, &state);
+        shifts.growth_rate(|shift, wanted| self.at_shift(&mut fixed, &state, shift, wanted))
     }
 
     /// The mode that grows at `growth` > 0, the rightmost rate of the stationary state `y`: the change of the whole state
@@ -201,9 +119,9 @@ impl Stability {
         let (mut fixed, state) = freeze(cortex, y);
         // A step at a rate just above the mode's own magnifies it threefold, and what decays hardly at all.
         let shift = 1.5 * growth;
-        let failed = |f: PivotFailure| StabilityError::Factorisation { shift, column: f.column };
-        self.linearise(&mut fixed, &state, shift).map_err(failed)?;
-        self.system.factor_blocks(&[]).map_err(failed)?;
+        let failed = StabilityError::at(shift);
+        self.linearise(&mut fixed, &state, shift).map_err(&failed)?;
+        self.system.factor_blocks(&[]).map_err(&failed)?;
         self.right_hand_side = self.system.zero_residual();
         let mut mode: Vec<f64> = (0..self.weights.len()).map(|k| 1.0 + k as f64).collect();
         let mut next = mode.clone();
@@ -226,63 +144,9 @@ impl Stability {
         Ok(out)
     }
 
-    /// Modes too fast for `shift` to see: a neck pinches at the rate its own curvature sets, whatever the cell's size.
-    fn add_fast(
-        &mut self,
-        cortex: &mut Cortex,
-        y: &Solution,
-        mut shift: f64,
-        wanted: usize,
-        spectrum: &mut Spectrum,
-    ) -> Result<()> {
-        let fastest = fastest(cortex, y);
-        while 0.5 * REACH * shift < fastest {
-            shift *= 0.5 * REACH;
-            self.add_at(cortex, y, [shift; 2], wanted, spectrum)?;
-        }
-        Ok(())
-    }
-
-    /// Adds what a further shift sees, known to about `slack`. One that is too far to tell the slow modes of a regulator apart, and
-    /// sees nothing to the right of them, adds nothing.
-    fn add_at(
-        &mut self,
-        cortex: &mut Cortex,
-        y: &Solution,
-        [shift, slack]: [f64; 2],
-        wanted: usize,
-        spectrum: &mut Spectrum,
-    ) -> Result<()> {
-        match self.at_shift(cortex, y, shift, wanted) {
-            Err(StabilityError::NotConverged { value, error, .. })
-                if cortex.is_regulated() && value <= spectrum.growth_rate() + error => {}
-            found => spectrum.add(found?, slack),
-        }
-        Ok(())
-    }
-
-    /// The smallest shift, from the scale of the cell upwards, that sees any mode, and what it sees.
-    fn within_reach(&mut self, cortex: &mut Cortex, y: &Solution, wanted: usize) -> Result<(f64, Spectrum)> {
-        let mut shift = shift_scale(cortex);
-        let mut found = self.at_shift(cortex, y, shift, wanted);
-        for _ in 0..MOST_NEARER {
-            if cortex.is_regulated() && matches!(found, Err(StabilityError::NotConverged { .. })) {
-                shift *= NEARER;
-                found = self.at_shift(cortex, y, shift, wanted);
-            }
-        }
-        let mut spectrum = found?;
-        // Every mode decays faster than the shift can see: none is missed, but none is known.
-        while spectrum.values.is_empty() && shift < 1e12 {
-            shift *= 0.5 * REACH;
-            spectrum = self.at_shift(cortex, y, shift, wanted)?;
-        }
-        Ok((shift, spectrum))
-    }
-
     fn at_shift(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64, wanted: usize) -> Result<Spectrum> {
-        let failed = |f: PivotFailure| StabilityError::Factorisation { shift, column: f.column };
-        self.linearise(cortex, y, shift).map_err(failed)?;
+        let failed = StabilityError::at(shift);
+        self.linearise(cortex, y, shift).map_err(&failed)?;
         let mut out = Spectrum::default();
         let parities: &[Parity] = match cortex.domain {
             Domain::Full => &[Parity::Mixed],
@@ -293,15 +157,20 @@ impl Stability {
             if parity == Parity::Odd {
                 // From the factors of the even problem, which comes first.
                 let det =
-                    self.system.factor_antisymmetric(even(y.components), &mut self.antisymmetric).map_err(failed)?;
+                    self.system.factor_antisymmetric(even(y.components), &mut self.antisymmetric).map_err(&failed)?;
                 if det.sign == 0.0 {
                     return Err(StabilityError::Factorisation { shift, column: 0 });
                 }
                 self.right_hand_side.right.truncate(even(y.components).len());
             } else {
-                self.system.factor_blocks(&[]).map_err(failed)?;
+                self.system.factor_blocks(&[]).map_err(&failed)?;
             }
-            out.values.extend(self.rightmost(parity, shift, wanted)?);
+            let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
+            let arnoldi = self.arnoldi;
+            let step = |from: &[f64], to: &mut [f64]| self.apply(parity, from, to);
+            let found = rightmost(&arnoldi, &mut krylov, &weights, step, (parity, shift, wanted));
+            (self.krylov, self.weights) = (krylov, weights);
+            out.values.extend(found?);
         }
         sort(&mut out.values);
         Ok(out)
@@ -365,79 +234,16 @@ impl Stability {
             }
         }
     }
-
-    /// The `wanted` rightmost growth rates of one parity that the shift can see.
-    fn rightmost(&mut self, parity: Parity, shift: f64, wanted: usize) -> Result<Vec<GrowthRate>> {
-        let limit = self.arnoldi.max_dimension.min(self.weights.len() - 1);
-        let tolerance = self.arnoldi.tolerance;
-        let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
-        let apply = |from: &[f64], to: &mut [f64]| self.apply(parity, from, to);
-        let result = krylov.run(&weights, limit, apply, |values, dimension| {
-            let mut rates = growth_rates(values, shift, parity);
-            rates.truncate(wanted.max(1));
-            let allowed = |r: &GrowthRate| tolerance * (r.re.hypot(r.im) + shift);
-            match rates.iter().find(|r| r.error > allowed(r)) {
-                None if !rates.is_empty() => Some(Ok(rates)),
-                Some(r) if dimension == limit && rates[0].error > allowed(&rates[0]) => {
-                    Some(Err(StabilityError::NotConverged { value: r.re, error: r.error, dimension }))
-                }
-                // Later values are given with their errors as they stand.
-                _ if dimension == limit => Some(Ok(rates)),
-                _ => None,
-            }
-        });
-        (self.krylov, self.weights) = (krylov, weights);
-        let projected = |NoEigenvalues { dimension }| StabilityError::Projected { dimension };
-        result.map_err(projected)?.unwrap_or_else(|| Ok(Vec::new()))
-    }
-}
-
-/// N.12 for the Ritz values within reach of the shift, sorted by falling real part.
-fn growth_rates(values: &[RitzValue], shift: f64, parity: Parity) -> Vec<GrowthRate> {
-    // σ = s (1 − 1/μ), 1/μ = conj(μ)/|μ|².
-    let rate = |mu: &RitzValue| {
-        let size = mu.re.hypot(mu.im);
-        let square = size * size;
-        let (im, error) = (shift * mu.im / square, shift / square * mu.residual);
-        (size * REACH >= 1.0).then(|| GrowthRate { re: shift * (1.0 - mu.re / square), im, parity, error })
-    };
-    let mut out: Vec<GrowthRate> = values.iter().filter_map(rate).collect();
-    sort(&mut out);
-    out
 }
 
 /// The cell with its free parameters fixed at the values they have in `y`.
-fn freeze(cortex: &Cortex, y: &Solution) -> (Cortex, Solution) {
+pub(crate) fn freeze(cortex: &Cortex, y: &Solution) -> (Cortex, Solution) {
     let mut fixed = Cortex::new(&cortex.cell, cortex.domain, &cortex.free);
     fixed.prepare(&y.scalars);
     let fixed = Cortex::new(&fixed.cell, fixed.domain, &[]);
     let mut state = y.clone();
     state.scalars.truncate(SHAPE_SCALARS);
     (fixed, state)
-}
-
-/// A positive rate of the order of the fastest slow mode: bending over the size of the cell against viscosity, plus what
-/// the activity can add.
-fn shift_scale(cortex: &Cortex) -> f64 {
-    let (cell, material) = (&cortex.cell, &cortex.cell.material);
-    let viscosity = material.eta_b + material.eta_s;
-    let activity = material.gain * cell.xi_s;
-    material.kappa / (viscosity * cell.r0 * cell.r0) + activity * activity / (16.0 * material.kappa * viscosity)
-}
-
-/// A bound of growth rates: bending and active stress at the largest curvature of the shape against viscosity.
-fn fastest(cortex: &Cortex, y: &Solution) -> f64 {
-    let (cell, material) = (&cortex.cell, &cortex.cell.material);
-    let curvature = y.stages.chunks_exact(y.components).fold(0.0f64, |most, s| {
-        let c2 = s[PSI].sin() / s[R];
-        most.max(c2.abs()).max((s[M] / material.kappa - c2).abs())
-    });
-    let stress = material.kappa * curvature * curvature + material.gain * cell.xi_s.abs() * curvature;
-    stress / (material.eta_b + material.eta_s)
-}
-
-fn sort(values: &mut [GrowthRate]) {
-    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
 }
 
 #[cfg(test)]

@@ -1,0 +1,276 @@
+//! Growth rates of disturbances that are not axisymmetric, w cos mφ, of an axisymmetric shape.
+//!
+//! The pencil is that of [`stability`](crate::stability), and so is the way to its rightmost growth rates: a disturbance is described by
+//! its normal displacement w, everything else follows instantly, and one implicit step w ↦ P_s w has the eigenvalues s/(s − σ). For
+//! m = 0 the rates are those of [`Stability`](crate::stability::Stability), from other equations.
+//!
+//! | module | role |
+//! |---|---|
+//! | [`base`] | the shape at one place |
+//! | [`equations`] | the linearised balance of forces |
+//! | [`problem`] | the boundary-value problem |
+//! | [`mode`] | what a mode looks like |
+//! | [`scan`] | growth rates along a branch |
+
+pub mod base;
+pub mod equations;
+pub mod mode;
+pub mod problem;
+pub mod scan;
+
+use furrow_bvp::{Direction, Gauss, Residual, Solution, System};
+use furrow_spectra::{Arnoldi, Krylov};
+
+use crate::cortex::symmetry::unfold;
+use crate::cortex::{Cortex, Domain};
+use crate::stability::spectrum::{Result, rightmost, sort};
+use crate::stability::{Parity, Shifts, Spectrum, StabilityError, freeze};
+use equations::{REGULATOR, W};
+use mode::Mode;
+use problem::Disturbance;
+
+/// How far from a rate the shift for its mode lies, relative to the rate and the cell's own pace.
+const MODE_DISTANCE: f64 = 1e-2;
+/// Most steps of the inverse iteration for a mode, which ends where it changes by no more than this.
+const MODE_STEPS: usize = 60;
+const MODE_SETTLED: f64 = 1e-12;
+
+/// Disturbances of one azimuthal number m about one shape.
+///
+/// # Examples
+/// A small cell rests in a shape that is stable as long as it keeps its axis, but furrows from one side:
+///
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_mechanics::azimuthal::Azimuthal;
+/// use furrow_mechanics::equilibria::stationary;
+/// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// let mut rates = Vec::new();
+/// for m in 0..4 {
+///     rates.push(Azimuthal::new(&shape.cortex, &shape.solution, m).leading()?.growth_rate());
+/// }
+/// assert!(rates[0] < 0.0 && rates[1] > 5.0 && rates[2] < 0.0 && rates[3] < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Azimuthal {
+    /// Settings.
+    pub arnoldi: Arnoldi,
+    /// The azimuthal number.
+    pub m: usize,
+    problem: Disturbance,
+    system: System,
+    shifts: Shifts,
+    /// The shape, the whole contour.
+    shape: Solution,
+    /// A disturbance that is zero, on the mesh of the shape.
+    zero: Solution,
+    /// A solution before it is refined.
+    found: Solution,
+    right_hand_side: Residual,
+    update: Direction,
+    /// h s times the response to w and to the change of a regulator, of every component at every collocation point.
+    response: Vec<[f64; 2]>,
+    /// Quadrature weights of ∫ w² du; behind them those of the regulator, ∫ (R0 φ)² du.
+    weights: Vec<f64>,
+    krylov: Krylov,
+}
+
+impl Azimuthal {
+    /// Those of the stationary state `y` of `cortex`, of which a half is completed. Continuation parameters are taken from `y`.
+    pub fn new(cortex: &Cortex, y: &Solution, m: usize) -> Azimuthal {
+        let (mut fixed, mut state) = freeze(cortex, y);
+        let shifts = Shifts::of(&fixed, &state);
+        if fixed.domain == Domain::Half {
+            (fixed, state) = (Cortex::new(&fixed.cell, Domain::Full, &[]), unfold(&state));
+        }
+        Azimuthal::about(&fixed, &state, shifts, m)
+    }
+
+    /// Those of the moving shape `y`, the whole contour, of a `cortex` that holds its motion: frozen at this instant, so that their
+    /// rates say how a disturbance begins to grow.
+    pub fn frozen(cortex: &Cortex, y: &Solution, m: usize) -> Azimuthal {
+        Azimuthal::about(cortex, y, Shifts::of(cortex, y), m)
+    }
+
+    fn about(cortex: &Cortex, y: &Solution, shifts: Shifts, m: usize) -> Azimuthal {
+        let gauss = Gauss::new(y.m);
+        let problem = Disturbance::new(cortex, &gauss, y, m);
+        let n = problem.components();
+        let system = System::new(furrow_bvp::BoundaryValueProblem::dimensions(&problem), y.m);
+        let widths = y.mesh.windows(2).map(|pair| pair[1] - pair[0]);
+        let mut weights: Vec<f64> = widths.flat_map(|h| gauss.b.iter().map(move |b| h * b)).collect();
+        if cortex.is_regulated() {
+            let scale = cortex.cell.r0 * cortex.cell.r0;
+            weights.extend_from_within(..);
+            let points = weights.len() / 2;
+            weights[points..].iter_mut().for_each(|weight| *weight *= scale);
+        }
+        let zero = Solution::from_fn(&gauss, &y.mesh, n, &[0.0; 2], |_, _| {});
+        Azimuthal {
+            arnoldi: Arnoldi::default(),
+            m,
+            problem,
+            system,
+            shifts,
+            shape: y.clone(),
+            found: zero.clone(),
+            zero,
+            right_hand_side: Residual::default(),
+            update: Direction::default(),
+            response: Vec::new(),
+            weights,
+            krylov: Krylov::default(),
+        }
+    }
+
+    /// The rightmost growth rates, from two shifts.
+    ///
+    /// # Errors
+    /// A failed factorisation, or a rightmost growth rate that does not converge.
+    pub fn leading(&mut self) -> Result<Spectrum> {
+        let (shifts, wanted) = (self.shifts, self.arnoldi.wanted);
+        shifts.leading(wanted, |shift, wanted| self.at_shift(shift, wanted))
+    }
+
+    /// The largest growth rate only.
+    ///
+    /// # Errors
+    /// As [`leading`](Self::leading).
+    pub fn growth_rate(&mut self) -> Result<f64> {
+        let shifts = self.shifts;
+        shifts.growth_rate(|shift, wanted| self.at_shift(shift, wanted))
+    }
+
+    /// The mode of a growth rate that [`leading`](Self::leading) found, with |w| at most 1. Of a complex pair, one phase of it.
+    ///
+    /// # Errors
+    /// A factorisation that fails.
+    pub fn mode(&mut self, rate: f64) -> Result<Mode> {
+        // So close to the rate that what it magnifies most is this mode, and not so close that nothing but rounding is left.
+        let shift = rate + MODE_DISTANCE * (rate.abs() + self.shifts.scale());
+        self.factorise(shift)?;
+        let points = self.points();
+        let mut mode: Vec<f64> = (0..self.weights.len()).map(|k| 1.0 + k as f64).collect();
+        let (mut next, mut rate) = (mode.clone(), rate);
+        for _ in 0..MODE_STEPS {
+            self.apply(points, &mode, &mut next);
+            // μ = s/(s − σ) by which the step magnifies it.
+            let largest = largest(&next);
+            let weighed = |other: &[f64]| -> f64 {
+                self.weights.iter().zip(&mode).zip(other).map(|((weight, a), b)| weight * a * b).sum()
+            };
+            let inverse = weighed(&mode) / weighed(&next);
+            if !(inverse.is_finite() && largest != 0.0) {
+                return Err(StabilityError::Factorisation { shift, column: 0 });
+            }
+            rate = shift * (1.0 - inverse);
+            let mut change = 0.0f64;
+            for (mode, next) in mode.iter_mut().zip(&next) {
+                change = change.max((*mode - next / largest).abs());
+                *mode = next / largest;
+            }
+            if change < MODE_SETTLED {
+                break;
+            }
+        }
+        let Direction { nodes, stages, scalars } = &self.update;
+        let largest = largest(&next[..points]);
+        let scaled = |values: &[f64]| values.iter().map(|v| v / largest).collect();
+        let disturbance =
+            Solution { nodes: scaled(nodes), stages: scaled(stages), scalars: scaled(scalars), ..self.zero.clone() };
+        Ok(Mode { m: self.m, rate, disturbance, shape: self.shape.clone() })
+    }
+
+    fn at_shift(&mut self, shift: f64, wanted: usize) -> Result<Spectrum> {
+        self.factorise(shift)?;
+        let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
+        let arnoldi = self.arnoldi;
+        let points = self.points();
+        let step = |from: &[f64], to: &mut [f64]| self.apply(points, from, to);
+        let found = rightmost(&arnoldi, &mut krylov, &weights, step, (Parity::Mixed, shift, wanted));
+        (self.krylov, self.weights) = (krylov, weights);
+        let mut out = Spectrum { values: found? };
+        sort(&mut out.values);
+        Ok(out)
+    }
+
+    fn points(&self) -> usize {
+        self.zero.intervals() * self.zero.m
+    }
+
+    fn factorise(&mut self, shift: f64) -> Result<()> {
+        let failed = StabilityError::at(shift);
+        self.problem.rate = shift;
+        self.system.evaluate(&mut self.problem, &self.zero, &[], true);
+        self.system.condense().map_err(&failed)?;
+        self.system.factor_blocks(&[]).map_err(&failed)?;
+        self.right_hand_side = self.system.zero_residual();
+        let per_interval = self.zero.m * self.problem.components();
+        let widths = self.zero.mesh.windows(2).flat_map(|pair| std::iter::repeat_n(pair[1] - pair[0], per_interval));
+        self.response.clear();
+        let motions = self.problem.by_motion.iter();
+        self.response.extend(motions.zip(widths).map(|(by, h)| by.map(|by| h * shift * by)));
+        Ok(())
+    }
+
+    /// Near the poles terms of 1/r² nearly cancel, for m = 1 above all, and elimination loses digits: what is left of the right-hand
+    /// side is solved for once more.
+    fn refine(&mut self) {
+        let Direction { nodes, stages, scalars } = &mut self.update;
+        let mut found = std::mem::replace(
+            &mut self.found,
+            Solution {
+                components: 0,
+                m: 0,
+                mesh: Vec::new(),
+                nodes: Vec::new(),
+                stages: Vec::new(),
+                scalars: Vec::new(),
+            },
+        );
+        std::mem::swap(&mut found.nodes, nodes);
+        std::mem::swap(&mut found.stages, stages);
+        std::mem::swap(&mut found.scalars, scalars);
+        // The problem is linear: its residual there is J times the update.
+        self.system.evaluate(&mut self.problem, &found, &[], false);
+        let rows = self.system.residual.stages.iter_mut().zip(&self.right_hand_side.stages);
+        rows.for_each(|(left, right)| *left += right);
+        self.system.solve_own(&mut self.update);
+        for (a, b) in [
+            (&mut self.update.nodes, &found.nodes),
+            (&mut self.update.stages, &found.stages),
+            (&mut self.update.scalars, &found.scalars),
+        ] {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        }
+        self.found = found;
+    }
+
+    /// w ↦ P_s w.
+    fn apply(&mut self, points: usize, from: &[f64], to: &mut [f64]) {
+        let n = self.problem.components();
+        let (displaced, changed) = from.split_at(points);
+        let rows = self.right_hand_side.stages.chunks_exact_mut(n).zip(self.response.chunks_exact(n));
+        for (i, (row, response)) in rows.enumerate() {
+            let changed = changed.get(i).copied().unwrap_or(0.0);
+            for (row, by) in row.iter_mut().zip(response) {
+                *row = displaced[i] * by[0] + changed * by[1];
+            }
+        }
+        self.system.solve(&self.right_hand_side, &mut self.update);
+        self.refine();
+        let (displaced, changed) = to.split_at_mut(points);
+        for (i, x) in self.update.stages.chunks_exact(n).enumerate() {
+            displaced[i] = x[W];
+            if let Some(changed) = changed.get_mut(i) {
+                *changed = x[REGULATOR];
+            }
+        }
+    }
+}
+
+/// The value of largest modulus.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0f64, |most, value| if value.abs() > most.abs() { *value } else { most })
+}
