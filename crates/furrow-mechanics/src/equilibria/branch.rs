@@ -28,6 +28,9 @@ pub struct BranchOptions {
     pub growth_rates: bool,
     /// Whether the contour of every point is kept.
     pub contours: bool,
+    /// Whether the way to the first pitchfork is found on a coarse mesh. What is located lies on the given one; other points of the
+    /// branch are approximate.
+    pub coarse: bool,
 }
 
 impl Default for BranchOptions {
@@ -38,6 +41,7 @@ impl Default for BranchOptions {
             settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
             growth_rates: false,
             contours: false,
+            coarse: false,
         }
     }
 }
