@@ -19,6 +19,16 @@ pub fn halved(mesh: &[f64]) -> Vec<f64> {
     out
 }
 
+/// The mesh with every interval cut into so many equal parts.
+pub fn subdivided(mesh: &[f64], parts: usize) -> Vec<f64> {
+    let mut out = Vec::with_capacity(parts * mesh.len());
+    for pair in mesh.windows(2) {
+        out.extend((0..parts).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64));
+    }
+    out.extend(mesh.last());
+    out
+}
+
 /// A mesh of `n` intervals on which the piecewise constant monitor `weight` (one positive value per interval of `mesh`)
 /// has equal integrals.
 pub fn equidistribute(mesh: &[f64], weight: &[f64], n: usize, out: &mut Vec<f64>) {

@@ -31,6 +31,9 @@ pub struct BranchOptions {
     pub contours: bool,
     /// Largest azimuthal number m whose growth rates are computed at every point; 0 for none.
     pub azimuthal: usize,
+    /// Whether the way to the first pitchfork is found on a coarse mesh. What is located lies on the given one; other points of the
+    /// branch are approximate.
+    pub coarse: bool,
 }
 
 impl Default for BranchOptions {
@@ -42,6 +45,7 @@ impl Default for BranchOptions {
             growth_rates: false,
             contours: false,
             azimuthal: 0,
+            coarse: false,
         }
     }
 }

@@ -39,6 +39,14 @@ pub fn first_within(
         return Err(ShapeError::NoPitchfork { cell: name, cue: cell.cue.to_string() });
     }
     let mut unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
+    // The way there on a coarse mesh, which sees no narrow necks: a fold, or no pitchfork, is for the given mesh to tell.
+    let quick = BranchOptions { coarse: true, ..options.clone() };
+    let mut either = |_: &BranchEvent| false;
+    if let Ok(Branch { events, .. }) = primary::follow_within(cell, numerics, &quick, budget, &mut either)
+        && let Some(found) = events.first().and_then(BranchEvent::pitchfork)
+    {
+        return Ok(found.clone());
+    }
     let Branch { events, ended, .. } = primary::follow_within(cell, numerics, options, budget, &mut unwanted)?;
     events.iter().find_map(BranchEvent::pitchfork).cloned().ok_or_else(|| {
         let none = ShapeError::NotFound { cell: name, kind: PointKind::Pitchfork, xi_max: options.xi[1] };

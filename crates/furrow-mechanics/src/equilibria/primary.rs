@@ -5,7 +5,7 @@
 //! the pitchfork with it: the branch leans to one side and, where the cell begins to divide, ends its stable part in a fold.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solution, SymmetryBreaking, System};
+use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solution, SymmetryBreaking, System, mesh};
 
 use super::branch::{
     Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, ShapePoint, begin, newest_contour,
@@ -72,6 +72,8 @@ pub fn start(cell: &Cell, numerics: &Numerics, settings: &ContinuationSettings) 
 /// Detects folds and pitchforks along the branch.
 struct EventDetector {
     breaking: SymmetryBreaking,
+    /// Parts that intervals of the mesh are cut into before a point is located.
+    refinement: usize,
     /// Passive shapes have no antisymmetric null vector; their sign is the first one seen.
     sign: Option<f64>,
     stop: Option<BranchEnd>,
@@ -94,8 +96,17 @@ impl EventDetector {
         if before == now {
             return None;
         }
+        self.refine(branch);
         let found = pitchfork_near(branch, [before, now]).map(|found| BranchEvent::Pitchfork(Box::new(found)));
         self.located(branch, PointKind::Pitchfork, found)
+    }
+
+    /// Leaves a coarse mesh, once.
+    fn refine(&mut self, branch: &mut Continuation<Cortex>) {
+        let parts = std::mem::replace(&mut self.refinement, 1);
+        if parts > 1 {
+            branch.move_to(&mesh::subdivided(&branch.state.solution.mesh, parts));
+        }
     }
 
     /// The fold between the last two points, which is known to be there.
@@ -151,8 +162,9 @@ pub fn follow_within(
 ) -> Result<Branch> {
     budget.check(cell)?;
     let cell = &*resolved(cell)?;
-    let mut branch = start(cell, numerics, &options.settings)?;
-    let mut detector = EventDetector { breaking: SymmetryBreaking::default(), sign: None, stop: None };
+    let (numerics, refinement) = if options.coarse { coarse(numerics) } else { (*numerics, 1) };
+    let mut branch = start(cell, &numerics, &options.settings)?;
+    let mut detector = EventDetector { breaking: SymmetryBreaking::default(), refinement, sign: None, stop: None };
     let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
     let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
@@ -176,6 +188,18 @@ pub fn follow_within(
     });
     budget.check(cell)?;
     Ok(Branch::complete(&branch, (points, contours, azimuthal), events, ended, detector.stop))
+}
+
+/// The intervals of a coarse mesh of half a contour are this many times fewer, and at least so many.
+const COARSER: usize = 3;
+const FEWEST: usize = 8;
+
+/// A discretisation that is good enough to find the way along a branch, and into how many parts its intervals are to be cut for
+/// the one given. They are the same where that is coarse already.
+pub(super) fn coarse(numerics: &Numerics) -> (Numerics, usize) {
+    let wanted = numerics.intervals / 2;
+    let parts = if wanted.is_multiple_of(COARSER) && wanted >= FEWEST * COARSER { COARSER } else { 1 };
+    (Numerics { intervals: 2 * (wanted / parts), ..*numerics }, parts)
 }
 
 /// Whether the newest shape is so narrow somewhere that the branch is left there.

@@ -1,7 +1,10 @@
 //! One stationary shape: the first one at a given activity on the branch that starts at the passive shape.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solution, System, Termination};
+use furrow_bvp::{
+    BoundaryValueProblem, ContinuationError, ContinuationSettings, Gauss, Newton, NewtonError, Solution, System,
+    Termination, mesh,
+};
 
 use super::error::{CellName, Result, ShapeError, resolved};
 use super::{locate, primary};
@@ -81,6 +84,14 @@ fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
 pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, StationaryError> {
     let cell = &*resolved(cell)?;
     let [long, shorter @ ..] = STEPS;
+    // The way there on a coarse mesh; what turns back or gets lost is for the given mesh to tell.
+    let (quick, parts) = primary::coarse(numerics);
+    if parts > 1
+        && let Ok(shape) = along_branch(cell, &quick, long)
+        && let Some(shape) = shape.refined(parts)
+    {
+        return Ok(shape);
+    }
     shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
         Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. }) => {
             along_branch(cell, numerics, max_step)
@@ -124,19 +135,38 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
             _ => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
         }
     }
-    // The shape to rounding; at a fold itself the branch's own accuracy has to do.
-    let (mut cortex, mut solution) = (Cortex::new(cell, domain, &[]), branch.state.solution);
+    let (cortex, mut solution) = (Cortex::new(cell, domain, &[]), branch.state.solution);
     solution.scalars.truncate(SHAPE_SCALARS);
-    let mut system = System::new(Cortex::dimensions_for(cell, 0), numerics.stages);
-    let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
-    let mut polished = solution.clone();
-    if newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut polished, &[], false).is_ok() {
-        solution = polished;
-    }
-    Ok(StationaryShape { cortex, solution, folds })
+    let mut shape = StationaryShape { cortex, solution, folds };
+    // At a fold itself the branch's own accuracy has to do.
+    let _ = shape.polish();
+    Ok(shape)
 }
 
+/// A shape on a coarse mesh is trusted if its contour is as long on a fine one, to this part of it.
+const SAME: f64 = 1e-3;
+
 impl StationaryShape {
+    /// Solves for the shape to rounding; it stays as it is where that fails.
+    fn polish(&mut self) -> Result<(), NewtonError> {
+        let mut system = System::new(self.cortex.dimensions(), self.solution.m);
+        let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
+        let mut polished = self.solution.clone();
+        newton.solve(&mut system, &mut NewtonScratch::default(), &mut self.cortex, &mut polished, &[], false)?;
+        self.solution = polished;
+        Ok(())
+    }
+
+    /// The same shape with every interval of its mesh cut into so many; none where a finer mesh does not confirm it.
+    fn refined(self, parts: usize) -> Option<StationaryShape> {
+        let coarse = &self.solution;
+        let solution = coarse.on_mesh(&Gauss::new(coarse.m), &mesh::subdivided(&coarse.mesh, parts));
+        let length = self.length();
+        let mut fine = StationaryShape { solution, ..self };
+        let found = fine.folds.is_empty() && fine.polish().is_ok();
+        (found && (fine.length() - length).abs() < SAME * length).then_some(fine)
+    }
+
     /// Contour length L.
     pub fn length(&self) -> f64 {
         self.solution.scalars[LENGTH]
