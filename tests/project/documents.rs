@@ -54,7 +54,7 @@ fn the_citation_names_this_version() {
 /// Numbers of equations in a text, such as M.6, each with the text behind it.
 fn numbers(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let starts = text.char_indices().filter(|(at, c)| {
-        "MNFP".contains(*c) && !text[..*at].ends_with(|before: char| before.is_alphanumeric() || before == '_')
+        "MNFPA".contains(*c) && !text[..*at].ends_with(|before: char| before.is_alphanumeric() || before == '_')
     });
     starts.filter_map(|(at, _)| {
         let digits = text[at + 1..].strip_prefix('.')?;

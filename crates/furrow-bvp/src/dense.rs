@@ -333,17 +333,19 @@ pub fn add_scaled(target: &mut Lane, factor: f64, source: &Lane) {
 /// would wait for each other.
 #[inline(always)]
 pub fn add_columns(sums: &mut [Lane], factors: impl Iterator<Item = f64> + Clone, columns: &[Lane], stride: usize) {
+    // Without any column there is nothing behind the first lanes either.
+    let behind = |from: usize| columns.get(from..).unwrap_or_default();
     let mut from = 0;
     while from + 4 <= sums.len() {
-        add_block::<4>(&mut sums[from..], factors.clone(), &columns[from..], stride);
+        add_block::<4>(&mut sums[from..], factors.clone(), behind(from), stride);
         from += 4;
     }
     if from + 2 <= sums.len() {
-        add_block::<2>(&mut sums[from..], factors.clone(), &columns[from..], stride);
+        add_block::<2>(&mut sums[from..], factors.clone(), behind(from), stride);
         from += 2;
     }
     if from < sums.len() {
-        add_block::<1>(&mut sums[from..], factors, &columns[from..], stride);
+        add_block::<1>(&mut sums[from..], factors, behind(from), stride);
     }
 }
 
