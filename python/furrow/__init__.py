@@ -13,9 +13,10 @@ and share cached ones.
 
 from __future__ import annotations
 
-from . import compare
+from . import compare, fit
 from ._cell import Cell, Value
 from ._errors import InputError, Interrupted, NoOutcome
+from ._founders import Founder
 from ._furrow import Memo, __version__, parameter_names, presets, solver_version
 from ._memo import memo, use_store
 from ._results import (
@@ -34,7 +35,7 @@ from ._results import (
 from ._solve import solve
 from ._studies import Calibration, Constants, Ranges, calibrate, ensemble
 from ._sweep import Sweep, sweep
-from ._tree import Founder, Scenarios, Tree, read_tree, tree
+from ._tree import Scenarios, Tree, read_tree, tree
 
 __all__ = [
     "PLACE_COLUMNS",
@@ -65,6 +66,7 @@ __all__ = [
     "calibrate",
     "compare",
     "ensemble",
+    "fit",
     "memo",
     "parameter_names",
     "presets",

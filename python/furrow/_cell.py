@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 #: A number (also of numpy), or a word for parameters whose values are words.
 Value: TypeAlias = SupportsFloat | SupportsIndex | str
 
+#: The largest azimuthal number.
+MOST_AZIMUTHAL = 16
+
 #: The columns that change sign under u → 1 − u; psi becomes π − psi.
 _ODD = ("z", "v", "active_t")
 
@@ -253,20 +256,25 @@ class Cell:
         _, of, ends, columns, shell = _furrow.film(self._inputs, seed, every, count)
         return Frames(**of, shell=(shell[0], shell[1]), _places=columns, _ends=ends)
 
-    def steady(self) -> Steady:
+    def steady(self, *, azimuthal: SupportsIndex | None = None) -> Steady:
         """The stationary shape at the cell's activity, on the branch of the passive shape, and its growth rates.
+
+        ``azimuthal=M`` also computes the growth rates of disturbances cos mφ, m up to M ≤ 16, which are not axisymmetric.
 
         Raises :class:`~furrow.NoOutcome` if there is none, as for a cell that must divide.
         """
-        text, places = _furrow.steady(self._inputs)
+        most = None if azimuthal is None else whole("azimuthal", azimuthal, 0, MOST_AZIMUTHAL)
+        text, places = _furrow.steady(self._inputs, most)
         found = json.loads(text)
         rates = found.pop("growth_rates")
+        modes = found.pop("azimuthal", None)
         return Steady(
             cell=self,
             growth_rates=np.array([complex(rate["re"], rate["im"]) for rate in rates]),
             parities=tuple(rate["parity"] for rate in rates),
             folds_passed=tuple(found.pop("folds_passed")),
             contour=Contour(_whole(places)),
+            azimuthal=None if modes is None else tuple(modes),
             **found,
         )
 

@@ -308,11 +308,15 @@ class Steady(Result):
     contour: Contour = field(repr=False)  #: The shape, with the forces on it.
     #: The regulator φ at u = 0.5, ``phi_mid``, and at u = 0, ``phi_pole``; None without a regulator.
     regulator: Mapping[str, float] | None = None
+    #: Disturbances cos mφ, from ``m`` = 0 on: ``growth_rate``, and for m ≥ 1 the ``parity`` of the leading mode; for m = 1
+    #: also how much of it is a rigid shift or tilt, ``rigid``. None unless asked for.
+    azimuthal: tuple[Mapping[str, Any], ...] | None = field(default=None, repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists; growth rates as pairs of real and imaginary part."""
         plain = super().to_dict()
         plain["growth_rates"] = [[rate.real, rate.imag] for rate in self.growth_rates]
+        plain["azimuthal"] = None if self.azimuthal is None else [dict(row) for row in self.azimuthal]
         plain["contour"] = {name: column.tolist() for name, column in self.contour.columns.items()}
         return plain
 

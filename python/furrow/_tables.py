@@ -1,12 +1,90 @@
-"""Tables for pandas, which is optional."""
+"""Tables that are given, and tables for pandas, which is optional."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+import csv
+import io
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, SupportsFloat, Union
+
+import numpy as np
+
+from ._checks import path_of, refused, text_of
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import pandas as pd
+
+#: A file, several, a DataFrame, or columns by name.
+Table: TypeAlias = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]], Mapping[str, Any], "pd.DataFrame"]
+
+
+def tables_of(table: Table | None) -> tuple[list[str], str | None]:
+    """Files, or a table as CSV."""
+    if table is None:
+        return [], None
+    if isinstance(table, (str, os.PathLike)):
+        return [path_of("table", table)], None
+    if hasattr(table, "to_csv") and hasattr(table, "columns"):
+        return [], str(table.to_csv(index=False))
+    if isinstance(table, Mapping):
+        columns = {text_of("table", name): list(values) for name, values in table.items()}
+        if len({len(values) for values in columns.values()}) > 1:
+            raise refused("table", {name: len(values) for name, values in columns.items()}, "columns of equal length")
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(columns)
+        # str of a float has all its digits.
+        writer.writerows(zip(*columns.values(), strict=True))
+        return [], out.getvalue()
+    if isinstance(table, Iterable):
+        return [path_of("table", one) for one in table], None
+    raise refused("table", table, "a file, several files, a DataFrame or columns by name")
+
+
+def source_of(table: Table | None) -> tuple[str | None, str | None]:
+    """One table as CSV, or its file."""
+    files, text = tables_of(table)
+    if table is not None and text is None and len(files) != 1:
+        raise refused("table", table, "one file, a DataFrame or columns by name")
+    return text, files[0] if files else None
+
+
+def positive(name: str, value: SupportsFloat) -> float:
+    """A finite number above 0."""
+    allowed = "a finite number above 0"
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise refused(name, value, allowed) from None
+    if not (np.isfinite(number) and number > 0.0):
+        raise refused(name, value, allowed)
+    return number
+
+
+class Found(Mapping[str, Any]):
+    """A result with the keys of the command line's JSON."""
+
+    def __init__(self, found: Mapping[str, Any]) -> None:
+        self._found = dict(found)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as numbers, strings and lists."""
+        return dict(self._found)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__module__}.{type(self).__name__}: {', '.join(self)}>"
 
 
 def frame(columns: Mapping[str, Any]) -> pd.DataFrame:

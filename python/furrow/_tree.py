@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, overload
 
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from . import _furrow
 from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of
+from ._founders import Founder, founder_of
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Array
@@ -31,44 +31,6 @@ if TYPE_CHECKING:
 
 #: The largest tree that a notebook draws (half a megabyte); for larger ones it shows the founders' table.
 MOST_DRAWN = 1000
-
-
-@dataclass(frozen=True)
-class Rounds:
-    """Rounds of division from a founder to its terminal cells. Observed ones that the lineage file does not give are None."""
-
-    min: float | None = None  #: Fewest.
-    mean: float | None = None  #: Mean over terminal cells.
-    max: float | None = None  #: Most.
-    full_doublings: int | None = None  #: Generations in which every cell divided.
-    symmetric_doublings: int | None = None  #: Generations in which every cell divided equally.
-    terminal: int | None = None  #: Terminal cells.
-
-
-@dataclass(frozen=True)
-class Founder:
-    """A founder: its cell, its own division, its rounds and the observed rounds."""
-
-    name: str  #: Name.
-    r0: float | None  #: Radius, in L_h; None if it was not born.
-    cue: str  #: Name of its cue.
-    outcome: str | None  #: Outcome of its own division.
-    chi: float | None  #: Size asymmetry of its division.
-    rounds: Rounds | None  #: Rounds in the model.
-    observed: Rounds | None  #: Rounds observed.
-
-
-def _rounds(found: Mapping[str, Any] | None) -> Rounds | None:
-    if found is None:
-        return None
-    return Rounds(
-        min=found.get("min"),
-        mean=found.get("mean"),
-        max=found.get("max"),
-        full_doublings=found.get("full_doublings"),
-        symmetric_doublings=found.get("symmetric"),
-        terminal=found.get("terminal"),
-    )
 
 
 class Tree:
@@ -140,24 +102,30 @@ class Tree:
     @property
     def founders(self) -> tuple[Founder, ...]:
         """The founders' table."""
-
-        def row(found: Mapping[str, Any]) -> Founder:
-            return Founder(
-                name=found["name"],
-                r0=found["r0"],
-                cue=found["cue"],
-                outcome=found["outcome"],
-                chi=found["chi"],
-                rounds=_rounds(found["rounds"]),
-                observed=_rounds(found["observed"]),
-            )
-
-        return tuple(row(found) for found in json.loads(self._grown.founders()))
+        return tuple(founder_of(found) for found in json.loads(self._grown.founders()))
 
     @property
     def ended(self) -> dict[str, int]:
         """Numbers of cells without daughters, by reason."""
         return dict(json.loads(self._grown.ended()))
+
+    def alive(self) -> tuple[Array, NDArray[np.int64]]:
+        """Minutes, and the numbers of cells alive then; the lineage must have a clock.
+
+        >>> import furrow
+        >>> minutes, cells = furrow.tree().alive()
+        >>> int(cells[0]), int(cells[-1])
+        (1, 127)
+        """
+        found = self._grown.alive()
+        if found is None:
+            raise refused("tree", self.organism, "a tree whose lineage has a clock")
+        return found
+
+    @property
+    def last_divisions(self) -> dict[str, float | None]:
+        """The last division among the descendants of each founder, in minutes; None without a clock or if none divides."""
+        return {founder.name: founder.last_division_min for founder in self.founders}
 
     def table(self) -> str:
         """The founders' table as ``furrow tree`` prints it."""
@@ -167,14 +135,29 @@ class Tree:
         """The tree as Newick."""
         return self._grown.newick()
 
-    def export(self, format: str, lengths: str = "time") -> str | dict[str, str] | dict[str, bytes]:
-        """The tree in a format for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, ``ctc``,
-        or ``itol`` and ``geff``, which give several files by name.
+    @overload
+    def export(self, format: str, lengths: str = "time", *, path: None = None) -> str | dict[str, str] | dict[str, bytes]: ...
+    @overload
+    def export(self, format: str, lengths: str = "time", *, path: str | os.PathLike[str]) -> None: ...
+    def export(
+        self, format: str, lengths: str = "time", *, path: str | os.PathLike[str] | None = None
+    ) -> str | dict[str, str] | dict[str, bytes] | None:
+        """The tree in a format for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``,
+        ``ctc``, or ``itol`` and ``geff``, which give several files by name. With ``path`` it is written there instead, to a file,
+        or for ``itol`` and ``geff`` to a folder.
 
         ``lengths`` are the branch lengths: ``time``, ``generation``, ``none`` or, if the lineage has a clock, ``minutes``.
         """
-        files = self._grown.export(text_of("format", format), text_of("lengths", lengths))
-        return files[0][1] if len(files) == 1 and not files[0][0] else dict(files)
+        format, lengths = text_of("format", format), text_of("lengths", lengths)
+        if path is not None:
+            self._grown.write_export(format, lengths, path_of("path", path))
+            return None
+        files = self._grown.export(format, lengths)
+        if len(files) == 1 and not files[0][0]:
+            text: str = files[0][1]
+            return text
+        several: dict[str, str] | dict[str, bytes] = dict(files)
+        return several
 
     def to_json(self) -> str:
         """The text of ``tree.json``; :func:`furrow.read_tree` reads it."""
@@ -192,7 +175,8 @@ class Tree:
         """One row per founder: its rounds and the observed rounds."""
         rows: dict[str, list[Any]] = {}
         for founder in self.founders:
-            row: dict[str, Any] = {name: getattr(founder, name) for name in ("name", "r0", "cue", "outcome", "chi")}
+            names = ("name", "r0", "cue", "outcome", "chi", "last_division_min")
+            row: dict[str, Any] = {name: getattr(founder, name) for name in names}
             for whose, rounds in (("model", founder.rounds), ("observed", founder.observed)):
                 for name in ("min", "mean", "max", "full_doublings", "terminal"):
                     row[f"{whose}_{name}"] = None if rounds is None else getattr(rounds, name)
@@ -240,11 +224,15 @@ class Tree:
             chi=numbers("chi"),
         )
 
+    def svg(self, time_axis: str = "generations") -> str:
+        """The tree as a drawing, over ``generations`` or, if the lineage has a clock, ``minutes``."""
+        return self._grown.svg(text_of("time_axis", time_axis))
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes ``tree.json``, or by file extension Newick (``.nwk``), a drawing (``.svg``) or the interactive page
         (``.html``)."""
         file = Path(path_of("path", path))
-        texts = {".json": self.to_json, ".nwk": self.newick, ".svg": self._grown.svg, ".html": self._grown.html}
+        texts = {".json": self.to_json, ".nwk": self.newick, ".svg": self.svg, ".html": self._grown.html}
         if file.suffix not in texts:
             raise refused("path", str(path), f"a file that ends in {', '.join(texts)}")
         file.write_text(texts[file.suffix](), encoding="utf-8")

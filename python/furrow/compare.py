@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex, Union
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,41 +19,24 @@ from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Division, Frame, Frames
 from ._studies import Constants, table_of
-from ._tables import frame
+from ._tables import Found, Table, frame, positive, source_of, tables_of
 from ._tree import Tree
+from ._tree import tree as grow
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     import pandas as pd
     from matplotlib.figure import Figure
 
     from ._cell import Value
     from ._furrow import Memo
 
-#: A file, several, a DataFrame, or columns by name.
-Table: TypeAlias = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]], Mapping[str, Any], "pd.DataFrame"]
+#: Published means of :func:`volumes`.
+PUBLISHED = ("jankele2021", "villoutreix2016")
 
 
-class Counts(Mapping[str, Any]):
+class Counts(Found):
     """Rounds of a tree and the observed rounds, for every definition of "rounds": the output of ``furrow compare counts
     --json``."""
-
-    def __init__(self, found: Mapping[str, Any]) -> None:
-        self._found = dict(found)
-
-    def __getitem__(self, name: str) -> Any:
-        return self._found[name]
-
-    def __iter__(self) -> Any:
-        return iter(self._found)
-
-    def __len__(self) -> int:
-        return len(self._found)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The result as numbers, strings and lists."""
-        return dict(self._found)
 
     def to_pandas(self) -> pd.DataFrame:
         """One row per founder, stage of the observed embryo and definition of rounds."""
@@ -68,12 +50,100 @@ class Counts(Mapping[str, Any]):
         return frame({name: [row[k] for row in rows] for k, name in enumerate(names)})
 
 
-def counts(tree: Tree) -> Counts:
+def counts(tree: Tree, *, measured: str | os.PathLike[str] | None = None) -> Counts:
     """Compares rounds of a tree with the counts that its lineage file gives, for every definition of "rounds"; those of
-    C. elegans at several stages (Sulston et al. 1983)."""
+    C. elegans at several stages (Sulston et al. 1983).
+
+    ``measured`` is an embryo that another program followed, which is compared instead, up to its last frame: nuclei (zip) or
+    CD table of AceTree, spots of TrackMate or Mastodon as CSV, GEFF.
+    """
     if not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
-    return Counts(json.loads(_furrow.compare_counts(tree._grown)))
+    file = None if measured is None else path_of("measured", measured)
+    return Counts(json.loads(_furrow.compare_counts(tree._grown, file)))
+
+
+class Lifetimes(Found):
+    """Measured lifetimes and those of a tree: the output of ``furrow compare lifetimes --json``."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per cell, with lifetimes in minutes. A model's lifetime is missing if its cell does not divide."""
+        names = ("cell", "founder", "n", "mean", "sd", "volume", "model", "model_divides", "model_volume")
+        return frame({name: [cell.get(name) for cell in self["cells"]] for name in names})
+
+
+def lifetimes(
+    table: Table | None = None,
+    *,
+    tree: Tree | None = None,
+    volumes: Table | None = None,
+    frame_minutes: SupportsFloat | None = None,
+) -> Lifetimes:
+    """Compares measured lifetimes of cells with those of a tree whose lineage has a clock.
+
+    ``table`` has the columns ``cell`` and ``lifetime_min`` (or ``lifetime_s``, ``lifetime_h``), and optionally ``n``, ``sd_min``
+    and ``birth_min``, or is the file of an embryo that another program followed; ``frame_minutes`` is the time between its
+    frames if it counts frames. Without a table these are the published means of 28 embryos of C. elegans. ``tree`` is by
+    default that of the built-in founders. ``volumes`` are tables as for :func:`volumes`; default published ones. The clock
+    is fitted: lifetimes of the model are no predictions.
+    """
+    if tree is not None and not isinstance(tree, Tree):
+        raise refused("tree", tree, "a tree from furrow.tree()")
+    grown = (grow() if tree is None else tree)._grown
+    minutes = None if frame_minutes is None else positive("frame_minutes", frame_minutes)
+    return Lifetimes(json.loads(_furrow.compare_lifetimes(grown, source_of(table), tables_of(volumes), minutes)))
+
+
+class Dose(Found):
+    """Asymmetry over the dose of a protein, and of the model over the strength of its cue: the output of ``furrow compare dose
+    --json``."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per bin of the dose: measured means of χ, with sizes read as areas and as volumes, and the model's χ."""
+        bins = self["bins"]
+        columns: dict[str, list[Any]] = {name: [row[name] for row in bins] for name in ("name", "n")}
+        for name in ("dose", "larger_share", "chi_area", "chi_volume"):
+            columns[name] = [row[name]["mean"] for row in bins]
+            columns[f"{name}_sd"] = [row[name]["sd"] for row in bins]
+        columns["model"] = [row["model"]["chi"] for row in bins]
+        columns["model_outcome"] = [row["model"]["outcome"] for row in bins]
+        return frame(columns)
+
+
+def dose(
+    table: Table | None = None,
+    *,
+    bins: Sequence[SupportsFloat] | None = None,
+    r0: Value | None = None,
+    cue: str = "germline",
+    lineage: str | os.PathLike[str] | None = None,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Dose:
+    """Compares asymmetry over the dose of a protein with the model's over the strength of its cue.
+
+    ``table`` has the columns ``dose`` (1 is the wild type) and ``larger_share``, the larger daughter's share of the size of
+    both, and optionally ``condition``. Without it the published means over the dose of PAR-6 are used. The cell, of the
+    radius ``r0``, has the whole ``cue`` at dose 1 and none at 0. ``bins`` are rising edges of the dose, 0.2 apart by default.
+    """
+    known = shared_memo() if memo is None else memo
+    given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
+    with shown(progress, "divisions") as tell:
+        found = _furrow.compare_dose(
+            source_of(table),
+            None if bins is None else _edges(bins),
+            text_of("cue", cue),
+            None if lineage is None else path_of("lineage", lineage),
+            given_of(given, preset, config),
+            known,
+            threads_of(threads),
+            tell,
+        )
+    return Dose(json.loads(found))
 
 
 @dataclass(frozen=True)
@@ -100,6 +170,17 @@ class VolumesComparison:
     used: int  #: Number of volumes used.
     skipped: tuple[dict[str, Any], ...] = field(repr=False)  #: Volumes that could not be used, with reasons.
     length_scale: float | None  #: One L_h, in the cube root of the tables' unit.
+    of_nuclei: bool  #: Whether volumes are those of nuclei, as in files of AceTree: χ is theirs then, not the cells'.
+    #: χ over log₁₀ of the mother's volume: ``line`` (``slope`` per decade, ``slope_error``, …), ``spearman``, and the ``line``
+    #: of each of the ``embryos``.
+    trend: Mapping[str, Any] = field(repr=False)
+    #: What noise of the measurement makes of equal divisions: its size by ``groups``, ``null_slope``, and ``share``, its share
+    #: of the trend. None unless twenty mothers were measured themselves.
+    noise: Mapping[str, Any] | None = field(repr=False)
+    bins: tuple[Mapping[str, Any], ...] = field(repr=False)  #: χ by the mother's volume, largest first.
+    tests: tuple[Mapping[str, Any], ...] = field(repr=False)  #: Rank-sum tests of adjacent bins.
+    #: Of two groups: ``through_origin`` and ``with_intercept`` with the errors of both numbers.
+    regressions: tuple[Mapping[str, Any], ...] = field(repr=False)
     _found: Mapping[str, Any] = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
@@ -121,9 +202,13 @@ class VolumesComparison:
 def volumes(
     table: Table | None = None,
     *,
+    published: Literal["jankele2021", "villoutreix2016"] = "jankele2021",
     group: str | None = None,
+    against: Table | None = None,
+    regress: tuple[str, str] | None = None,
+    bins: Sequence[SupportsFloat] | None = None,
     voxel: SupportsFloat | None = None,
-    length_scale: SupportsFloat | None = None,
+    length_scale: SupportsFloat | Literal["fit"] | None = None,
     lineage: str | os.PathLike[str] | None = None,
     constants: str | os.PathLike[str] | Constants | None = None,
     preset: str = "gao2026",
@@ -136,27 +221,37 @@ def volumes(
     """Compares size asymmetries of measured divisions with the model.
 
     ``table`` has the columns ``embryo``, ``cell`` and ``volume`` (or ``volume_um3``, ``volume_voxels``,
-    ``relative_volume``) and optionally ``group``, ``frame`` and ``n``. It is a file, several files, a DataFrame or columns
-    by name. Without it the model is compared with published means.
+    ``relative_volume``) and optionally ``group``, ``frame`` and ``n``. A row can also be a division, with the columns
+    ``embryo``, ``mother``, ``larger_um3`` and ``smaller_um3``. It is a file, several files, a DataFrame or columns
+    by name. Files can be embryos that other programs followed: nuclei (zip) or CD tables of AceTree, spots of TrackMate or
+    Mastodon, GEFF. Without it the model is compared with ``published`` means, of C. elegans or of the sea urchin.
+
+    ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
+    ``bins`` are rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers.
     """
     known = shared_memo() if memo is None else memo
-    files, text = _table(table)
+    if published not in PUBLISHED:
+        raise refused("published", published, f"one of {', '.join(PUBLISHED)}")
+    if against is not None and (table is None or group is not None):
+        raise refused("against", against, "given with a table and without group")
+    if regress is not None and len(regress) != 2:
+        raise refused("regress", regress, "two groups of the tables")
+    asked = {
+        "tables": tables_of(table),
+        "against": tables_of(against),
+        "voxel": None if voxel is None else positive("voxel", voxel),
+        "group": None if group is None else text_of("group", group),
+        "published": published,
+        "bins": None if bins is None else _edges(bins),
+        "regress": None if regress is None else (text_of("regress", regress[0]), text_of("regress", regress[1])),
+        "lineage": None if lineage is None else path_of("lineage", lineage),
+        "constants": None if constants is None else table_of(constants),
+        "length_scale": length_scale
+        if length_scale is None or isinstance(length_scale, str)
+        else positive("length_scale", length_scale),
+    }
     with shown(progress, "divisions") as tell:
-        found = json.loads(
-            _furrow.compare_volumes(
-                files,
-                text,
-                None if voxel is None else _positive("voxel", voxel),
-                None if group is None else text_of("group", group),
-                None if lineage is None else path_of("lineage", lineage),
-                None if constants is None else table_of(constants),
-                None if length_scale is None else _positive("length_scale", length_scale),
-                given_of(parameters, preset, config),
-                known,
-                threads_of(threads),
-                tell,
-            )
-        )
+        found = json.loads(_furrow.compare_volumes(asked, given_of(parameters, preset, config), known, threads_of(threads), tell))
     scale = found["length_scale"]
     mothers = [_mother(of["group"], event) for of in found["groups"] for event in of["events"]]
     return VolumesComparison(
@@ -164,15 +259,21 @@ def volumes(
         used=found["used"],
         skipped=tuple(found["skipped"]),
         length_scale=None if scale is None else scale["length"],
+        of_nuclei=found["of_nuclei"],
+        trend=found["trend"],
+        noise=found["noise"],
+        bins=tuple(found["bins"]),
+        tests=tuple(found["tests"]),
+        regressions=tuple(found["regressions"]),
         _found=found,
     )
 
 
-def _positive(name: str, value: SupportsFloat) -> float:
-    number = _number(name, value)
-    if not (np.isfinite(number) and number > 0.0):
-        raise refused(name, value, "a finite number above 0")
-    return number
+def _edges(bins: Sequence[SupportsFloat]) -> list[float]:
+    edges = [_number("bins", edge) for edge in bins]
+    if len(edges) < 2 or not all(np.isfinite(edges)) or any(a >= b for a, b in pairwise(edges)):
+        raise refused("bins", bins, "two numbers or more, rising")
+    return edges
 
 
 def _mother(group: str, event: Mapping[str, Any]) -> Mother:
@@ -190,29 +291,6 @@ def _mother(group: str, event: Mapping[str, Any]) -> Mother:
         given_first=None if first is None else first["chi"],
         band=None if chi is None else (chi["p5"], chi["p50"], chi["p95"]),
     )
-
-
-def _table(table: Table | None) -> tuple[list[str], str | None]:
-    """Files, or a table as CSV."""
-    if table is None:
-        return [], None
-    if isinstance(table, (str, os.PathLike)):
-        return [path_of("table", table)], None
-    if hasattr(table, "to_csv") and hasattr(table, "columns"):
-        return [], str(table.to_csv(index=False))
-    if isinstance(table, Mapping):
-        columns = {text_of("table", name): list(values) for name, values in table.items()}
-        if len({len(values) for values in columns.values()}) > 1:
-            raise refused("table", {name: len(values) for name, values in columns.items()}, "columns of equal length")
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(columns)
-        # str of a float has all its digits.
-        writer.writerows(zip(*columns.values(), strict=True))
-        return [], out.getvalue()
-    if isinstance(table, Iterable):
-        return [path_of("table", one) for one in table], None
-    raise refused("table", table, "a file, several files, a DataFrame or columns by name")
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +338,7 @@ def contours(
         half = one.contour.points
         other = half[::-1] * np.array([-1.0, 1.0])
         sections.append((one.t, np.ascontiguousarray(np.concatenate((half, other)))))
-    scale = None if length_scale is None else _positive("length_scale", length_scale)
+    scale = None if length_scale is None else positive("length_scale", length_scale)
     found = json.loads(_furrow.compare_contours(outlines, sections, scale))
     laid = tuple((np.array(a), np.array(b)) for a, b in found["laid"])
     return ContoursComparison(

@@ -6,7 +6,7 @@ use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
-use furrow_report::{event_report, stationary_report, threshold_report};
+use furrow_report::{azimuthal_report, event_report, stationary_report, threshold_report};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -120,17 +120,33 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Columns {
     columns
 }
 
-/// The stationary shape at one activity, on the branch of the passive shape, and its growth rates: JSON, and the places of its
-/// contour.
+/// The stationary shape at one activity, on the branch of the passive shape, and its growth rates, with `azimuthal` also those of
+/// disturbances cos mφ up to this m: JSON, and the places of its contour.
 #[pyfunction]
-pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> Result<(String, Bound<'py, PyDict>), Error> {
+#[pyo3(signature = (inputs, azimuthal=None))]
+pub fn steady<'py>(
+    py: Python<'py>,
+    inputs: &Inputs,
+    azimuthal: Option<usize>,
+) -> Result<(String, Bound<'py, PyDict>), Error> {
     inputs.settings().check_activity(ARGUMENTS)?;
     let Inputs { cell, numerics } = inputs.clone();
     let (found, places) = supervised(py, Interrupt::Abandons, None, move |_| {
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
         let places = profile(&shape.cortex, &furrow_bvp::Gauss::new(numerics.stages), &shape.solution);
-        Ok((stationary_report(&shape, &spectrum).to_string(), place_columns(places.iter())))
+        let mut report = stationary_report(&shape, &spectrum);
+        if let Some(most) = azimuthal {
+            let mut rows = vec![azimuthal_report(0, &spectrum, None)];
+            for m in 1..=most {
+                let mut disturbances = shape.azimuthal(m);
+                let spectrum = disturbances.leading().map_err(Error::no_outcome)?;
+                let mode = disturbances.mode(spectrum.growth_rate()).map_err(Error::no_outcome)?;
+                rows.push(azimuthal_report(m, &spectrum, Some(&mode)));
+            }
+            report["azimuthal"] = rows.into();
+        }
+        Ok((report.to_string(), place_columns(places.iter())))
     })?;
     Ok((found, arrays(py, places)?))
 }

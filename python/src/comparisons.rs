@@ -2,67 +2,159 @@
 
 use std::path::PathBuf;
 
-use furrow_analysis::compare::counts::counts as counted;
-use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
+use furrow_analysis::compare::counts::{counts as counted, counts_beside};
+use furrow_analysis::compare::noise::noise_null;
+use furrow_analysis::compare::volumes::{
+    BinModel, Cells, GroupBeside, Regression, Scale, ScaleFrom, add_bands, beside, model, model_by_bin, regression,
+    scale,
+};
 use furrow_analysis::{grown, read_constants, scenarios_of, tree_settings};
+use furrow_input::{InputError, shown};
 use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
 use furrow_measured::contour::series::{ModelContour, Series, series as laid_beside};
-use furrow_measured::events::{Division, divisions, summaries};
-use furrow_measured::published::jankele2021;
-use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
+use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
+use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
+use furrow_measured::tracked::{TrackOptions, read_tracked};
+use furrow_measured::trend::{VolumeBin, adjacent_tests, volume_bins, volume_trend};
+use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::errors::Error;
-use crate::inputs::{Given, Source, lineage_of, text_of};
+use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::GrownTree;
 
-/// A tree beside the observed embryo, by every reading of "rounds", as JSON.
+/// A tree beside the observed embryo, by every reading of "rounds", or beside one that another program followed, as JSON.
 #[pyfunction]
-pub fn compare_counts(py: Python<'_>, tree: &GrownTree) -> Result<String, Error> {
-    Ok(serde_json::to_string(&py.detach(|| counted(&tree.tree, "tree"))?)?)
+#[pyo3(signature = (tree, measured=None))]
+pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf>) -> Result<String, Error> {
+    py.detach(|| {
+        let found = match &measured {
+            Some(file) => {
+                let tracked = read_tracked(file, &TrackOptions::default())?;
+                let file = file.display().to_string();
+                let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
+                let other = || InputError::other_file(&file, "an embryo that was followed", reason);
+                counts_beside(&tree.tree, &tracked.ok_or_else(other)?, &file)?
+            }
+            None => counted(&tree.tree, "tree")?,
+        };
+        Ok(serde_json::to_string(&found)?)
+    })
 }
 
-/// Measured volumes beside the model.
-#[derive(Serialize)]
-struct VolumesFound {
-    groups: Vec<GroupBeside>,
-    used: u64,
-    skipped: Vec<Skipped>,
-    divisions: Vec<Division>,
-    unit: Option<Unit>,
-    length_scale: Option<Scale>,
-    bins: Vec<VolumeBin>,
-    tests: Vec<AdjacentTest>,
+/// What is compared, and how; Python gives it as a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct VolumesAsked {
+    tables: Tables,
+    against: Tables,
+    voxel: Option<f64>,
+    group: Option<String>,
+    published: String,
+    bins: Option<Vec<f64>>,
+    regress: Option<(String, String)>,
+    lineage: Option<String>,
+    constants: Option<Source>,
+    length_scale: Option<Length>,
 }
 
-/// One L_h in a unit that the user has.
-fn length_scale(length: Option<f64>, unit: &str) -> Result<(), Error> {
-    match length.filter(|length| !(length.is_finite() && *length > 0.0)) {
-        Some(length) => Err(Error::not_allowed("length_scale", length, format!("a length above 0, in the {unit}"))),
-        None => Ok(()),
+/// One L_h: a length, or `fit`.
+#[derive(FromPyObject)]
+enum Length {
+    Given(f64),
+    Word(String),
+}
+
+/// The measured side.
+struct MeasuredVolumes {
+    source: Option<&'static str>,
+    volumes: Volumes,
+    found: Divisions,
+    groups: Vec<GroupSummary>,
+}
+
+impl VolumesAsked {
+    /// Adds tables: as text, and in files. Their rows without a group are of this one.
+    fn read_into(&self, volumes: &mut Volumes, (files, text): &Tables, group: &Option<String>) -> Result<(), Error> {
+        let options = ReadOptions { voxel: self.voxel, group: group.clone() };
+        if let Some(text) = text {
+            volumes.read(text.as_bytes(), "volumes", &options)?;
+        }
+        files.iter().try_for_each(|file| volumes.read_file(file, &options))?;
+        Ok(())
+    }
+
+    fn read(&self) -> Result<MeasuredVolumes, Error> {
+        let mut volumes = Volumes::default();
+        if is_empty(&self.tables) {
+            let (source, groups) = match &*self.published {
+                "villoutreix2016" => (SEA_URCHIN_SOURCE, villoutreix2016()?),
+                _ => (SOURCE, jankele2021()?),
+            };
+            return Ok(MeasuredVolumes { source: Some(source), volumes, found: Divisions::default(), groups });
+        }
+        // Two conditions are two groups, if their tables name none.
+        let [first, second] = match is_empty(&self.against) {
+            true => [self.group.clone(), None],
+            false => ["measured", "against"].map(|name| Some(name.to_owned())),
+        };
+        self.read_into(&mut volumes, &self.tables, &first)?;
+        self.read_into(&mut volumes, &self.against, &second)?;
+        volumes.require_used("volumes")?;
+        let found = divisions(&volumes);
+        let groups = summaries(&found.divisions);
+        Ok(MeasuredVolumes { source: None, volumes, found, groups })
+    }
+
+    /// The regression of two groups: of those named, or of the two conditions.
+    fn regressions(&self, groups: &[GroupBeside]) -> Result<Vec<Regression>, Error> {
+        let names = match &self.regress {
+            Some((x, y)) => [&**x, &**y],
+            None if is_empty(&self.against) => return Ok(Vec::new()),
+            None => ["measured", "against"],
+        };
+        let find = |name: &str| groups.iter().find(|group| group.group == name);
+        match (find(names[0]).zip(find(names[1])), &self.regress) {
+            (Some((x, y)), _) => Ok(vec![regression(x, y)]),
+            // Tables with their own groups lack those of the two conditions.
+            (None, None) => Ok(Vec::new()),
+            (None, Some(_)) => {
+                let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).collect();
+                let allowed = format!("two groups of the tables; groups are {}", known.join(", "));
+                Err(Error::not_allowed("regress", names.join(", "), allowed))
+            }
+        }
+    }
+
+    /// One L_h, as the caller, the measured P0, or the lineage gives it, or by all mothers.
+    fn scale(&self, divisions: &[Division], cells: &Cells, of_lineage: Option<f64>) -> Result<Option<Scale>, Error> {
+        Ok(match &self.length_scale {
+            Some(Length::Given(length)) => Some(Scale { length: *length, from: ScaleFrom::Given }),
+            Some(Length::Word(word)) if word == "fit" => scale(divisions, cells, false),
+            Some(Length::Word(word)) => {
+                return Err(Error::not_allowed("length_scale", shown(word), "a length above 0, or \"fit\""));
+            }
+            None => {
+                scale(divisions, cells, true).or(of_lineage.map(|length| Scale { length, from: ScaleFrom::Lineage }))
+            }
+        })
     }
 }
 
-/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files or one table as text; default the
-/// published means.
+/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files or one table as text, and embryos
+/// that other programs followed; default published means.
 #[pyfunction]
-#[pyo3(signature = (files, text, voxel, group, lineage, constants, length, given, memo, threads, progress=None))]
+#[pyo3(signature = (asked, given, memo, threads, progress=None))]
 pub fn compare_volumes(
     py: Python<'_>,
-    files: Vec<PathBuf>,
-    text: Option<String>,
-    voxel: Option<f64>,
-    group: Option<String>,
-    lineage: Option<String>,
-    constants: Option<Source>,
-    length: Option<f64>,
+    asked: VolumesAsked,
     given: Given,
     memo: &Memo,
     threads: usize,
@@ -71,45 +163,81 @@ pub fn compare_volumes(
     let settings = given.settings()?;
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        length_scale(length, "cube root of the tables' unit")?;
-        let published = files.is_empty() && text.is_none();
-        let (mut volumes, options) = (Volumes::default(), ReadOptions { voxel, group });
-        if let Some(text) = &text {
-            volumes.read(text.as_bytes(), "volumes", &options)?;
+        if let Some(Length::Given(length)) = asked.length_scale {
+            length_scale(Some(length), "cube root of the tables' unit")?;
         }
-        for file in &files {
-            volumes.read_file(file, &options)?;
-        }
-        if !published {
-            volumes.require_used("volumes")?;
-        }
-        let divisions = divisions(&volumes).divisions;
-        let summed = if published { jankele2021()? } else { summaries(&divisions) };
-        let lineage = lineage_of(lineage.as_deref())?;
+        let measured = asked.read()?;
+        let lineage = lineage_of(asked.lineage.as_deref())?;
         given.for_divisions()?;
         let tree_settings = tree_settings(settings.clone(), &lineage, 0, memo.quantisation());
         let show = |progress| watch.divisions(progress);
         let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
-        let (free, firsts) = model(&lineage, tree_settings.cell.r0, &summed, |lineages| {
+        let (free, firsts) = model(&lineage, tree_settings.cell.r0, &measured.groups, |lineages| {
             let scenarios = scenarios_of(lineages, &settings, memo.quantisation());
             grown(&scenarios, false, &memo, options, &watch.stop).map(|grown| grown.trees)
         })?;
-        let mut groups = beside(summed, &divisions, &free, &firsts, None);
-        let sets = match text_of(&constants.unwrap_or_default(), "constants")? {
+        let (all, bins) = (&measured.found.divisions, asked.bins.as_deref());
+        let mut groups = beside(measured.groups.clone(), all, &free, &firsts, bins);
+        let sets = match text_of(&asked.constants.clone().unwrap_or_default(), "constants")? {
             Some((text, name)) => read_constants(&text, &name)?,
             None => Vec::new(),
         };
         add_bands(&mut groups, &free, &lineage, &tree_settings, &sets, threads, &watch.stop)?;
-        let bins = volume_bins(&divisions, None);
-        let length_scale = match length {
-            Some(length) => Some(Scale { length, from: ScaleFrom::Given }),
-            None => scale(&divisions, &free, true),
+        let unit = measured.volumes.unit;
+        // χ alone has no sizes.
+        let no_sizes = unit == Some(Unit::OfMother);
+        if no_sizes {
+            groups.iter_mut().for_each(GroupBeside::without_sizes);
+        }
+        let sized = if no_sizes { &[][..] } else { &all[..] };
+        let of_lineage = lineage.units().length_um.filter(|_| unit == Some(Unit::CubicMicrometres));
+        let length = asked.scale(sized, &free, of_lineage)?;
+        let bins = volume_bins(sized, bins);
+        // Mothers without Sulston's names have no cell in the tree; one of their size is beside them.
+        let by_bin = match length.filter(|_| !measured.volumes.divisions.is_empty() && !no_sizes) {
+            Some(Scale { length, .. }) => model_by_bin(&tree_settings, &bins, length, &memo, &options)?,
+            None => Vec::new(),
         };
-        let Volumes { used, skipped, unit, .. } = volumes;
-        let tests = adjacent_tests(&bins);
-        let found = VolumesFound { groups, used, skipped, divisions, unit, length_scale, tests, bins };
-        Ok(serde_json::to_string(&found)?)
+        let regressions = asked.regressions(&groups)?;
+        let found = volumes_found(&measured, (&groups, regressions), (&bins, &by_bin), (sized, length));
+        Ok(found.to_string())
     })
+}
+
+/// The comparison as JSON, with the keys of the command line.
+fn volumes_found(
+    measured: &MeasuredVolumes,
+    (groups, regressions): (&[GroupBeside], Vec<Regression>),
+    (bins, by_bin): (&[VolumeBin], &[BinModel]),
+    (sized, length): (&[Division], Option<Scale>),
+) -> Value {
+    let MeasuredVolumes { source, volumes, found, .. } = measured;
+    json!({
+        "source": source,
+        "groups": groups,
+        "used": volumes.used,
+        "skipped": volumes.skipped,
+        "skipped_count": volumes.skipped_count,
+        "divisions": found.divisions,
+        "half_seen": found.half_seen,
+        "of_nuclei": volumes.of_nuclei,
+        "unit": volumes.unit,
+        "length_scale": length,
+        "bins": bins,
+        "tests": adjacent_tests(bins),
+        "trend": volume_trend(sized),
+        "noise": noise_null(sized, bins),
+        "model_by_bin": by_bin,
+        "regressions": regressions,
+    })
+}
+
+/// One L_h in a unit that the user has.
+fn length_scale(length: Option<f64>, unit: &str) -> Result<(), Error> {
+    match length.filter(|length| !(length.is_finite() && *length > 0.0)) {
+        Some(length) => Err(Error::not_allowed("length_scale", length, format!("a length above 0, in the {unit}"))),
+        None => Ok(()),
+    }
 }
 
 /// A series of contours beside the model's, with each pair after alignment.

@@ -17,6 +17,14 @@ use crate::errors::{ARGUMENTS, Error, refused};
 /// A text, or the file that has it.
 pub type Source = (Option<String>, Option<PathBuf>);
 
+/// Tables: files, and one as text.
+pub type Tables = (Vec<PathBuf>, Option<String>);
+
+/// Whether there is no table.
+pub fn is_empty((files, text): &Tables) -> bool {
+    files.is_empty() && text.is_none()
+}
+
 /// A source's text, and what errors call it: the file, or `name`.
 pub fn text_of(source: &Source, name: &str) -> Result<Option<(String, String)>, InputError> {
     Ok(match source {

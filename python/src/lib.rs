@@ -12,12 +12,14 @@
 //! | `solve` | the values of one parameter that give a wanted division |
 //! | `sweeps` | many points |
 //! | `studies` | constants from thresholds, lineages over sets of constants |
-//! | `comparisons` | the model beside measured embryos |
+//! | `comparisons` | the model beside counts, volumes and outlines of measured embryos |
+//! | `measurements` | the model beside measured lifetimes and doses, the clock fitted to lifetimes |
 
 mod cells;
 mod comparisons;
 mod errors;
 mod inputs;
+mod measurements;
 mod memo;
 mod solve;
 mod studies;
@@ -35,6 +37,7 @@ mod _furrow {
         cells::{branch, divide, film, pitchfork, steady},
         comparisons::{compare_contours, compare_counts, compare_volumes},
         inputs::{Inputs, parameter_names, presets},
+        measurements::{compare_dose, compare_lifetimes, fit_clock},
         memo::Memo,
         solve::solve,
         studies::{calibrate, ensemble, ranges},

@@ -11,6 +11,7 @@ use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
 use furrow_lineage::batch::{Quantisation, SchedulerOptions};
+use furrow_lineage::clock::alive;
 use furrow_lineage::{CellId, Tree, TreeCell};
 use furrow_mechanics::division::Division;
 use furrow_report::{self as report, TreeSummary};
@@ -30,6 +31,9 @@ pub struct GrownTree {
     /// The tree.
     pub tree: Arc<Tree>,
 }
+
+/// Numbers of cells over minutes.
+type OverTime<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
 
 /// A lineage's label, and the lineage as for [`lineage_of`].
 pub type Labelled = (String, Option<String>);
@@ -128,6 +132,15 @@ fn one_of<T>(field: &str, name: &str, known: impl IntoIterator<Item = (&'static 
     }
 }
 
+impl GrownTree {
+    fn exported(&self, format: &str, lengths: &str) -> Result<Exported, Error> {
+        let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
+        let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
+        check_tree(&self.tree, format, lengths)?;
+        Ok(export(&self.tree, format, lengths, &report::founder_colours(&self.tree.lineage)))
+    }
+}
+
 #[pymethods]
 impl GrownTree {
     fn __len__(&self) -> usize {
@@ -181,9 +194,23 @@ impl GrownTree {
         py.detach(|| newick(&self.tree))
     }
 
-    /// The tree as a drawing; of a large tree only the first generations.
-    fn svg(&self, py: Python<'_>) -> String {
-        py.detach(|| report::svg(&self.tree, report::TimeAxis::Generations))
+    /// The tree as a drawing, over generations or minutes; of a large tree only the first generations.
+    #[pyo3(signature = (axis="generations"))]
+    fn svg(&self, py: Python<'_>, axis: &str) -> Result<String, Error> {
+        let axis = one_of("time_axis", axis, report::TimeAxis::NAMED)?;
+        if axis == report::TimeAxis::Minutes && self.tree.lineage.clock.is_none() {
+            let allowed = format!("generations: the lineage {:?} has no clock", self.tree.lineage.name);
+            return Err(Error::not_allowed("time_axis", "minutes", allowed));
+        }
+        Ok(py.detach(|| report::svg(&self.tree, axis)))
+    }
+
+    /// Minutes, and the cells alive then; `None` without a clock.
+    fn alive<'py>(&self, py: Python<'py>) -> Option<OverTime<'py>> {
+        let alive = alive(&self.tree.times()?);
+        let minutes = alive.iter().map(|alive| alive.min).collect();
+        let cells = alive.iter().map(|alive| alive.cells as i64).collect();
+        Some((PyArray1::from_vec(py, minutes), PyArray1::from_vec(py, cells)))
     }
 
     /// The tree as an interactive page.
@@ -198,10 +225,7 @@ impl GrownTree {
         format: &str,
         lengths: &str,
     ) -> Result<Vec<(String, Bound<'py, PyAny>)>, Error> {
-        let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
-        let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
-        check_tree(&self.tree, format, lengths)?;
-        Ok(match export(&self.tree, format, lengths, &report::founder_colours(&self.tree.lineage)) {
+        Ok(match self.exported(format, lengths)? {
             Exported::File(text) => vec![(String::new(), PyString::new(py, &text).into_any())],
             Exported::Folder(files) => {
                 files.iter().map(|(name, text)| ((*name).to_owned(), PyString::new(py, text).into_any())).collect()
@@ -210,6 +234,11 @@ impl GrownTree {
                 files.into_iter().map(|(name, bytes)| (name, PyBytes::new(py, &bytes).into_any())).collect()
             }
         })
+    }
+
+    /// Writes the tree in a format of other programs: a file, or a folder of several.
+    fn write_export(&self, py: Python<'_>, format: &str, lengths: &str, path: PathBuf) -> Result<(), Error> {
+        py.detach(|| self.exported(format, lengths)?.write(&path).map_err(Error::system))
     }
 
     /// All cells as columns, in breadth-first order; numbers as arrays, words as lists. `mother` is the mother's number, -1 of the first.

@@ -77,6 +77,19 @@ def test_stationary_shapes_are_those_of_the_command_line(cli):
     assert list(ours.parities) == [rate["parity"] for rate in theirs["growth_rates"]]
 
 
+def test_growth_rates_beyond_axial_symmetry_are_those_of_the_command_line(cli):
+    theirs = cli.json("steady", "--r0", "2", "--xi", "15", "--azimuthal", "2")["azimuthal"]
+    cell = furrow.Cell(r0=2, xi_s=15)
+    ours = cell.steady(azimuthal=2)
+    assert list(ours.azimuthal) == theirs and [row["m"] for row in theirs] == [0, 1, 2]
+    assert ours.azimuthal[0]["growth_rate"] == ours.growth_rate and ours.to_dict()["azimuthal"] == theirs
+    assert cell.steady().azimuthal is None
+    for bad in (-1, 17, 1.5):
+        with pytest.raises(furrow.InputError) as refused:
+            cell.steady(azimuthal=bad)
+        assert refused.value.field == "azimuthal"
+
+
 CARRIED = "regulator:none,turnover=10,diffusion=1,activity=0.3"
 
 

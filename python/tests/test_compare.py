@@ -50,6 +50,142 @@ def test_counts_are_compared_as_by_the_command_line(cli, memo):
     assert set(ours.to_pandas()["founder"]) >= {"AB", "P4"}
 
 
+def same(ours, theirs, *, without=()):
+    """All keys of the command line, with equal values to the last bit."""
+    assert set(theirs) - set(without) <= set(ours)
+    for name in set(theirs) - set(without):
+        assert ours[name] == theirs[name], name
+
+
+def test_a_trend_and_its_noise_are_those_of_the_command_line(cli, memo):
+    rows = ["embryo,mother,mother_um3,larger_um3,smaller_um3"]
+    for k in range(60):
+        volume, chi = 9000.0 * 0.93**k, 0.05 + 0.002 * k
+        seen = volume * (1 + 0.03 * (-1) ** k)
+        rows.append(f"{k % 2},m{k},{seen!r},{volume * (1 + chi) / 2!r},{volume * (1 - chi) / 2!r}")
+    (cli.folder / "divisions.csv").write_text("\n".join(rows) + "\n")
+    theirs = cli.json("compare", "volumes", "divisions.csv", "--length-scale", "3", "--bins", "10,1000,20000")
+    ours = furrow.compare.volumes(cli.folder / "divisions.csv", length_scale=3, bins=[10, 1000, 20000], memo=memo)
+    same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members"])
+    assert len(ours.to_dict()["divisions"]) == theirs["divisions"] == 60
+    assert ours.trend["line"]["slope"] < 0 and len(ours.trend["embryos"]) == 2
+    assert 0 < ours.noise["share"] < 1 and len(ours.bins) == len(ours.to_dict()["model_by_bin"]) == 2
+    for bad in ([1000], [1000, 10], ["a", "b"]):
+        with pytest.raises(furrow.InputError) as refused:
+            furrow.compare.volumes(cli.folder / "divisions.csv", bins=bad, memo=memo)
+        assert refused.value.field == "bins"
+
+
+def test_two_conditions_are_regressed(cli, memo):
+    second = {**TABLE, "volume_um3": [1.1 * volume if k % 2 else volume for k, volume in enumerate(TABLE["volume_um3"])]}
+    for name, table in (("a.csv", TABLE), ("b.csv", second)):
+        lines = [",".join(table), *(f"{e},{c},{v!r}" for e, c, v in zip(*table.values(), strict=True))]
+        (cli.folder / name).write_text("\n".join(lines) + "\n")
+    theirs = cli.json("compare", "volumes", "a.csv", "--against", "b.csv")
+    ours = furrow.compare.volumes(TABLE, against=second, memo=memo)
+    same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members"])
+    assert [(one["x"], len(one["mothers"])) for one in ours.regressions] == [("measured", 3)]
+    turned = furrow.compare.volumes(TABLE, against=second, regress=("against", "measured"), memo=memo)
+    assert turned.regressions[0]["x"] == "against"
+    with pytest.raises(furrow.InputError) as refused:
+        furrow.compare.volumes(TABLE, regress=("wt", "ctrl"), memo=memo)
+    assert refused.value.field == "regress"
+
+
+def test_published_means_of_the_sea_urchin(cli, memo):
+    theirs = cli.json("compare", "volumes", "--published", "villoutreix2016")
+    ours = furrow.compare.volumes(published="villoutreix2016", memo=memo)
+    same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members"])
+    with pytest.raises(furrow.InputError):
+        furrow.compare.volumes(published="villoutreix", memo=memo)
+
+
+def cd_table(folder):
+    """An embryo as a CD table of AceTree: AB and P1 divide."""
+    rows = ["cellTime,cell,time,none,global,local,blot,cross,z,x,y,size,gweight"]
+    spans = {
+        "AB": (1, 9, 60),
+        "P1": (1, 11, 50),
+        "ABa": (10, 20, 48),
+        "ABp": (10, 20, 47),
+        "EMS": (12, 20, 42),
+        "P2": (12, 20, 38),
+    }
+    for cell, (birth, last, size) in spans.items():
+        rows += [f"{cell}:{t},{cell},{t},0,0,0,0,0,15,300,200,{size},1000" for t in range(birth, last + 1)]
+    file = folder / "CDembryo.csv"
+    file.write_text("\n".join(rows) + "\n")
+    return file
+
+
+def test_embryos_of_other_programs(cli, tmp_path, memo):
+    embryo = cd_table(tmp_path)
+    theirs = cli.json("compare", "volumes", embryo.name, "--voxel", "0.1")
+    ours = furrow.compare.volumes(embryo, voxel=0.1, memo=memo)
+    same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members", "skipped"])
+    assert ours.of_nuclei and ours.used == sum(1 for _ in embryo.open()) - 1
+    worm = furrow.tree(memo=memo)
+    theirs = cli.json("compare", "counts", "--measured", embryo.name)
+    assert furrow.compare.counts(worm, measured=embryo).to_dict() == theirs
+    theirs = cli.json("compare", "lifetimes", embryo.name, "--frame-minutes", "2")
+    ours = furrow.compare.lifetimes(embryo, tree=worm, frame_minutes=2)
+    assert ours.to_dict() == theirs and [cell["mean"] for cell in ours["cells"]] == []
+    with pytest.raises(furrow.InputError, match="frame_minutes"):
+        furrow.compare.lifetimes(embryo, tree=worm)
+    (tmp_path / "other.csv").write_text("colour\nred\n")
+    with pytest.raises(furrow.InputError, match="AceTree"):
+        furrow.compare.counts(worm, measured=tmp_path / "other.csv")
+
+
+LIFETIMES = {
+    "cell": ["AB", "P1", "ABa", "ABp", "EMS", "P2", "ABal"],
+    "lifetime_min": [15.5, 17.25, 17.0, 17.5, 20.0, 24.5, 19.0],
+    "birth_min": [0.0, 0.0, 15.5, 15.5, 17.25, 17.25, 32.5],
+}
+
+
+def test_lifetimes_are_compared_as_by_the_command_line(cli, memo):
+    worm = furrow.tree(memo=memo)
+    assert furrow.compare.lifetimes(tree=worm).to_dict() == cli.json("compare", "lifetimes")
+    lines = [",".join(LIFETIMES), *(",".join(map(str, row)) for row in zip(*LIFETIMES.values(), strict=True))]
+    (cli.folder / "lifetimes.csv").write_text("\n".join(lines) + "\n")
+    ours = furrow.compare.lifetimes(LIFETIMES, tree=worm)
+    assert ours.to_dict() == cli.json("compare", "lifetimes", "lifetimes.csv")
+    assert ours.to_pandas()["model"][0] == ours["cells"][0]["model"] > 0
+    with pytest.raises(furrow.InputError):
+        furrow.compare.lifetimes(tree="c_elegans")
+    with pytest.raises(furrow.InputError):
+        furrow.compare.lifetimes(["a.csv", "b.csv"], tree=worm)
+
+
+def test_a_clock_is_fitted_as_by_the_command_line(cli, memo):
+    theirs = cli.json("fit", "clock")
+    theirs.pop("volumes")
+    ours = furrow.fit.clock()
+    assert ours.to_dict() == theirs
+    assert ours.to_pandas()["founder"].tolist()[-1] == "all"
+    # The tree takes it.
+    fitted = furrow.tree(ours.ron, memo=memo)
+    assert fitted["division_min"][0] == 0 and len(fitted) == 253
+    with pytest.raises(furrow.InputError):
+        furrow.fit.clock({"cell": ["AB"], "lifetime_min": [15.0]})
+
+
+def test_doses_are_compared_as_by_the_command_line(cli, memo):
+    same(furrow.compare.dose(memo=memo), theirs := cli.json("compare", "dose"))
+    assert theirs["model"]["points"][0]["chi"] is None or theirs["model"]["points"][0]["chi"] < 1e-3
+    table = {"dose": [0.1, 0.4, 0.5, 0.9, 1.0, 1.1], "larger_share": [0.51, 0.53, 0.55, 0.58, 0.6, 0.59]}
+    lines = [",".join(table), *(",".join(map(str, row)) for row in zip(*table.values(), strict=True))]
+    (cli.folder / "doses.csv").write_text("\n".join(lines) + "\n")
+    theirs = cli.json("compare", "dose", "doses.csv", "--bins", "0,0.5,1,1.5", "--r0", "5")
+    ours = furrow.compare.dose(table, bins=[0, 0.5, 1, 1.5], r0=5, memo=memo)
+    assert ours.to_dict() == theirs
+    frame = ours.to_pandas()
+    assert frame["n"].tolist() == [2, 2, 2] and frame["model"].tolist() == [row["model"]["chi"] for row in ours["bins"]]
+    with pytest.raises(furrow.InputError):
+        furrow.compare.dose({"dose": [1.0]}, memo=memo)
+
+
 def test_an_outline_of_the_model_is_found_again():
     division = furrow.Cell(r0=4, cue="germline").divide(frames=True)
     half = division.frames[40].contour.points

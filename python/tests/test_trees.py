@@ -101,6 +101,47 @@ def test_newick_has_every_cell(worm):
     assert refused.value.field == "format" and "nexus" in refused.value.allowed
 
 
+def test_cells_over_minutes(worm, cli, tmp_path):
+    minutes, cells = worm.alive()
+    births, divisions = worm["birth_min"], worm["division_min"]
+    counted = [int((births <= at).sum() - (divisions <= at).sum()) for at in minutes]
+    assert cells.tolist() == counted and len(minutes) > 50 and cells[-1] == 127
+    last = worm.last_divisions
+    of_ab = [k for k, founder in enumerate(worm["founder"]) if founder == "AB"]
+    assert last["AB"] == np.nanmax(divisions[of_ab])
+    theirs = cli.json("tree", "--out", "out")
+    assert last == {row["name"]: row.get("last_division_min") for row in theirs["founders"]}
+    assert [{"min": at, "cells": n} for at, n in zip(minutes.tolist(), cells.tolist(), strict=True)] == theirs["alive"]
+    assert worm.founders_to_pandas()["last_division_min"][0] == last["P0"]
+    # The drawing is that of the command line.
+    cli.text("tree", "--out", "minutes", "--time-axis", "minutes")
+    assert worm.svg("minutes") == (tmp_path / "minutes" / "tree.svg").read_text(encoding="utf-8")
+    assert worm.svg("minutes") != worm.svg() == (tmp_path / "out" / "tree.svg").read_text(encoding="utf-8")
+    without = furrow.tree('Lineage(name: "mine", founders: [(name: "S", r0: 2.4)])')
+    assert set(without.last_divisions.values()) == {None}
+    for call in (without.alive, lambda: without.svg("minutes"), lambda: worm.svg("hours")):
+        with pytest.raises(furrow.InputError):
+            call()
+
+
+@pytest.mark.parametrize("format", ["newick", "ctc", "itol", "geff"])
+def test_exports_are_files_of_the_command_line(worm, cli, tmp_path, format):
+    worm.save(tmp_path / "tree.json")
+    cli.text("export", "tree.json", "--to", format, "--out", "theirs", "--branch-lengths", "minutes")
+    worm.export(format, "minutes", path=tmp_path / "ours")
+
+    def files(folder):
+        if folder.is_file():
+            return {"": folder.read_bytes()}
+        return {str(file.relative_to(folder)): file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
+
+    ours, theirs = files(tmp_path / "ours"), files(tmp_path / "theirs")
+    assert ours == theirs and all(ours.values())
+    held = worm.export(format, "minutes")
+    held = {"": held} if isinstance(held, str) else held
+    assert {name: text.encode() if isinstance(text, str) else text for name, text in held.items()} == ours
+
+
 def test_tables_for_pandas(worm):
     pytest.importorskip("pandas")
     cells = worm.to_pandas()

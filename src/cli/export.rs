@@ -6,8 +6,7 @@ use super::error::CliError;
 use super::output::{print, print_as, writable_file, writable_folder};
 use clap::Args;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, check_tree, export};
-use furrow_formats::files::FileSet;
-use furrow_formats::{TREE_SCHEMA, read_tree, write_atomically};
+use furrow_formats::{TREE_SCHEMA, read_tree};
 use furrow_input::InputError;
 use furrow_report::founder_colours;
 use serde_json::json;
@@ -49,30 +48,14 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     let lengths = args.branch_lengths.unwrap_or_default();
     check_tree(&tree, format, lengths)?;
     let exported = export(&tree, format, lengths, &founder_colours(&tree.lineage));
-    let (out, files) = match (&exported, &args.out) {
+    let out = match (&exported, &args.out) {
         (Exported::File(text), None) => return print(text),
-        (Exported::File(text), Some(out)) => {
-            write_atomically(out, text.as_bytes())?;
-            (out, vec![])
-        }
-        (Exported::Folder(files), out) => {
-            let out = out.as_ref().ok_or_else(|| needs_folder(format))?;
-            let mut set = FileSet::new(out);
-            for (name, text) in files {
-                set.stage(name, text.as_bytes())?;
-            }
-            set.commit()?;
-            (out, files.iter().map(|(name, _)| *name).collect::<Vec<_>>())
-        }
-        (Exported::Binary(files), out) => {
-            let out = out.as_ref().ok_or_else(|| needs_folder(format))?;
-            let mut set = FileSet::new(out);
-            for (name, bytes) in files {
-                set.stage(name, bytes)?;
-            }
-            set.commit()?;
-            (out, vec![])
-        }
+        (_, out) => out.as_ref().ok_or_else(|| needs_folder(format))?,
+    };
+    exported.write(out)?;
+    let files = match &exported {
+        Exported::Folder(files) => files.iter().map(|(name, _)| *name).collect(),
+        Exported::File(_) | Exported::Binary(_) => vec![],
     };
     let (format, cells, out) = (format.name(), tree.len(), out.display().to_string());
     let ends = tree.cells().filter(|id| tree.daughter_count(*id) == 0).count();

@@ -11,8 +11,12 @@ pub use column::{BranchLengths, COLUMNS, Column, Kind, TimedTree};
 pub use itol::ITOL_FILES;
 pub use newick::newick;
 
+use std::path::Path;
+
 use furrow_input::InputError;
 use furrow_lineage::Tree;
+
+use crate::files::{FileSet, WriteError, write_atomically};
 
 /// A format that other programs read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,6 +129,22 @@ pub enum Exported {
     Folder(Vec<(&'static str, String)>),
     /// The same of files that are no text; names may have folders before them.
     Binary(Vec<(String, Vec<u8>)>),
+}
+
+impl Exported {
+    /// Writes the file, or all files into a folder.
+    ///
+    /// # Errors
+    /// What cannot be written.
+    pub fn write(&self, out: &Path) -> Result<(), WriteError> {
+        let mut set = FileSet::new(out);
+        match self {
+            Exported::File(text) => return write_atomically(out, text.as_bytes()),
+            Exported::Folder(files) => files.iter().try_for_each(|(name, text)| set.stage(name, text.as_bytes()))?,
+            Exported::Binary(files) => files.iter().try_for_each(|(name, bytes)| set.stage(name, bytes))?,
+        }
+        set.commit()
+    }
 }
 
 /// A tree in another format. `lengths` are those of the branches where the format [has them](Format::check_lengths); `colours`
