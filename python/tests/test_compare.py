@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import struct
+
 import numpy as np
 import pytest
 
@@ -136,6 +139,24 @@ def test_embryos_of_other_programs(cli, tmp_path, memo):
     (tmp_path / "other.csv").write_text("colour\nred\n")
     with pytest.raises(furrow.InputError, match="AceTree"):
         furrow.compare.counts(worm, measured=tmp_path / "other.csv")
+
+
+def test_geff_with_compressed_arrays_is_read(tmp_path, memo):
+    """Python's package geff compresses with Blosc."""
+    worm = furrow.tree(memo=memo)
+    worm.export("geff", "minutes", path=tmp_path / "tree.geff")
+    plain = furrow.compare.counts(worm, measured=tmp_path / "tree.geff")
+    ids = tmp_path / "tree.geff" / "nodes" / "ids"
+    described = json.loads((ids / ".zarray").read_text())
+    assert described["compressor"] is None
+    described["compressor"] = {"id": "blosc", "cname": "lz4", "clevel": 0, "shuffle": 0, "blocksize": 0}
+    (ids / ".zarray").write_text(json.dumps(described))
+    content = (ids / "0").read_bytes()
+    # Version, version of the codec, a flag for bytes as they are, size of an element; lengths, with that of the header.
+    head = struct.pack("<BBBBIII", 2, 1, 2, 8, len(content), len(content), len(content) + 16)
+    (ids / "0").write_bytes(head + content)
+    assert furrow.compare.counts(worm, measured=tmp_path / "tree.geff").to_dict() == plain.to_dict()
+    assert plain["stages"][0]["cells"] == 127
 
 
 LIFETIMES = {
