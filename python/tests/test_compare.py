@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import struct
+
 import numpy as np
 import pytest
 
@@ -101,16 +104,17 @@ def test_published_means_of_the_sea_urchin(cli, memo):
 
 
 def cd_table(folder):
-    """An embryo as a CD table of AceTree: AB and P1 divide."""
+    """An embryo as a CD table of AceTree: AB, P1 and ABa divide."""
     rows = ["cellTime,cell,time,none,global,local,blot,cross,z,x,y,size,gweight"]
     spans = {
         "AB": (1, 9, 60),
         "P1": (1, 11, 50),
-        "ABa": (10, 20, 48),
-        "ABp": (10, 20, 47),
-        "EMS": (12, 20, 42),
-        "P2": (12, 20, 38),
+        "ABa": (10, 18, 48),
+        "ABp": (10, 25, 47),
+        "EMS": (12, 25, 42),
+        "P2": (12, 25, 38),
     }
+    spans |= {"ABal": (19, 25, 38), "ABar": (19, 25, 37)}
     for cell, (birth, last, size) in spans.items():
         rows += [f"{cell}:{t},{cell},{t},0,0,0,0,0,15,300,200,{size},1000" for t in range(birth, last + 1)]
     file = folder / "CDembryo.csv"
@@ -129,12 +133,30 @@ def test_embryos_of_other_programs(cli, tmp_path, memo):
     assert furrow.compare.counts(worm, measured=embryo).to_dict() == theirs
     theirs = cli.json("compare", "lifetimes", embryo.name, "--frame-minutes", "2")
     ours = furrow.compare.lifetimes(embryo, tree=worm, frame_minutes=2)
-    assert ours.to_dict() == theirs and [cell["mean"] for cell in ours["cells"]] == []
+    assert ours.to_dict() == theirs and [(cell["cell"], cell["mean"]) for cell in ours["cells"]] == [("ABa", 18.0)]
     with pytest.raises(furrow.InputError, match="frame_minutes"):
         furrow.compare.lifetimes(embryo, tree=worm)
     (tmp_path / "other.csv").write_text("colour\nred\n")
     with pytest.raises(furrow.InputError, match="AceTree"):
         furrow.compare.counts(worm, measured=tmp_path / "other.csv")
+
+
+def test_geff_with_compressed_arrays_is_read(tmp_path, memo):
+    """Python's package geff compresses with Blosc."""
+    worm = furrow.tree(memo=memo)
+    worm.export("geff", "minutes", path=tmp_path / "tree.geff")
+    plain = furrow.compare.counts(worm, measured=tmp_path / "tree.geff")
+    ids = tmp_path / "tree.geff" / "nodes" / "ids"
+    described = json.loads((ids / ".zarray").read_text())
+    assert described["compressor"] is None
+    described["compressor"] = {"id": "blosc", "cname": "lz4", "clevel": 0, "shuffle": 0, "blocksize": 0}
+    (ids / ".zarray").write_text(json.dumps(described))
+    content = (ids / "0").read_bytes()
+    # Version, version of the codec, a flag for bytes as they are, size of an element; lengths, with that of the header.
+    head = struct.pack("<BBBBIII", 2, 1, 2, 8, len(content), len(content), len(content) + 16)
+    (ids / "0").write_bytes(head + content)
+    assert furrow.compare.counts(worm, measured=tmp_path / "tree.geff").to_dict() == plain.to_dict()
+    assert plain["stages"][0]["cells"] == 127
 
 
 LIFETIMES = {
@@ -173,7 +195,7 @@ def test_a_clock_is_fitted_as_by_the_command_line(cli, memo):
 
 def test_doses_are_compared_as_by_the_command_line(cli, memo):
     same(furrow.compare.dose(memo=memo), theirs := cli.json("compare", "dose"))
-    assert theirs["model"]["points"][0]["chi"] is None or theirs["model"]["points"][0]["chi"] < 1e-3
+    assert theirs["model"]["points"][0]["chi"] < 2e-3
     table = {"dose": [0.1, 0.4, 0.5, 0.9, 1.0, 1.1], "larger_share": [0.51, 0.53, 0.55, 0.58, 0.6, 0.59]}
     lines = [",".join(table), *(",".join(map(str, row)) for row in zip(*table.values(), strict=True))]
     (cli.folder / "doses.csv").write_text("\n".join(lines) + "\n")
