@@ -6,12 +6,14 @@ use super::error::CliError;
 use super::interrupt::write_deferred;
 use super::output::{csv_of, filled, number, print_as, to_json, writable_file};
 use super::picture::PlotArgs;
+use super::steady::MOST_AZIMUTHAL;
 use super::vary::{Varied, VaryArgs};
 use clap::Args;
-use furrow_cell::{Cue, Numerics, Parameter};
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_figures::plot::boundary::{self, Boundary};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
+use furrow_mechanics::azimuthal::threshold::threshold_curve;
 use furrow_mechanics::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{PointKind, StepBudget};
@@ -24,7 +26,8 @@ Examples:
   furrow boundary --vary r0 --from 1.7 --to 2 --no-folds
   furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --json
   furrow boundary --vary r0 --from 1.6 --to 1.9 --no-folds --plot boundary.svg --csv all.csv
-  furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds")]
+  furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds
+  furrow boundary --vary r0 --from 1.7 --to 2 --no-folds --azimuthal 1 --plot boundary.svg")]
 pub struct BoundaryArgs {
     #[command(flatten)]
     vary: VaryArgs,
@@ -37,6 +40,9 @@ pub struct BoundaryArgs {
     /// Skips the folds of the symmetric shapes
     #[arg(help_heading = "Output", long)]
     no_folds: bool,
+    /// Also follows the activity from which disturbances cos mφ, m = 1 to M, grow, which are not axisymmetric
+    #[arg(help_heading = "Output", long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]
+    azimuthal: Option<u8>,
     /// Stores the boundary over R0, with the critical radii of all cues of the lineage
     #[arg(help_heading = "Output", long, value_name = "FILE.json")]
     write: Option<PathBuf>,
@@ -89,15 +95,48 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
             _ => {}
         }
     }
+    let azimuthal = args.azimuthal.map(|most| thresholds(cell, numerics, *parameter, *range, usize::from(most)));
     let cusps = &cusps(&folds)[..];
     let (parameter, range, pitchfork, folds) = (*parameter, *range, &pitchfork, &folds[..]);
-    let found = Boundary { cell, parameter, range, pitchfork, folds, cusps, critical };
+    let thresholds = azimuthal.as_deref().unwrap_or_default();
+    let found = Boundary { cell, parameter, range, pitchfork, folds, cusps, critical, azimuthal: thresholds };
     let named = named(&found);
     if let Some(file) = &args.csv {
         write_atomically(file, &csv_of(HEADER, named.iter().map(|(name, p)| described(name.as_str(), p)))?)?;
     }
     picture.write(|| boundary::draw(&found))?;
-    print_as(context.json, &document(&found), || if args.points { list(&named) } else { text(&found) })
+    let mut document = document(&found);
+    if azimuthal.is_some() {
+        document["azimuthal"] = azimuthal_document(thresholds);
+    }
+    print_as(context.json, &document, || if args.points { list(&named) } else { text(&found) })
+}
+
+/// The thresholds of disturbances of azimuthal number 1 … `most`, with a warning for each that is not found or not to its end.
+pub fn thresholds(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    range: [f64; 2],
+    most: usize,
+) -> Vec<(usize, Curve)> {
+    let mut found = Vec::new();
+    for m in 1..=most {
+        match threshold_curve(cell, numerics, parameter, range, m) {
+            Ok(curve) => {
+                curve.error().iter().for_each(|error| tracing::warn!("{error}"));
+                found.push((m, curve));
+            }
+            Err(error) => tracing::warn!("no threshold for m = {m}: {error}"),
+        }
+    }
+    found
+}
+
+/// What `--json` prints of them.
+fn azimuthal_document(curves: &[(usize, Curve)]) -> Value {
+    let of = |m: usize, p: &CurvePoint| json!({ "m": m, "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation });
+    curves.iter().flat_map(|(m, curve)| curve.points.iter().map(move |p| of(*m, p))).collect()
 }
 
 /// Where the boundary lies at the cell's activity. Along R0 it is the critical radius of a tree, from wherever the range begins; a
@@ -175,7 +214,8 @@ fn named(found: &Boundary<'_>) -> Vec<(String, CurvePoint)> {
     let before =
         [("pitchfork".to_owned(), found.pitchfork.points.clone()), ("degenerate".to_owned(), degenerate(found))];
     let after = [("cusp".to_owned(), found.cusps.to_vec()), ("critical".to_owned(), Vec::from_iter(found.critical))];
-    let curves = before.into_iter().chain(folds).chain(after);
+    let azimuthal = found.azimuthal.iter().map(|(m, curve)| (format!("m = {m}"), curve.points.clone()));
+    let curves = before.into_iter().chain(folds).chain(azimuthal).chain(after);
     curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
 }
 
@@ -201,7 +241,9 @@ fn text(found: &Boundary<'_>) -> String {
     let events =
         named(found).into_iter().filter(|(name, _)| ["degenerate", "cusp", "critical"].contains(&name.as_str()));
     let events = events.map(|(name, point)| line(&name, &point));
-    [HEADING.to_owned(), ends("pitchfork", &pitchfork)].into_iter().chain(folds).chain(events).collect()
+    let azimuthal = found.azimuthal.iter().map(|(m, curve)| ends(&format!("m = {m}"), curve));
+    let curves = folds.chain(azimuthal).chain(events);
+    [HEADING.to_owned(), ends("pitchfork", &pitchfork)].into_iter().chain(curves).collect()
 }
 
 fn line(name: &str, p: &CurvePoint) -> String {

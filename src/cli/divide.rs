@@ -15,6 +15,7 @@ use furrow_formats::frames::{INDEX, check_step, write_frames};
 use furrow_lineage::Units;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::{Failure, replicates};
+use furrow_mechanics::azimuthal::threshold::one_sided_from;
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
@@ -185,7 +186,8 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     ];
     print_as(context.json, &parts.into_iter().fold(of_cell, merged), || {
         let text = text(&input.cell, &units, &solved, &statistics);
-        text + &chance.filter(|chance| chance.decides).map_or(String::new(), |chance| chance.text(&solved[0].division))
+        let chance = chance.filter(|chance| chance.decides).map_or(String::new(), |c| c.text(&solved[0].division));
+        text + &chance + &one_sided(&input.cell, &solved)
     })
 }
 
@@ -297,6 +299,17 @@ fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) 
         let _ = writeln!(out, "{} replicates: {} divided{chi}", solved.len(), solved.len() - statistics.failed);
     }
     out
+}
+
+/// Whether a cell that does not divide rests only because every shape here is axisymmetric.
+fn one_sided(cell: &Cell, solved: &[Solved]) -> String {
+    let rests = solved.iter().any(|one| one.division.chi().is_none());
+    match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
+        Some(from) => format!(
+            "it rests only as long as it stays axisymmetric: a one-sided furrow (m = 1) grows above ξ_s = {from:.1}, see furrow steady --azimuthal 1\n"
+        ),
+        None => String::new(),
+    }
 }
 
 /// One line of a result of --from-steady.

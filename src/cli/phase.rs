@@ -1,11 +1,13 @@
 //! `furrow phase`: outcomes over a plane of one parameter and activity.
 
+use super::boundary::thresholds;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{number, print_as};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
+use super::steady::MOST_AZIMUTHAL;
 use super::vary::{Varied, VaryArgs};
 use clap::Args;
 use furrow_analysis::Edges;
@@ -24,6 +26,7 @@ use std::fmt::Write;
 Examples:
   furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-from 15 --xi-to 25 --xi-points 2
   furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-points 2 --plot phase.svg
+  furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-points 2 --azimuthal 1 --plot phase.svg
   furrow phase --vary epsilon --from 0.8 --to 0.9 --r0 2 --points 2 --xi-points 2 --json")]
 pub struct PhaseArgs {
     #[command(flatten)]
@@ -43,6 +46,9 @@ pub struct PhaseArgs {
     /// Seed of the noise in the first step
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
+    /// Draws where disturbances cos mφ, m = 1 to M, begin to grow
+    #[arg(help_heading = "Output", long, value_name = "M", requires = "plot", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]
+    azimuthal: Option<u8>,
     #[command(flatten)]
     plot: PlotArgs,
 }
@@ -64,14 +70,15 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         seed: args.seed,
     };
     let diagram = solve(&context, &plane)?;
-    picture.write(|| plot::phase::draw(&plane, &diagram, &edges(&plane, range)))?;
+    let azimuthal = args.azimuthal.map_or(0, usize::from);
+    picture.write(|| plot::phase::draw(&plane, &diagram, &edges(&plane, range, azimuthal)))?;
     let (vary, cue) = (parameter.to_string(), &plane.cell.cue);
     let document = json!({ "vary": vary, "cue": cue, "cells": diagram.cells, "columns": diagram.columns });
     print_as(context.json, &document, || text(&plane, &diagram))
 }
 
 /// The curves that bound the outcomes, for the picture; without them it shows the edges at each value of the parameter.
-fn edges(plane: &PhasePlane, [from, to]: [f64; 2]) -> Edges {
+fn edges(plane: &PhasePlane, [from, to]: [f64; 2], azimuthal: usize) -> Edges {
     if from == to || plane.across.len() < 2 {
         return Edges::default();
     }
@@ -79,14 +86,15 @@ fn edges(plane: &PhasePlane, [from, to]: [f64; 2]) -> Edges {
     let found = curves::boundary_curves(cell, numerics, *parameter, range).and_then(|(kind, found)| match kind {
         PointKind::Pitchfork => {
             let folds = curves::fold_curves(cell, numerics, *parameter, range)?;
-            Ok(Edges { pitchforks: found, folds })
+            Ok(Edges { pitchforks: found, folds, ..Edges::default() })
         }
-        _ => Ok(Edges { pitchforks: Vec::new(), folds: found }),
+        _ => Ok(Edges { folds: found, ..Edges::default() }),
     });
-    found.unwrap_or_else(|error| {
+    let found = found.unwrap_or_else(|error| {
         tracing::warn!("the picture shows the edges at each value, without curves: {error}");
         Edges::default()
-    })
+    });
+    Edges { azimuthal: thresholds(cell, numerics, *parameter, range, azimuthal), ..found }
 }
 
 /// Computes the diagram; logs what could not be computed.

@@ -12,6 +12,8 @@ pub struct Edges {
     pub pitchforks: Vec<Curve>,
     /// Curves of folds.
     pub folds: Vec<Curve>,
+    /// Thresholds of disturbances that are not axisymmetric, by azimuthal number.
+    pub azimuthal: Vec<(usize, Curve)>,
 }
 
 /// The branches of a cell under their names.

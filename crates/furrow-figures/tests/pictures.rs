@@ -181,6 +181,7 @@ fn boundary(cue: &str, parameter: &str) -> String {
         folds,
         cusps: &[],
         critical,
+        azimuthal: &[],
     };
     plain(&plot::boundary::draw(&of).svg())
 }

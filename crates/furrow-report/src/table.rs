@@ -4,7 +4,9 @@ use super::observed_table::{Column, MODEL, decimals, observed_columns};
 use super::summary::{Generation, TreeSummary};
 use furrow_cell::Parameter;
 use furrow_formats::FounderRow;
-use furrow_lineage::Tree;
+
+use furrow_lineage::{CellId, TerminalReason, Tree, TreeCell};
+use furrow_mechanics::azimuthal::threshold::furrows_one_sided;
 use furrow_mechanics::division::Outcome;
 use std::fmt::Write;
 
@@ -49,10 +51,29 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
         let how = "slow, and followed by the growth rate there";
         let _ = writeln!(out, "{cells} just above the threshold of division: {how}.");
     }
+    let one_sided = one_sided(tree);
+    if one_sided > 0 {
+        let _ = writeln!(
+            out,
+            "{one_sided} of these cells rest only as long as they stay axisymmetric: a one-sided furrow (m = 1) grows in them, see furrow steady --azimuthal 1."
+        );
+    }
     if summary.limited() {
         out += "Some were stopped by a limit of the lineage file, not by mechanics; raise it for the whole tree.\n";
     }
     out
+}
+
+/// Cells at the ends of branches that would furrow from one side.
+fn one_sided(tree: &Tree) -> usize {
+    let rests = |cell: &TreeCell| {
+        matches!(
+            cell.fate.terminal_reason(),
+            Some(TerminalReason::AtRest { .. } | TerminalReason::BelowPitchfork { .. })
+        )
+    };
+    let rests = |id: &CellId| rests(tree.cell(*id));
+    tree.cells().filter(rests).filter(|id| furrows_one_sided(&tree.parameters(*id))).count()
 }
 
 /// The columns of a table, each after a blank.

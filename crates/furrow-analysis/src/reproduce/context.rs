@@ -262,7 +262,7 @@ impl<'a> Figure<'a> {
         let range = ends.map_or([0.0; 2], |(first, last)| [*first, *last]);
         let pitchforks = curves::pitchfork_curve(cell, numerics, plane.parameter, range).into_iter().collect();
         let folds = curves::fold_curves(cell, numerics, plane.parameter, range).unwrap_or_default();
-        let edges = Edges { pitchforks, folds };
+        let edges = Edges { pitchforks, folds, ..Edges::default() };
         self.show(self.name(), Artifact::Map(Box::new(Map { plane, diagram, edges })));
         Ok(())
     }

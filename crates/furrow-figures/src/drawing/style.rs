@@ -49,6 +49,17 @@ pub const PITCHFORK: Colour = INK;
 /// A curve of folds.
 pub const FOLD: Colour = rgb(0xcc_79_a7);
 
+/// The colour of disturbances of azimuthal number m ≥ 1.
+pub fn azimuthal(m: usize) -> Colour {
+    const COLOURS: [Colour; 4] = [MODEL, ASYMMETRIC, CUE_RAISES, SYMMETRIC];
+    COLOURS[m.saturating_sub(1) % COLOURS.len()]
+}
+
+/// A factor before a letter, which is left out where it is 1.
+pub fn factor(m: usize) -> String {
+    if m == 1 { String::new() } else { m.to_string() }
+}
+
 /// Colours of curves without an order or a meaning of their own.
 pub const SERIES: [Colour; 7] =
     [rgb(0), rgb(0xe6_9f_00), rgb(0x56_b4_e9), rgb(0x00_9e_73), rgb(0xcc_79_a7), rgb(0x00_72_b2), rgb(0xd5_5e_00)];

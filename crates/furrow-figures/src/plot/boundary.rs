@@ -28,13 +28,16 @@ pub struct Boundary<'a> {
     pub cusps: &'a [CurvePoint],
     /// Where the boundary lies at the cell's own activity.
     pub critical: Option<CurvePoint>,
+    /// Thresholds of disturbances that are not axisymmetric, by azimuthal number.
+    pub azimuthal: &'a [(usize, Curve)],
 }
 
 /// Draws the curves.
 pub fn draw(of: &Boundary<'_>) -> Canvas {
     let title = format!("Where division begins, {}", style::described(of.cell, &[of.parameter, Parameter::XiS]));
     let (mut canvas, top) = titled(WIDTH, CHART, &title, &legend(of));
-    let points = || of.pitchfork.points.iter().chain(of.folds.iter().flat_map(|fold| &fold.points));
+    let others = || of.folds.iter().chain(of.azimuthal.iter().map(|(_, curve)| curve));
+    let points = || of.pitchfork.points.iter().chain(others().flat_map(|curve| &curve.points));
     let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
     let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
     let x = Axis::new(style::parameter(of.parameter, &of.cell.cue), widened(across, 0.02));
@@ -42,6 +45,9 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
     let place = |point: &CurvePoint| [point.value, point.xi_s];
     for fold in of.folds {
         chart.line(fold.points.iter().chain(fold.cusp().as_ref()).map(place), Stroke::solid(FOLD, style::CURVE));
+    }
+    for (m, curve) in of.azimuthal {
+        chart.line(curve.points.iter().map(place), Stroke::solid(style::azimuthal(*m), style::CURVE));
     }
     for (kind, piece) in by_criticality(of.pitchfork) {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
@@ -67,13 +73,17 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
 fn legend(of: &Boundary<'_>) -> Legend {
     let is = |kind: Criticality| of.pitchfork.points.iter().any(|point| point.criticality() == Some(kind));
     let critical = Key::Point(style::ASYMMETRIC, Marker::Triangle);
-    Legend::default()
+    let azimuthal = |legend: Legend, (m, _): &(usize, Curve)| {
+        legend.with(Key::Line(style::azimuthal(*m)), format!("disturbances cos {}φ grow above", style::factor(*m)))
+    };
+    let legend = Legend::default()
         .with_if(is(Criticality::Supercritical), Key::Line(PITCHFORK), "pitchfork, supercritical")
         .with_if(is(Criticality::Subcritical), Key::Dashes(PITCHFORK, style::DOTTED), "subcritical")
         .with_if(!of.pitchfork.degenerate.is_empty(), Key::Point(PITCHFORK, Marker::Ring), "criticality changes")
         .with_if(!of.folds.is_empty(), Key::Line(FOLD), "fold")
         .with_if(!of.cusps.is_empty(), Key::Point(FOLD, Marker::Diamond), "cusp")
-        .with_if(of.critical.is_some(), critical, "critical value")
+        .with_if(of.critical.is_some(), critical, "critical value");
+    of.azimuthal.iter().fold(legend, azimuthal)
 }
 
 /// A curve of pitchforks in pieces of one criticality, which meet where it changes.

@@ -1,6 +1,8 @@
 //! A bifurcation diagram: elongation and furrow position over activity, solid where the shape is stable and dashed where it is
 //! not, with folds, pitchforks and some of the shapes.
 
+use std::collections::BTreeSet;
+
 use crate::drawing::cell::{ANTERIOR, POSTERIOR, Site, body, shell};
 use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
@@ -51,13 +53,30 @@ fn legend(branches: &[Named]) -> Legend {
     let lines = || branches.iter().flat_map(|(_, branch)| pieces(branch, |point| point.elongation));
     let is = |stable| lines().any(|(kind, _)| kind == stable);
     let shapes = |legend: Legend, (name, _): &Named| legend.with(Key::Line(colour(name)), format!("{name} shapes"));
-    branches
+    let legend = branches
         .iter()
         .fold(Legend::default(), shapes)
         .with_if(is(true), Key::Line(style::INK), "stable")
         .with_if(is(false), Key::Dashes(style::INK, style::DASHED), "unstable")
         .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
-        .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
+        .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold");
+    crossings(branches).fold(legend, |legend, (m, grows)| {
+        let verb = if grows { "begin to grow" } else { "stop growing" };
+        let words = format!("disturbances cos {}φ {verb}", style::factor(m));
+        legend.with(Key::Point(style::azimuthal(m), crossing(grows)), words)
+    })
+}
+
+/// The kinds of crossings that occur: the azimuthal number, and whether its disturbances grow beyond.
+fn crossings(branches: &[Named]) -> impl Iterator<Item = (usize, bool)> {
+    let all = branches.iter().flat_map(|(_, branch)| &branch.azimuthal.crossings);
+    let kinds: BTreeSet<(usize, bool)> = all.map(|crossing| (crossing.m, !crossing.grows)).collect();
+    kinds.into_iter().map(|(m, stops)| (m, !stops))
+}
+
+/// The marker of a crossing.
+fn crossing(grows: bool) -> Marker {
+    if grows { Marker::Ring } else { Marker::Square }
 }
 
 /// The colour of a branch: of what divides like its shapes.
@@ -132,6 +151,9 @@ fn chart(
             let at = chart.at(at);
             chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
         }
+    }
+    for at in branches.iter().flat_map(|(_, branch)| &branch.azimuthal.crossings) {
+        chart.point([at.point.xi_s, value(&at.point)], 6.5, crossing(at.grows), style::azimuthal(at.m));
     }
     let mut words: Vec<([f64; 2], Anchor, &str)> = Vec::new();
     for (name, branch) in branches {

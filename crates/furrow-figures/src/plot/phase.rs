@@ -3,7 +3,7 @@
 use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, bins, widened};
-use crate::drawing::style::{self, FOLD, PITCHFORK, WHITE, text};
+use crate::drawing::style::{self, Colour, FOLD, PITCHFORK, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Stroke, scale};
 use furrow_analysis::Edges;
 use furrow_cell::Parameter;
@@ -11,6 +11,7 @@ use furrow_lineage::batch::phase::PhaseOutcome;
 use furrow_lineage::batch::{PhaseDiagram, PhasePlane};
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::at_rest::Edge;
+use furrow_mechanics::equilibria::curves::Curve;
 
 const WIDTH: f64 = 940.0;
 const CHART: f64 = 588.0;
@@ -34,18 +35,15 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
         let colour = style::tile(outcome(cell.outcome), cell.chi);
         Some((*columns.get(k / rows.len())?, *rows.get(k % rows.len())?, colour))
     }));
-    for (curves, colour) in [(&edges.folds, FOLD), (&edges.pitchforks, PITCHFORK)] {
-        for curve in curves {
-            // A white rim is seen on any colour.
-            for stroke in [Stroke::solid(WHITE, style::CURVE + 2.6), Stroke::solid(colour, style::CURVE)] {
-                chart.line(curve.points.iter().map(|point| [point.value, point.xi_s]), stroke);
-            }
+    for (curve, colour) in lines(edges) {
+        // A white rim is seen on any colour.
+        for stroke in [Stroke::solid(WHITE, style::CURVE + 2.6), Stroke::solid(colour, style::CURVE)] {
+            chart.line(curve.points.iter().map(|point| [point.value, point.xi_s]), stroke);
         }
     }
     let points = marks(&mut chart, diagram, edges);
     if columns.len() <= WRITTEN[0] && rows.len() <= WRITTEN[1] {
-        let lines = edges.folds.iter().chain(&edges.pitchforks);
-        let lines = lines.map(|curve| curve.points.iter().map(|p| chart.at([p.value, p.xi_s])).collect());
+        let lines = lines(edges).map(|(curve, _)| curve.points.iter().map(|p| chart.at([p.value, p.xi_s])).collect());
         let busy: Vec<Vec<[f64; 2]>> = lines.chain(points.into_iter().map(|at| vec![at])).collect();
         for (k, cell) in diagram.cells.iter().enumerate() {
             if let (PhaseOutcome::Asymmetric, Some(chi)) = (cell.outcome, cell.chi) {
@@ -61,6 +59,14 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
         scale::chi(chart.canvas, [right, top, bottom]);
     }
     canvas
+}
+
+/// All curves with their colours.
+fn lines(edges: &Edges) -> impl Iterator<Item = (&Curve, Colour)> {
+    let coloured = |colour| move |curve| (curve, colour);
+    let azimuthal = edges.azimuthal.iter().map(|(m, curve)| (curve, style::azimuthal(*m)));
+    let folds = edges.folds.iter().map(coloured(FOLD));
+    folds.chain(edges.pitchforks.iter().map(coloured(PITCHFORK))).chain(azimuthal)
 }
 
 /// Writes χ in its tile, where no line runs through it.
@@ -146,11 +152,14 @@ fn legend(diagram: &PhaseDiagram, edges: &Edges) -> Legend {
         diagram.columns.iter().flat_map(|c| &c.edges).any(|e| matches!(e, Edge::Pitchfork { .. }) == pitchfork)
     };
     let (pitchforks, folds) = (!edges.pitchforks.is_empty(), !edges.folds.is_empty());
-    legend
+    let legend = legend
         .with_if(pitchforks, Key::Line(PITCHFORK), "pitchfork")
         .with_if(!pitchforks && edge(true), Key::Point(PITCHFORK, Marker::Disc), "pitchfork")
         .with_if(folds, Key::Line(FOLD), "fold")
-        .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold")
+        .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold");
+    edges.azimuthal.iter().fold(legend, |legend, (m, _)| {
+        legend.with(Key::Line(style::azimuthal(*m)), format!("disturbances cos {}φ grow above", style::factor(*m)))
+    })
 }
 
 #[cfg(test)]

@@ -11,12 +11,14 @@
 //! | [`problem`] | the boundary-value problem |
 //! | [`mode`] | what a mode looks like |
 //! | [`scan`] | growth rates along a branch |
+//! | [`threshold`] | where they begin to grow, over a parameter |
 
 pub mod base;
 pub mod equations;
 pub mod mode;
 pub mod problem;
 pub mod scan;
+pub mod threshold;
 
 use furrow_bvp::{Direction, Gauss, Residual, Solution, System};
 use furrow_spectra::{Arnoldi, Krylov};

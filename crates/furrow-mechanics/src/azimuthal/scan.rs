@@ -10,10 +10,10 @@ use crate::equilibria::ShapePoint;
 use furrow_cell::Parameter;
 
 /// Index of ξ_s among the scalar unknowns of a branch.
-const XI: usize = SHAPE_SCALARS;
+pub(super) const XI: usize = SHAPE_SCALARS;
 /// Steps of the search for a crossing, and how close to it in ξ_s it ends.
 const SEARCH: usize = 40;
-const CLOSE: f64 = 1e-9;
+pub(super) const CLOSE: f64 = 1e-9;
 
 /// A shape where disturbances of one azimuthal number neither grow nor decay.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,11 +35,13 @@ pub struct AzimuthalScan {
     pub rates: Vec<Vec<Option<f64>>>,
     /// Where they change sign.
     pub crossings: Vec<Crossing>,
+    /// Azimuthal numbers that change sign behind a point (its index) without a crossing that could be located.
+    pub not_located: Vec<(usize, usize)>,
     before: Option<Solution>,
 }
 
 /// The largest growth rate of disturbances of azimuthal number m.
-fn rate(cortex: &Cortex, y: &Solution, m: usize) -> Option<f64> {
+pub(super) fn rate(cortex: &Cortex, y: &Solution, m: usize) -> Option<f64> {
     Azimuthal::new(cortex, y, m).growth_rate().ok()
 }
 
@@ -47,6 +49,16 @@ impl AzimuthalScan {
     /// For m = 1 … `most`.
     pub fn new(most: usize) -> AzimuthalScan {
         AzimuthalScan { most, ..AzimuthalScan::default() }
+    }
+
+    /// The azimuthal numbers whose rate could not be computed somewhere, each with the indices of these points.
+    pub fn missing(&self) -> Vec<(usize, Vec<usize>)> {
+        let of = |m: usize| {
+            let at = |(k, rates): (usize, &Vec<Option<f64>>)| matches!(rates.get(m - 1), Some(None)).then_some(k);
+            (m, self.rates.iter().enumerate().filter_map(at).collect::<Vec<_>>())
+        };
+        let most = self.rates.iter().map(Vec::len).max().unwrap_or(0);
+        (1..=most).map(of).filter(|(_, points)| !points.is_empty()).collect()
     }
 
     /// Takes in the newest point of a branch.
@@ -58,11 +70,13 @@ impl AzimuthalScan {
         let now: Vec<Option<f64>> = (1..=self.most).map(|m| rate(cortex, y, m)).collect();
         if let (Some(last), Some(from)) = (self.rates.last(), &self.before) {
             for (k, (a, b)) in last.iter().zip(&now).enumerate() {
-                if let (Some(a), Some(b)) = (a, b)
-                    && (*a < 0.0) != (*b < 0.0)
-                    && let Some(point) = crossing(cortex, [from, y], k + 1, [*a, *b])
-                {
-                    self.crossings.push(Crossing { m: k + 1, point, grows: *b > *a });
+                let (Some(a), Some(b)) = (a, b) else { continue };
+                if (*a < 0.0) == (*b < 0.0) {
+                    continue;
+                }
+                match crossing(cortex, [from, y], k + 1, [*a, *b]) {
+                    Some((point, _)) => self.crossings.push(Crossing { m: k + 1, point, grows: *b > *a }),
+                    None => self.not_located.push((k + 1, self.rates.len() - 1)),
                 }
             }
         }
@@ -71,30 +85,60 @@ impl AzimuthalScan {
     }
 }
 
+/// Stationary shapes of one cell at activities as they are asked for.
+pub(super) struct Corrector {
+    /// The cell.
+    pub cortex: Cortex,
+    system: System,
+    scratch: NewtonScratch,
+}
+
+impl Corrector {
+    /// For the cell of a cortex.
+    pub fn of(cortex: &Cortex, stages: usize) -> Corrector {
+        let cortex = Cortex::new(&cortex.cell, cortex.domain, &[]);
+        let system = System::new(Cortex::dimensions_for(&cortex.cell, 0), stages);
+        Corrector { cortex, system, scratch: NewtonScratch::default() }
+    }
+
+    /// The shape at ξ_s near `y`, which it becomes, and the growth rate of its disturbances of azimuthal number m.
+    pub fn rate(&mut self, xi: f64, y: &mut Solution, m: usize) -> Option<f64> {
+        y.scalars.truncate(SHAPE_SCALARS);
+        self.cortex.set(Parameter::XiS, xi);
+        Newton::default().solve(&mut self.system, &mut self.scratch, &mut self.cortex, y, &[], false).ok()?;
+        rate(&self.cortex, y, m)
+    }
+}
+
+/// A solution on the way from one to another on the same mesh, or beyond.
+pub(super) fn between(from: &Solution, to: &Solution, share: f64) -> Solution {
+    let mut y = to.clone();
+    for (y, from) in [(&mut y.nodes, &from.nodes), (&mut y.stages, &from.stages), (&mut y.scalars, &from.scalars)] {
+        y.iter_mut().zip(from).for_each(|(y, from)| *y = from + share * (*y - from));
+    }
+    y
+}
+
 /// The shape between two of a branch where the growth rate is 0, by false position on ξ_s; none where the branch turns back between
 /// them, or a shape is not found.
-fn crossing(cortex: &Cortex, [from, to]: [&Solution; 2], m: usize, rates: [f64; 2]) -> Option<ShapePoint> {
+pub(super) fn crossing(
+    cortex: &Cortex,
+    [from, to]: [&Solution; 2],
+    m: usize,
+    rates: [f64; 2],
+) -> Option<(ShapePoint, Solution)> {
     let gauss = Gauss::new(to.m);
     let from = from.on_mesh(&gauss, &to.mesh);
     let (mut ends, mut rates) = ([from.scalars[XI], to.scalars[XI]], rates);
-    let mut fixed = Cortex::new(&cortex.cell, cortex.domain, &[]);
-    let mut system = System::new(Cortex::dimensions_for(&fixed.cell, 0), to.m);
-    let mut scratch = NewtonScratch::default();
+    let mut at_rest = Corrector::of(cortex, to.m);
     let whole = ends[1] - ends[0];
     let mut found = None;
     for _ in 0..SEARCH {
         let xi = ends[0] - rates[0] * (ends[1] - ends[0]) / (rates[1] - rates[0]);
-        let share = (xi - from.scalars[XI]) / whole;
-        let mut y = to.clone();
-        for (y, from) in [(&mut y.nodes, &from.nodes), (&mut y.stages, &from.stages), (&mut y.scalars, &from.scalars)] {
-            y.iter_mut().zip(from).for_each(|(y, from)| *y = from + share * (*y - from));
-        }
-        y.scalars.truncate(SHAPE_SCALARS);
-        fixed.set(Parameter::XiS, xi);
-        Newton::default().solve(&mut system, &mut scratch, &mut fixed, &mut y, &[], false).ok()?;
-        let here = rate(&fixed, &y, m)?;
-        let step = found.map_or(f64::INFINITY, |before: ShapePoint| (before.xi_s - xi).abs());
-        found = Some(ShapePoint::of(&y, &fixed, &gauss));
+        let mut y = between(&from, to, (xi - from.scalars[XI]) / whole);
+        let here = at_rest.rate(xi, &mut y, m)?;
+        let step = found.map_or(f64::INFINITY, |(before, _): (ShapePoint, Solution)| (before.xi_s - xi).abs());
+        found = Some((ShapePoint::of(&y, &at_rest.cortex, &gauss), y));
         if here == 0.0 || step < CLOSE * (1.0 + xi.abs()) {
             break;
         }

@@ -90,6 +90,12 @@ pub enum ShapeError {
     /// A curve of singular points ends at shapes without activity.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: xi_s falls to 0 on the way")]
     Inactive { kind: PointKind, parameter: Parameter, value: f64 },
+    /// Disturbances of this azimuthal number decay along the branch of the passive shape.
+    #[error("{cell}: disturbances m = {m} do not grow on the branch of the passive shape up to xi_s = {xi_s}")]
+    NoGrowth { cell: CellName, m: usize, xi_s: f64 },
+    /// A curve of thresholds of such disturbances does not reach the value asked for.
+    #[error("the threshold of disturbances m = {m} is not found beyond {parameter} = {reached}, on the way to {value}")]
+    ThresholdLost { m: usize, parameter: Parameter, reached: f64, value: f64 },
     /// Cells below a critical radius divide, or do not come to rest.
     #[error("{cell}: the {kind} at R0 = {r0} bounds no division: smaller cells do not rest")]
     NoBound { cell: CellName, kind: PointKind, r0: f64 },

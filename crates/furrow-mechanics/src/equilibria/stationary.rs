@@ -50,14 +50,14 @@ pub enum StationaryError {
 /// Most points of a branch followed for one shape.
 const MOST_POINTS: usize = 400;
 /// Beyond a fold, a branch whose waist falls below this fraction of R0 leads to pinched shapes and is left there.
-const PINCHING: f64 = 0.25;
+pub(crate) const PINCHING: f64 = 0.25;
 
 /// Longest steps along the branch, in its arclength. Landing on ξ_s extrapolates over a step of the branch: shorter ones are
 /// tried where that fails.
 const STEPS: [f64; 3] = [3.0, 0.6, 0.1];
 
 /// The narrowest waist, or the largest radius of a contour without one.
-fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
+pub(crate) fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
     let widest = || y.stages.chunks_exact(y.components).map(|s| s[R]).fold(0.0, f64::max);
     match domain {
         Domain::Half => y.node(y.intervals())[R],
