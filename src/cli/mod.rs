@@ -104,7 +104,8 @@ enum Command {
     ///
     /// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
     /// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
-    /// annotations for itol.embl.de.
+    /// annotations for itol.embl.de. geff is a folder in the graph exchange format of cell tracking, ctc the table of tracks of the Cell
+    /// Tracking Challenge.
     Export(export::ExportArgs),
     /// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
     Calibrate(calibrate::CalibrateArgs),

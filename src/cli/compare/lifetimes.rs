@@ -121,13 +121,16 @@ fn text(found: &LifetimesBeside) -> String {
     out.extend(found.cells.iter().map(cell_text));
     out += &founders_text(found);
     out += &order_text(&found.order);
-    let deviation = found.deviation.map_or(String::new(), |Deviation { cells, rms_ln, with_sd, within_two_sd }| {
-        format!(
-            "the model's lifetimes of {cells} cells are off by {:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most \
-             2 sd\n",
-            100.0 * rms_ln
-        )
-    });
+    let off = |which: &str, deviation: Option<Deviation>| {
+        deviation.map_or(String::new(), |Deviation { cells, rms_ln, with_sd, within_two_sd }| {
+            let off = 100.0 * rms_ln;
+            format!("{cells} cells{which} are off by {off:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most 2 sd\n")
+        })
+    };
+    let deviation = off("", found.deviation) + &off(" without a measured volume", found.deviation_without_volume);
+    if found.has_clock {
+        out += "the model's lifetimes are those of its clock: where it was fitted to this table they agree by construction\n";
+    }
     out + &deviation + &departure_text(found)
 }
 

@@ -111,6 +111,8 @@ pub struct LifetimesBeside {
     pub model_slope: Option<Trend>,
     /// `None` without a clock.
     pub deviation: Option<Deviation>,
+    /// That of cells without a measured volume, to which a clock over volume cannot have been fitted; `None` without such cells.
+    pub deviation_without_volume: Option<Deviation>,
     /// Which sister divides first.
     pub order: Order,
     /// Cells alive over time; `None` if the table has no births.
@@ -138,7 +140,8 @@ pub fn lifetimes_beside(tree: &Tree, lifetimes: &Lifetimes, volumes: &BTreeMap<S
         founders: founders_beside(&cells, &measured, model.as_ref()),
         slope: measured.all,
         model_slope: model.and_then(|model| model.all),
-        deviation: times.is_some().then(|| deviation(&cells)).flatten(),
+        deviation: deviation(&cells, |_| true),
+        deviation_without_volume: deviation(&cells, |cell| cell.volume.is_none()),
         order: order(lifetimes, &cells, times.is_some()),
         cells,
         departure: over_time.as_ref().and_then(departure),
@@ -201,10 +204,10 @@ fn founders_beside(cells: &[CellBeside], measured: &Slopes, model: Option<&Slope
     names.into_iter().map(of).collect()
 }
 
-fn deviation(cells: &[CellBeside]) -> Option<Deviation> {
-    let ratios: Vec<f64> =
-        cells.iter().filter_map(|cell| Some((cell.model? / cell.measured.mean).ln().powi(2))).collect();
-    let off: Vec<f64> = cells.iter().filter_map(CellBeside::off).collect();
+fn deviation(cells: &[CellBeside], of: fn(&CellBeside) -> bool) -> Option<Deviation> {
+    let chosen = || cells.iter().filter(|cell| of(cell));
+    let ratios: Vec<f64> = chosen().filter_map(|cell| Some((cell.model? / cell.measured.mean).ln().powi(2))).collect();
+    let off: Vec<f64> = chosen().filter_map(CellBeside::off).collect();
     let within_two_sd = off.iter().filter(|off| off.abs() <= 2.0).count();
     (!ratios.is_empty()).then(|| Deviation {
         cells: ratios.len(),
@@ -226,6 +229,8 @@ fn order(lifetimes: &Lifetimes, cells: &[CellBeside], has_clock: bool) -> Order 
     let larger = |pair: &Sisters| both(pair, |cell| cell.volume).and_then(|[a, b]| smaller([-a, -b]));
     let model_first = |pair: &Sisters| {
         let apart = |[a, b]: &[f64; 2]| (a - b).abs() > SAME * a.max(*b);
+        // Sisters of one size whose clocks differ have the order that the clocks were given.
+        both(pair, |cell| cell.model_volume).filter(apart)?;
         both(pair, |cell| cell.model).filter(apart).and_then(smaller)
     };
     let measured = sisters(lifetimes);
