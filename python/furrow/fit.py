@@ -44,7 +44,7 @@ def clock(
     >>> import furrow
     >>> found = furrow.fit.clock()
     >>> [(law["founder"], round(law["exponent"], 2)) for law in found["exponents"]][:2]
-    [('AB', 0.28), ('MS', 0.24)]
+    [('AB', 0.3), ('MS', 0.26)]
     """
     found = _furrow.fit_clock(
         source_of(table),
