@@ -4,7 +4,6 @@ use super::observed_table::{Column, MODEL, decimals, observed_columns};
 use super::summary::{Generation, TreeSummary};
 use furrow_cell::Parameter;
 use furrow_formats::FounderRow;
-
 use furrow_lineage::{CellId, TerminalReason, Tree, TreeCell};
 use furrow_mechanics::azimuthal::threshold::furrows_one_sided;
 use furrow_mechanics::division::Outcome;
