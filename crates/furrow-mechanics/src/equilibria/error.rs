@@ -91,7 +91,7 @@ pub enum ShapeError {
     #[error("the curve of {kind}s does not reach {parameter} = {value}: xi_s falls to 0 on the way")]
     Inactive { kind: PointKind, parameter: Parameter, value: f64 },
     /// Disturbances of this azimuthal number decay along the branch of the passive shape.
-    #[error("{cell}: disturbances m = {m} do not grow on the branch of the passive shape up to xi_s = {xi_s}")]
+    #[error("{cell}: disturbances m = {m} do not grow on the branch of the passive shape up to xi_s = {xi_s:.4}")]
     NoGrowth { cell: CellName, m: usize, xi_s: f64 },
     /// A curve of thresholds of such disturbances does not reach the value asked for.
     #[error("the threshold of disturbances m = {m} is not found beyond {parameter} = {reached}, on the way to {value}")]
