@@ -136,7 +136,8 @@ impl Solution {
         for (o, y) in out.iter_mut().zip(self.node(i)) {
             *o = basis[0] * y;
         }
-        const SIZED: [fn(&[f64], &[f64], &mut [f64]); 10] = [
+        type Sum = fn(&[f64], &[f64], &mut [f64]);
+        const SIZED: [Sum; 10] = [
             any, sized::<1>, sized::<2>, sized::<3>, sized::<4>, sized::<5>, sized::<6>, sized::<7>, sized::<8>,
             sized::<9>,
         ];
