@@ -25,7 +25,7 @@ use std::path::PathBuf;
 Examples:
   furrow boundary --vary r0 --from 1.7 --to 2 --no-folds
   furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --json
-  furrow boundary --vary r0 --from 1.6 --to 1.9 --no-folds --azimuthal 1 --plot boundary.svg --csv all.csv
+  furrow boundary --vary r0 --from 1.6 --to 1.9 --no-folds --azimuthal 1 --plot all.svg
   furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds")]
 pub struct BoundaryArgs {
     #[command(flatten)]

@@ -124,7 +124,7 @@ fn text(found: &LifetimesBeside) -> String {
     let off = |which: &str, deviation: Option<Deviation>| {
         deviation.map_or(String::new(), |Deviation { cells, rms_ln, with_sd, within_two_sd }| {
             let off = 100.0 * rms_ln;
-            format!("{cells} cells{which} are off by {off:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most 2 sd\n")
+            format!("the model's lifetimes of {cells} cells{which} are off by {off:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most 2 sd\n")
         })
     };
     let deviation = off("", found.deviation) + &off(" without a measured volume", found.deviation_without_volume);
