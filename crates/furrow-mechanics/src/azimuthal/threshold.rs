@@ -1,7 +1,7 @@
 //! The activity from which disturbances of one azimuthal number grow, as a curve over a parameter.
 //!
 //! The growth rate at the threshold is the rightmost of all, and simple: the curve is followed by secants, and every point of it is
-//! located by itself. [`PRESET`] are those of the preset `gao2026`, for who cannot wait.
+//! located by itself. Those of the preset `gao2026` are kept as a table, which costs nothing to read.
 
 use std::sync::LazyLock;
 
