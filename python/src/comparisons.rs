@@ -9,14 +9,14 @@ use furrow_analysis::compare::volumes::{
     scale,
 };
 use furrow_analysis::{grown, read_constants, scenarios_of, tree_settings};
-use furrow_input::{InputError, shown};
+use furrow_input::shown;
 use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
 use furrow_measured::contour::series::{ModelContour, Series, series as laid_beside};
 use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
-use furrow_measured::tracked::{TrackOptions, read_tracked};
+use furrow_measured::tracked::{TrackOptions, read_embryo};
 use furrow_measured::trend::{VolumeBin, adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use numpy::PyReadonlyArray2;
@@ -37,11 +37,8 @@ pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf
     py.detach(|| {
         let found = match &measured {
             Some(file) => {
-                let tracked = read_tracked(file, &TrackOptions::default())?;
-                let file = file.display().to_string();
-                let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
-                let other = || InputError::other_file(&file, "an embryo that was followed", reason);
-                counts_beside(&tree.tree, &tracked.ok_or_else(other)?, &file)?
+                let embryo = read_embryo(file, &TrackOptions::default())?;
+                counts_beside(&tree.tree, &embryo, &file.display().to_string())?
             }
             None => counted(&tree.tree, "tree")?,
         };

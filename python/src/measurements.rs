@@ -8,7 +8,6 @@ use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::dose::{DoseGroup, Doses, by_condition, by_dose, trend};
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
 use furrow_measured::published::{DOSE_SOURCE, SOURCE, jankele2021_lifetimes, jankele2021_volumes, rodrigues2024};
-use furrow_measured::tracked::{TrackOptions, read_tracked};
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -23,13 +22,7 @@ use crate::trees::GrownTree;
 fn lifetimes_of(table: &Source, frame_minutes: Option<f64>) -> Result<Lifetimes, Error> {
     Ok(match table {
         (Some(text), _) => Lifetimes::read(text.as_bytes(), "lifetimes")?,
-        (None, Some(file)) => {
-            let name = file.display().to_string();
-            match read_tracked(file, &TrackOptions { pixel: None, frame_minutes })? {
-                Some(embryo) => embryo.lifetimes(&name)?,
-                None => Lifetimes::read(open_file(file)?, &name)?,
-            }
-        }
+        (None, Some(file)) => Lifetimes::read_file(file, frame_minutes)?,
         (None, None) => jankele2021_lifetimes()?,
     })
 }

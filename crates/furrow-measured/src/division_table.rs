@@ -6,7 +6,7 @@ use furrow_input::{InputError, csv_value};
 
 use crate::events::{Division, GENERATION};
 use crate::layout::{ChiColumns, DivisionColumns, Unit, embryo_of_file};
-use crate::table::{Table, is_comment, number};
+use crate::table::{Table, number};
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, positive};
 
 impl Volumes {
@@ -18,10 +18,7 @@ impl Volumes {
         header: &[String],
         columns: &DivisionColumns,
     ) -> Result<Unit, InputError> {
-        while let Some(row) = table.next()? {
-            if is_comment(row.1) {
-                continue;
-            }
+        while let Some(row) = table.next_row()? {
             let found = division(columns, |column| Value::new(row, header, column), options);
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {
@@ -42,10 +39,7 @@ impl Volumes {
         header: &[String],
         columns: &ChiColumns,
     ) -> Result<Unit, InputError> {
-        while let Some(row) = table.next()? {
-            if is_comment(row.1) {
-                continue;
-            }
+        while let Some(row) = table.next_row()? {
             let found = chi_division(columns, |column| Value::new(row, header, column), (file, options));
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {

@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::layout::unified;
 use crate::statistics::{Line, RankCorrelation, line, mean, rank_correlation, sd};
-use crate::table::{Table, is_comment, listed, malformed, names, number};
-use crate::volumes::{MOST_PLACES, Rejected, Skipped, Value};
+use crate::table::{Table, listed, malformed, number};
+use crate::volumes::{Rejected, Skipped, Value, note};
 
 /// A division of a cell with a dose.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -49,7 +49,7 @@ impl DosedDivision {
 pub struct Doses {
     /// Its divisions, in its order.
     pub divisions: Vec<DosedDivision>,
-    /// Rows that could not be used, at most [`MOST_PLACES`].
+    /// Rows that could not be used, at most [`MOST_PLACES`](crate::volumes::MOST_PLACES).
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
@@ -62,20 +62,10 @@ impl Doses {
     /// A table without the required columns, or of which no row can be used.
     pub fn read(from: impl Read, file: &str) -> Result<Doses, InputError> {
         let mut table = Table::open(from, file)?;
-        let (line, header) = loop {
-            let Some((line, first)) = table.next()? else {
-                return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
-            };
-            if !is_comment(first) {
-                break (line as usize, names(first));
-            }
-        };
+        let (line, header) = table.header(|_| false)?;
         let columns = Columns::of(&header, (file, line))?;
         let mut doses = Doses::default();
-        while let Some(row) = table.next()? {
-            if is_comment(row.1) {
-                continue;
-            }
+        while let Some(row) = table.next_row()? {
             match columns.division(|column| Value::new(row, &header, column)) {
                 Ok(division) => doses.divisions.push(division),
                 Err(rejected) => doses.skip(file, &rejected),
@@ -88,10 +78,7 @@ impl Doses {
     }
 
     fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
-        self.skipped_count += 1;
-        if self.skipped.len() < MOST_PLACES {
-            self.skipped.push(Skipped::new(file, rejected));
-        }
+        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, rejected));
     }
 }
 

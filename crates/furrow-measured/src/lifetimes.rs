@@ -6,17 +6,19 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
+use std::path::Path;
 
 use csv::ByteRecord;
-use furrow_input::InputError;
+use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
 use crate::events::place;
 use crate::names::{birth, founder};
 use crate::significance::{Sample, Trend, sign_test, trend, welch};
 use crate::statistics::{mean, sd};
-use crate::table::{Table, is_comment, listed, malformed, names, number};
-use crate::volumes::{MOST_PLACES, Skipped, Volumes};
+use crate::table::{Table, listed, malformed, number};
+use crate::tracked::{TrackOptions, read_tracked};
+use crate::volumes::{Skipped, Value, Volumes, note};
 
 /// How long a cell lives in some embryos.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -49,7 +51,7 @@ pub struct Lifetimes {
     pub cells: Vec<Lifetime>,
     /// Rows used.
     pub used: u64,
-    /// Rows that could not be used, at most [`MOST_PLACES`].
+    /// Rows that could not be used, at most [`MOST_PLACES`](crate::volumes::MOST_PLACES).
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
@@ -72,9 +74,9 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(first: &ByteRecord, file: &str, line: u64) -> Result<Columns, InputError> {
-        let header: Vec<String> = names(first).into_iter().map(|name| name.to_lowercase()).collect();
-        let refused = |why: String| malformed(file, line as usize, why);
+    fn of(header: &[String], file: &str, line: usize) -> Result<Columns, InputError> {
+        let header: Vec<String> = header.iter().map(|name| name.to_lowercase()).collect();
+        let refused = |why: String| malformed(file, line, why);
         if let Some((k, name)) = header.iter().enumerate().find(|(k, name)| header[..*k].contains(name)) {
             return Err(refused(format!("two columns are called {name:?}, the second of them column {}", k + 1)));
         }
@@ -156,22 +158,13 @@ impl Lifetimes {
     /// A table without the required columns, or without a row that can be used.
     pub fn read(from: impl Read, file: &str) -> Result<Lifetimes, InputError> {
         let mut table = Table::open(from, file)?;
-        let columns = loop {
-            let Some((line, first)) = table.next()? else {
-                return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
-            };
-            if !is_comment(first) {
-                break Columns::of(first, file, line)?;
-            }
-        };
+        let (line, header) = table.header(|_| false)?;
+        let columns = Columns::of(&header, file, line)?;
         let mut found = Lifetimes::default();
         let mut rows: Vec<Vec<Row>> = Vec::new();
         // Indices of cells, and the lines of their first rows.
         let mut places: HashMap<String, (usize, u64)> = HashMap::new();
-        while let Some((line, record)) = table.next()? {
-            if is_comment(record) {
-                continue;
-            }
+        while let Some((line, record)) = table.next_row()? {
             let row = match read_row(record, &columns) {
                 Ok(row) => row,
                 Err((column, why)) => {
@@ -194,10 +187,7 @@ impl Lifetimes {
             }
             found.used += 1;
         }
-        let first = found.skipped.first().map_or("the table has no rows".to_owned(), |skipped| {
-            let Skipped { line, column, value, why, .. } = skipped;
-            format!("line {line}, column {column}: {value:?}: {why}")
-        });
+        let first = found.skipped.first().map_or("the table has no rows".to_owned(), Skipped::described);
         let value = format!("none used, {} skipped", found.skipped_count);
         InputError::require(
             found.used > 0,
@@ -210,18 +200,22 @@ impl Lifetimes {
         Ok(found)
     }
 
-    fn skip(&mut self, (file, line): (&str, u64), (at, header): (usize, &[String]), record: &ByteRecord, why: String) {
-        self.skipped_count += 1;
-        if self.skipped.len() < MOST_PLACES {
-            let text = record.get(at).unwrap_or_default().trim_ascii();
-            self.skipped.push(Skipped {
-                file: file.to_owned(),
-                line,
-                column: format!("{} ({})", at + 1, header[at]),
-                value: String::from_utf8_lossy(&text[..text.len().min(80)]).into_owned(),
-                why,
-            });
+    /// Reads a file: a table, or cells that another program [followed over time](crate::tracked) with so many minutes from one frame to
+    /// the next.
+    ///
+    /// # Errors
+    /// As [`Lifetimes::read`] and [`TrackedLineage::lifetimes`](crate::tracked::TrackedLineage::lifetimes).
+    pub fn read_file(path: &Path, frame_minutes: Option<f64>) -> Result<Lifetimes, InputError> {
+        let name = path.display().to_string();
+        match read_tracked(path, &TrackOptions { pixel: None, frame_minutes })? {
+            Some(embryo) => embryo.lifetimes(&name),
+            None => Lifetimes::read(open_file(path)?, &name),
         }
+    }
+
+    fn skip(&mut self, (file, line): (&str, u64), (at, header): (usize, &[String]), record: &ByteRecord, why: String) {
+        let rejected = (Value::new((line, record), header, at), why);
+        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, &rejected));
     }
 
     /// The lifetime of a cell.

@@ -43,11 +43,48 @@ impl<'f, R: Read> Table<'f, R> {
         Ok(Table { reader: builder.from_reader(buffered), record: ByteRecord::new(), file })
     }
 
+    /// The names of the columns, and their line: the first row that is no comment, or one that `is_header` accepts although it looks
+    /// like one.
+    ///
+    /// # Errors
+    /// A table without such a row, and as [`next`](Self::next).
+    pub(crate) fn header(&mut self, is_header: impl Fn(&[String]) -> bool) -> Result<(usize, Vec<String>), InputError> {
+        while let Some((line, row)) = self.next()? {
+            let header = names(row);
+            if !is_comment(row) || is_header(&header) {
+                return Ok((line as usize, header));
+            }
+        }
+        Err(malformed(self.file, 1, "the table is empty; its first line must name its columns"))
+    }
+
+    /// The next row that is no comment, and its line; `None` at the end.
+    ///
+    /// # Errors
+    /// As [`next`](Self::next).
+    pub(crate) fn next_row(&mut self) -> Result<Option<(u64, &ByteRecord)>, InputError> {
+        while self.advance()? {
+            if !is_comment(&self.record) {
+                return Ok(Some(self.here()));
+            }
+        }
+        Ok(None)
+    }
+
     /// The next row and its line; `None` at the end.
     ///
     /// # Errors
     /// A row that cannot be read, or a table longer than [`LONGEST`].
     pub(crate) fn next(&mut self) -> Result<Option<(u64, &ByteRecord)>, InputError> {
+        Ok(self.advance()?.then(|| self.here()))
+    }
+
+    fn here(&self) -> (u64, &ByteRecord) {
+        (self.record.position().map_or(0, csv::Position::line), &self.record)
+    }
+
+    /// Reads the next row, if there is one.
+    fn advance(&mut self) -> Result<bool, InputError> {
         let more = self.reader.read_byte_record(&mut self.record).map_err(|error| {
             let line = error.position().map_or(0, csv::Position::line) as usize;
             malformed(self.file, line.max(1), error.to_string())
@@ -56,12 +93,12 @@ impl<'f, R: Read> Table<'f, R> {
             let reason = format!("it is longer than {} MB, the most that is read of a table", LONGEST >> 20);
             return Err(InputError::Unreadable { file: self.file.to_owned(), reason });
         }
-        Ok(more.then(|| (self.record.position().map_or(0, csv::Position::line), &self.record)))
+        Ok(more)
     }
 }
 
 /// Whether a row is a comment.
-pub(crate) fn is_comment(row: &ByteRecord) -> bool {
+fn is_comment(row: &ByteRecord) -> bool {
     row.get(0).is_some_and(|field| field.starts_with(b"#"))
 }
 

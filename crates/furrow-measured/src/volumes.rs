@@ -15,7 +15,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use furrow_input::{InputError, csv_value, open_file};
 use serde::Serialize;
@@ -24,7 +24,7 @@ use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
 use crate::names::is_cell;
-use crate::table::{Table, is_comment, malformed, names, number};
+use crate::table::{Table, number};
 use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
 /// Options for reading a table.
@@ -101,15 +101,31 @@ impl Skipped {
         }
     }
 
-    /// The place, the value and why, in a line.
+    /// The line, column, value and why, for an error that names the file itself.
     pub fn described(&self) -> String {
         let Skipped { line, column, value, why, .. } = self;
         format!("line {line}, column {column}: {value:?}: {why}")
     }
 }
 
+/// The place with its file, the value and why.
+impl std::fmt::Display for Skipped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Skipped { file, line, column, value, why } = self;
+        write!(f, "{file}:{line}, column {column}: {value:?}: {why}")
+    }
+}
+
 /// Most skipped values that are kept; all are counted.
 pub const MOST_PLACES: usize = 1000;
+
+/// Counts a value that cannot be used, and keeps it among the first.
+pub(crate) fn note(kept: &mut Vec<Skipped>, count: &mut u64, skipped: impl FnOnce() -> Skipped) {
+    *count += 1;
+    if kept.len() < MOST_PLACES {
+        kept.push(skipped());
+    }
+}
 
 /// Volumes of the cells of some embryos.
 #[derive(Clone, Debug, Default)]
@@ -161,16 +177,8 @@ impl Volumes {
     /// A table without the required columns, or in another unit than the tables before.
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
-        let (line, header) = loop {
-            let Some((line, first)) = table.next()? else {
-                return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
-            };
-            let header = names(first);
-            // The first column of a grid may be called anything.
-            if !is_comment(first) || header.iter().skip(1).any(|name| is_cell(name)) {
-                break (line as usize, header);
-            }
-        };
+        // The first column of a grid may be called anything.
+        let (line, header) = table.header(|header| header.iter().skip(1).any(|name| is_cell(name)))?;
         let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
             self.read_divisions(&mut table, file, options, &header, &columns)?
         } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
@@ -193,6 +201,17 @@ impl Volumes {
             Some(lineage) => self.add_tracked(lineage, options),
             None => self.read(open_file(path)?, &path.display().to_string(), options),
         }
+    }
+
+    /// The volumes of some files, with default options.
+    ///
+    /// # Errors
+    /// As [`Volumes::read_file`], and files without a volume that can be used.
+    pub fn of_files(files: &[PathBuf]) -> Result<Volumes, InputError> {
+        let mut volumes = Volumes::default();
+        files.iter().try_for_each(|file| volumes.read_file(file, &ReadOptions::default()))?;
+        volumes.require_used(&files.first().map_or(String::new(), |file| file.display().to_string()))?;
+        Ok(volumes)
     }
 
     /// Adds the cells of an embryo that were followed over time. Cells without a name of Sulston's and cells without a size are
@@ -267,10 +286,7 @@ impl Volumes {
     ) -> Result<Unit, InputError> {
         let named = Unit::of_column(&header[columns.volume]);
         let (mut said, mut largest) = (None, 0.0_f64);
-        while let Some(row) = table.next()? {
-            if is_comment(row.1) {
-                continue;
-            }
+        while let Some(row) = table.next_row()? {
             let at = |column: usize| Value::new(row, header, column);
             if let Some(column) = columns.unit {
                 note_unit(file, &at(column), &mut said)?;
@@ -380,10 +396,7 @@ impl Volumes {
     }
 
     pub(crate) fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
-        self.skipped_count += 1;
-        if self.skipped.len() < MOST_PLACES {
-            self.skipped.push(Skipped::new(file, rejected));
-        }
+        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, rejected));
     }
 }
 

@@ -8,7 +8,7 @@ use furrow_measured::statistics::{Line, RankCorrelation};
 use furrow_measured::trend::{AdjacentTest, EmbryoTrend, VolumeBin, VolumeTrend};
 use furrow_measured::volumes::Unit;
 
-use super::volumes::plus_minus;
+use super::plus_minus;
 
 /// Bins of the volume, each with its test and the model's cell of its mean size, where there are such.
 pub fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest], model: &[BinModel]) -> String {

@@ -11,8 +11,7 @@ use furrow_figures::plot;
 use furrow_formats::read_tree;
 use furrow_input::InputError;
 use furrow_lineage::Lineage;
-use furrow_measured::tracked::{TrackOptions, TrackedLineage, read_tracked};
-use furrow_measured::volumes::Skipped;
+use furrow_measured::tracked::{TrackOptions, TrackedLineage, read_embryo};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -56,16 +55,11 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
 
 /// An embryo that was followed, and the name of its file.
 fn read_measured(path: &Path) -> Result<(TrackedLineage, String), InputError> {
-    let file = path.display().to_string();
-    let Some(lineage) = read_tracked(path, &TrackOptions::default())? else {
-        let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
-        return Err(InputError::other_file(file, "an embryo that was followed", reason));
-    };
-    if let Some(Skipped { file, line, column, value, why }) = lineage.skipped.first() {
-        let count = lineage.skipped_count;
-        tracing::warn!("{count} values are not used; the first is {file}:{line}, column {column}: {value:?}: {why}");
+    let lineage = read_embryo(path, &TrackOptions::default())?;
+    if let Some(first) = lineage.skipped.first() {
+        tracing::warn!("{} values are not used; the first is {first}", lineage.skipped_count);
     }
-    Ok((lineage, file))
+    Ok((lineage, path.display().to_string()))
 }
 
 fn counts_text(found: &Counts) -> String {

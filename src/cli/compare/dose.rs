@@ -6,15 +6,14 @@ use std::path::PathBuf;
 use clap::Args;
 use furrow_analysis::compare::dose::{DoseModel, doses_to, over_dose};
 use furrow_figures::plot::dose::{DoseComparison, Reading, draw};
-use furrow_input::{InputError, open_file};
+use furrow_input::open_file;
 use furrow_lineage::{Length, parse_cue};
 use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread, by_condition, by_dose, trend};
 use furrow_measured::published::{DOSE_SOURCE, rodrigues2024};
 use furrow_measured::statistics::{Line, RankCorrelation};
-use furrow_measured::volumes::Skipped;
 use serde_json::json;
 
-use super::volumes::{MOST_SKIPPED, plus_minus};
+use super::{check_bins, plus_minus, skipped_text};
 use crate::cli::cell::{length, load_lineage, natural, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -105,11 +104,7 @@ pub fn run(args: &DoseArgs, context: &Context) -> Result<(), CliError> {
 }
 
 fn read(args: &DoseArgs) -> Result<Measured, CliError> {
-    if let Some(edges) = &args.bins {
-        let rising = edges.len() >= 2 && !edges.windows(2).any(|pair| pair[0] >= pair[1]);
-        let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-        InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")?;
-    }
+    check_bins(args.bins.as_deref())?;
     let Some(file) = &args.file else {
         let [conditions, bins] = rodrigues2024()?;
         let (source, doses) = (Some(DOSE_SOURCE), Doses::default());
@@ -150,10 +145,7 @@ fn text(measured: &Measured, model: &Model) -> String {
         Some(source) => format!("measured: means published by {source}\n\n"),
         None => format!("{} divisions used, {} rows skipped\n", doses.divisions.len(), doses.skipped_count),
     };
-    for skipped in doses.skipped.iter().take(MOST_SKIPPED) {
-        let Skipped { file, line, column, value, why } = skipped;
-        let _ = writeln!(out, "  skipped {file}:{line}, column {column}: {value:?}: {why}");
-    }
+    out += &skipped_text(&[(&doses.skipped, doses.skipped_count)]);
     let head = |first: &str| format!("{first:<12}   n          dose    larger share  χ (as areas)  χ (as volumes)");
     let _ = writeln!(out, "{}", head("condition"));
     for group in conditions {

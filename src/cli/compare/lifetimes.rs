@@ -1,6 +1,6 @@
 //! `furrow compare lifetimes`: measured lifetimes beside those of a tree with a clock.
 
-use super::trees_of;
+use super::{skipped_text, trees_of};
 use crate::cli::cell::{load_lineage, positive};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -13,13 +13,12 @@ use furrow_analysis::compare::lifetimes::{
 };
 use furrow_figures::plot;
 use furrow_formats::read_tree;
-use furrow_input::{InputError, open_file};
+use furrow_input::InputError;
 use furrow_lineage::Tree;
 use furrow_measured::lifetimes::{Agreement, Lifetimes, mean_volumes};
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::Trend;
-use furrow_measured::tracked::{TrackOptions, read_tracked};
-use furrow_measured::volumes::{ReadOptions, Skipped, Volumes};
+use furrow_measured::volumes::Volumes;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -52,13 +51,10 @@ pub struct LifetimesArgs {
     plot: PlotArgs,
 }
 
-/// Skipped rows that are listed.
-const MOST_SKIPPED: usize = 10;
-
 pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let lifetimes = lifetimes(args)?;
-    let volumes = volumes(args)?;
+    let volumes = if args.volumes.is_empty() { jankele2021_volumes()? } else { Volumes::of_files(&args.volumes)? };
     let tree = tree(args, context)?;
     let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
     picture.write(|| plot::lifetimes::draw(&found))?;
@@ -76,31 +72,16 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     });
     print_as(context.json, &merged(json!(found), reading), || {
         let source = source.map_or(String::new(), |source| format!("measured: means published by {source}\n"));
-        let places = [(&lifetimes.skipped, lifetimes.skipped_count), (&volumes.skipped, volumes.skipped_count)];
-        source + &text(&found) + &skipped_text(lifetimes.used, places)
+        let used = format!("{} rows of lifetimes used, {} skipped\n", lifetimes.used, lifetimes.skipped_count);
+        let places = [(&*lifetimes.skipped, lifetimes.skipped_count), (&*volumes.skipped, volumes.skipped_count)];
+        source + &text(&found) + &used + &skipped_text(&places)
     })
 }
 
 fn lifetimes(args: &LifetimesArgs) -> Result<Lifetimes, InputError> {
     let Some(file) = &args.table else { return jankele2021_lifetimes() };
-    let name = file.display().to_string();
     let frame_minutes = args.frame_minutes.map(|minutes| positive("--frame-minutes", minutes)).transpose()?;
-    match read_tracked(file, &TrackOptions { pixel: None, frame_minutes })? {
-        Some(embryo) => embryo.lifetimes(&name),
-        None => Lifetimes::read(open_file(file)?, &name),
-    }
-}
-
-fn volumes(args: &LifetimesArgs) -> Result<Volumes, InputError> {
-    if args.volumes.is_empty() {
-        return jankele2021_volumes();
-    }
-    let mut volumes = Volumes::default();
-    for file in &args.volumes {
-        volumes.read_file(file, &ReadOptions::default())?;
-    }
-    volumes.require_used(&args.volumes[0].display().to_string())?;
-    Ok(volumes)
+    Lifetimes::read_file(file, frame_minutes)
 }
 
 /// The tree of a file, or one that is grown now.
@@ -232,16 +213,4 @@ fn departure_text(found: &LifetimesBeside) -> String {
         lone(lacking, *lacking_count),
         lone(extra, *extra_count)
     )
-}
-
-fn skipped_text(used: u64, places: [(&Vec<Skipped>, u64); 2]) -> String {
-    let mut out = format!("{used} rows of lifetimes used, {} skipped\n", places[0].1);
-    let all = places.iter().flat_map(|(skipped, _)| skipped.iter());
-    for Skipped { file, line, column, value, why } in all.take(MOST_SKIPPED) {
-        let _ = writeln!(out, "  skipped {file}:{line}, column {column}: {value:?}: {why}");
-    }
-    match (places.iter().map(|(_, count)| *count as usize).sum::<usize>()).saturating_sub(MOST_SKIPPED) {
-        0 => out,
-        more => out + &format!("  and {more} more (--json gives their places)\n"),
-    }
 }

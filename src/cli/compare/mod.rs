@@ -15,7 +15,9 @@ use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use furrow_analysis::scenarios_of;
+use furrow_input::InputError;
 use furrow_lineage::{Lineage, Tree};
+use furrow_measured::volumes::Skipped;
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
@@ -41,6 +43,31 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
         What::Contour(args) => contour::run(args, context),
         What::Dose(args) => dose::run(args, context),
     }
+}
+
+/// Skipped values that are listed.
+const MOST_SKIPPED: usize = 10;
+
+/// The first of the values that were skipped, and how many more there are; each list with its full count.
+fn skipped_text(lists: &[(&[Skipped], u64)]) -> String {
+    let shown = lists.iter().flat_map(|(skipped, _)| *skipped).take(MOST_SKIPPED);
+    let out: String = shown.map(|skipped| format!("  skipped {skipped}\n")).collect();
+    match (lists.iter().map(|(_, count)| *count as usize).sum::<usize>()).saturating_sub(MOST_SKIPPED) {
+        0 => out,
+        more => out + &format!("  and {more} more (--json gives their places)\n"),
+    }
+}
+
+/// Checks the edges of `--bins`.
+fn check_bins(edges: Option<&[f64]>) -> Result<(), InputError> {
+    let Some(edges) = edges else { return Ok(()) };
+    let rising = edges.len() >= 2 && !edges.windows(2).any(|pair| pair[0] >= pair[1]);
+    let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
+}
+
+fn plus_minus(sd: Option<f64>) -> String {
+    sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
 /// Trees of several lineages with the parameters of the command, in one run.

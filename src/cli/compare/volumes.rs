@@ -4,10 +4,10 @@ use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summ
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
 use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
-use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
+use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
-use super::{files, trees_of};
+use super::{MOST_SKIPPED, check_bins, files, plus_minus, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -107,9 +107,6 @@ fn wanted_scale(text: &str) -> Result<WantedScale, String> {
         _ => Ok(WantedScale::Length(number(text)?)),
     }
 }
-
-/// Skipped values that are listed.
-pub(super) const MOST_SKIPPED: usize = 10;
 
 /// The measured side of a comparison.
 struct Measured {
@@ -253,10 +250,7 @@ fn check(args: &VolumesArgs) -> Result<(), InputError> {
         let allowed = "a length above 0, in the cube root of the tables' unit, or fit";
         InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;
     }
-    let edges = args.bins.as_deref().unwrap_or(&[0.0, 1.0]);
-    let rising = edges.len() >= 2 && !edges.windows(2).any(|pair| pair[0] >= pair[1]);
-    let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-    InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
+    check_bins(args.bins.as_deref())
 }
 
 fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
@@ -345,13 +339,7 @@ fn used_text(Measured { source, volumes, found, .. }: &Measured) -> String {
             "{used} volumes used, {skipped_count} skipped; {both} divisions with both daughters, {one} with one\n"
         );
     }
-    for Skipped { file, line, column, value, why } in skipped.iter().take(MOST_SKIPPED) {
-        let _ = writeln!(out, "  skipped {file}:{line}, column {column}: {value:?}: {why}");
-    }
-    match (*skipped_count as usize).saturating_sub(MOST_SKIPPED) {
-        0 => out,
-        more => out + &format!("  and {more} more (--json gives their places)\n"),
-    }
+    out + &skipped_text(&[(skipped, *skipped_count)])
 }
 
 fn group_text(group: &GroupBeside) -> String {
@@ -379,10 +367,6 @@ fn group_text(group: &GroupBeside) -> String {
         let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>+8.3} {model:>16} {first:>22}{band}");
     }
     out + "\n"
-}
-
-pub(super) fn plus_minus(sd: Option<f64>) -> String {
-    sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
 /// The range of χ over sets of constants, and the share of sets with which the cell divides.

@@ -9,10 +9,10 @@ use crate::cli::error::CliError;
 use crate::cli::output::{merged, print_as, writable_file};
 use furrow_analysis::fit::{FittedClock, FittedLaw, Unused, fit_clock};
 use furrow_formats::write_atomically;
-use furrow_input::{InputError, open_file};
+use furrow_input::open_file;
 use furrow_measured::lifetimes::Lifetimes;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
-use furrow_measured::volumes::{ReadOptions, Volumes};
+use furrow_measured::volumes::Volumes;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,7 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
         None => jankele2021_lifetimes()?,
     };
     let volumes = match &args.volumes {
-        Some(file) => read_volumes(file)?,
+        Some(file) => Volumes::of_files(std::slice::from_ref(file))?,
         None => jankele2021_volumes()?,
     };
     let files = args.volumes.as_deref().map_or_else(|| "the published volumes".to_owned(), name);
@@ -81,13 +81,6 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
 
 /// Most skipped rows that the text lists.
 const MOST_ROWS: usize = 10;
-
-fn read_volumes(file: &Path) -> Result<Volumes, InputError> {
-    let mut volumes = Volumes::default();
-    volumes.read(open_file(file)?, &file.display().to_string(), &ReadOptions::default())?;
-    volumes.require_used(&file.display().to_string())?;
-    Ok(volumes)
-}
 
 fn clock_text(found: &FittedClock) -> String {
     let mut out = "founder  cells   exponent       se     R²   minutes   at volume / first\n".to_owned();

@@ -11,7 +11,7 @@ use furrow_input::{InputError, open_file};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
 use crate::names::birth;
-use crate::table::{Table, malformed, names, number};
+use crate::table::{Table, malformed, number};
 
 /// Whether these are the columns of a CD table.
 pub(super) fn is_table(columns: &[&str]) -> bool {
@@ -21,7 +21,7 @@ pub(super) fn is_table(columns: &[&str]) -> bool {
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let mut table = Table::open(open_file(path)?, &file)?;
-    let header = table.next()?.map(|(_, first)| names(first)).unwrap_or_default();
+    let (_, header) = table.header(|_| true)?;
     let column = |name: &str| {
         let found = header.iter().position(|column| column.eq_ignore_ascii_case(name));
         let why = || malformed(&file, 1, format!("no column is called {name}; a CD table has cell, time and size"));

@@ -7,7 +7,7 @@ use furrow_input::InputError;
 use super::{TimeUnit, TrackedLineage};
 use crate::lifetimes::{Lifetime, Lifetimes};
 use crate::names::founder;
-use crate::volumes::{MOST_PLACES, Skipped};
+use crate::volumes::{Skipped, note};
 
 impl TrackedLineage {
     /// The lifetimes of the cells whose birth and division were seen. Errors name the embryo's file `file`.
@@ -34,10 +34,15 @@ impl TrackedLineage {
                 continue;
             }
             let ((file, line), why) = (lifetime.1.clone(), "a second cell of this name".to_owned());
-            found.skipped_count += 1;
-            found.skipped.push(Skipped { file, line, column: "name".to_owned(), value: lifetime.0.cell, why });
+            let value = lifetime.0.cell;
+            note(&mut found.skipped, &mut found.skipped_count, || Skipped {
+                file,
+                line,
+                column: "name".to_owned(),
+                value,
+                why,
+            });
         }
-        found.skipped.truncate(MOST_PLACES);
         found.used = found.cells.len() as u64;
         let why = "at least one cell with a name of Sulston's that was followed from its birth to its division";
         InputError::require(found.used > 0, file, "cells", self.cells.len(), why)?;

@@ -171,6 +171,16 @@ pub fn format_of(path: &Path) -> Result<Option<Format>, InputError> {
     Ok(cd.or_else(|| spot_tables::format_of(&columns)))
 }
 
+/// Reads an embryo that was followed; as [`read_tracked`], but a file in none of the formats is an error.
+///
+/// # Errors
+/// Those of [`read_tracked`], and a file in none of the [formats](Format).
+pub fn read_embryo(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
+    let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
+    let other = || InputError::other_file(path.display(), "an embryo that was followed", reason);
+    read_tracked(path, options)?.ok_or_else(other)
+}
+
 /// Reads a file or folder of tracked cells; `None` if it is in none of the [formats](Format).
 ///
 /// # Errors

@@ -5,7 +5,7 @@ use furrow_input::InputError;
 use super::{Format, TimeUnit, TrackedCell, TrackedLineage};
 use crate::names::{birth, is_cell};
 use crate::table::malformed;
-use crate::volumes::{MOST_PLACES, Skipped, Unit};
+use crate::volumes::{Skipped, Unit, note};
 
 /// A cell in one frame.
 #[derive(Clone, Debug)]
@@ -57,11 +57,10 @@ impl Spots {
 
     /// Reports a value that cannot be used.
     pub fn skip(&mut self, file: &str, line: u64, column: &str, value: &str, why: impl Into<String>) {
-        self.skipped_count += 1;
-        if self.skipped.len() < MOST_PLACES {
+        note(&mut self.skipped, &mut self.skipped_count, || {
             let value = value.chars().take(80).collect();
-            self.skipped.push(Skipped { file: file.into(), line, column: column.into(), value, why: why.into() });
-        }
+            Skipped { file: file.into(), line, column: column.into(), value, why: why.into() }
+        });
     }
 
     /// Links a spot to one of a later frame, or the other way round. `file` and `line` are those of the link.
