@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use furrow_analysis::compare::counts::{counts as counted, counts_beside};
 use furrow_analysis::compare::noise::noise_null;
 use furrow_analysis::compare::volumes::{
-    BinModel, Cells, GroupBeside, Regression, Scale, ScaleFrom, add_bands, beside, model, model_by_bin, regression,
+    BinModel, Cells, GroupBeside, Regression, Scale, ScaleFrom, add_bands, beside, model, model_by_bin, regression_of,
     scale,
 };
 use furrow_analysis::{grown, read_constants, scenarios_of, tree_settings};
@@ -117,9 +117,8 @@ impl VolumesAsked {
             None if is_empty(&self.against) => return Ok(Vec::new()),
             None => ["measured", "against"],
         };
-        let find = |name: &str| groups.iter().find(|group| group.group == name);
-        match (find(names[0]).zip(find(names[1])), &self.regress) {
-            (Some((x, y)), _) => Ok(vec![regression(x, y)]),
+        match (regression_of(groups, names[0], names[1]), &self.regress) {
+            (Some(found), _) => Ok(vec![found]),
             // Tables with their own groups lack those of the two conditions.
             (None, None) => Ok(Vec::new()),
             (None, Some(_)) => {

@@ -1,13 +1,13 @@
 //! Lifetimes and doses that were measured: the clock fitted to the first, and the model beside both.
 
-use furrow_analysis::compare::dose::{doses_to, over_dose};
-use furrow_analysis::compare::lifetimes::lifetimes_beside;
+use furrow_analysis::compare::dose::{MeasuredDoses, document, over_dose};
+use furrow_analysis::compare::lifetimes::{self, lifetimes_beside};
 use furrow_analysis::fit::fit_clock as fitted;
 use furrow_input::open_file;
 use furrow_lineage::batch::SchedulerOptions;
-use furrow_measured::dose::{DoseGroup, Doses, by_condition, by_dose, trend};
+use furrow_measured::dose::Doses;
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
-use furrow_measured::published::{DOSE_SOURCE, SOURCE, jankele2021_lifetimes, jankele2021_volumes, rodrigues2024};
+use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -61,18 +61,10 @@ pub fn compare_lifetimes(
 ) -> Result<String, Error> {
     py.detach(|| {
         let lifetimes = lifetimes_of(&table, frame_minutes)?;
-        let published = [table == (None, None), is_empty(&volumes)].map(|published| published.then_some(SOURCE));
+        let published = [table == (None, None), is_empty(&volumes)];
         let volumes = volumes_of(&volumes)?;
-        let mut found = json!(lifetimes_beside(&tree.tree, &lifetimes, &mean_volumes(&volumes)));
-        found["source"] = json!(published[0]);
-        found["volumes_source"] = json!(published[1]);
-        found["volumes_unit"] = json!(volumes.unit);
-        found["used"] = json!(lifetimes.used);
-        found["skipped"] = json!(lifetimes.skipped);
-        found["skipped_count"] = json!(lifetimes.skipped_count);
-        found["volumes_skipped"] = json!(volumes.skipped);
-        found["volumes_skipped_count"] = json!(volumes.skipped_count);
-        Ok(found.to_string())
+        let found = lifetimes_beside(&tree.tree, &lifetimes, &mean_volumes(&volumes));
+        Ok(lifetimes::document(&found, &lifetimes, &volumes, published).to_string())
     })
 }
 
@@ -100,17 +92,13 @@ pub fn fit_clock(
     })
 }
 
-/// Divisions over a dose, their groups by condition and by dose, and what published them.
-type Dosed = (Doses, [Vec<DoseGroup>; 2], Option<&'static str>);
-
-fn doses_of(table: &Source, bins: Option<&[f64]>) -> Result<Dosed, Error> {
+fn doses_of(table: &Source, bins: Option<&[f64]>) -> Result<MeasuredDoses, Error> {
     let doses = match table {
         (Some(text), _) => Doses::read(text.as_bytes(), "doses")?,
         (None, Some(file)) => Doses::read(open_file(file)?, &file.display().to_string())?,
-        (None, None) => return Ok((Doses::default(), rodrigues2024()?, Some(DOSE_SOURCE))),
+        (None, None) => return Ok(MeasuredDoses::published()?),
     };
-    let groups = [by_condition(&doses.divisions), by_dose(&doses.divisions, bins)];
-    Ok((doses, groups, None))
+    Ok(MeasuredDoses::of(doses, bins))
 }
 
 /// Asymmetry over a dose beside the model's over the amplitude of a cue, as JSON.
@@ -129,36 +117,15 @@ pub fn compare_dose(
 ) -> Result<String, Error> {
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let (doses, [conditions, bins], source) = doses_of(&table, bins.as_deref())?;
+        let measured = doses_of(&table, bins.as_deref())?;
         let lineage = lineage_of(lineage.as_deref())?;
         let strongest = lineage.parse_cue(&cue).map_err(bad_cue)?;
         given.scale_radius(&lineage)?;
         let settings = given.for_divisions()?;
-        let means: Vec<f64> = bins.iter().map(|bin| bin.dose.mean).collect();
-        let single = doses.divisions.iter().map(|division| division.dose);
-        let mut wanted = doses_to(single.chain(means.iter().copied()).fold(1.0, f64::max));
-        let count = wanted.len();
-        wanted.extend(means);
         let show = |progress| watch.divisions(progress);
         let interrupt = Some(&watch.stop);
         let options = SchedulerOptions { threads, interrupt, progress: Some(&show), ..SchedulerOptions::default() };
-        let mut curve = over_dose(&settings.cell, &strongest, &wanted, (settings.numerics, 0), &memo, &options)?;
-        let by_bin = curve.split_off(count);
-        let beside = bins.iter().zip(&by_bin).map(|(bin, model)| {
-            let mut row = json!(bin);
-            row["model"] = json!(model);
-            row
-        });
-        let found = json!({
-            "source": source,
-            "used": doses.divisions.len(),
-            "skipped": doses.skipped,
-            "skipped_count": doses.skipped_count,
-            "conditions": conditions,
-            "bins": beside.collect::<Vec<_>>(),
-            "trend": trend(&doses.divisions),
-            "model": { "r0": settings.cell.r0, "cue": cue, "points": curve },
-        });
-        Ok(found.to_string())
+        let model = over_dose(&settings.cell, &strongest, &measured, settings.numerics, &memo, &options)?;
+        Ok(document(&measured, &model, (settings.cell.r0, &cue)).to_string())
     })
 }

@@ -4,20 +4,18 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use furrow_analysis::compare::dose::{DoseModel, doses_to, over_dose};
+use furrow_analysis::compare::dose::{DoseModel, MeasuredDoses, ModelDoses, document, over_dose};
 use furrow_figures::plot::dose::{DoseComparison, Reading, draw};
 use furrow_input::open_file;
 use furrow_lineage::{Length, parse_cue};
-use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread, by_condition, by_dose, trend};
-use furrow_measured::published::{DOSE_SOURCE, rodrigues2024};
+use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread};
 use furrow_measured::statistics::{Line, RankCorrelation};
-use serde_json::json;
 
 use super::{check_bins, plus_minus, skipped_text};
 use crate::cli::cell::{length, load_lineage, natural, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::{merged, number, print_as};
+use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
 
@@ -51,40 +49,13 @@ pub struct DoseArgs {
     plot: PlotArgs,
 }
 
-/// The measured side.
-struct Measured {
-    source: Option<&'static str>,
-    doses: Doses,
-    conditions: Vec<DoseGroup>,
-    bins: Vec<DoseGroup>,
-    trend: DoseTrend,
-}
-
-/// The model's side: its cell, χ for a curve, and χ at the mean dose of each bin.
-struct Model {
-    cell: String,
-    r0: f64,
-    curve: Vec<DoseModel>,
-    by_bin: Vec<DoseModel>,
-}
-
 pub fn run(args: &DoseArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let measured = read(args)?;
-    let model = model(args, &measured, context)?;
-    let Measured { source, doses, conditions, bins, trend } = &measured;
-    let beside = bins.iter().zip(&model.by_bin).map(|(bin, model)| merged(json!(bin), json!({ "model": model })));
-    let document = json!({
-        "source": source,
-        "used": doses.divisions.len(),
-        "skipped": doses.skipped,
-        "skipped_count": doses.skipped_count,
-        "conditions": conditions,
-        "bins": beside.collect::<Vec<_>>(),
-        "trend": trend,
-        "model": { "r0": model.r0, "cue": args.cue, "points": model.curve },
-    });
+    let (r0, model) = model(args, &measured, context)?;
+    let cell = format!("R0 = {r0}, cue {}", args.cue);
     picture.write(|| {
+        let MeasuredDoses { doses, conditions, bins, trend, .. } = &measured;
         let area = Reading {
             name: "areas",
             chi: DosedDivision::chi_area,
@@ -97,50 +68,36 @@ pub fn run(args: &DoseArgs, context: &Context) -> Result<(), CliError> {
             mean_sd: |bin| (bin.chi_volume.mean, bin.chi_volume.sd),
             line: trend.chi_volume,
         };
-        let (divisions, readings, cell) = (&doses.divisions[..], [area, volume], model.cell.clone());
+        let (divisions, readings, cell) = (&doses.divisions[..], [area, volume], cell.clone());
         draw(&DoseComparison { divisions, conditions, bins, readings, model: &model.curve, cell })
     })?;
-    print_as(context.json, &document, || text(&measured, &model))
+    print_as(context.json, &document(&measured, &model, (r0, &args.cue)), || text(&measured, &model, &cell))
 }
 
-fn read(args: &DoseArgs) -> Result<Measured, CliError> {
+fn read(args: &DoseArgs) -> Result<MeasuredDoses, CliError> {
     check_bins(args.bins.as_deref())?;
-    let Some(file) = &args.file else {
-        let [conditions, bins] = rodrigues2024()?;
-        let (source, doses) = (Some(DOSE_SOURCE), Doses::default());
-        // Single divisions are not shipped.
-        return Ok(Measured { source, doses, conditions, bins, trend: trend(&[]) });
-    };
+    let Some(file) = &args.file else { return Ok(MeasuredDoses::published()?) };
     let doses = Doses::read(open_file(file)?, &file.display().to_string())?;
-    let (conditions, bins) = (by_condition(&doses.divisions), by_dose(&doses.divisions, args.bins.as_deref()));
-    let trend = trend(&doses.divisions);
-    Ok(Measured { source: None, doses, conditions, bins, trend })
+    Ok(MeasuredDoses::of(doses, args.bins.as_deref()))
 }
 
-fn model(args: &DoseArgs, measured: &Measured, context: &Context) -> Result<Model, CliError> {
+/// The radius of the model's cell, and its divisions.
+fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result<(f64, ModelDoses), CliError> {
     let lineage = load_lineage(args.lineage.as_deref())?;
     let cue = parse_cue(&args.cue, &lineage)?;
     let mut settings = context.settings.clone();
     let r0 = args.r0.map(|r0| natural("--r0", r0, &lineage.units())).transpose()?;
     set(&mut settings, [("--r0", "r0", r0)])?;
     settings.check_divisions("settings")?;
-    let cell = settings.cell.clone();
-    let means: Vec<f64> = measured.bins.iter().map(|bin| bin.dose.mean).collect();
-    let single = measured.doses.divisions.iter().map(|division| division.dose);
-    let mut doses = doses_to(single.chain(means.iter().copied()).fold(1.0, f64::max));
-    let count = doses.len();
-    doses.extend(means);
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show_all(progress);
     let (memo, scheduling) = (context.memo()?, context.scheduling(&show));
-    let numerics = (settings.numerics, 0);
-    let mut curve = over_dose(&cell, &cue, &doses, numerics, &memo, &scheduling)?;
-    let by_bin = curve.split_off(count);
-    Ok(Model { cell: format!("R0 = {}, cue {}", cell.r0, args.cue), r0: cell.r0, curve, by_bin })
+    let model = over_dose(&settings.cell, &cue, measured, settings.numerics, &memo, &scheduling)?;
+    Ok((settings.cell.r0, model))
 }
 
-fn text(measured: &Measured, model: &Model) -> String {
-    let Measured { source, doses, conditions, bins, trend } = measured;
+fn text(measured: &MeasuredDoses, model: &ModelDoses, cell: &str) -> String {
+    let MeasuredDoses { source, doses, conditions, bins, trend } = measured;
     let mut out = match source {
         Some(source) => format!("measured: means published by {source}\n\n"),
         None => format!("{} divisions used, {} rows skipped\n", doses.divisions.len(), doses.skipped_count),
@@ -155,7 +112,7 @@ fn text(measured: &Measured, model: &Model) -> String {
     for (group, model) in bins.iter().zip(&model.by_bin) {
         let _ = writeln!(out, "{}   {}", row(group), ended(model));
     }
-    out + "\n" + &trend_text(trend) + &model_text(model)
+    out + "\n" + &trend_text(trend) + &model_text(model, cell)
 }
 
 fn row(group: &DoseGroup) -> String {
@@ -193,7 +150,7 @@ fn trend_text(trend: &DoseTrend) -> String {
     out
 }
 
-fn model_text(model: &Model) -> String {
+fn model_text(model: &ModelDoses, cell: &str) -> String {
     let at = |dose: f64| {
         let nearest = |point: &&DoseModel| (point.dose - dose).abs();
         model
@@ -202,5 +159,5 @@ fn model_text(model: &Model) -> String {
             .min_by(|a, b| nearest(a).total_cmp(&nearest(b)))
             .map_or(String::new(), |point| format!("χ = {} at dose {:.3}", ended(point), point.dose))
     };
-    format!("Model, {}, amplitude × dose: {}, {}\n", model.cell, at(0.0), at(1.0))
+    format!("Model, {cell}, amplitude × dose: {}, {}\n", at(0.0), at(1.0))
 }

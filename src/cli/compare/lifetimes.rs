@@ -4,12 +4,12 @@ use super::{skipped_text, trees_of};
 use crate::cli::cell::{load_lineage, positive};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::{merged, print_as};
+use crate::cli::output::print_as;
 use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::departure::{Counts, Departure, LoneDivision};
 use furrow_analysis::compare::lifetimes::{
-    CellBeside, Deviation, FounderBeside, LifetimesBeside, Order, SistersBeside, lifetimes_beside,
+    CellBeside, Deviation, FounderBeside, LifetimesBeside, Order, SistersBeside, document, lifetimes_beside,
 };
 use furrow_figures::plot;
 use furrow_formats::read_tree;
@@ -19,7 +19,6 @@ use furrow_measured::lifetimes::{Agreement, Lifetimes, mean_volumes};
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::Trend;
 use furrow_measured::volumes::Volumes;
-use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -58,20 +57,9 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let tree = tree(args, context)?;
     let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
     picture.write(|| plot::lifetimes::draw(&found))?;
-    let source = args.table.is_none().then_some(SOURCE);
-    let volumes_source = args.volumes.is_empty().then_some(SOURCE);
-    let reading = json!({
-        "source": source,
-        "volumes_source": volumes_source,
-        "volumes_unit": volumes.unit,
-        "used": lifetimes.used,
-        "skipped": lifetimes.skipped,
-        "skipped_count": lifetimes.skipped_count,
-        "volumes_skipped": volumes.skipped,
-        "volumes_skipped_count": volumes.skipped_count,
-    });
-    print_as(context.json, &merged(json!(found), reading), || {
-        let source = source.map_or(String::new(), |source| format!("measured: means published by {source}\n"));
+    let published = [args.table.is_none(), args.volumes.is_empty()];
+    print_as(context.json, &document(&found, &lifetimes, &volumes, published), || {
+        let source = if published[0] { format!("measured: means published by {SOURCE}\n") } else { String::new() };
         let used = format!("{} rows of lifetimes used, {} skipped\n", lifetimes.used, lifetimes.skipped_count);
         let places = [(&*lifetimes.skipped, lifetimes.skipped_count), (&*volumes.skipped, volumes.skipped_count)];
         source + &text(&found) + &used + &skipped_text(&places)

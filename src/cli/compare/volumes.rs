@@ -19,7 +19,7 @@ use clap::{Args, ValueEnum};
 use furrow_analysis::compare::noise::noise_null;
 use furrow_analysis::compare::volumes::{
     Band, Beside, BinModel, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model,
-    model_by_bin, regression, scale, size_curves,
+    model_by_bin, regression_of, scale, size_curves,
 };
 use furrow_analysis::{Range, read_constants, tree_settings};
 use furrow_figures::plot;
@@ -304,8 +304,7 @@ fn regressions(args: &VolumesArgs, groups: &[GroupBeside]) -> Result<Vec<Regress
         Some(text) => text.split_once(',').map(|(x, y)| (x.trim(), y.trim())),
         None => Some(("measured", "against")),
     };
-    let find = |name: &str| groups.iter().find(|group| group.group == name);
-    let found = names.and_then(|(x, y)| Some(regression(find(x)?, find(y)?)));
+    let found = names.and_then(|(x, y)| regression_of(groups, x, y));
     let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).collect();
     let allowed = format!("two groups of the tables, as X,Y; groups are {}", known.join(", "));
     // Tables with their own groups lack those of the two conditions.

@@ -8,9 +8,12 @@ use furrow_lineage::{CellId, CellTimes, Tree};
 use furrow_measured::lifetimes::{
     Agreement, Lifetime, Lifetimes, Sisters, Slopes, agreement, sisters, slopes, smaller,
 };
+use furrow_measured::published::SOURCE;
 use furrow_measured::significance::Trend;
 use furrow_measured::statistics::{mean, sd};
+use furrow_measured::volumes::Volumes;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
 
 /// A measured cell beside the model's.
@@ -147,6 +150,25 @@ pub fn lifetimes_beside(tree: &Tree, lifetimes: &Lifetimes, volumes: &BTreeMap<S
         departure: over_time.as_ref().and_then(departure),
         over_time,
     }
+}
+
+/// The comparison as JSON, with what was read; `published` says whether the lifetimes and the volumes are the published ones.
+pub fn document(
+    found: &LifetimesBeside,
+    lifetimes: &Lifetimes,
+    volumes: &Volumes,
+    [of_lifetimes, of_volumes]: [bool; 2],
+) -> Value {
+    let mut document = json!(found);
+    document["source"] = json!(of_lifetimes.then_some(SOURCE));
+    document["volumes_source"] = json!(of_volumes.then_some(SOURCE));
+    document["volumes_unit"] = json!(volumes.unit);
+    document["used"] = json!(lifetimes.used);
+    document["skipped"] = json!(lifetimes.skipped);
+    document["skipped_count"] = json!(lifetimes.skipped_count);
+    document["volumes_skipped"] = json!(volumes.skipped);
+    document["volumes_skipped_count"] = json!(volumes.skipped_count);
+    document
 }
 
 /// The lifetime of a cell that divides.

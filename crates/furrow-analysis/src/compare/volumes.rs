@@ -191,7 +191,7 @@ pub fn beside(
 }
 
 /// Mean |χ| of one group over that of another, by the mothers that both have measured.
-pub fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
+fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
     let of = |group: &GroupBeside, mother: &str| {
         group.events.iter().find(|event| event.measured.mother == mother).map(|event| event.measured.mean)
     };
@@ -212,6 +212,12 @@ pub fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
         through_origin: line_through_origin(&points),
         with_intercept: line(&points),
     }
+}
+
+/// [`regression`] of two groups by their names; none unless both are there.
+pub fn regression_of(groups: &[GroupBeside], x: &str, y: &str) -> Option<Regression> {
+    let find = |name: &str| groups.iter().find(|group| group.group == name);
+    Some(regression(find(x)?, find(y)?))
 }
 
 /// Adds χ over sets of constants to all mothers in `free`, the tree from the zygote; nothing without sets.
