@@ -11,7 +11,7 @@ use furrow_analysis::{Diagram, diagram};
 use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
-use furrow_mechanics::azimuthal::scan::{AzimuthalScan, Crossing};
+use furrow_mechanics::equilibria::azimuthal_scan::{AzimuthalScan, Crossing};
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use furrow_report::event_report;
 use serde_json::{Value, json};

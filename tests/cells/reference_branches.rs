@@ -5,7 +5,7 @@ use crate::common::tables;
 use furrow_bvp::Gauss;
 use furrow_cell::Numerics;
 use furrow_mechanics::cortex::{Cortex, Domain};
-use furrow_mechanics::equilibria::branch::XI;
+use furrow_mechanics::equilibria::point::XI;
 use furrow_mechanics::equilibria::{BranchOptions, Criticality, ShapePoint, pitchfork, primary};
 
 /// `pitchfork.csv` and `folds.csv`: every digit they claim.

@@ -33,19 +33,31 @@ pub struct BoxPlot {
 pub fn box_plot(values: &[f64]) -> Option<BoxPlot> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().checked_sub(1)?;
-    let quantile = |share: f64| {
-        let place = share * last as f64;
-        let below = place.floor() as usize;
-        sorted[below] + (place - below as f64) * (sorted[(below + 1).min(last)] - sorted[below])
-    };
-    let quartiles = [0.25, 0.5, 0.75].map(quantile);
+    if sorted.is_empty() {
+        return None;
+    }
+    let quartiles = [0.25, 0.5, 0.75].map(|share| quantile(&sorted, share));
     let reach = 3.0 * (quartiles[2] - quartiles[0]);
     let inside = |x: &&f64| (quartiles[0] - reach..=quartiles[2] + reach).contains(*x);
     let first = sorted.iter().find(inside).copied()?;
     let whiskers = [first, sorted.iter().rev().find(inside).copied()?];
     let outliers = sorted.iter().filter(|x| !inside(x)).copied().collect();
     Some(BoxPlot { quartiles, whiskers, outliers })
+}
+
+/// The value below which a share of sorted values lies, linear between them; not a number of none.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let place = share * last as f64;
+    let below = place.floor() as usize;
+    sorted[below] + (place - below as f64) * (sorted[(below + 1).min(last)] - sorted[below])
+}
+
+/// The median; not a number of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    quantile(&sorted, 0.5)
 }
 
 /// How a p value was found.

@@ -19,8 +19,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::cortex::observables::elongation;
 use crate::cortex::{Cortex, Domain};
-use crate::equilibria::branch::{XI, metric};
+use crate::equilibria::branch::metric;
 use crate::equilibria::curves::along_scalar;
+use crate::equilibria::point::XI;
 use crate::equilibria::{BranchOptions, ShapeError, pitchfork};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_input::InputError;

@@ -16,10 +16,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::cortex::{Cortex, Domain};
 use crate::division::{DivisionError, DivisionInput, DivisionOptions, Outcome, divide_with};
-use crate::equilibria::branch::{BranchOptions, XI};
+use crate::equilibria::branch::BranchOptions;
 use crate::equilibria::budget::StepBudget;
 use crate::equilibria::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
 use crate::equilibria::error::{CellName, PointKind, Result, ShapeError};
+use crate::equilibria::point::XI;
 use crate::equilibria::{pitchfork, primary};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 

@@ -5,8 +5,8 @@ use super::summary::{Generation, TreeSummary};
 use furrow_cell::Parameter;
 use furrow_formats::FounderRow;
 use furrow_lineage::{CellId, TerminalReason, Tree, TreeCell};
-use furrow_mechanics::azimuthal::threshold::furrows_one_sided;
 use furrow_mechanics::division::Outcome;
+use furrow_mechanics::equilibria::azimuthal_threshold::furrows_one_sided;
 use std::fmt::Write;
 
 /// A number rounded to six decimals.

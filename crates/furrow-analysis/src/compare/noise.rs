@@ -11,7 +11,7 @@
 //! divisions. Growth and lasting differences between embryos widen it too, so that σ is an upper bound of the noise.
 
 use furrow_measured::events::Division;
-use furrow_measured::statistics::{Line, mean};
+use furrow_measured::statistics::{Line, mean, median};
 use furrow_measured::trend::{VolumeBin, volume_line};
 use rand_mt::Mt64;
 use serde::Serialize;
@@ -165,8 +165,8 @@ fn noise_groups(known: &[&Division]) -> Vec<NoiseGroup> {
         let part = &known[start(k)..start(k + 1)];
         let ratio = |d: &&Division| d.mother_measured.map(|mother| (mother / d.mother_volume()).ln());
         let ratios: Vec<f64> = part.iter().filter_map(ratio).collect();
-        let middle = median(ratios.clone());
-        let spread = NORMAL * median(ratios.iter().map(|ratio| (ratio - middle).abs()).collect());
+        let middle = median(&ratios);
+        let spread = NORMAL * median(&Vec::from_iter(ratios.iter().map(|ratio| (ratio - middle).abs())));
         NoiseGroup {
             from: part[0].mother_volume(),
             to: part[part.len() - 1].mother_volume(),
@@ -177,12 +177,6 @@ fn noise_groups(known: &[&Division]) -> Vec<NoiseGroup> {
         }
     };
     (0..count).map(group).collect()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let half = values.len() / 2;
-    if values.len() % 2 == 1 { values[half] } else { 0.5 * (values[half - 1] + values[half]) }
 }
 
 /// A seed from the volumes: the same table gives the same draws.

@@ -10,15 +10,13 @@
 //! | [`equations`] | the linearised balance of forces |
 //! | [`problem`] | the boundary-value problem |
 //! | [`mode`] | what a mode looks like |
-//! | [`scan`] | growth rates along a branch |
-//! | [`threshold`] | where they begin to grow, over a parameter |
+//!
+//! Along branches and over parameters they are followed by [`equilibria`](crate::equilibria), which this module does not use.
 
 pub mod base;
 pub mod equations;
 pub mod mode;
 pub mod problem;
-pub mod scan;
-pub mod threshold;
 
 use furrow_bvp::{Direction, Gauss, Residual, Solution, System};
 use furrow_spectra::{Arnoldi, Krylov};
@@ -219,34 +217,22 @@ impl Azimuthal {
     /// Near the poles terms of 1/r² nearly cancel, for m = 1 above all, and elimination loses digits: what is left of the right-hand
     /// side is solved for once more.
     fn refine(&mut self) {
-        let Direction { nodes, stages, scalars } = &mut self.update;
-        let mut found = std::mem::replace(
-            &mut self.found,
-            Solution {
-                components: 0,
-                m: 0,
-                mesh: Vec::new(),
-                nodes: Vec::new(),
-                stages: Vec::new(),
-                scalars: Vec::new(),
-            },
-        );
-        std::mem::swap(&mut found.nodes, nodes);
-        std::mem::swap(&mut found.stages, stages);
-        std::mem::swap(&mut found.scalars, scalars);
+        let Azimuthal { problem, system, right_hand_side, update, found, .. } = self;
+        std::mem::swap(&mut found.nodes, &mut update.nodes);
+        std::mem::swap(&mut found.stages, &mut update.stages);
+        std::mem::swap(&mut found.scalars, &mut update.scalars);
         // The problem is linear: its residual there is J times the update.
-        self.system.evaluate(&mut self.problem, &found, &[], false);
-        let rows = self.system.residual.stages.iter_mut().zip(&self.right_hand_side.stages);
+        system.evaluate(problem, found, &[], false);
+        let rows = system.residual.stages.iter_mut().zip(&right_hand_side.stages);
         rows.for_each(|(left, right)| *left += right);
-        self.system.solve_own(&mut self.update);
+        system.solve_own(update);
         for (a, b) in [
-            (&mut self.update.nodes, &found.nodes),
-            (&mut self.update.stages, &found.stages),
-            (&mut self.update.scalars, &found.scalars),
+            (&mut update.nodes, &found.nodes),
+            (&mut update.stages, &found.stages),
+            (&mut update.scalars, &found.scalars),
         ] {
             a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         }
-        self.found = found;
     }
 
     /// w ↦ P_s w.

@@ -4,13 +4,13 @@ use furrow_bvp::continuation::State;
 use furrow_bvp::predictor::History;
 use furrow_bvp::{Continuation, ContinuationSettings, Gauss, Solution};
 
+use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, NARROWEST, Pitchfork, ShapePoint, mesh_monitor, metric,
-    newest_contour,
+    Branch, BranchEnd, BranchEvent, BranchOptions, NARROWEST, Pitchfork, mesh_monitor, metric, newest_contour,
 };
 use super::error::PointKind;
 use super::locate::{fold_near, not_located};
-use crate::azimuthal::scan::AzimuthalScan;
+use super::point::ShapePoint;
 use crate::cortex::equations::{R, REGULATED, Z};
 use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain, observables};

@@ -6,8 +6,9 @@
 
 use serde::Serialize;
 
-use super::branch::{BranchEvent, BranchOptions, Criticality, ShapePoint};
+use super::branch::{BranchEvent, BranchOptions, Criticality};
 use super::error::Result;
+use super::point::ShapePoint;
 use super::primary;
 use furrow_cell::{Cell, Numerics};
 

@@ -6,10 +6,11 @@ use furrow_bvp::{
     SymmetryBreaking,
 };
 
-use super::branch::{BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, XI, mesh_monitor, metric};
+use super::branch::{BranchOptions, Criticality, FoldPoint, Pitchfork, mesh_monitor, metric};
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError};
 use super::locate::furrow_shift;
+use super::point::{ShapePoint, XI};
 use super::{pitchfork, primary};
 use crate::cortex::equations::LENGTH;
 use crate::cortex::symmetry::unfold;

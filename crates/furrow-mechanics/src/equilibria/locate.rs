@@ -6,8 +6,9 @@ use furrow_bvp::{
     locate,
 };
 
-use super::branch::{BranchEnd, FoldPoint, Pitchfork, ShapePoint, XI};
+use super::branch::{BranchEnd, FoldPoint, Pitchfork};
 use super::error::{CellName, PointKind, ShapeError};
+use super::point::{ShapePoint, XI};
 use crate::cortex::Cortex;
 use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`mod@passive`] | the shape of a cell without activity, in its shell |
 //! | [`branch`] | points, events and ends of branches |
+//! | [`point`] | what is said of one point |
 //! | [`primary`] | the branch that grows out of the passive shape, with or without a cue |
 //! | [`locate`] | folds and pitchforks between two points of a branch |
 //! | [`pitchfork`] | the first pitchfork |
@@ -11,10 +12,14 @@
 //! | [`mod@stationary`] | one shape at one activity |
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
+//! | [`azimuthal_scan`] | along a branch, growth rates of disturbances that are not axisymmetric |
+//! | [`azimuthal_threshold`] | where such disturbances begin to grow, over a parameter |
 //! | [`budget`] | the step budget of a search |
 
 pub mod asymmetric;
 pub mod at_rest;
+pub mod azimuthal_scan;
+pub mod azimuthal_threshold;
 pub mod branch;
 pub mod budget;
 pub mod curves;
@@ -22,12 +27,14 @@ pub mod error;
 pub mod locate;
 pub mod passive;
 pub mod pitchfork;
+pub mod point;
 pub mod primary;
 pub mod stationary;
 
 pub use at_rest::{RestShapes, rest_shapes};
-pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint};
+pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork};
 pub use budget::StepBudget;
 pub use error::{PointKind, Result, ShapeError};
 pub use passive::passive;
+pub use point::ShapePoint;
 pub use stationary::{StationaryError, StationaryShape, stationary};

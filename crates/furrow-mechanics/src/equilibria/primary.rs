@@ -7,14 +7,13 @@
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solution, SymmetryBreaking, System, mesh};
 
-use super::branch::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, ShapePoint, begin, newest_contour,
-};
+use super::azimuthal_scan::AzimuthalScan;
+use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, begin, newest_contour};
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError, resolved};
 use super::locate::{fold_near, not_located, pitchfork_near};
 use super::passive::passive;
-use crate::azimuthal::scan::AzimuthalScan;
+use super::point::ShapePoint;
 use crate::cortex::equations::R;
 use crate::cortex::observables::{self, PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;

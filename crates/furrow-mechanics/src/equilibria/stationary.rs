@@ -92,12 +92,15 @@ pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, S
     {
         return Ok(shape);
     }
-    shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
+    let mut shape = shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
         Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. }) => {
             along_branch(cell, numerics, max_step)
         }
         found => found,
-    })
+    })?;
+    // At a fold itself the branch's own accuracy has to do.
+    let _ = shape.polish();
+    Ok(shape)
 }
 
 fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<StationaryShape, StationaryError> {
@@ -137,10 +140,7 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
     }
     let (cortex, mut solution) = (Cortex::new(cell, domain, &[]), branch.state.solution);
     solution.scalars.truncate(SHAPE_SCALARS);
-    let mut shape = StationaryShape { cortex, solution, folds };
-    // At a fold itself the branch's own accuracy has to do.
-    let _ = shape.polish();
-    Ok(shape)
+    Ok(StationaryShape { cortex, solution, folds })
 }
 
 /// A shape on a coarse mesh is trusted if its contour is as long on a fine one, to this part of it.

@@ -7,14 +7,15 @@ use std::sync::LazyLock;
 
 use furrow_bvp::{Gauss, Solution, mesh};
 
-use super::scan::{CLOSE, Corrector, XI, between, crossing, rate};
+use super::azimuthal_scan::{CLOSE, Corrector, between, crossing, rate};
+use super::branch::{BranchOptions, mesh_monitor};
+use super::curves::{self, Curve, CurveEnd, CurvePoint};
+use super::error::{CellName, PointKind, Result, ShapeError, resolved};
+use super::point::{ShapePoint, XI};
+use super::primary;
+use super::stationary::{PINCHING, waist};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
-use crate::equilibria::branch::{BranchOptions, ShapePoint, mesh_monitor};
-use crate::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
-use crate::equilibria::error::{CellName, PointKind, Result, ShapeError, resolved};
-use crate::equilibria::primary;
-use crate::equilibria::stationary::{PINCHING, waist};
 use furrow_cell::{Cell, Numerics, Parameter};
 
 /// The first step along a curve and the longest one, in parts of its range; it is given up where this small a part leads nowhere.
@@ -28,8 +29,6 @@ const NEAR: f64 = 0.005;
 const SEARCH: usize = 12;
 /// Step in ξ_s for the first slope of the growth rate, relative.
 const SLOPE_STEP: f64 = 1e-3;
-/// The mesh is moved where an interval carries so many times its share of the monitor.
-const REMESH_ABOVE: f64 = 1.8;
 
 /// R0 and ξ_s where disturbances m = 1 begin to grow in cells of the preset `gao2026` without a cue, as `furrow branch --r0 R
 /// --azimuthal 1` locates it.
@@ -41,7 +40,7 @@ const PRESET: &str = include_str!("../../data/gao2026.azimuthal.json");
 /// # Examples
 /// ```
 /// use furrow_cell::Cell;
-/// use furrow_mechanics::azimuthal::threshold::one_sided_from;
+/// use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 /// assert!((one_sided_from(&Cell::new(2.0)).unwrap() - 11.541).abs() < 0.012);
 /// assert_eq!(one_sided_from(&Cell { epsilon: 0.8, ..Cell::new(2.0) }), None);
 /// ```
@@ -164,13 +163,11 @@ impl Follower<'_> {
     fn remeshed(&self, cortex: &Cortex, y: Solution) -> Solution {
         let mut weight = Vec::new();
         mesh_monitor(cortex, &y, &mut weight);
-        let imbalance = mesh::imbalance(&y.mesh, &weight);
-        if !(imbalance > REMESH_ABOVE && imbalance.is_finite()) {
-            return y;
+        let above = BranchOptions::default().settings.remesh_above;
+        match mesh::rebalanced(&y.mesh, &weight, above) {
+            Some(grid) => y.on_mesh(&self.gauss, &grid),
+            None => y,
         }
-        let mut grid = Vec::new();
-        mesh::equidistribute(&y.mesh, &weight, weight.len(), &mut grid);
-        y.on_mesh(&self.gauss, &grid)
     }
 
     /// Follows the curve from its first threshold to a value; how far it came.
@@ -232,7 +229,7 @@ fn fill_slopes(points: &mut [CurvePoint]) {
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics, Parameter};
-/// use furrow_mechanics::azimuthal::threshold::threshold_curve;
+/// use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
 /// let curve = threshold_curve(&Cell::new(2.0), &Numerics::default(), Parameter::R0, [1.9, 2.0], 1)?;
 /// assert!((curve.points.last().unwrap().xi_s - 11.541).abs() < 1e-3);
 /// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())

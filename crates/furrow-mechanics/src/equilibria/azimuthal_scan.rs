@@ -3,14 +3,12 @@
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Continuation, Gauss, Newton, Solution, System};
 
-use super::Azimuthal;
+use super::point::{ShapePoint, XI};
+use crate::azimuthal::Azimuthal;
 use crate::cortex::Cortex;
 use crate::cortex::problem::SHAPE_SCALARS;
-use crate::equilibria::ShapePoint;
 use furrow_cell::Parameter;
 
-/// Index of ξ_s among the scalar unknowns of a branch.
-pub(super) const XI: usize = SHAPE_SCALARS;
 /// Steps of the search for a crossing, and how close to it in ξ_s it ends.
 const SEARCH: usize = 40;
 pub(super) const CLOSE: f64 = 1e-9;

@@ -1,0 +1,58 @@
+//! What is said of one stationary shape on a branch.
+
+use furrow_bvp::{Continuation, Gauss, Solution};
+
+use crate::cortex::equations::{LENGTH, PRESSURE, R};
+use crate::cortex::problem::SHAPE_SCALARS;
+use crate::cortex::{Cortex, Domain, observables};
+use crate::stability::Stability;
+
+/// Index of the activity ξ_s among the scalar unknowns of every branch.
+pub const XI: usize = SHAPE_SCALARS;
+
+/// A stationary shape on a branch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShapePoint {
+    /// Activity ξ_s.
+    pub xi_s: f64,
+    /// Elongation H = (z(0) − z(1))/R0.
+    pub elongation: f64,
+    /// Contour length L, in L_h.
+    pub length: f64,
+    /// Pressure p, in κ0/L_h³.
+    pub pressure: f64,
+    /// Radius at the equator u = ½, in L_h.
+    pub equator_radius: f64,
+    /// Furrow position u_f − ½ of asymmetric shapes; 0 on the symmetric branch.
+    pub delta_u: f64,
+    /// Arclength along the branch.
+    pub arclength: f64,
+    /// Folds and pitchforks passed since the start of the branch.
+    pub passed: usize,
+    /// Largest growth rate of disturbances, in 1/τ, if asked for and found.
+    pub growth_rate: Option<f64>,
+}
+
+impl ShapePoint {
+    /// Observables of a solution.
+    pub fn of(y: &Solution, cortex: &Cortex, gauss: &Gauss) -> ShapePoint {
+        let half = cortex.domain == Domain::Half;
+        ShapePoint {
+            xi_s: y.scalars.get(XI).copied().unwrap_or(cortex.cell.xi_s),
+            elongation: observables::elongation(y, cortex.domain, cortex.cell.r0),
+            length: y.scalars[LENGTH],
+            pressure: y.scalars[PRESSURE],
+            equator_radius: if half { y.node(y.intervals())[R] } else { observables::equator_radius(gauss, y) },
+            delta_u: if half { 0.0 } else { observables::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5) },
+            ..ShapePoint::default()
+        }
+    }
+
+    /// The newest point of a branch, after so many folds and pitchforks; with its growth rate if there is a workspace for
+    /// it.
+    pub(super) fn newest(of: &Continuation<Cortex>, passed: usize, stability: &mut Option<Stability>) -> ShapePoint {
+        let (y, cortex) = (&of.state.solution, &of.problem);
+        let growth_rate = stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok());
+        ShapePoint { arclength: of.state.arclength, passed, growth_rate, ..ShapePoint::of(y, cortex, &of.system.gauss) }
+    }
+}
