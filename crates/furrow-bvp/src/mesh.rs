@@ -11,16 +11,19 @@ pub fn uniform(from: f64, to: f64, n: usize) -> Vec<f64> {
 
 /// The mesh with every interval cut in two.
 pub fn halved(mesh: &[f64]) -> Vec<f64> {
-    subdivided(mesh, 2)
+    let mut out = Vec::with_capacity(2 * mesh.len() - 1);
+    for pair in mesh.windows(2) {
+        out.extend([pair[0], 0.5 * (pair[0] + pair[1])]);
+    }
+    out.extend(mesh.last());
+    out
 }
 
 /// The mesh with every interval cut into so many equal parts.
 pub fn subdivided(mesh: &[f64], parts: usize) -> Vec<f64> {
     let mut out = Vec::with_capacity(parts * mesh.len());
     for pair in mesh.windows(2) {
-        out.push(pair[0]);
-        let between = |k: usize| ((parts - k) as f64 * pair[0] + k as f64 * pair[1]) / parts as f64;
-        out.extend((1..parts).map(between));
+        out.extend((0..parts).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64));
     }
     out.extend(mesh.last());
     out

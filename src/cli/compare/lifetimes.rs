@@ -56,7 +56,7 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let volumes = if args.volumes.is_empty() { jankele2021_volumes()? } else { Volumes::of_files(&args.volumes)? };
     let tree = tree(args, context)?;
     let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
-    picture.write(|| plot::lifetimes::draw(&found))?;
+    picture.write(|| plot::lifetimes::draw(&found, volumes.unit))?;
     let published = [args.table.is_none(), args.volumes.is_empty()];
     print_as(context.json, &document(&found, &lifetimes, &volumes, published), || {
         let source = if published[0] { format!("measured: means published by {SOURCE}\n") } else { String::new() };

@@ -36,6 +36,7 @@ pub fn draw(cortex: &Cortex, modes: &[Mode]) -> Canvas {
     let legend = Legend::default()
         .with(Key::Line(style::MODEL), "displaced, at φ above and at φ + π below")
         .with(Key::Dashes(style::INK, style::DASHED), "the shape")
+        .with(Key::Dashes(style::SHELL, [5.0, 4.0]), "the shell")
         .with(Key::Area(OUT.map(|c| c as u8)), "moved outwards")
         .with(Key::Area(IN.map(|c| c as u8)), "moved inwards");
     let (mut canvas, top) = titled(WIDTH, ROW * modes.len() as f64 + 10.0, &title, &legend);

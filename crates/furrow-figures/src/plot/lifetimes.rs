@@ -7,6 +7,7 @@ use crate::drawing::{Anchor, Canvas, Stroke, font};
 use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
 use furrow_analysis::compare::lifetimes::{CellBeside, LifetimesBeside};
 use furrow_measured::lifetimes::CellsOverTime;
+use furrow_measured::volumes::Unit;
 
 const WIDTH: f64 = 1100.0;
 /// Heights of the charts over volume and birth, and of that over time.
@@ -14,8 +15,8 @@ const CHARTS: [f64; 2] = [430.0, 470.0];
 /// Most of the time axis that the model may take beyond what is known of the embryo.
 const BEYOND: f64 = 2.5;
 
-/// Draws a table of lifetimes beside a tree.
-pub fn draw(found: &LifetimesBeside) -> Canvas {
+/// Draws a table of lifetimes beside a tree; `unit` is that of the volumes.
+pub fn draw(found: &LifetimesBeside, unit: Option<Unit>) -> Canvas {
     let founders = founders(&found.cells);
     let mut legend = founders.iter().fold(Legend::default(), |legend, (name, colour)| {
         legend.with(Key::Point(*colour, Marker::Disc), format!("{name}, measured"))
@@ -38,7 +39,7 @@ pub fn draw(found: &LifetimesBeside) -> Canvas {
     let (mut canvas, top) = titled(WIDTH, above + below, &title, &legend);
     let share = if any_volume && any_birth { 0.5 * WIDTH } else { WIDTH };
     if any_volume {
-        over_volume(&mut canvas, [0.0, top], [share, CHARTS[0]], found, &founders);
+        over_volume(&mut canvas, [0.0, top], [share, CHARTS[0]], (found, unit), &founders);
     }
     if any_birth {
         over_birth(&mut canvas, [WIDTH - share, top], [share, CHARTS[0]], found, &founders);
@@ -88,14 +89,14 @@ fn over_volume(
     canvas: &mut Canvas,
     at: [f64; 2],
     size: [f64; 2],
-    found: &LifetimesBeside,
+    (found, unit): (&LifetimesBeside, Option<Unit>),
     founders: &[(String, Colour)],
 ) {
     let with_volume: Vec<(&CellBeside, f64)> =
         found.cells.iter().filter_map(|cell| Some((cell, cell.volume?))).collect();
     let lifetimes = with_volume.iter().flat_map(|(cell, _)| [Some(cell.measured.mean), cell.model]).flatten();
-    let x =
-        logarithmic("measured volume of the cell (unit of the table)", with_volume.iter().map(|(_, volume)| *volume));
+    let label = format!("measured volume of the cell ({})", unit.map_or("unit of the table", Unit::symbol));
+    let x = logarithmic(&label, with_volume.iter().map(|(_, volume)| *volume));
     let y = logarithmic("lifetime (min)", lifetimes);
     let mut chart = Chart::new(canvas, at, size, x, y);
     for (name, colour) in founders {
