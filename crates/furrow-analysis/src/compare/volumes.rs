@@ -214,7 +214,7 @@ fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
     }
 }
 
-/// [`regression`] of two groups by their names; none unless both are there.
+/// The regression of two groups, given by their names; `None` unless both are there.
 pub fn regression_of(groups: &[GroupBeside], x: &str, y: &str) -> Option<Regression> {
     let find = |name: &str| groups.iter().find(|group| group.group == name);
     Some(regression(find(x)?, find(y)?))
