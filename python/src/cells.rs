@@ -134,7 +134,7 @@ pub fn steady<'py>(
     let (found, places) = supervised(py, Interrupt::Abandons, None, move |_| {
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
-        let places = profile(&shape.cortex, &furrow_bvp::Gauss::new(numerics.stages), &shape.solution);
+        let places = profile(&shape.cortex, &shape.solution.gauss(), &shape.solution);
         let mut report = stationary_report(&shape, &spectrum);
         if let Some(most) = azimuthal {
             let mut rows = vec![azimuthal_report(0, &spectrum, None)];

@@ -8,7 +8,7 @@ mod second_order;
 use second_order::SecondOrder;
 
 fn main() -> Result<(), SolveError> {
-    let gauss = Gauss::new(4);
+    let gauss = Gauss::new(4)?;
     let settings = Settings { tolerance: 1e-8, ..Settings::default() };
     println!("ε       meshes  intervals  y(ε)          exact");
     for epsilon in [1e-1, 1e-2, 1e-3, 1e-4f64] {

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         middle[0] < 5.0
     })?;
     for (mut y, tangent) in folds {
-        let mut fold = MinimallyAugmented::new(problem.clone(), Fold::new(0), y.m, metric.clone(), &tangent);
+        let mut fold = MinimallyAugmented::new(problem.clone(), Fold::new(0), y.m, metric.clone(), &tangent)?;
         let report = fold.solve(&mut y, None)?;
         println!("fold at λ = {:.9} (exact 3.513830719), {} iterations", y.scalars[0], report.iterations);
     }

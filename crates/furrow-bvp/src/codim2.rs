@@ -9,6 +9,7 @@ use crate::bifurcation::{AugmentedReport, MinimallyAugmented, SingularError, Sin
 use crate::continuation::predictor::History;
 use crate::continuation::{MeshMonitor, SHORTER};
 use crate::direction::{Direction, LinearCondition};
+use crate::invalid::{self, InvalidInput};
 use crate::mesh;
 use crate::metric::{self, Metric};
 use crate::newton::Work;
@@ -48,6 +49,28 @@ impl Default for CurveSettings {
     }
 }
 
+impl CurveSettings {
+    /// Checks the settings.
+    ///
+    /// # Errors
+    /// [`InvalidInput::Setting`].
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        let CurveSettings { first_step, min_step, max_step, min_cosine, target_correction, tolerance, remesh_above } =
+            *self;
+        for (name, value) in [
+            ("first_step", first_step),
+            ("min_step", min_step),
+            ("target_correction", target_correction),
+            ("the tolerance of a curve", tolerance),
+        ] {
+            invalid::positive(name, value)?;
+        }
+        invalid::setting("max_step", max_step, max_step > 0.0, "a number above 0")?;
+        invalid::setting("min_cosine", min_cosine, (0.0..1.0).contains(&min_cosine), "a number from 0, below 1")?;
+        invalid::setting("remesh_above", remesh_above, remesh_above >= 1.0, "a number from 1")
+    }
+}
+
 /// Points a prediction goes through: what a curve costs is its points, one factorisation each, and curves are smooth.
 const ORDER: usize = 7;
 
@@ -58,6 +81,9 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveError {
+    /// The problem, the point to start from, the metric, the settings or an index are refused.
+    #[error(transparent)]
+    Invalid(#[from] InvalidInput),
     /// No first point.
     #[error("no first point: {0}")]
     Start(SingularError),
@@ -91,10 +117,10 @@ pub enum CurveError {
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
 /// # use oscillator::{Force, Oscillator};
 /// use furrow_bvp::{Codim2Curve, CurveSettings, Direction, Fold, Gauss, Metric, Solution, mesh};
-/// let (gauss, mesh) = (Gauss::new(4), mesh::uniform(0.0, 0.5, 12));
+/// let (gauss, mesh) = (Gauss::new(4)?, mesh::uniform(0.0, 0.5, 12));
 /// // At the fold u is about 1.19 at ½, and all of it grows along the branch.
 /// let bump = |x: f64, y: &mut [f64]| y.copy_from_slice(&[4.75 * x * (1.0 - x), 4.75 * (1.0 - 2.0 * x)]);
-/// let guess = Solution::from_fn(&gauss, &mesh, 2, &[3.5, 0.0], bump);
+/// let guess = Solution::from_fn(&gauss, &mesh, 2, &[3.5, 0.0], bump)?;
 /// let tangent = Direction { nodes: guess.nodes.clone(), stages: guess.stages.clone(), scalars: vec![0.0; 2] };
 /// let (metric, settings) = (Metric::unit(2, 2), CurveSettings::default());
 /// let problem = Oscillator { force: Force::With(oscillator::gelfand), right: 1 };
@@ -138,7 +164,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     /// is the tangent of the branch the point is on.
     ///
     /// # Errors
-    /// [`CurveError::Start`].
+    /// [`CurveError::Start`], or [`CurveError::Invalid`] for input that is refused.
     pub fn start(
         problem: P,
         singularity: S,
@@ -148,7 +174,18 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         settings: CurveSettings,
         upwards: bool,
     ) -> Result<Self, CurveError> {
-        let augmented = MinimallyAugmented::new(problem, singularity, guess.m, metric, branch_tangent);
+        settings.check()?;
+        let dims = problem.dimensions();
+        guess.fits(dims)?;
+        if dims.missing_conditions() != 2 {
+            return Err(InvalidInput::NotSquare { missing: dims.missing_conditions(), allowed: "2" }.into());
+        }
+        let augmented =
+            MinimallyAugmented::new(problem, singularity, guess.m, metric, branch_tangent).map_err(|error| match error
+            {
+                SingularError::Invalid(input) => CurveError::Invalid(input),
+                error => CurveError::Start(error),
+            })?;
         let mut curve = Codim2Curve {
             augmented,
             trial: guess.clone(),
@@ -180,8 +217,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
 
     /// Values of the two free parameters (λ, μ).
     pub fn parameters(&self) -> [f64; 2] {
-        let n = self.solution.scalars.len();
-        [self.solution.scalars[n - 2], self.solution.scalars[n - 1]]
+        self.solution.scalars.last_chunk().copied().unwrap_or([f64::NAN; 2])
     }
 
     /// Reverses the direction.
@@ -194,7 +230,8 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
 
     /// Reverses the direction if scalar unknown `index` would move away from `value`.
     pub fn head_for(&mut self, index: usize, value: f64) {
-        if (value - self.solution.scalars[index]) * self.tangent.scalars[index] < 0.0 {
+        let (now, slope) = (self.solution.scalars.get(index), self.tangent.scalars.get(index));
+        if now.zip(slope).is_some_and(|(now, slope)| (value - now) * slope < 0.0) {
             self.reverse();
         }
     }
@@ -204,6 +241,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     /// # Errors
     /// [`CurveError::Lost`]; the state is left at the last point.
     pub fn advance(&mut self) -> Result<AugmentedReport, CurveError> {
+        self.check()?;
         self.remesh();
         let mut step = self.step.min(self.settings.max_step);
         loop {
@@ -224,6 +262,15 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
                 return Err(self.lost(source));
             }
         }
+    }
+
+    /// Checks what is public and may have been changed since the last step.
+    fn check(&self) -> Result<(), InvalidInput> {
+        self.settings.check()?;
+        self.augmented.system.check(&self.augmented.problem, &self.solution)?;
+        self.tangent.check(&self.solution)?;
+        self.history.check(&self.solution)?;
+        invalid::setting("the step", self.step, self.step > 0.0, "a number above 0")
     }
 
     fn lost(&self, source: SingularError) -> CurveError {
@@ -302,12 +349,13 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     /// The point between the last two at which the curve turns in scalar unknown `index`, and its arclength, by
     /// bisection on the tangent; `None` if a corrector fails on the way. The curve itself stays where it is.
     pub fn turning_point(&mut self, index: usize) -> Option<Solution> {
+        invalid::index("scalar unknown", index, self.tangent.scalars.len()).and_then(|()| self.check()).ok()?;
         let (mut low, _) = self.history.back(1)?;
         let mut high = self.arclength;
         let side = self.tangent.scalars[index].signum();
         let mut y = self.solution.clone();
         // Both parameters are quadratic about a cusp: half the digits of arclength give all digits of theirs.
-        while high - low > 1e-9 * (1.0 + high) {
+        while high - low > 1e-9 * (1.0 + high.abs()) {
             let middle = 0.5 * (low + high);
             self.history.extrapolate(middle, &mut y);
             self.augmented.metric.plane_through(&y, &self.tangent, &mut self.closing);
@@ -324,6 +372,8 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     /// # Errors
     /// [`CurveError::Lost`].
     pub fn at(&mut self, index: usize, value: f64) -> Result<(Solution, AugmentedReport), CurveError> {
+        self.check()?;
+        invalid::index("scalar unknown", index, self.tangent.scalars.len())?;
         let mut y = self.solution.clone();
         let slope = self.tangent.scalars[index];
         match self.history.back(1) {
@@ -352,6 +402,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         limit: usize,
         mut visit: impl FnMut(&mut Self, &AugmentedReport) -> bool,
     ) -> Result<(), CurveError> {
+        invalid::index("scalar unknown", index, self.solution.scalars.len())?;
         for steps in 0..limit {
             let before = self.solution.scalars[index] - value;
             if before == 0.0 {

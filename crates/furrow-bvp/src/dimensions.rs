@@ -1,7 +1,6 @@
 //! Sizes of a problem, and the limits of the kernels.
 
 use crate::dense::{LANE, MAX_LANES, lanes_for};
-use crate::gauss::MAX_STAGES;
 
 /// Sizes of a boundary-value problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,6 +22,9 @@ pub struct Dimensions {
     /// Integral conditions ∫ g dx + h(p) = 0.
     pub integrals: usize,
 }
+
+/// Largest number of stages offered.
+pub const MAX_STAGES: usize = 5;
 
 /// Most unknowns at one point, components and scalars together.
 pub const MAX_UNKNOWNS: usize = 32;
@@ -76,12 +78,13 @@ pub enum TooLarge {
 impl Dimensions {
     /// Conditions beyond those of the problem itself that a square system needs, e.g. one for pseudo-arclength.
     pub fn missing_conditions(&self) -> isize {
-        (self.components + self.scalars) as isize - (self.left + self.right + self.integrals) as isize
+        let conditions = self.left.saturating_add(self.right).saturating_add(self.integrals);
+        signed(self.components.saturating_add(self.scalars)).saturating_sub(signed(conditions))
     }
 
     /// Quadrature components, leading and trailing.
     pub fn all_quadratures(&self) -> usize {
-        self.quadratures + self.trailing_quadratures
+        self.quadratures.saturating_add(self.trailing_quadratures)
     }
 
     /// Checks that the kernels can solve problems of these sizes with the given number of stages. Limits are checked here
@@ -98,7 +101,7 @@ impl Dimensions {
         if components == 0 || quadratures > components {
             return Err(TooLarge::Components { components, quadratures });
         }
-        let unknowns = components + self.scalars;
+        let unknowns = components.saturating_add(self.scalars);
         if unknowns > MAX_UNKNOWNS {
             return Err(TooLarge::Unknowns { unknowns });
         }
@@ -114,6 +117,11 @@ impl Dimensions {
         }
         Ok(())
     }
+}
+
+/// A count as a signed number, the largest one for any beyond it.
+fn signed(count: usize) -> isize {
+    isize::try_from(count).unwrap_or(isize::MAX)
 }
 
 /// Rows of one block of nodes: conditions carried on, those of the interval and borders.

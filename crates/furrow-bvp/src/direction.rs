@@ -1,6 +1,7 @@
 //! Directions in the space of solutions, residuals of equations and linear conditions on solutions.
 
 use crate::dense::{weighted_maximum, zeroed};
+use crate::invalid::{InvalidInput, length};
 use crate::solution::Solution;
 
 /// A linear condition Σ w_i·y_i + w_p·p = value on all nodes and scalars, e.g. the pseudo-arclength condition.
@@ -15,6 +16,12 @@ pub struct LinearCondition {
 }
 
 impl LinearCondition {
+    /// Checks the lengths for a solution.
+    pub(crate) fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
+        length("node weights in a linear condition", self.nodes.len(), y.nodes.len())?;
+        length("scalar weights in a linear condition", self.scalars.len(), y.scalars.len())
+    }
+
     /// Σ w_i·y_i + w_p·p.
     pub(crate) fn form(&self, nodes: &[f64], scalars: &[f64]) -> f64 {
         let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
@@ -59,6 +66,13 @@ pub struct Direction {
 }
 
 impl Direction {
+    /// Checks the lengths for a solution.
+    pub(crate) fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
+        length("node values of the direction", self.nodes.len(), y.nodes.len())?;
+        length("stage values of the direction", self.stages.len(), y.stages.len())?;
+        length("scalars of the direction", self.scalars.len(), y.scalars.len())
+    }
+
     /// Largest entry of |δ| / (1 + |value|).
     pub fn norm(&self, about: &Solution) -> f64 {
         let norms = [

@@ -12,8 +12,10 @@
 //! Ascher, Mattheij & Russell, *Numerical Solution of Boundary Value Problems for Ordinary Differential Equations*,
 //! SIAM 1995, ch. 5. Hairer & Wanner, *Solving Ordinary Differential Equations II*, Springer 1996, ch. IV.
 
-/// Largest number of stages offered.
-pub const MAX_STAGES: usize = 5;
+use crate::dimensions::TooLarge;
+use crate::invalid::InvalidInput;
+
+pub use crate::dimensions::MAX_STAGES;
 
 /// Coefficients of m-stage Gauss collocation (order 2m at the nodes).
 #[derive(Clone, Debug, PartialEq)]
@@ -101,13 +103,25 @@ fn lagrange_basis(point: impl Fn(usize) -> f64, weights: &[f64], theta: f64, out
     out.iter_mut().for_each(|o| *o /= sum);
 }
 
+impl Default for Gauss {
+    /// Four stages: order 8.
+    fn default() -> Gauss {
+        Gauss::nearest(4)
+    }
+}
+
 impl Gauss {
     /// The m-stage method, 1 ≤ m ≤ [`MAX_STAGES`].
     ///
-    /// # Panics
-    /// If m is out of range; callers validate user input before.
-    pub fn new(m: usize) -> Gauss {
-        assert!((1..=MAX_STAGES).contains(&m), "Gauss collocation is offered with 1 to {MAX_STAGES} stages, not {m}");
+    /// # Errors
+    /// [`TooLarge::Stages`] for any other m.
+    pub fn new(m: usize) -> Result<Gauss, InvalidInput> {
+        if (1..=MAX_STAGES).contains(&m) { Ok(Gauss::nearest(m)) } else { Err(TooLarge::Stages { stages: m }.into()) }
+    }
+
+    /// The method of m stages, or of the nearest number that is offered.
+    pub(crate) fn nearest(m: usize) -> Gauss {
+        let m = m.clamp(1, MAX_STAGES);
         let (c, b) = gauss_rule(m);
         // a_jk by integrating the Lagrange polynomial ℓ_k (degree m − 1) exactly with the same rule on [0, c_j].
         let lagrange = |k: usize, x: f64| -> f64 {
@@ -196,7 +210,7 @@ mod tests {
     #[test]
     fn integrates_polynomials_to_degree_2m_minus_1() {
         for m in 1..=MAX_STAGES {
-            let g = Gauss::new(m);
+            let g = Gauss::nearest(m);
             for degree in 0..2 * m {
                 let q: f64 = g.c.iter().zip(&g.b).map(|(c, b)| b * c.powi(degree as i32)).sum();
                 assert!((q - 1.0 / (degree as f64 + 1.0)).abs() < 1e-15, "m={m} degree={degree}: {q}");
@@ -207,7 +221,7 @@ mod tests {
     #[test]
     fn stage_matrix_integrates_the_powers() {
         for m in 1..=MAX_STAGES {
-            let g = Gauss::new(m);
+            let g = Gauss::nearest(m);
             for degree in 0..m {
                 for j in 0..m {
                     let q: f64 = (0..m).map(|k| g.a[j * m + k] * g.c[k].powi(degree as i32)).sum();
@@ -221,7 +235,7 @@ mod tests {
     #[test]
     fn basis_reproduces_polynomials_and_their_slopes() {
         for m in 1..=MAX_STAGES {
-            let g = Gauss::new(m);
+            let g = Gauss::nearest(m);
             let (mut v, mut dv) = (vec![0.0; m + 1], vec![0.0; m + 1]);
             for theta in [0.0, 0.1, 0.37, 0.5, 0.99, 1.0, g.c[0]] {
                 g.basis(theta, &mut v);

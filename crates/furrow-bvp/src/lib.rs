@@ -5,8 +5,9 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | `dense` (private), [`gauss`] | small dense blocks; coefficients of Gauss collocation |
-//! | `dimensions` (private), [`solution`], [`direction`], [`metric`] | sizes and limits; solutions and their changes |
+//! | `dense`, `dimensions`, `invalid` (private) | small dense blocks; sizes and limits; why input is refused |
+//! | [`gauss`] | coefficients of Gauss collocation |
+//! | [`solution`], [`direction`], [`metric`] | solutions and their changes |
 //! | `kernels` (private) | `stages`, `condense`, `block`, `table`: inner loops in O(N) |
 //! | [`problem`], [`mesh`] | the statement of a problem; meshes and defects |
 //! | [`linear`] | residuals, factors and solves of the linearised system |
@@ -22,6 +23,7 @@ mod dense;
 mod dimensions;
 pub mod direction;
 pub mod gauss;
+mod invalid;
 mod kernels;
 pub mod linear;
 pub mod mesh;
@@ -45,6 +47,7 @@ pub use dense::{Determinant, PivotFailure};
 pub use dimensions::{Dimensions, MAX_CONDITIONS, MAX_STAGE_UNKNOWNS, MAX_UNKNOWNS, TooLarge};
 pub use direction::{Direction, LinearCondition, Residual};
 pub use gauss::Gauss;
+pub use invalid::InvalidInput;
 pub use kernels::{AntisymmetricEnd, Kernels};
 pub use linear::System;
 pub use metric::Metric;

@@ -1,8 +1,17 @@
 //! Meshes: equidistribution of a monitor, defect of a solution.
 
 use crate::gauss::{Gauss, MAX_STAGES};
+use crate::invalid::{self, InvalidInput};
 use crate::problem::{BoundaryValueProblem, CollocationPoints};
 use crate::solution::Solution;
+
+/// Checks that nodes are a mesh: at least two, finite and increasing.
+///
+/// # Errors
+/// [`InvalidInput::ShortMesh`] or [`InvalidInput::Mesh`].
+pub fn check(nodes: &[f64]) -> Result<(), InvalidInput> {
+    invalid::mesh(nodes)
+}
 
 /// n equal intervals on [from, to].
 pub fn uniform(from: f64, to: f64, n: usize) -> Vec<f64> {
@@ -11,7 +20,7 @@ pub fn uniform(from: f64, to: f64, n: usize) -> Vec<f64> {
 
 /// The mesh with every interval cut in two.
 pub fn halved(mesh: &[f64]) -> Vec<f64> {
-    let mut out = Vec::with_capacity(2 * mesh.len() - 1);
+    let mut out = Vec::with_capacity(2 * mesh.len());
     for pair in mesh.windows(2) {
         out.extend([pair[0], 0.5 * (pair[0] + pair[1])]);
     }
@@ -21,7 +30,7 @@ pub fn halved(mesh: &[f64]) -> Vec<f64> {
 
 /// The mesh with every interval cut into so many equal parts.
 pub fn subdivided(mesh: &[f64], parts: usize) -> Vec<f64> {
-    let mut out = Vec::with_capacity(parts * mesh.len());
+    let mut out = Vec::new();
     for pair in mesh.windows(2) {
         out.extend((0..parts).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64));
     }
@@ -30,10 +39,14 @@ pub fn subdivided(mesh: &[f64], parts: usize) -> Vec<f64> {
 }
 
 /// A mesh of `n` intervals on which the piecewise constant monitor `weight` (one positive value per interval of `mesh`)
-/// has equal integrals.
+/// has equal integrals. Without an interval or a monitor it is `mesh` itself.
 pub fn equidistribute(mesh: &[f64], weight: &[f64], n: usize, out: &mut Vec<f64>) {
     let total: f64 = mesh.windows(2).zip(weight).map(|(x, w)| (x[1] - x[0]) * w).sum();
     out.clear();
+    if mesh.len() < 2 || weight.is_empty() {
+        return out.extend_from_slice(mesh);
+    }
+    let weight = &weight[..weight.len().min(mesh.len() - 1)];
     out.push(mesh[0]);
     let (mut i, mut done) = (0, 0.0);
     for k in 1..n {
@@ -58,18 +71,23 @@ pub fn imbalance(mesh: &[f64], weight: &[f64]) -> f64 {
 /// its share; none if the monitor is not finite.
 pub fn rebalanced(mesh: &[f64], weight: &[f64], above: f64) -> Option<Vec<f64>> {
     let imbalance = imbalance(mesh, weight);
-    (imbalance > above && imbalance.is_finite()).then(|| {
-        let mut grid = Vec::new();
-        equidistribute(mesh, weight, weight.len(), &mut grid);
-        grid
-    })
+    if !(imbalance > above && imbalance.is_finite()) {
+        return None;
+    }
+    let mut grid = Vec::new();
+    equidistribute(mesh, weight, weight.len(), &mut grid);
+    // Where the monitor is extreme, nodes may coincide within rounding.
+    check(&grid).is_ok().then_some(grid)
 }
 
 /// Largest defect |u′ − f(u)| · h / (1 + |u|) (N.6) of the collocation polynomial u on every interval of width h, sampled midway
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
-/// themselves it is zero.) It is infinite where f is not a number.
+/// themselves it is zero.) It is infinite where f is not a number, and everywhere if `y` does not fit the problem.
 pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
     let dims = problem.dimensions();
+    if y.fits(dims).is_err() || gauss.m != y.m {
+        return vec![f64::INFINITY; y.intervals()];
+    }
     problem.prepare(&y.scalars);
     let (n, m) = (y.components, y.m);
     let points = y.intervals() * m;
@@ -108,7 +126,8 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
 pub fn defect_monitor(mesh: &[f64], defect: &[f64], m: usize, weight: &mut Vec<f64>) {
     weight.clear();
     weight.extend(mesh.windows(2).zip(defect).map(|(x, d)| d.max(1e-300).powf(1.0 / (m as f64 + 1.0)) / (x[1] - x[0])));
-    let length = mesh[mesh.len() - 1] - mesh[0];
+    let (Some(first), Some(last)) = (mesh.first(), mesh.last()) else { return };
+    let length = last - first;
     let mean = mesh.windows(2).zip(weight.iter()).map(|(x, w)| (x[1] - x[0]) * w).sum::<f64>() / length;
     for w in weight.iter_mut() {
         *w = 0.5 * (*w + mean);

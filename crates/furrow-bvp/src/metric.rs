@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::direction::{Direction, LinearCondition};
 use crate::gauss::Gauss;
+use crate::invalid::{self, InvalidInput};
 use crate::solution::Solution;
 
 /// The inner product ⟨a, b⟩ = Σ_c W_c ∫ a_c b_c dx / (x_N − x₀) + Σ_k w_k a_k b_k on solutions, by the trapezoidal rule
@@ -34,6 +35,20 @@ impl Metric {
         Metric { components: vec![1.0; components], scalars: vec![1.0; scalars] }
     }
 
+    /// Checks that there is a weight for every unknown of a solution, none negative and not all of them 0.
+    ///
+    /// # Errors
+    /// [`InvalidInput`].
+    pub fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
+        invalid::length("component weights in the metric", self.components.len(), y.components)?;
+        invalid::length("scalar weights in the metric", self.scalars.len(), y.scalars.len())?;
+        let weights = || self.components.iter().chain(&self.scalars).copied();
+        for weight in weights() {
+            invalid::setting("a weight of the metric", weight, weight >= 0.0 && weight.is_finite(), "a number from 0")?;
+        }
+        invalid::positive("the largest weight of the metric", weights().fold(0.0, f64::max))
+    }
+
     fn node_weight(mesh: &[f64], i: usize) -> f64 {
         let last = mesh.len() - 1;
         0.5 * (mesh[(i + 1).min(last)] - mesh[i.saturating_sub(1)]) / (mesh[last] - mesh[0])
@@ -41,11 +56,10 @@ impl Metric {
 
     /// ⟨a, b⟩.
     pub fn dot(&self, mesh: &[f64], a: &Direction, b: &Direction) -> f64 {
-        let n = self.components.len();
+        let n = self.components.len().max(1);
         let mut sum = 0.0;
-        for i in 0..mesh.len() {
-            let (a, b) = (&a.nodes[i * n..(i + 1) * n], &b.nodes[i * n..(i + 1) * n]);
-            let part: f64 = (0..n).map(|c| self.components[c] * a[c] * b[c]).sum();
+        for (i, (a, b)) in (0..mesh.len()).zip(a.nodes.chunks_exact(n).zip(b.nodes.chunks_exact(n))) {
+            let part: f64 = self.components.iter().zip(a.iter().zip(b)).map(|(w, (a, b))| w * a * b).sum();
             sum += Metric::node_weight(mesh, i) * part;
         }
         sum + self.scalars.iter().zip(a.scalars.iter().zip(&b.scalars)).map(|(w, (a, b))| w * a * b).sum::<f64>()
@@ -59,11 +73,11 @@ impl Metric {
 
     /// The condition ⟨direction, x − y⟩ = 0 on the unknown x.
     pub fn plane_through(&self, y: &Solution, direction: &Direction, out: &mut LinearCondition) {
-        let n = self.components.len();
+        let n = self.components.len().max(1);
         out.nodes.clear();
-        for i in 0..y.mesh.len() {
+        for (i, direction) in (0..y.mesh.len()).zip(direction.nodes.chunks_exact(n)) {
             let weight = Metric::node_weight(&y.mesh, i);
-            out.nodes.extend((0..n).map(|c| weight * self.components[c] * direction.nodes[i * n + c]));
+            out.nodes.extend(self.components.iter().zip(direction).map(|(w, d)| weight * w * d));
         }
         out.scalars.clear();
         out.scalars.extend(self.scalars.iter().zip(&direction.scalars).map(|(w, d)| w * d));
@@ -76,19 +90,21 @@ pub fn evaluate(condition: &LinearCondition, y: &Solution) -> f64 {
     condition.form(&y.nodes, &y.scalars)
 }
 
-/// The condition that scalar unknown `index` takes a value.
+/// The condition that scalar unknown `index` takes a value. Where there is no such unknown no solution satisfies it.
 pub fn scalar_condition(y: &Solution, index: usize, value: f64, out: &mut LinearCondition) {
     out.nodes.clear();
     out.nodes.resize(y.nodes.len(), 0.0);
     out.scalars.clear();
     out.scalars.resize(y.scalars.len(), 0.0);
-    out.scalars[index] = 1.0;
+    if let Some(weight) = out.scalars.get_mut(index) {
+        *weight = 1.0;
+    }
     out.value = value;
 }
 
 /// Carries a direction over to another mesh.
 pub fn transfer_direction(gauss: &Gauss, from: &[f64], to: &[f64], direction: &mut Direction) {
-    let components = direction.nodes.len() / from.len();
+    let components = direction.nodes.len() / from.len().max(1);
     let before = Solution {
         components,
         m: gauss.m,

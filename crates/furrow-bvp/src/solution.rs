@@ -1,6 +1,8 @@
 //! A collocation solution: mesh, node values, stage values, scalar unknowns.
 
+use crate::dimensions::{Dimensions, TooLarge};
 use crate::gauss::{Gauss, MAX_STAGES};
+use crate::invalid::{self, InvalidInput, length};
 
 /// A piecewise polynomial of degree m on a mesh, with the scalar unknowns that belong to it.
 ///
@@ -9,13 +11,14 @@ use crate::gauss::{Gauss, MAX_STAGES};
 /// # Examples
 /// ```
 /// use furrow_bvp::{Gauss, Solution, mesh};
-/// let gauss = Gauss::new(4);
+/// let gauss = Gauss::new(4)?;
 /// let sine = |x: f64, y: &mut [f64]| y.copy_from_slice(&[x.sin(), x.cos()]);
-/// let y = Solution::from_fn(&gauss, &mesh::uniform(0.0, 3.0, 12), 2, &[], sine);
+/// let y = Solution::from_fn(&gauss, &mesh::uniform(0.0, 3.0, 12), 2, &[], sine)?;
 /// let finer = y.on_mesh(&gauss, &mesh::halved(&y.mesh));
 /// let mut value = [0.0; 2];
 /// finer.eval(&gauss, 1.0, &mut value);
 /// assert!((value[0] - 1f64.sin()).abs() < 1e-5);
+/// # Ok::<(), furrow_bvp::InvalidInput>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Solution {
@@ -35,14 +38,32 @@ pub struct Solution {
 
 impl Solution {
     /// Samples `value` (writing n components at x) on a mesh.
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if there are no components, or if the mesh is none (see [`mesh::check`](crate::mesh::check)).
     pub fn from_fn(
+        gauss: &Gauss,
+        mesh: &[f64],
+        components: usize,
+        scalars: &[f64],
+        value: impl FnMut(f64, &mut [f64]),
+    ) -> Result<Solution, InvalidInput> {
+        invalid::mesh(mesh)?;
+        if components == 0 {
+            return Err(TooLarge::Components { components, quadratures: 0 }.into());
+        }
+        Ok(Solution::sampled(gauss, mesh, components, scalars, value))
+    }
+
+    /// [`from_fn`](Self::from_fn) on a mesh that is known to be one.
+    fn sampled(
         gauss: &Gauss,
         mesh: &[f64],
         components: usize,
         scalars: &[f64],
         mut value: impl FnMut(f64, &mut [f64]),
     ) -> Solution {
-        let n_intervals = mesh.len() - 1;
+        let n_intervals = mesh.len().saturating_sub(1);
         let mut s = Solution {
             components,
             m: gauss.m,
@@ -63,17 +84,60 @@ impl Solution {
         s
     }
 
+    /// Another solution of the same kind on the same mesh: samples `value` at the nodes and stages of this one.
+    pub fn resampled(&self, components: usize, scalars: &[f64], value: impl FnMut(f64, &mut [f64])) -> Solution {
+        Solution::sampled(&self.gauss(), &self.mesh, components, scalars, value)
+    }
+
+    /// The collocation that the stages belong to. (Of an `m` that is not offered, which [`check`](Self::check) refuses, the
+    /// nearest.)
+    pub fn gauss(&self) -> Gauss {
+        Gauss::nearest(self.m)
+    }
+
+    /// Checks what the fields, which are public, have to agree on: stages that are offered, a mesh, and values as many as
+    /// belong to it. Solvers check it of every solution they are given.
+    ///
+    /// # Errors
+    /// [`InvalidInput`] names the field.
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        let Solution { components: n, m, mesh, nodes, stages, .. } = self;
+        if !(1..=MAX_STAGES).contains(m) {
+            return Err(TooLarge::Stages { stages: *m }.into());
+        }
+        if *n == 0 {
+            return Err(TooLarge::Components { components: 0, quadratures: 0 }.into());
+        }
+        invalid::mesh(mesh)?;
+        length("node values of the solution", nodes.len(), mesh.len().saturating_mul(*n))?;
+        length("stage values of the solution", stages.len(), self.intervals().saturating_mul(n.saturating_mul(*m)))
+    }
+
+    /// [`check`](Self::check), and the sizes of a problem.
+    pub(crate) fn fits(&self, dims: Dimensions) -> Result<(), InvalidInput> {
+        dims.check(self.m)?;
+        length("components of the solution", self.components, dims.components)?;
+        length("scalars of the solution", self.scalars.len(), dims.scalars)?;
+        self.check()
+    }
+
     /// Number of mesh intervals N.
     pub fn intervals(&self) -> usize {
-        self.mesh.len() - 1
+        self.mesh.len().saturating_sub(1)
     }
 
     /// Values at node i.
+    ///
+    /// # Panics
+    /// As a slice does, if there is none.
     pub fn node(&self, i: usize) -> &[f64] {
         &self.nodes[i * self.components..(i + 1) * self.components]
     }
 
     /// Values at stage j of interval i.
+    ///
+    /// # Panics
+    /// As a slice does, if there is none.
     pub fn stage(&self, i: usize, j: usize) -> &[f64] {
         let k = i * self.m + j;
         &self.stages[k * self.components..(k + 1) * self.components]
@@ -87,33 +151,35 @@ impl Solution {
     /// The interval that contains x (clamped to the mesh).
     pub fn interval_of(&self, x: f64) -> usize {
         let after = self.mesh.partition_point(|&node| node <= x);
-        after.saturating_sub(1).min(self.intervals() - 1)
+        after.saturating_sub(1).min(self.intervals().saturating_sub(1))
     }
 
     /// The collocation polynomial at x, all components into `out`.
     pub fn eval(&self, gauss: &Gauss, x: f64, out: &mut [f64]) {
         let i = self.interval_of(x);
-        self.eval_in(gauss, i, (x - self.mesh[i]) / (self.mesh[i + 1] - self.mesh[i]), out);
+        let Some([left, right]) = self.mesh.get(i..i + 2) else { return out.fill(f64::NAN) };
+        self.eval_in(gauss, i, (x - left) / (right - left), out);
     }
 
     /// The polynomial of interval i at θ ∈ [0, 1].
     pub fn eval_in(&self, gauss: &Gauss, i: usize, theta: f64, out: &mut [f64]) {
         let mut basis = [0.0; MAX_STAGES + 1];
-        gauss.basis(theta, &mut basis[..=self.m]);
+        gauss.basis(theta, &mut basis);
         self.combine(i, &basis, out);
     }
 
     /// Derivative with respect to x of the polynomial of interval i at θ ∈ [0, 1].
     pub fn slope_in(&self, gauss: &Gauss, i: usize, theta: f64, out: &mut [f64]) {
         let mut basis = [0.0; MAX_STAGES + 1];
-        gauss.basis_derivative(theta, &mut basis[..=self.m]);
-        let h = self.mesh[i + 1] - self.mesh[i];
+        gauss.basis_derivative(theta, &mut basis);
+        let Some([left, right]) = self.mesh.get(i..i + 2) else { return out.fill(f64::NAN) };
+        let h = right - left;
         basis.iter_mut().for_each(|b| *b /= h);
         self.combine(i, &basis, out);
     }
 
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
-    pub(crate) fn combine(&self, i: usize, basis: &[f64], out: &mut [f64]) {
+    pub(crate) fn combine<'a>(&'a self, i: usize, basis: &[f64], out: &mut [f64]) {
         /// Sums of N components are kept in registers.
         fn sized<const N: usize>(stages: &[f64], basis: &[f64], out: &mut [f64]) {
             let Some(out) = out.first_chunk_mut::<N>() else { return };
@@ -133,7 +199,8 @@ impl Solution {
             }
         }
         let (n, m) = (self.components, self.m);
-        for (o, y) in out.iter_mut().zip(self.node(i)) {
+        let part = |values: &'a [f64], size: usize| values.get(i * size..(i + 1) * size).unwrap_or(&[]);
+        for (o, y) in out.iter_mut().zip(part(&self.nodes, n)) {
             *o = basis[0] * y;
         }
         type Sum = fn(&[f64], &[f64], &mut [f64]);
@@ -142,12 +209,14 @@ impl Solution {
             sized::<9>,
         ];
         let sum = SIZED.get(n).copied().unwrap_or(any);
-        sum(&self.stages[i * m * n..(i + 1) * m * n], &basis[1..], out);
+        sum(part(&self.stages, m * n), &basis[1..], out);
     }
 
     /// The same function on another mesh of the same stage count, by the polynomials through both nodes and the stages of
     /// each interval. For a solution they are its collocation polynomials; for values that only approximate one, such as
     /// those carried over before, they treat left and right alike: a mirrored problem stays a mirrored problem.
+    ///
+    /// It is checked where something is solved on it, like every solution: a mesh that is none gives no error here.
     pub fn on_mesh(&self, gauss: &Gauss, mesh: &[f64]) -> Solution {
         let mut out = self.clone();
         self.transfer_into(gauss, mesh, &mut out);
@@ -165,16 +234,20 @@ impl Solution {
 /// # Examples
 /// ```
 /// use furrow_bvp::{Gauss, Solution, Transfer, mesh};
-/// let gauss = Gauss::new(4);
+/// let gauss = Gauss::new(4)?;
 /// let from = mesh::uniform(0.0, 3.0, 12);
 /// let transfer = Transfer::new(&gauss, &from, &mesh::halved(&from));
-/// let y = Solution::from_fn(&gauss, &from, 1, &[], |x, y| y[0] = x.sin());
+/// let y = Solution::from_fn(&gauss, &from, 1, &[], |x, y| y[0] = x.sin())?;
 /// let mut finer = y.clone();
 /// transfer.apply(&y, &mut finer);
 /// assert_eq!(finer, y.on_mesh(&gauss, &mesh::halved(&from)));
+/// # Ok::<(), furrow_bvp::InvalidInput>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Transfer {
+    /// Stages and intervals of the solutions that it is for.
+    m: usize,
+    intervals: usize,
     mesh: Vec<f64>,
     /// For every node and stage of the new mesh, in order, the interval of the old one and the weights of its left node, its stages
     /// and its right node.
@@ -184,7 +257,10 @@ pub struct Transfer {
 impl Transfer {
     /// From one mesh to another of the same range.
     pub fn new(gauss: &Gauss, from: &[f64], to: &[f64]) -> Transfer {
-        let last = from.len() - 2;
+        let intervals = from.len().saturating_sub(1);
+        let Some(last) = intervals.checked_sub(1) else {
+            return Transfer { m: gauss.m, intervals, mesh: to.to_vec(), places: Vec::new() };
+        };
         let mut interval = 0;
         let mut place = |x: f64| {
             while interval < last && x > from[interval + 1] {
@@ -200,37 +276,48 @@ impl Transfer {
             }
             (interval, weights)
         };
-        let mut places = Vec::with_capacity((to.len() - 1) * (gauss.m + 1) + 1);
+        let mut places = Vec::with_capacity(to.len() * (gauss.m + 1));
         for (i, &x) in to.iter().enumerate() {
             places.push(place(x));
             if let Some(next) = to.get(i + 1) {
                 places.extend(gauss.c.iter().map(|c| place(x + (next - x) * c)));
             }
         }
-        Transfer { mesh: to.to_vec(), places }
+        Transfer { m: gauss.m, intervals, mesh: to.to_vec(), places }
     }
 
-    /// Transfers values.
+    /// Transfers values. For a solution on another mesh, or with other stages, the weights are made anew.
     pub fn apply(&self, from: &Solution, to: &mut Solution) {
+        if (from.m, from.intervals()) == (self.m, self.intervals) {
+            self.weigh(from, to);
+        } else {
+            let gauss = from.gauss();
+            Transfer { m: from.m, ..Transfer::new(&gauss, &from.mesh, &self.mesh) }.weigh(from, to);
+        }
+    }
+
+    fn weigh(&self, from: &Solution, to: &mut Solution) {
         let (n, m) = (from.components, from.m);
         (to.components, to.m) = (n, m);
         to.mesh.clone_from(&self.mesh);
         to.scalars.clone_from(&from.scalars);
         to.nodes.resize(self.mesh.len() * n, 0.0);
-        to.stages.resize((self.mesh.len() - 1) * m * n, 0.0);
+        to.stages.resize(to.intervals() * m * n, 0.0);
         for (k, (interval, weights)) in self.places.iter().enumerate() {
             let (i, j) = (k / (m + 1), k % (m + 1));
             let out = match j.checked_sub(1) {
-                None => &mut to.nodes[i * n..(i + 1) * n],
-                Some(j) => &mut to.stages[(i * m + j) * n..(i * m + j + 1) * n],
+                None => to.nodes.get_mut(i * n..(i + 1) * n),
+                Some(j) => to.stages.get_mut((i * m + j) * n..(i * m + j + 1) * n),
             };
-            if weights[m + 1] == 1.0 {
-                out.copy_from_slice(from.node(interval + 1));
+            let (Some(out), Some(&weight)) = (out, weights.get(m + 1)) else { continue };
+            let right = from.nodes.get((interval + 1) * n..(interval + 2) * n).unwrap_or(&[]);
+            if weight == 1.0 {
+                out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
                 continue;
             }
             from.combine(*interval, weights, out);
-            for (o, right) in out.iter_mut().zip(from.node(interval + 1)) {
-                *o += weights[m + 1] * right;
+            for (o, right) in out.iter_mut().zip(right) {
+                *o += weight * right;
             }
         }
     }

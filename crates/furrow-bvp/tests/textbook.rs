@@ -45,7 +45,7 @@ fn pitchfork(
 ) -> (MinimallyAugmented<Oscillator, SymmetryBreaking>, AugmentedReport) {
     let Continuation { problem, metric, state, .. } = branch;
     let breaking = SymmetryBreaking::default();
-    let mut point = MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &state.tangent);
+    let mut point = MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &state.tangent).unwrap();
     let report = point.solve(y, None).unwrap();
     (point, report)
 }
@@ -71,7 +71,7 @@ fn bratu_folds_where_it_must() {
             if advance.passed_fold {
                 let mut y = branch.state.solution.clone();
                 let (metric, tangent) = (branch.metric.clone(), &branch.state.tangent);
-                let mut point = MinimallyAugmented::new(bratu(), Fold::new(0), y.m, metric, tangent);
+                let mut point = MinimallyAugmented::new(bratu(), Fold::new(0), y.m, metric, tangent).unwrap();
                 let report = point.solve(&mut y, None).unwrap();
                 assert!(report.iterations <= 8, "{report:?}");
                 folds.push(y.scalars[0]);
@@ -195,7 +195,7 @@ fn the_symmetry_breaking_sign_changes_at_antisymmetric_eigenvalues_alone() {
     let at = |lambda: f64| linear().zero(0.5, 12, 4, lambda);
     let branch = start(&linear(), &at(5.0), ContinuationSettings::default(), true);
     let breaking = SymmetryBreaking::default();
-    let mut point = MinimallyAugmented::new(linear(), breaking, 4, Metric::unit(2, 1), &branch.state.tangent);
+    let mut point = MinimallyAugmented::new(linear(), breaking, 4, Metric::unit(2, 1), &branch.state.tangent).unwrap();
     let eigenvalue = |k: f64| (k * PI).powi(2);
     let between = |k: f64| 0.5 * (eigenvalue(k) + eigenvalue(k + 1.0));
     let signs = [0.0, 1.0, 2.0, 3.0, 4.0].map(|k| point.sign_at(&at(between(k))).unwrap());
@@ -235,10 +235,10 @@ fn the_folds_of_the_gelfand_problem_end_in_a_cusp() {
         let z = theta * (1.0 - 2.0 * x);
         [2.0 * (theta.cosh() / z.cosh()).ln(), 4.0 * theta * z.tanh()]
     };
-    let (gauss, grid) = (Gauss::new(4), mesh::uniform(0.0, 0.5, 12));
-    let guess = Solution::from_fn(&gauss, &grid, 2, &[3.5, 0.0], |x, y| y.copy_from_slice(&profile(x)));
+    let (gauss, grid) = (Gauss::new(4).unwrap(), mesh::uniform(0.0, 0.5, 12));
+    let guess = Solution::from_fn(&gauss, &grid, 2, &[3.5, 0.0], |x, y| y.copy_from_slice(&profile(x))).unwrap();
     let sine = |x: f64| [(PI * x).sin(), PI * (PI * x).cos()];
-    let along = Solution::from_fn(&gauss, &grid, 2, &[0.0, 0.0], |x, y| y.copy_from_slice(&sine(x)));
+    let along = Solution::from_fn(&gauss, &grid, 2, &[0.0, 0.0], |x, y| y.copy_from_slice(&sine(x))).unwrap();
     let tangent = Direction { nodes: along.nodes, stages: along.stages, scalars: along.scalars };
     let settings = CurveSettings { target_correction: 1e-6, ..CurveSettings::default() };
     let (problem, metric) = (Oscillator { force: Force::With(gelfand), right: 1 }, Metric::unit(2, 2));

@@ -273,8 +273,8 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
         let metric = metric(cell, &free);
         let mut y = near.clone();
         let tangent = along_scalar(&y, y.scalars.len(), XI);
-        let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
-        if let Ok(report) = augmented.solve(&mut y, None) {
+        let augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
+        if let Ok(report) = augmented.and_then(|mut augmented| augmented.solve(&mut y, None)) {
             let [before, after] = [near, &y].map(|y| elongation(y, Domain::Half, cell.r0));
             // Another pitchfork than the one sought would lie further away.
             if report.iterations <= 8 && (before - after).abs() < 0.1 && y.scalars[XI] > 0.0 {
@@ -296,7 +296,7 @@ pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f6
     let (mut y, value) = (y.clone(), cortex.get(parameter));
     y.scalars.push(value);
     let tangent = along_scalar(&y, y.scalars.len(), XI);
-    let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
+    let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent)?;
     let mut closing = LinearCondition::default();
     scalar_condition(&y, XI + 1, value, &mut closing);
     augmented.solve(&mut y, Some(&closing))?;

@@ -129,7 +129,7 @@ impl Film {
             places.sort_by(f64::total_cmp);
             places.dedup();
         }
-        let gauss = Gauss::new(input.numerics.stages);
+        let gauss = Gauss::new(input.numerics.stages).unwrap_or_default();
         // It has divided, so that its cue has its place.
         let cell = resolved(&input.cell).unwrap_or(Cow::Borrowed(&input.cell));
         Film { gauss, cortex: Cortex::new(&cell, Domain::Full, &[]), places, arrows: Self::arrows(furrow) }
@@ -281,7 +281,7 @@ mod tests {
         let radius = 2.0;
         let cell = Cell::gao2026_thresholds(radius);
         let film = Film::new(&DivisionInput::new(cell), None);
-        let gauss = Gauss::new(Numerics::default().stages);
+        let gauss = Gauss::default();
         let mesh = furrow_bvp::mesh::uniform(0.0, 1.0, 48);
         let sphere = Solution::from_fn(&gauss, &mesh, COMPONENTS, &[PI * radius, 0.0], |u, state| {
             let (sin, cos) = (PI * u).sin_cos();

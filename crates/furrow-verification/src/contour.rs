@@ -75,7 +75,7 @@ impl Computed {
 
     /// All collocation points, pole to pole.
     pub fn places(&self) -> Vec<Place> {
-        let gauss = Gauss::new(self.shape.m);
+        let gauss = self.shape.gauss();
         let points = 0..self.shape.intervals() * self.shape.m;
         points.map(|k| self.place(&gauss, k / self.shape.m, k % self.shape.m)).collect()
     }

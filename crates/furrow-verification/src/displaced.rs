@@ -198,7 +198,7 @@ impl Surface {
 impl Displaced<'_> {
     /// The power of all forces on each virtual motion.
     pub fn powers(&self, motions: &[Virtual]) -> Vec<Power> {
-        let gauss = Gauss::new(self.state.shape.m);
+        let gauss = self.state.shape.gauss();
         let mut out = vec![Power::default(); motions.len()];
         let angles = 2 * self.mode.m + 3;
         for k in 0..self.state.shape.intervals() * self.state.shape.m {
@@ -213,7 +213,7 @@ impl Displaced<'_> {
 
     /// How far a_s is from the stretching of the meridian, at the worst place.
     pub fn arclength_error(&self) -> f64 {
-        let gauss = Gauss::new(self.state.shape.m);
+        let gauss = self.state.shape.gauss();
         let points = (0..self.state.shape.intervals() * self.state.shape.m).map(|k| self.point(&gauss, k));
         let error = |point: Point| (point.mode_s[ARC] - self.surface(&point, 0.0, 1.0).length(0).0.eps).abs();
         points.map(error).fold(0.0, f64::max)

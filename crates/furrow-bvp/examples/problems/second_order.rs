@@ -18,7 +18,7 @@ impl SecondOrder {
         let (first, length) = (mesh[0], mesh[mesh.len() - 1] - mesh[0]);
         let slope = (self.ends[1] - self.ends[0]) / length;
         let line = |x: f64, y: &mut [f64]| y.copy_from_slice(&[self.ends[0] + slope * (x - first), slope]);
-        Solution::from_fn(&Gauss::new(stages), mesh, 2, &[], line)
+        Solution::from_fn(&Gauss::new(stages).expect("stages from 1 to 5"), mesh, 2, &[], line).expect("a mesh")
     }
 }
 

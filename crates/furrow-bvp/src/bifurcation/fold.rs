@@ -1,7 +1,9 @@
 //! Turning points of a parameter along a branch.
 
 use crate::dense::PivotFailure;
+use crate::dimensions::Dimensions;
 use crate::direction::{Direction, Residual};
+use crate::invalid::{self, InvalidInput};
 use crate::linear::System;
 use crate::problem::Directional;
 use crate::problem::derivatives::second_residual;
@@ -21,15 +23,19 @@ pub struct Fold {
 }
 
 impl Fold {
-    /// For a parameter given by its index.
+    /// For a parameter given by its index, which must be one of the problem's: see [`Singularity::check`].
     pub fn new(parameter: usize) -> Fold {
         Fold { parameter, residual: Residual::default(), change: Direction::default() }
     }
 }
 
 impl<P: Directional> Singularity<P> for Fold {
+    fn check(&self, _: &P, dims: Dimensions) -> Result<(), InvalidInput> {
+        invalid::index("scalar unknown", self.parameter, dims.scalars)
+    }
+
     fn evaluate(&mut self, _: &mut System, _: &P, w: &Direction) -> Result<f64, PivotFailure> {
-        Ok(w.scalars[self.parameter])
+        Ok(w.scalars.get(self.parameter).copied().unwrap_or(f64::NAN))
     }
 
     /// J w = 0 along x + d: J w′ = −D²F\[d, w\].
@@ -37,7 +43,7 @@ impl<P: Directional> Singularity<P> for Fold {
         let conditions = free_parameters(system);
         second_residual(&system.gauss, problem, y, [d, w], conditions, &mut self.residual);
         system.solve(&self.residual, &mut self.change);
-        self.change.scalars[self.parameter]
+        self.change.scalars.get(self.parameter).copied().unwrap_or(f64::NAN)
     }
 }
 

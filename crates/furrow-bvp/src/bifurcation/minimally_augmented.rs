@@ -16,6 +16,7 @@
 use std::ops::AddAssign;
 
 use crate::direction::{Direction, LinearCondition};
+use crate::invalid::{InvalidInput, length};
 use crate::linear::System;
 use crate::metric::{self, Metric};
 use crate::newton::Work;
@@ -40,7 +41,7 @@ use super::singularity::{SingularError, Singularity};
 /// let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true)?;
 /// branch.follow([0.0, 10.0], 100, |_, advance| !advance.passed_fold)?;
 /// let mut y = branch.state.solution.clone();
-/// let mut point = MinimallyAugmented::new(problem, Fold::new(0), y.m, metric, &branch.state.tangent);
+/// let mut point = MinimallyAugmented::new(problem, Fold::new(0), y.m, metric, &branch.state.tangent)?;
 /// point.solve(&mut y, None)?;
 /// assert!((y.scalars[0] - 3.513830719).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -107,12 +108,33 @@ const RATES: std::ops::Range<f64> = 1e-8..1e-3;
 
 impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// For a problem near a point whose branch has the given tangent.
-    pub fn new(problem: P, singularity: S, stages: usize, metric: Metric, tangent: &Direction) -> Self {
+    ///
+    /// # Errors
+    /// [`SingularError::Invalid`] if the problem does not lack one condition for every free parameter, or if the singularity is
+    /// none of such a problem.
+    pub fn new(
+        problem: P,
+        singularity: S,
+        stages: usize,
+        metric: Metric,
+        tangent: &Direction,
+    ) -> Result<Self, SingularError> {
         let dims = problem.dimensions();
+        dims.check(stages).map_err(InvalidInput::from)?;
+        let missing = dims.missing_conditions();
+        if !(1..=2).contains(&missing) {
+            return Err(InvalidInput::NotSquare { missing, allowed: "1 or 2" }.into());
+        }
+        let missing = missing.unsigned_abs();
+        if dims.scalars < missing {
+            let (name, length) = ("scalar unknowns", dims.scalars);
+            return Err(InvalidInput::Length { name, length, expected: missing }.into());
+        }
+        singularity.check(&problem, dims)?;
         let mut reference = tangent.clone();
         // A tangent from a problem with fewer free parameters.
         reference.scalars.resize(dims.scalars, 0.0);
-        MinimallyAugmented {
+        Ok(MinimallyAugmented {
             system: System::new(dims, stages),
             problem,
             singularity,
@@ -122,10 +144,10 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             tolerance: 1e-11,
             trusting: false,
             contraction: 0.0,
-            conditions: vec![LinearCondition::default(); dims.missing_conditions().max(0) as usize],
+            conditions: vec![LinearCondition::default(); missing],
             reference,
             step: Direction::default(),
-        }
+        })
     }
 
     /// Normalises by a direction that the branch is known to follow.
@@ -153,6 +175,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
 
     /// Factors, null directions and δ₀ at `y`; returns g.
     fn linearise(&mut self, y: &Solution) -> Result<f64, SingularError> {
+        self.check(y)?;
         let MinimallyAugmented { problem, singularity, system, metric, basis, conditions, reference, step, .. } = self;
         metric.plane_through(y, reference, &mut conditions[0]);
         if conditions.len() > 1 {
@@ -169,6 +192,18 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         reference.clone_from(&basis[0]);
         metric.normalise(&y.mesh, reference);
         Ok(singularity.evaluate(system, problem, &basis[0])?)
+    }
+
+    /// Checks that point, metric and normalising direction fit the problem; fields are public.
+    fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
+        let MinimallyAugmented { problem, singularity, system, metric, reference, conditions, .. } = self;
+        system.check(problem, y)?;
+        let missing = usize::try_from(system.dimensions().missing_conditions()).unwrap_or(0);
+        length("free parameters of the problem", missing, conditions.len())?;
+        length("scalars of the direction", reference.scalars.len(), y.scalars.len())?;
+        length("node values of the direction", reference.nodes.len(), y.nodes.len())?;
+        metric.check(y)?;
+        singularity.check(problem, system.dimensions())
     }
 
     /// g′ along null direction `k`, or along δ₀.
@@ -207,7 +242,14 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         closing: Option<&LinearCondition>,
         report: &mut AugmentedReport,
     ) -> Result<(), SingularError> {
-        let g = self.linearise(y).map_err(|_| SingularError::Singular { iterations: report.iterations })?;
+        let g = self.linearise(y).map_err(|error| match error {
+            SingularError::Invalid(_) => error,
+            _ => SingularError::Singular { iterations: report.iterations },
+        })?;
+        if let Some(closing) = closing {
+            closing.check(y)?;
+        }
+        length("closing conditions", usize::from(closing.is_some()), self.conditions.len() - 1)?;
         report.iterations += 1;
         let constant = g + self.slope(y, None);
         self.slopes[0] = self.slope(y, Some(0));

@@ -36,6 +36,8 @@ pub fn pitchfork_normal_form<P: Directional + MirrorSymmetric>(
 ) -> Result<NormalForm, SingularError> {
     let MinimallyAugmented { problem, singularity, system, basis, slopes, .. } = point;
     let dims = system.dimensions();
+    singularity.null.check(y)?;
+    system.check(problem, y)?;
     let conditions = dims.missing_conditions().max(0) as usize;
     let (mut square, mut cube, mut mixed) = (Residual::default(), Residual::default(), Residual::default());
     let gauss = system.gauss.clone();

@@ -1,7 +1,9 @@
 //! Test functions of singular points: scalars that vanish there.
 
 use crate::dense::PivotFailure;
+use crate::dimensions::Dimensions;
 use crate::direction::Direction;
+use crate::invalid::InvalidInput;
 use crate::linear::System;
 use crate::solution::Solution;
 
@@ -9,6 +11,9 @@ use crate::solution::Solution;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SingularError {
+    /// The problem, the point, the metric or the kind of singularity are refused.
+    #[error(transparent)]
+    Invalid(#[from] InvalidInput),
     /// A pivot vanished where the extended system should be regular.
     #[error(
         "the extended system is singular after {iterations} iterations: two singularities coincide, or none is near"
@@ -41,6 +46,14 @@ impl From<PivotFailure> for SingularError {
 
 /// A scalar g(x) that vanishes at a kind of singular point.
 pub trait Singularity<P> {
+    /// Checks that problems of these sizes can have such points.
+    ///
+    /// # Errors
+    /// [`InvalidInput`].
+    fn check(&self, _problem: &P, _dims: Dimensions) -> Result<(), InvalidInput> {
+        Ok(())
+    }
+
     /// g at the point whose factors `system` holds; `w` is the null direction of F with all but the first free parameter
     /// fixed, normalised by the first linear condition of `system`.
     ///

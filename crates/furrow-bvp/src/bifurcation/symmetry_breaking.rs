@@ -1,8 +1,9 @@
 //! Pitchforks of mirror-symmetric branches: an antisymmetric null vector appears.
 
 use crate::dense::{Determinant, PivotFailure};
-use crate::dimensions::MAX_UNKNOWNS;
+use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
 use crate::direction::{Direction, Residual};
+use crate::invalid::{self, InvalidInput};
 use crate::kernels::AntisymmetricEnd;
 use crate::linear::System;
 use crate::problem::derivatives::second_residual;
@@ -30,7 +31,7 @@ use super::singularity::Singularity;
 /// let settings = ContinuationSettings::default();
 /// let branch = Continuation::start(problem.clone(), y.clone(), metric.clone(), settings, true)?;
 /// let tangent = &branch.state.tangent;
-/// let mut point = MinimallyAugmented::new(problem, SymmetryBreaking::default(), y.m, metric, tangent);
+/// let mut point = MinimallyAugmented::new(problem, SymmetryBreaking::default(), y.m, metric, tangent)?;
 /// point.solve(&mut y, None)?;
 /// assert!((y.scalars[0] - (2.0 * std::f64::consts::PI).powi(2)).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -66,7 +67,7 @@ impl SymmetryBreaking {
     /// every residual in the range of J_a at g = 0.
     pub fn project(&mut self, system: &mut System, residual: &Residual) -> f64 {
         system.solve_antisymmetric_last_node(&self.end, residual, &mut self.change);
-        self.change.nodes[self.change.nodes.len() - system.dimensions().components + self.replaced]
+        self.remainder(system, &self.change)
     }
 }
 
@@ -78,11 +79,13 @@ impl SymmetryBreaking {
         vanishing: &[usize],
         normaliser: usize,
     ) -> Result<Determinant, PivotFailure> {
-        let last = vanishing.len() - 1;
+        let Some((&replaced, others)) = vanishing.split_last() else {
+            return Err(PivotFailure { column: 0, non_finite: true });
+        };
         self.rows.clear();
-        self.rows.extend_from_slice(&vanishing[..last]);
+        self.rows.extend_from_slice(others);
         self.rows.push(normaliser);
-        self.replaced = vanishing[last];
+        self.replaced = replaced;
         self.normaliser = normaliser;
         system.factor_antisymmetric(&self.rows, &mut self.end)
     }
@@ -91,9 +94,18 @@ impl SymmetryBreaking {
     fn solve_replaced(&mut self, system: &mut System) -> f64 {
         let count = self.rows.len();
         let mut right = [0.0; MAX_UNKNOWNS];
-        right[count - 1] = 1.0;
-        system.solve_antisymmetric_unit(&self.end, &right[..count], &mut self.null);
-        self.null.nodes[self.null.nodes.len() - system.dimensions().components + self.replaced]
+        let right = &mut right[..count.min(MAX_UNKNOWNS)];
+        if let Some(normalising) = right.last_mut() {
+            *normalising = 1.0;
+        }
+        system.solve_antisymmetric_unit(&self.end, right, &mut self.null);
+        self.remainder(system, &self.null)
+    }
+
+    /// The component at the mirror that the condition replaced would make vanish.
+    fn remainder(&self, system: &System, direction: &Direction) -> f64 {
+        let last = direction.nodes.rchunks(system.dimensions().components.max(1)).next();
+        last.and_then(|node| node.get(self.replaced)).copied().unwrap_or(f64::NAN)
     }
 }
 
@@ -101,6 +113,15 @@ impl SymmetryBreaking {
 const LARGE: f64 = 1e4;
 
 impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
+    fn check(&self, problem: &P, dims: Dimensions) -> Result<(), InvalidInput> {
+        let (vanishing, free) = (problem.vanishing_at_mirror(), problem.free_at_mirror());
+        let needed = dims.components.saturating_sub(dims.left);
+        invalid::length("components that vanish at the mirror", vanishing.len(), needed)?;
+        invalid::index("component that vanishes at the mirror", 0, vanishing.len())?;
+        invalid::index("component that is free at the mirror", 0, free.len())?;
+        vanishing.iter().chain(free).try_for_each(|&c| invalid::index("component", c, dims.components))
+    }
+
     fn evaluate(&mut self, system: &mut System, problem: &P, _w: &Direction) -> Result<f64, PivotFailure> {
         let mut failure = PivotFailure { column: 0, non_finite: false };
         let normalisers = problem.free_at_mirror();

@@ -10,8 +10,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dense::PivotFailure;
-use crate::dimensions::TooLarge;
+use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition};
+use crate::invalid::{self, InvalidInput};
 use crate::linear::System;
 use crate::mesh;
 use crate::metric::{self, Metric};
@@ -51,6 +52,32 @@ impl Default for ContinuationSettings {
     }
 }
 
+impl ContinuationSettings {
+    /// Checks the settings.
+    ///
+    /// # Errors
+    /// [`InvalidInput::Setting`].
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        let ContinuationSettings { first_step, min_step, max_step, min_cosine, remesh_above, .. } = *self;
+        self.newton.check()?;
+        invalid::positive("first_step", first_step)?;
+        invalid::positive("min_step", min_step)?;
+        invalid::setting("max_step", max_step, max_step > 0.0, "a number above 0")?;
+        invalid::setting("min_cosine", min_cosine, (-1.0..1.0).contains(&min_cosine), "a number from −1, below 1")?;
+        invalid::setting("remesh_above", remesh_above, remesh_above >= 1.0, "a number from 1")
+    }
+}
+
+/// Checks that a problem lacks one condition, for its last scalar unknown, and that guess and metric fit it.
+fn check_problem(dims: Dimensions, y: &Solution, metric: &Metric) -> Result<(), InvalidInput> {
+    y.fits(dims)?;
+    if dims.missing_conditions() != 1 {
+        return Err(InvalidInput::NotSquare { missing: dims.missing_conditions(), allowed: "1" });
+    }
+    invalid::index("scalar unknown", 0, dims.scalars)?;
+    metric.check(y)
+}
+
 /// Why a step along a branch failed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -76,9 +103,9 @@ pub enum StepFailure {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContinuationError {
-    /// The problem does not fit the kernels.
+    /// The problem, the point to start from, the metric or the settings are refused.
     #[error(transparent)]
-    TooLarge(#[from] TooLarge),
+    Invalid(#[from] InvalidInput),
     /// No first point.
     #[error("no first point at parameter {parameter}: {source}")]
     Start {
@@ -140,14 +167,26 @@ pub struct State {
 }
 
 impl State {
+    /// Checks that tangent and history belong to the solution, and that there is a step to go on with.
+    ///
+    /// # Errors
+    /// [`InvalidInput`].
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        self.solution.check()?;
+        self.tangent.check(&self.solution)?;
+        self.history.check(&self.solution)?;
+        invalid::setting("the arclength", self.arclength, self.arclength.is_finite(), "a finite number")?;
+        invalid::setting("the step", self.step, self.step > 0.0, "a number above 0")
+    }
+
     /// Value of λ.
     pub fn parameter(&self) -> f64 {
-        self.solution.scalars[self.solution.scalars.len() - 1]
+        self.solution.scalars.last().copied().unwrap_or(f64::NAN)
     }
 
     /// dλ/ds.
     pub fn parameter_slope(&self) -> f64 {
-        self.tangent.scalars[self.tangent.scalars.len() - 1]
+        self.tangent.scalars.last().copied().unwrap_or(f64::NAN)
     }
 }
 
@@ -240,10 +279,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Starts at the solution near `guess` with the λ of `guess`, towards larger λ if `upwards`.
     ///
     /// # Errors
-    /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::TooLarge`] if [`Dimensions::check`]
-    /// fails.
-    ///
-    /// [`Dimensions::check`]: crate::Dimensions::check
+    /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::Invalid`] for input that is refused.
     pub fn start(
         mut problem: P,
         guess: Solution,
@@ -252,7 +288,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         upwards: bool,
     ) -> Result<Self, ContinuationError> {
         let dims = problem.dimensions();
-        dims.check(guess.m)?;
+        settings.check()?;
+        check_problem(dims, &guess, &metric)?;
         let mut system = System::new(dims, guess.m);
         let mut scratch = NewtonScratch::default();
         let mut conditions = vec![LinearCondition::default()];
@@ -278,6 +315,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     }
 
     /// Resumes a run, or starts one from a point whose tangent is known (e.g. a branch switched to).
+    /// A state may have been read from a file: one that does not fit the problem is refused by the first
+    /// [`advance`](Self::advance).
     pub fn resume(problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
         if state.history.is_empty() {
             state.history.push(state.arclength, &state.solution);
@@ -301,6 +340,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
+    /// Checks what is public and may have been changed since the last step.
+    fn check(&self) -> Result<(), InvalidInput> {
+        self.settings.check()?;
+        self.system.check(&self.problem, &self.state.solution)?;
+        check_problem(self.system.dimensions(), &self.state.solution, &self.metric)?;
+        self.state.check()
+    }
+
     /// Reverses the direction.
     pub fn reverse(&mut self) {
         self.exact = false;
@@ -313,8 +360,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Takes one step.
     ///
     /// # Errors
-    /// [`ContinuationError::Lost`]; the state is left at the last point.
+    /// [`ContinuationError::Lost`]; the state is left at the last point. [`ContinuationError::Invalid`] if public fields were
+    /// changed to what does not fit.
     pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
+        self.check()?;
         self.remesh();
         let mut step = self.state.step.min(self.settings.max_step);
         let mut rejected = 0;
@@ -514,7 +563,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             let advance = self.advance()?;
             let parameter = self.state.parameter();
             if parameter < range[0] || parameter > range[1] {
-                let bound = parameter.clamp(range[0], range[1]);
+                let bound = if parameter < range[0] { range[0] } else { range[1] };
                 self.land_on(bound)?;
                 visit(self, advance);
                 return Ok(Termination::ParameterBound(bound));
@@ -546,7 +595,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// that point, 1 at the newest. None if λ is the same at both.
     fn between_last_points(&self, value: f64) -> Option<(f64, f64)> {
         let (arclength, earlier) = self.state.history.back(1)?;
-        let before = earlier.scalars[earlier.scalars.len() - 1];
+        let before = *earlier.scalars.last()?;
         let span = self.state.parameter() - before;
         (span != 0.0).then(|| (arclength, (value - before) / span))
     }
@@ -567,6 +616,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// # Errors
     /// [`ContinuationError::Lost`] if the corrector fails there.
     pub fn at(&mut self, value: f64) -> Result<Solution, ContinuationError> {
+        self.check()?;
         self.exact = false;
         let mut y = self.state.solution.clone();
         if let Some((before, share)) = self.between_last_points(value) {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::direction::LinearCondition;
 use crate::gauss::Gauss;
+use crate::invalid::{self, InvalidInput};
 use crate::metric::evaluate;
 use crate::solution::{Solution, Transfer};
 
@@ -27,15 +28,32 @@ impl History {
         History { points: Vec::new(), limit: order.max(1) }
     }
 
+    /// Checks that all points are on the mesh of `y`, and of its sizes.
+    ///
+    /// # Errors
+    /// [`InvalidInput`].
+    pub fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
+        invalid::setting("the order of the history", self.limit as f64, self.limit > 0, "a whole number from 1")?;
+        for (position, point) in &self.points {
+            invalid::setting("a position in the history", *position, position.is_finite(), "a finite number")?;
+            invalid::length("stages of a point in the history", point.m, y.m)?;
+            invalid::length("components of a point in the history", point.components, y.components)?;
+            invalid::length("scalars of a point in the history", point.scalars.len(), y.scalars.len())?;
+            invalid::length("mesh nodes of a point in the history", point.mesh.len(), y.mesh.len())?;
+            point.check()?;
+        }
+        Ok(())
+    }
+
     /// Adds a point; the oldest makes room.
     pub fn push(&mut self, position: f64, y: &Solution) {
-        if self.points.len() < self.limit {
+        if self.points.len() < self.limit.max(1) {
             self.points.push((position, y.clone()));
         } else {
             self.points.rotate_left(1);
-            let slot = &mut self.points[self.limit - 1];
-            slot.0 = position;
-            slot.1.clone_from(y);
+            let Some((at, newest)) = self.points.last_mut() else { return };
+            *at = position;
+            newest.clone_from(y);
         }
     }
 
@@ -63,7 +81,7 @@ impl History {
 
     /// The point `k` before the newest, the newest itself for 0.
     pub fn back(&self, k: usize) -> Option<(f64, &Solution)> {
-        self.points.len().checked_sub(k + 1).map(|k| (self.points[k].0, &self.points[k].1))
+        self.points.iter().rev().nth(k).map(|(position, y)| (*position, y))
     }
 
     /// Value at `position` of the polynomial through the newest points.
@@ -127,9 +145,9 @@ mod tests {
 
     #[test]
     fn extrapolates_cubics_exactly_and_over_a_change_of_mesh() {
-        let gauss = Gauss::new(4);
+        let gauss = Gauss::new(4).unwrap();
         let at = |s: f64, grid: &[f64]| {
-            Solution::from_fn(&gauss, grid, 1, &[s * s * s], |x, y| y[0] = x * x * (s - 1.0) + s * s)
+            Solution::from_fn(&gauss, grid, 1, &[s * s * s], |x, y| y[0] = x * x * (s - 1.0) + s * s).unwrap()
         };
         let (coarse, fine) = (mesh::uniform(0.0, 1.0, 3), mesh::uniform(0.0, 1.0, 5));
         let mut history = History::default();
@@ -137,7 +155,7 @@ mod tests {
             history.push(s, &at(s, &coarse));
         }
         history.transfer(&gauss, &fine);
-        let mut out = Solution::from_fn(&gauss, &fine, 1, &[0.0], |_, _| {});
+        let mut out = Solution::from_fn(&gauss, &fine, 1, &[0.0], |_, _| {}).unwrap();
         history.extrapolate(1.4, &mut out);
         let exact = at(1.4, &fine);
         for (a, b) in out.nodes.iter().chain(&out.scalars).zip(exact.nodes.iter().chain(&exact.scalars)) {
@@ -148,8 +166,8 @@ mod tests {
     /// Points at uneven places of the curve (s, s², s³ − s), the last two behind a turn against t.
     #[test]
     fn predicts_in_a_plane_exactly_and_leaves_out_what_ran_against_it() {
-        let (gauss, grid) = (Gauss::new(2), mesh::uniform(0.0, 1.0, 2));
-        let at = |s: f64| Solution::from_fn(&gauss, &grid, 1, &[s, s * s, s * s * s - s], |_, y| y[0] = 0.0);
+        let (gauss, grid) = (Gauss::new(2).unwrap(), mesh::uniform(0.0, 1.0, 2));
+        let at = |s: f64| Solution::from_fn(&gauss, &grid, 1, &[s, s * s, s * s * s - s], |_, y| y[0] = 0.0).unwrap();
         let (mut history, here) = (History::of_order(6), 0.9);
         for s in [1.4, 1.1, 0.2, 0.3, 0.65, here] {
             history.push(0.0, &at(s));

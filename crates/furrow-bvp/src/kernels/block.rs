@@ -68,9 +68,16 @@ impl AntisymmetricEnd {
     /// The rows of n entries that make the given components vanish.
     pub(crate) fn set_vanishing(&mut self, components: &[usize], n: usize) {
         dense::zeroed(&mut self.rows, components.len() * n);
-        for (k, &component) in components.iter().enumerate() {
-            self.rows[k * n + component] = 1.0;
+        for (row, &component) in self.rows.chunks_exact_mut(n.max(1)).zip(components) {
+            if let Some(entry) = row.get_mut(component) {
+                *entry = 1.0;
+            }
         }
+    }
+
+    /// Components of the problem that it was factorised for.
+    pub(crate) fn size(&self) -> usize {
+        self.last.size()
     }
 }
 

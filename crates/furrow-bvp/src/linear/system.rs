@@ -1,9 +1,10 @@
 //! The linearised collocation system of a problem about a solution: residuals, factors, solves.
 
 use crate::dense::{Determinant, PivotFailure, zeroed};
-use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
+use crate::dimensions::{Dimensions, MAX_CONDITIONS, MAX_UNKNOWNS};
 use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::{Gauss, MAX_STAGES};
+use crate::invalid::{InvalidInput, length};
 use crate::kernels::{AntisymmetricEnd, BlockFactor, Condensed, EndJacobian, Interval, Kernels};
 use crate::metric;
 use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, PointJacobian};
@@ -53,19 +54,43 @@ pub struct System {
     /// Collocation points of the last evaluation, and the integrands there.
     places: Vec<f64>,
     integrands: Vec<f64>,
+    /// Derivatives were evaluated at what fits.
+    evaluated: bool,
+    /// How far the newest factorisation has come.
+    stage: Progress,
 }
 
+/// Steps of a factorisation that are done. What needs more than is done gives no numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+enum Progress {
+    #[default]
+    Nothing,
+    Condensed,
+    /// The rows of all intervals are eliminated, though the last block may be singular.
+    Eliminated,
+    Factored,
+}
+
+/// Sizes of a problem as errors name them.
+const SIZES: [&str; 7] = [
+    "components of the problem",
+    "quadratures of the problem",
+    "trailing quadratures of the problem",
+    "scalars of the problem",
+    "left conditions of the problem",
+    "right conditions of the problem",
+    "integral conditions of the problem",
+];
+
+/// What is not there has no finite pivot.
+const NO_MATRIX: PivotFailure = PivotFailure { column: 0, non_finite: true };
+
 impl System {
-    /// Workspace for problems of the given sizes with m stages.
-    ///
-    /// # Panics
-    /// If the sizes fail [`Dimensions::check`].
+    /// Workspace for problems of the given sizes with m stages. Sizes that fail [`Dimensions::check`] are found where it is
+    /// used, see [`check`](Self::check).
     pub fn new(dims: Dimensions, m: usize) -> System {
-        if let Err(error) = dims.check(m) {
-            panic!("{error}");
-        }
         System {
-            gauss: Gauss::new(m),
+            gauss: Gauss::nearest(m),
             condensed: Condensed::new(dims, m),
             residual: Residual::default(),
             kernels: Kernels::general(),
@@ -73,7 +98,26 @@ impl System {
             ends: EndJacobian::default(),
             places: Vec::new(),
             integrands: Vec::new(),
+            evaluated: false,
+            stage: Progress::Nothing,
         }
+    }
+
+    /// Checks that this workspace, a problem and a solution have the same sizes, and that these can be solved.
+    ///
+    /// # Errors
+    /// [`InvalidInput`] names the first size that does not fit.
+    pub fn check<P: BoundaryValueProblem>(&self, problem: &P, y: &Solution) -> Result<(), InvalidInput> {
+        y.fits(self.dimensions())?;
+        length("stages of the solution", y.m, self.gauss.m)?;
+        let (theirs, own) = (problem.dimensions(), self.dimensions());
+        let sizes = |d: Dimensions| {
+            [d.components, d.quadratures, d.trailing_quadratures, d.scalars, d.left, d.right, d.integrals]
+        };
+        for (name, (theirs, own)) in SIZES.into_iter().zip(sizes(theirs).into_iter().zip(sizes(own))) {
+            length(name, theirs, own)?;
+        }
+        Ok(())
     }
 
     /// Sizes of the problem this workspace is for.
@@ -82,6 +126,8 @@ impl System {
     }
 
     /// Evaluates the residual of `problem` at `y`, and with `derivatives` also all derivatives.
+    ///
+    /// What fails [`check`](Self::check) is not evaluated: factorisations then fail, and solves give NaN.
     pub fn evaluate<P: BoundaryValueProblem>(
         &mut self,
         problem: &mut P,
@@ -89,10 +135,19 @@ impl System {
         conditions: &[LinearCondition],
         derivatives: bool,
     ) {
+        if self.check(problem, y).is_err() || conditions.len() > MAX_CONDITIONS {
+            (self.evaluated, self.stage) = (false, Progress::Nothing);
+            return;
+        }
         problem.prepare(&y.scalars);
         self.kernels = problem.kernels(self.gauss.m).suited_to(self.condensed.dims, self.gauss.m);
         if derivatives {
+            // Older factors may go on serving on as many intervals.
+            if self.condensed.intervals() != y.intervals() {
+                self.stage = Progress::Nothing;
+            }
             self.condensed.reset(&y.mesh);
+            self.evaluated = true;
         }
         self.evaluate_offsets(problem, y, conditions.len());
         self.evaluate_intervals(problem, y, derivatives);
@@ -177,25 +232,86 @@ impl System {
     /// # Errors
     /// If a pivot of a stage matrix vanishes.
     pub fn condense(&mut self) -> Result<(), PivotFailure> {
-        (self.kernels.condense)(&mut self.condensed, &self.gauss)
+        self.stage = Progress::Nothing;
+        if !self.evaluated {
+            return Err(NO_MATRIX);
+        }
+        (self.kernels.condense)(&mut self.condensed, &self.gauss)?;
+        self.stage = Progress::Condensed;
+        Ok(())
     }
 
     /// Factorises the block system of the problem with the linear conditions, after [`condense`](Self::condense).
     ///
     /// # Errors
-    /// If a pivot vanishes.
-    ///
-    /// # Panics
-    /// If there are not as many conditions as unknowns.
+    /// If a pivot vanishes, or if there are not as many conditions as unknowns.
     pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
+        let Dimensions { components: n, scalars, .. } = self.dimensions();
+        let nodes = (self.condensed.intervals() + 1) * n;
+        let fits = |c: &LinearCondition| c.nodes.len() == nodes && c.scalars.len() == scalars;
+        let square = isize::try_from(conditions.len()) == Ok(self.dimensions().missing_conditions());
+        if self.stage < Progress::Condensed || !square || !conditions.iter().all(fits) {
+            return Err(NO_MATRIX);
+        }
+        self.stage = Progress::Condensed;
         let System { block, condensed, kernels, ends, .. } = self;
         block.begin(condensed, ends, conditions);
-        let eliminated = (kernels.eliminate)(block, condensed, conditions);
-        eliminated.and_then(|()| block.factor_last(ends, conditions))
+        (kernels.eliminate)(block, condensed, conditions)?;
+        self.stage = Progress::Eliminated;
+        block.factor_last(ends, conditions)?;
+        self.stage = Progress::Factored;
+        Ok(())
+    }
+
+    /// Whether the factors are there and what they are used for `fits` them; if not, `out` is NaN.
+    fn is_factored(&self, needed: Progress, fits: bool, out: &mut Direction) -> bool {
+        let Dimensions { components: n, scalars, .. } = self.dimensions();
+        let there = fits && self.stage >= needed;
+        if !there {
+            let intervals = self.condensed.intervals();
+            for (values, len) in [
+                (&mut out.nodes, (intervals + 1).saturating_mul(n.min(MAX_UNKNOWNS))),
+                (&mut out.stages, intervals * self.gauss.m * n.min(MAX_UNKNOWNS)),
+                (&mut out.scalars, scalars.min(MAX_UNKNOWNS)),
+            ] {
+                values.clear();
+                values.resize(len, f64::NAN);
+            }
+        }
+        there
+    }
+
+    /// [`is_factored`](Self::is_factored) for a residual with `right` conditions at the right end.
+    fn can_solve(
+        &self,
+        end: Option<&AntisymmetricEnd>,
+        residual: &Residual,
+        right: usize,
+        out: &mut Direction,
+    ) -> bool {
+        let Dimensions { components: n, left, .. } = self.dimensions();
+        let intervals = self.condensed.intervals();
+        let Residual { stages, nodes, left: at_left, right: at_right, .. } = residual;
+        let lengths = [stages.len(), nodes.len(), at_left.len(), at_right.len()];
+        let fits = lengths == [intervals * self.gauss.m * n, intervals * n, left, right];
+        match end {
+            None => self.is_factored(Progress::Factored, fits, out),
+            Some(end) => self.is_factored(Progress::Eliminated, fits && end.size() == n, out),
+        }
+    }
+
+    /// Conditions at the mirror that make the antisymmetric problem square.
+    fn antisymmetric_conditions(&self) -> usize {
+        let Dimensions { components, left, .. } = self.dimensions();
+        components.saturating_sub(left)
     }
 
     /// Solves J δ = −residual with the factors of the last factorisation.
     pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
+        let right = self.dimensions().right;
+        if !self.can_solve(None, residual, right, out) {
+            return;
+        }
         self.solve_nodes(None, residual, out, true);
         (self.kernels.complete)(&self.condensed, out);
     }
@@ -209,6 +325,9 @@ impl System {
 
     /// Solves J δ = e with e one in row `which` of the border (integral conditions first) and zero elsewhere.
     pub fn solve_unit(&mut self, which: usize, out: &mut Direction) {
+        if !self.is_factored(Progress::Factored, which < self.block.borders(), out) {
+            return;
+        }
         let mut border = [0.0; MAX_UNKNOWNS];
         border[which] = 1.0;
         let right = &[0.0; MAX_UNKNOWNS][..self.dimensions().right];
@@ -217,7 +336,7 @@ impl System {
 
     /// Solves J d = 0 with linear condition `which` raised by 1.
     pub fn null_direction(&mut self, which: usize, out: &mut Direction) {
-        self.solve_unit(self.dimensions().integrals + which, out);
+        self.solve_unit(self.dimensions().integrals.saturating_add(which), out);
     }
 
     /// Solves for right-hand sides that are zero but for [right, border] conditions, of the antisymmetric problem if its end
@@ -282,18 +401,23 @@ impl System {
     /// neither scalar unknowns nor integral conditions. The determinant includes the stages.
     ///
     /// # Errors
-    /// A pivot that is not finite; one that is zero makes the determinant zero.
+    /// A pivot that is not finite, or components that do not make the problem square; a pivot that is zero makes the
+    /// determinant zero.
     pub fn factor_antisymmetric(
         &self,
         vanishing: &[usize],
         end: &mut AntisymmetricEnd,
     ) -> Result<Determinant, PivotFailure> {
-        end.set_vanishing(vanishing, self.dimensions().components);
+        self.set_vanishing(vanishing, end)?;
         self.factor_antisymmetric_rows(end)
     }
 
     /// [`factor_antisymmetric`](Self::factor_antisymmetric) with the right end rows of `end`.
     pub(crate) fn factor_antisymmetric_rows(&self, end: &mut AntisymmetricEnd) -> Result<Determinant, PivotFailure> {
+        let square = end.rows.len() == self.antisymmetric_conditions() * self.dimensions().components;
+        if self.stage < Progress::Eliminated || !square {
+            return Err(NO_MATRIX);
+        }
         let factored = self.block.factor_antisymmetric(end);
         match factored {
             Ok(()) => Ok(self.determinant_with(Some(end))),
@@ -306,16 +430,35 @@ impl System {
     /// [`factor_antisymmetric`](Self::factor_antisymmetric) without the determinant, which takes a logarithm for every pivot.
     ///
     /// # Errors
-    /// A pivot that is zero or not finite.
+    /// A pivot that is zero or not finite, or components that do not make the problem square.
     pub fn eliminate_antisymmetric(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
-        end.set_vanishing(vanishing, self.dimensions().components);
+        self.set_vanishing(vanishing, end)?;
         self.block.factor_antisymmetric(end)
+    }
+
+    /// The end rows of an antisymmetric problem that is square.
+    fn set_vanishing(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
+        let n = self.dimensions().components;
+        let square = vanishing.len() == self.antisymmetric_conditions() && vanishing.iter().all(|c| *c < n);
+        if self.stage < Progress::Eliminated || !square {
+            return Err(NO_MATRIX);
+        }
+        end.set_vanishing(vanishing, n);
+        Ok(())
     }
 
     /// Adds J δ to `out`, J being the antisymmetric problem where the system was evaluated last with derivatives: what is left
     /// of a residual after a correction with older factors.
     pub fn apply_antisymmetric(&mut self, end: &AntisymmetricEnd, direction: &Direction, out: &mut Residual) {
         let (n, m) = (self.dimensions().components, self.gauss.m);
+        let intervals = self.condensed.intervals();
+        let [stages, nodes] = [intervals * m * n, intervals * n];
+        let fits = [direction.stages.len(), out.stages.len(), direction.nodes.len(), out.nodes.len()]
+            == [stages, stages, nodes + n, nodes];
+        if !self.evaluated || !fits {
+            out.stages.fill(f64::NAN);
+            return;
+        }
         let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
         let (rows, node) = scratch[..(m + 1) * n].split_at_mut(m * n);
         for (i, h) in self.condensed.h.iter().enumerate() {
@@ -340,27 +483,38 @@ impl System {
     /// Solves the antisymmetric problem factorised by [`factor_antisymmetric`](Self::factor_antisymmetric) for stage and
     /// node residuals and right-hand sides of its end rows.
     pub fn solve_antisymmetric(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
+        if !self.can_solve(Some(end), residual, self.antisymmetric_conditions(), out) {
+            return;
+        }
         self.solve_nodes(Some(end), residual, out, true);
         (self.kernels.complete)(&self.condensed, out);
     }
 
     /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.
     pub fn solve_antisymmetric_last_node(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
-        self.solve_nodes(Some(end), residual, out, false);
+        if self.can_solve(Some(end), residual, self.antisymmetric_conditions(), out) {
+            self.solve_nodes(Some(end), residual, out, false);
+        }
     }
 
     /// The solution of the antisymmetric problem for right-hand sides that are zero but for `right` of its right end rows.
     pub fn solve_antisymmetric_unit(&mut self, end: &AntisymmetricEnd, right: &[f64], out: &mut Direction) {
-        self.solve_from_last(Some(end), [right, &[]], out);
+        let fits = right.len() == self.antisymmetric_conditions() && end.size() == self.dimensions().components;
+        if self.is_factored(Progress::Eliminated, fits, out) {
+            self.solve_from_last(Some(end), [right, &[]], out);
+        }
     }
 
-    /// Determinant of the full factorised system.
+    /// Determinant of the full factorised system; one of sign 0 if there are no factors.
     pub fn determinant(&self) -> Determinant {
         self.determinant_with(None)
     }
 
     fn determinant_with(&self, end: Option<&AntisymmetricEnd>) -> Determinant {
         let mut det = Determinant::default();
+        if self.stage < Progress::Eliminated {
+            return Determinant { sign: 0.0, log_abs: f64::NAN };
+        }
         self.condensed.multiply_into(&mut det);
         self.block.multiply_into(end, &mut det);
         det

@@ -12,6 +12,7 @@
 
 use crate::dense::PivotFailure;
 use crate::direction::{Direction, LinearCondition};
+use crate::invalid::{self, InvalidInput};
 use crate::linear::System;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
@@ -85,6 +86,9 @@ pub struct NewtonReport {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NewtonError {
+    /// The problem, the solution, the conditions or the settings are refused.
+    #[error(transparent)]
+    Invalid(#[from] InvalidInput),
     /// A pivot vanished.
     #[error("the Jacobian is singular (pivot {column}) after {iterations} iterations")]
     Singular {
@@ -128,6 +132,20 @@ pub struct NewtonScratch {
 }
 
 impl Newton {
+    /// Checks the settings.
+    ///
+    /// # Errors
+    /// [`InvalidInput::Setting`].
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        let Newton { tolerance, min_damping, leniency, chord_contraction, .. } = *self;
+        invalid::positive("the tolerance of Newton's method", tolerance)?;
+        let fraction = |value: f64| value > 0.0 && value <= 1.0;
+        invalid::setting("min_damping", min_damping, fraction(min_damping), "a number above 0, at most 1")?;
+        invalid::positive("leniency", leniency)?;
+        let contracts = (0.0..=1.0).contains(&chord_contraction);
+        invalid::setting("chord_contraction", chord_contraction, contracts, "a number from 0 to 1")
+    }
+
     /// Solves `problem` with further linear `conditions`, starting from and ending in `y`. On an error `y` is left at
     /// the last accepted iterate.
     ///
@@ -144,6 +162,8 @@ impl Newton {
         conditions: &[LinearCondition],
         reuse: bool,
     ) -> Result<NewtonReport, NewtonError> {
+        self.check()?;
+        check_sizes(system, problem, y, conditions)?;
         let report = NewtonReport::default();
         let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
         if reuse && iteration.chord() {
@@ -161,10 +181,24 @@ impl Newton {
         y: &mut Solution,
         conditions: &[LinearCondition],
     ) -> Option<NewtonReport> {
+        self.check().and_then(|()| check_sizes(system, problem, y, conditions)).ok()?;
         let report = NewtonReport::default();
         let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
         iteration.chord().then_some(iteration.report)
     }
+}
+
+/// Checks that everything has the same sizes, and that there are as many conditions as unknowns.
+fn check_sizes<P: BoundaryValueProblem>(
+    system: &System,
+    problem: &P,
+    y: &Solution,
+    conditions: &[LinearCondition],
+) -> Result<(), InvalidInput> {
+    system.check(problem, y)?;
+    let needed = usize::try_from(system.dimensions().missing_conditions()).unwrap_or(0);
+    invalid::length("linear conditions", conditions.len(), needed)?;
+    conditions.iter().try_for_each(|condition| condition.check(y))
 }
 
 /// Chord steps go on from a correction at most this fraction of the one before.

@@ -5,7 +5,7 @@
 //! Ascher, Mattheij & Russell 1995, ch. 9 (mesh selection). Kierzenka & Shampine, ACM Trans. Math. Softw. 27, 299 (2001)
 //! (control of the defect).
 
-use crate::dimensions::TooLarge;
+use crate::invalid::{self, InvalidInput};
 use crate::linear::System;
 use crate::mesh;
 use crate::problem::BoundaryValueProblem;
@@ -31,6 +31,17 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// Checks the settings.
+    ///
+    /// # Errors
+    /// [`InvalidInput::Setting`].
+    pub fn check(&self) -> Result<(), InvalidInput> {
+        invalid::positive("the tolerance", self.tolerance)?;
+        self.newton.check()
+    }
+}
+
 /// A solution, its defect and its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
@@ -46,23 +57,10 @@ pub struct Solved {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// The problem does not fit the kernels.
+    /// The problem, the guess or the settings are refused. (See [`Continuation`](crate::Continuation) for problems that lack a
+    /// condition.)
     #[error(transparent)]
-    TooLarge(#[from] TooLarge),
-    /// The problem is short of conditions (see [`Continuation`](crate::Continuation) for problems that lack one).
-    #[error("the problem has {missing} unknowns more than conditions")]
-    NotSquare {
-        /// Unknowns less conditions.
-        missing: isize,
-    },
-    /// The guess has other sizes than the problem.
-    #[error("the guess has {components} components and {scalars} scalars, the problem has others")]
-    Guess {
-        /// Components of the guess.
-        components: usize,
-        /// Scalars of the guess.
-        scalars: usize,
-    },
+    Invalid(#[from] InvalidInput),
     /// Newton does not converge, on the last mesh tried and on some coarser ones.
     #[error("no convergence on {intervals} intervals: {source}")]
     Newton {
@@ -133,9 +131,9 @@ const NEWTON_SHARE: f64 = 1e-2;
 ///     }
 /// }
 ///
-/// let gauss = Gauss::new(4);
+/// let gauss = Gauss::new(4)?;
 /// let line = |x: f64, y: &mut [f64]| y.copy_from_slice(&[4.0 - 3.0 * x, -3.0]);
-/// let guess = Solution::from_fn(&gauss, &furrow_bvp::mesh::uniform(0.0, 1.0, 4), 2, &[], line);
+/// let guess = Solution::from_fn(&gauss, &furrow_bvp::mesh::uniform(0.0, 1.0, 4), 2, &[], line)?;
 /// let solved = furrow_bvp::solve(&mut Example, &guess, &Settings { tolerance: 1e-9, ..Settings::default() })?;
 /// let mut y = [0.0; 2];
 /// solved.solution.eval(&gauss, 0.5, &mut y);
@@ -148,12 +146,10 @@ pub fn solve<P: BoundaryValueProblem>(
     settings: &Settings,
 ) -> Result<Solved, SolveError> {
     let dims = problem.dimensions();
-    dims.check(guess.m)?;
+    settings.check()?;
+    guess.fits(dims)?;
     if dims.missing_conditions() != 0 {
-        return Err(SolveError::NotSquare { missing: dims.missing_conditions() });
-    }
-    if guess.components != dims.components || guess.scalars.len() != dims.scalars {
-        return Err(SolveError::Guess { components: guess.components, scalars: guess.scalars.len() });
+        return Err(InvalidInput::NotSquare { missing: dims.missing_conditions(), allowed: "0" }.into());
     }
     let mut run = Run {
         problem,
@@ -215,6 +211,8 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         let settings = self.settings;
         let tolerance = settings.newton.tolerance.min(NEWTON_SHARE * settings.tolerance);
         let newton = Newton { tolerance, ..settings.newton };
+        // A defect tolerance near the smallest number has no hundredth.
+        let newton = Newton { tolerance: newton.tolerance.max(f64::MIN_POSITIVE), ..newton };
         let (mut start, mut failures) = (start, 0);
         loop {
             let mut y = start.clone();

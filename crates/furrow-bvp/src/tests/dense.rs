@@ -90,7 +90,7 @@ pub fn equations(r: &Residual) -> Vec<f64> {
 
 /// The collocation equations of `problem` at `y`, straight from their definition.
 pub fn residual<P: BoundaryValueProblem>(problem: &P, y: &Solution, conditions: &[LinearCondition]) -> Vec<f64> {
-    let (gauss, dims, n) = (Gauss::new(y.m), problem.dimensions(), y.components);
+    let (gauss, dims, n) = (Gauss::new(y.m).unwrap(), problem.dimensions(), y.components);
     let (np, p) = (dims.scalars, &y.scalars);
     let (mut stages, mut nodes) = (Vec::new(), Vec::new());
     let mut border: Vec<f64> = (0..dims.integrals).map(|k| problem.integral_offset(k, p, &mut vec![0.0; np])).collect();

@@ -24,9 +24,12 @@ fn every_limit_is_refused_by_name() {
 }
 
 #[test]
-#[should_panic(expected = "stage unknowns")]
-fn a_workspace_is_not_made_for_what_does_not_fit() {
-    System::new(dims(17, 0, 0, 9, 8, 0), 4);
+fn a_workspace_for_what_does_not_fit_refuses_every_use() {
+    let mut system = System::new(dims(17, 0, 0, 9, 8, 0), 4);
+    assert!(system.condense().is_err() && system.factor_blocks(&[]).is_err());
+    let mut out = Direction::default();
+    system.null_direction(0, &mut out);
+    assert!(out.nodes.iter().all(|v| v.is_nan()) && !out.nodes.is_empty());
 }
 
 #[test]

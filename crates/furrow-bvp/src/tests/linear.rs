@@ -69,7 +69,7 @@ impl Case {
     /// ln of the factor by which the dense determinant exceeds the condensed one: eliminating the e quadrature
     /// components divides by the determinant of their stage equations, D for each of them on every interval.
     pub fn eliminated(&self) -> f64 {
-        let gauss = Gauss::new(self.y.m);
+        let gauss = Gauss::new(self.y.m).unwrap();
         let stage = super::dense::Matrix { n: gauss.m, a: gauss.d_matrix }.factor();
         (self.y.intervals() * self.problem.dims.all_quadratures()) as f64 * stage.determinant.log_abs
     }

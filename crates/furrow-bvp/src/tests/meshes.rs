@@ -9,7 +9,7 @@ use crate::{Gauss, Solution, mesh};
 fn largest_defect(m: usize, intervals: usize) -> f64 {
     let mut problem = quadratic();
     let y = solved(&mut problem, m, &uneven(intervals));
-    mesh::defect(&Gauss::new(m), &mut problem, &y).into_iter().fold(0.0, f64::max)
+    mesh::defect(&Gauss::new(m).unwrap(), &mut problem, &y).into_iter().fold(0.0, f64::max)
 }
 
 #[test]
@@ -25,7 +25,7 @@ fn a_defect_is_that_of_its_definition() {
         scalars: Vec::new(),
     };
     let mut problem = Initial { rate, condition: |y| (y, 1.0) };
-    let defect = mesh::defect(&Gauss::new(1), &mut problem, &y);
+    let defect = mesh::defect(&Gauss::new(1).unwrap(), &mut problem, &y);
     let value = 1.0 + 0.5 * (s - 1.0);
     let expected = [h * ((s - 1.0) / (0.5 * h) - rate * value).abs() / (1.0 + value), h * rate.abs() / 2.0];
     for (a, b) in defect.iter().zip(expected) {
@@ -49,7 +49,7 @@ fn polynomials_that_solve_have_no_defect() {
     let mut problem = SecondOrder { force: Box::new(|_, _| [2.0, 0.0, 0.0]), ends: [0.0, 1.0] };
     let y = solved(&mut problem, 2, &uneven(4));
     // Values below 2 in slopes, amplified by at most the 1/h that the defect multiplies away again.
-    assert!(mesh::defect(&Gauss::new(2), &mut problem, &y).iter().all(|d| *d < 1e2 * f64::EPSILON));
+    assert!(mesh::defect(&Gauss::new(2).unwrap(), &mut problem, &y).iter().all(|d| *d < 1e2 * f64::EPSILON));
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn layer_error(y: &Solution) -> f64 {
 #[test]
 fn a_mesh_made_from_defects_beats_a_uniform_one_of_twice_as_many_intervals() {
     for m in 2..=4 {
-        let (gauss, n) = (Gauss::new(m), 16);
+        let (gauss, n) = (Gauss::new(m).unwrap(), 16);
         let mut problem = layer(EPSILON * EPSILON, [1.0, 0.0, 0.0], [1.0, 0.0]);
         let uniform = layer_error(&solved(&mut problem, m, &mesh::uniform(0.0, 1.0, 2 * n)));
         let mut y = solved(&mut problem, m, &mesh::uniform(0.0, 1.0, n));

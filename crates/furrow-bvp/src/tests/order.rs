@@ -46,7 +46,7 @@ const HALF: f64 = 0.5;
 
 /// Order of one of the [`errors`] from one mesh to that of its halves.
 fn order_seen(m: usize, intervals: usize, which: usize) -> f64 {
-    let error = |y: Solution| errors(&Gauss::new(m), &y)[which];
+    let error = |y: Solution| errors(&Gauss::new(m).unwrap(), &y)[which];
     let [coarse, fine] = [1, 2].map(|k| error(solved(&mut quadratic(), m, &uneven(k * intervals))));
     (coarse / fine).log2()
 }
@@ -69,8 +69,8 @@ fn order_m_plus_1_between_the_nodes() {
 
 /// Error of the scalar unknown of [`Growth`].
 fn scalar_error(m: usize, intervals: usize) -> f64 {
-    let gauss = Gauss::new(m);
-    let mut y = Solution::from_fn(&gauss, &uneven(intervals), 1, &[0.3], |_, v| v.fill(1.0));
+    let gauss = Gauss::new(m).unwrap();
+    let mut y = Solution::from_fn(&gauss, &uneven(intervals), 1, &[0.3], |_, v| v.fill(1.0)).unwrap();
     solve_fully(&mut Growth, &mut y);
     (y.scalars[0] - 0.5).abs()
 }

@@ -6,7 +6,7 @@ use crate::{Gauss, Solution, mesh};
 
 /// All numbers of stages, with random numbers of their own.
 fn every_stage_count(seed: u64) -> impl Iterator<Item = (usize, Gauss, Random)> {
-    (1..=MAX_STAGES).map(move |m| (m, Gauss::new(m), Random(seed + m as u64)))
+    (1..=MAX_STAGES).map(move |m| (m, Gauss::new(m).unwrap(), Random(seed + m as u64)))
 }
 
 /// Value and slope at x of component c, a polynomial of degree m.
@@ -20,7 +20,7 @@ fn polynomial(m: usize, c: usize, x: f64) -> (f64, f64) {
 fn sampled_polynomial(gauss: &Gauss, mesh: &[f64]) -> Solution {
     Solution::from_fn(gauss, mesh, 2, &[0.25, -3.0], |x, v| {
         v.iter_mut().enumerate().for_each(|(c, v)| *v = polynomial(gauss.m, c, x).0);
-    })
+    }).unwrap()
 }
 
 /// Largest Σ|basis| on [0, 1] with the derivatives: by how much errors of values come out amplified in the polynomial
@@ -44,7 +44,7 @@ const ROUNDING: f64 = 6.0 * 8.0 * 4.0 * f64::EPSILON;
 #[test]
 fn polynomials_of_degree_m_are_exact_in_value_and_slope() {
     for m in 1..=MAX_STAGES {
-        let gauss = Gauss::new(m);
+        let gauss = Gauss::new(m).unwrap();
         let y = sampled_polynomial(&gauss, &Random(m as u64).mesh(4));
         let (value, slope) = amplification(&gauss);
         for k in 0..=50 {
@@ -127,7 +127,7 @@ fn a_transfer_to_the_same_mesh_keeps_nodes_exactly_and_stages_to_rounding() {
 
 #[test]
 fn storage_that_is_reused_changes_nothing() {
-    let (gauss, mut random) = (Gauss::new(4), Random(3));
+    let (gauss, mut random) = (Gauss::new(4).unwrap(), Random(3));
     let mesh = random.mesh(5);
     let ends = (mesh[0], mesh[5]);
     let y = rough(4, mesh, &mut random);
@@ -141,7 +141,7 @@ fn storage_that_is_reused_changes_nothing() {
 
 /// sin 3x as a solution; its (m+1)st derivative is at most 3^(m+1).
 fn sine(gauss: &Gauss, mesh: &[f64]) -> Solution {
-    Solution::from_fn(gauss, mesh, 1, &[], |x, v| v[0] = (3.0 * x).sin())
+    Solution::from_fn(gauss, mesh, 1, &[], |x, v| v[0] = (3.0 * x).sin()).unwrap()
 }
 
 /// Bound on the error of interpolating [`sine`]: |y^(m+1)|/(m+1)! Π|x − x_k| with the points in an interval of width h.
@@ -153,7 +153,7 @@ fn interpolation_error(m: usize, mesh: &[f64]) -> f64 {
 #[test]
 fn there_and_back_loses_no_more_than_two_interpolations() {
     for m in 1..=MAX_STAGES {
-        let gauss = Gauss::new(m);
+        let gauss = Gauss::new(m).unwrap();
         let (here, there) = (Random(m as u64).mesh(6), mesh::uniform(0.0, 1.0, 7));
         let stretch = |x: &f64| (x - here[0]) / (here[6] - here[0]);
         let mut here: Vec<f64> = here.iter().map(stretch).collect();
@@ -173,7 +173,7 @@ fn there_and_back_loses_no_more_than_two_interpolations() {
 fn there_and_back_over_a_finer_mesh_with_the_same_nodes_loses_nothing() {
     // Every half carries the same polynomial, for which its own points are exact.
     for m in 1..=MAX_STAGES {
-        let gauss = Gauss::new(m);
+        let gauss = Gauss::new(m).unwrap();
         let y = sine(&gauss, &mesh::uniform(0.0, 1.0, 5));
         let finer = mesh::halved(&y.mesh);
         let back = y.on_mesh(&gauss, &finer).on_mesh(&gauss, &y.mesh);
@@ -185,7 +185,7 @@ fn there_and_back_over_a_finer_mesh_with_the_same_nodes_loses_nothing() {
 
 #[test]
 fn intervals_are_found_with_their_left_nodes_and_clamped_beyond_the_ends() {
-    let y = sampled_polynomial(&Gauss::new(2), &[0.0, 0.1, 0.5, 2.0]);
+    let y = sampled_polynomial(&Gauss::new(2).unwrap(), &[0.0, 0.1, 0.5, 2.0]);
     let cases = [(-1.0, 0), (0.0, 0), (0.05, 0), (0.1, 1), (0.3, 1), (0.5, 2), (1.9, 2), (2.0, 2), (7.0, 2)];
     for (x, i) in cases {
         assert_eq!(y.interval_of(x), i, "{x}");

@@ -2,7 +2,7 @@
 
 use super::problems::{bratu, layer, quadratic};
 use super::second_order::SecondOrder;
-use crate::{Gauss, NewtonError, Settings, Solution, SolveError, Solved, TooLarge, mesh, solve};
+use crate::{Gauss, InvalidInput, NewtonError, Settings, Solution, SolveError, Solved, TooLarge, mesh, solve};
 
 /// Solves from the straight line between the ends on a uniform mesh.
 fn from_line(problem: &mut SecondOrder, m: usize, intervals: usize, settings: &Settings) -> Result<Solved, SolveError> {
@@ -12,7 +12,7 @@ fn from_line(problem: &mut SecondOrder, m: usize, intervals: usize, settings: &S
 
 /// Largest error of y between the nodes as well.
 fn error(y: &Solution, exact: impl Fn(f64) -> f64) -> f64 {
-    let (gauss, mut value, mut largest) = (Gauss::new(y.m), [0.0; 2], 0.0f64);
+    let (gauss, mut value, mut largest) = (Gauss::new(y.m).unwrap(), [0.0; 2], 0.0f64);
     for i in 0..y.intervals() {
         for k in 0..=8 {
             let theta = k as f64 / 8.0;
@@ -93,9 +93,9 @@ fn a_problem_without_solution_is_an_error() {
 fn guesses_of_other_sizes_are_errors() {
     let guess = || quadratic().line(3, &mesh::uniform(0.0, 1.0, 4));
     for (guess, error) in [
-        (Solution { m: 7, ..guess() }, SolveError::TooLarge(TooLarge::Stages { stages: 7 })),
-        (Solution { scalars: vec![1.0], ..guess() }, SolveError::Guess { components: 2, scalars: 1 }),
+        (Solution { m: 7, ..guess() }, TooLarge::Stages { stages: 7 }.into()),
+        (Solution { scalars: vec![1.0], ..guess() }, InvalidInput::Length { name: "scalars of the solution", length: 1, expected: 0 }),
     ] {
-        assert_eq!(solve(&mut quadratic(), &guess, &Settings::default()), Err(error));
+        assert_eq!(solve(&mut quadratic(), &guess, &Settings::default()), Err(SolveError::Invalid(error)));
     }
 }

@@ -18,7 +18,7 @@ pub mod equations;
 pub mod mode;
 pub mod problem;
 
-use furrow_bvp::{Direction, Gauss, Residual, Solution, System};
+use furrow_bvp::{Direction, Residual, Solution, System};
 use furrow_spectra::{Arnoldi, Krylov};
 
 use crate::cortex::symmetry::unfold;
@@ -94,7 +94,7 @@ impl Azimuthal {
     }
 
     fn about(cortex: &Cortex, y: &Solution, shifts: Shifts, m: usize) -> Azimuthal {
-        let gauss = Gauss::new(y.m);
+        let gauss = y.gauss();
         let problem = Disturbance::new(cortex, &gauss, y, m);
         let n = problem.components();
         let system = System::new(furrow_bvp::BoundaryValueProblem::dimensions(&problem), y.m);
@@ -106,7 +106,7 @@ impl Azimuthal {
             let points = weights.len() / 2;
             weights[points..].iter_mut().for_each(|weight| *weight *= scale);
         }
-        let zero = Solution::from_fn(&gauss, &y.mesh, n, &[0.0; 2], |_, _| {});
+        let zero = y.resampled(n, &[0.0; 2], |_, _| {});
         Azimuthal {
             arnoldi: Arnoldi::default(),
             m,

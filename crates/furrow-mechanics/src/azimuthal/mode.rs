@@ -1,6 +1,6 @@
 //! What a mode looks like.
 
-use furrow_bvp::{Gauss, Solution};
+use furrow_bvp::Solution;
 
 use super::equations::W;
 use crate::cortex::equations::{PSI, R, REGULATED, Z};
@@ -42,7 +42,7 @@ pub struct Rigid {
 impl Mode {
     /// The displacement at `count` + 1 values of u, evenly spaced from pole to pole.
     pub fn meridian(&self, count: usize) -> Vec<Displacement> {
-        let gauss = Gauss::new(self.shape.m);
+        let gauss = self.shape.gauss();
         let (mut shape, mut mode) = ([0.0; REGULATED], [0.0; super::equations::REGULATED]);
         let mut at = |u: f64| {
             self.shape.eval(&gauss, u, &mut shape[..self.shape.components]);
@@ -55,7 +55,7 @@ impl Mode {
 
     /// ∫ a b dA of two functions of the state at a collocation point and of w there, up to a factor.
     fn product(&self, a: impl Fn(&[f64], f64) -> f64, b: impl Fn(&[f64], f64) -> f64) -> f64 {
-        let gauss = Gauss::new(self.shape.m);
+        let gauss = self.shape.gauss();
         let mut sum = 0.0;
         for i in 0..self.shape.intervals() {
             let h = self.shape.mesh[i + 1] - self.shape.mesh[i];

@@ -151,7 +151,7 @@ pub fn at(cortex: &Cortex, gauss: &Gauss, y: &Solution, u: f64) -> Place {
 /// use furrow_mechanics::cortex::forces;
 /// use furrow_mechanics::equilibria::stationary::stationary;
 /// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
-/// let gauss = furrow_bvp::Gauss::new(shape.solution.m);
+/// let gauss = shape.solution.gauss();
 /// let places = forces::profile(&shape.cortex, &gauss, &shape.solution);
 /// // The ends, where a derivative is only as good as the mesh, aside.
 /// let inside = &places[1..places.len() - 1];

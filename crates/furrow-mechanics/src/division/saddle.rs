@@ -33,7 +33,7 @@ pub fn leave(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -
     let mut stability = Stability::new(saddle.m);
     let mode = stability.unstable_direction(cortex, saddle, growth)?;
     let r0 = cortex.cell.r0;
-    let before = amplitude(&Gauss::new(saddle.m), here, saddle, &mode);
+    let before = amplitude(&saddle.gauss(), here, saddle, &mode);
     let known = before.abs().max(ROUNDING * r0);
     let after = known.max(DEPARTURE * r0);
     let (mut shape, amount) = (saddle.clone(), after.copysign(before));

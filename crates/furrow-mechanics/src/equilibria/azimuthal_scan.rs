@@ -1,7 +1,7 @@
 //! Growth rates of every azimuthal number along a branch, and where they change sign.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Continuation, Gauss, Newton, Solution, System};
+use furrow_bvp::{Continuation, Newton, Solution, System};
 
 use super::point::{ShapePoint, XI};
 use crate::azimuthal::Azimuthal;
@@ -125,7 +125,7 @@ pub(super) fn crossing(
     m: usize,
     rates: [f64; 2],
 ) -> Option<(ShapePoint, Solution)> {
-    let gauss = Gauss::new(to.m);
+    let gauss = to.gauss();
     let from = from.on_mesh(&gauss, &to.mesh);
     let (mut ends, mut rates) = ([from.scalars[XI], to.scalars[XI]], rates);
     let mut at_rest = Corrector::of(cortex, to.m);

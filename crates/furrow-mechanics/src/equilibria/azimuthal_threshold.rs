@@ -263,7 +263,7 @@ fn follow(cell: &Cell, numerics: &Numerics, parameter: Parameter, range: [f64; 2
         false => (cortex, shape),
     };
     let mut curve = Curve::default();
-    let gauss = Gauss::new(shape.m);
+    let gauss = shape.gauss();
     let mut follower = Follower { cortex, gauss, parameter, m, points: &mut curve.points };
     let reached = match follower.begin(from, &point, shape) {
         Some(first) => follower.follow(first, to),

@@ -1,7 +1,7 @@
 //! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
 
 use furrow_bvp::{
-    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Gauss, Metric, Solution,
+    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Metric, Solution,
     Termination, Work, mesh,
 };
 
@@ -314,7 +314,7 @@ const SEEN: f64 = 0.3;
 /// ```
 pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
     resolution::monitor(cortex, y, false, weight);
-    let defects = mesh::defect(&Gauss::new(y.m), &mut cortex.clone(), y);
+    let defects = mesh::defect(&y.gauss(), &mut cortex.clone(), y);
     let mut by_defect = Vec::with_capacity(defects.len());
     mesh::defect_monitor(&y.mesh, &defects, y.m, &mut by_defect);
     let end = y.mesh[y.intervals()] - y.mesh[0];

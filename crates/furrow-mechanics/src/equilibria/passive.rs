@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use furrow_bvp::gauss::gauss_rule;
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, mesh};
+use furrow_bvp::{Gauss, InvalidInput, Newton, NewtonError, NewtonReport, Solution, System, mesh};
 
 use crate::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
 use crate::cortex::observables::positions;
@@ -66,7 +66,10 @@ impl Spheroid {
 
 /// A prolate spheroid of the cell's volume that fits the shell: between a sphere (loose shell) and the shell's own shape
 /// scaled to the cell's volume (tight shell), sampled on `mesh`; (L, p) are its contour length and 0.
-pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Solution {
+///
+/// # Errors
+/// [`InvalidInput`] if `mesh` is none.
+pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Result<Solution, InvalidInput> {
     // Pressed shapes follow the shell; at small ε the sphere fits with room to spare.
     let weight = ((cell.epsilon - 0.3) / 0.4).clamp(0.0, 1.0);
     let aspect = cell.shell.aspect.powf(weight);
@@ -116,7 +119,7 @@ pub fn passive(cell: &Cell, numerics: &Numerics) -> Found {
     let mut system = System::new(Cortex::dimensions_for(&cell, 0), numerics.stages);
     let newton = Newton { tolerance: TOLERANCE, ..Newton::default() };
     let grid = mesh::uniform(0.0, Domain::Half.end(), (numerics.intervals / 2).max(2));
-    let guess = spheroid(&system.gauss, &cell, &grid);
+    let guess = spheroid(&system.gauss, &cell, &grid)?;
     let mut y = guess.clone();
     match newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false) {
         Ok(report) if is_convex_half(&y) => Ok((y, report)),

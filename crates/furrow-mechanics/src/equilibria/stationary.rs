@@ -160,7 +160,7 @@ impl StationaryShape {
     /// The same shape with every interval of its mesh cut into so many; none where a finer mesh does not confirm it.
     fn refined(self, parts: usize) -> Option<StationaryShape> {
         let coarse = &self.solution;
-        let solution = coarse.on_mesh(&Gauss::new(coarse.m), &mesh::subdivided(&coarse.mesh, parts));
+        let solution = coarse.on_mesh(&coarse.gauss(), &mesh::subdivided(&coarse.mesh, parts));
         let length = self.length();
         let mut fine = StationaryShape { solution, ..self };
         let found = fine.folds.is_empty() && fine.polish().is_ok();
@@ -184,12 +184,12 @@ impl StationaryShape {
 
     /// Radius at u = ½, in L_h.
     pub fn equator_radius(&self) -> f64 {
-        observables::equator_radius(&Gauss::new(self.solution.m), &self.solution)
+        observables::equator_radius(&self.solution.gauss(), &self.solution)
     }
 
     /// The regulator φ at u; none without one.
     pub fn regulator_at(&self, u: f64) -> Option<f64> {
-        observables::regulator_at(&Gauss::new(self.solution.m), &self.solution, self.cortex.domain, u)
+        observables::regulator_at(&self.solution.gauss(), &self.solution, self.cortex.domain, u)
     }
 
     /// Disturbances of azimuthal number m, which need not be axisymmetric.

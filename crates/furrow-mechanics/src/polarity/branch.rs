@@ -91,7 +91,8 @@ impl Chemistry {
     /// [`PolarityError::Evolution`], [`PolarityError::Unresolved`].
     pub fn evolved(&self, membrane: &Membrane, scale: f64, u: f64) -> Result<Solution, PolarityError> {
         let problem = Polarity::new(self.constants, membrane.clone(), Some(scale));
-        let start = step(&problem, self.resolution, u);
+        let start = step(&problem, self.resolution, u)
+            .map_err(|error| PolarityError::Shape { r0: scale * membrane.r0, source: error.into() })?;
         let mut evolution = Evolution::new(problem, start);
         match evolution.rest() {
             Ok(()) => {
@@ -231,7 +232,7 @@ impl Chemistry {
             moved.scalars[SCALE] = scale / part;
             let problem = Polarity::new(self.constants, self.membrane(&next)?, None);
             let metric = metric(&moved, moved.scalars[SCALE]);
-            let mut fold = MinimallyAugmented::new(problem, Fold::new(SCALE), moved.m, metric, tangent);
+            let mut fold = MinimallyAugmented::new(problem, Fold::new(SCALE), moved.m, metric, tangent)?;
             match fold.solve(&mut moved, None) {
                 Ok(_) => (cell, y) = (next, moved),
                 Err(error) if largest < SMALLEST_SHAPE_STEP => return Err(error.into()),

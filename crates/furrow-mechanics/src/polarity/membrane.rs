@@ -32,7 +32,7 @@ impl Membrane {
     /// The cell has no passive shape.
     pub fn of(cell: &Cell, numerics: &Numerics, length_um: f64) -> Result<Membrane, NewtonError> {
         let (half, _) = passive(cell, numerics)?;
-        let gauss = Gauss::new(half.m);
+        let gauss = half.gauss();
         let mut mean_radius = 0.0;
         for i in 0..half.intervals() {
             let h = half.mesh[i + 1] - half.mesh[i];

@@ -2,7 +2,7 @@
 
 use furrow_bvp::BoundaryValueProblem;
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, mesh};
+use furrow_bvp::{Gauss, InvalidInput, Newton, NewtonError, NewtonReport, Solution, System, mesh};
 use furrow_cell::cue::{Profile, Width};
 use serde::Serialize;
 
@@ -37,7 +37,10 @@ pub(super) const NEWTON: Newton = Newton {
 const START_WIDTH: f64 = 1.5;
 
 /// Both antagonists, P at the posterior pole, with a boundary at `u`: where the evolution starts from.
-pub fn step(problem: &Polarity, resolution: Resolution, u: f64) -> Solution {
+///
+/// # Errors
+/// [`InvalidInput`] for a resolution that is not offered.
+pub fn step(problem: &Polarity, resolution: Resolution, u: f64) -> Result<Solution, InvalidInput> {
     let scale = problem.fixed_scale.unwrap_or(1.0);
     let c = &problem.constants;
     let psi = problem.membrane.psi(c, scale);
@@ -45,7 +48,7 @@ pub fn step(problem: &Polarity, resolution: Resolution, u: f64) -> Solution {
     // Each as without the other where it rules: the pool is filled up by what the other half lacks.
     let (a, p) = (alone(c.k_on_a, c.k_off_a, c.rho_a), alone(c.k_on_p, c.k_off_p, c.rho_p));
     let omega = START_WIDTH / (problem.membrane.length * scale);
-    let gauss = Gauss::new(resolution.stages);
+    let gauss = Gauss::new(resolution.stages)?;
     let grid = mesh::uniform(0.0, 1.0, resolution.intervals);
     Solution::from_fn(&gauss, &grid, COMPONENTS, &[0.5 * a, 0.5 * p], |x, y| {
         let t = ((x - u) / omega).clamp(-300.0, 300.0).tanh();
@@ -209,7 +212,7 @@ pub fn readings(y: &Solution) -> Option<Readings> {
     if polarity(y) <= POLARISED {
         return None;
     }
-    let gauss = Gauss::new(y.m);
+    let gauss = y.gauss();
     let (first, last) = (y.node(0), y.node(y.intervals()));
     let middle = 0.5 * (first[P] + last[P]);
     let i = (0..y.intervals()).find(|&i| y.node(i)[P] >= middle && y.node(i + 1)[P] < middle)?;
@@ -228,7 +231,7 @@ pub fn readings(y: &Solution) -> Option<Readings> {
 
 /// A and P at `count` + 1 places from pole to pole, evenly spaced: u, A, P.
 pub fn profile(y: &Solution, count: usize) -> Vec<[f64; 3]> {
-    let gauss = Gauss::new(y.m);
+    let gauss = y.gauss();
     let mut value = [0.0; COMPONENTS];
     let mut at = |k: usize| {
         let u = k as f64 / count as f64;

@@ -15,7 +15,7 @@ fn zygote() -> (Chemistry, Membrane) {
 
 /// ∫ of(A, P) over the surface, over the surface.
 fn surface_mean(membrane: &Membrane, y: &Solution, of: impl Fn(f64, f64) -> f64) -> f64 {
-    let gauss = Gauss::new(y.m);
+    let gauss = y.gauss();
     let mut sum = 0.0;
     for i in 0..y.intervals() {
         for j in 0..y.m {
@@ -207,7 +207,7 @@ fn the_zygote_of_goehring_is_polarised_with_its_boundary_near_the_middle() {
 fn the_mirror_image_of_a_state_is_one() {
     let (chemistry, membrane) = zygote();
     let y = chemistry.polarised(&Cell::new(ZYGOTE)).unwrap().unwrap();
-    let gauss = Gauss::new(y.m);
+    let gauss = y.gauss();
     let grid: Vec<f64> = y.mesh.iter().rev().map(|u| 1.0 - u).collect();
     let mut value = [0.0; COMPONENTS];
     let mirrored = Solution::from_fn(&gauss, &grid, COMPONENTS, &y.scalars, |u, out| {

@@ -124,7 +124,7 @@ fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
         let sigma = exact(&cell, f64::from(l));
         let numerics = Numerics { intervals: 16, ..Numerics::default() };
         let (cortex, rest) = at_rest(&cell, Domain::Full, &numerics);
-        let gauss = Gauss::new(rest.m);
+        let gauss = rest.gauss();
         let start = bulged(&gauss, &cell, &rest, 1e-5, l);
         let mut stepper = Stepper::new(cortex, rest.m, 16, start);
         let dt = 0.02 / sigma.abs();
@@ -206,7 +206,7 @@ fn free_shape(numerics: &Numerics) -> (Cortex, Solution) {
     }
     let cell = at(1.05 * low);
     let rest = furrow_mechanics::equilibria::passive(&sphere(2.0, 0.0), numerics).unwrap().0;
-    let mut y = bulged(&Gauss::new(rest.m), &cell, &rest, -0.2, 2);
+    let mut y = bulged(&rest.gauss(), &cell, &rest, -0.2, 2);
     let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
     let mut system = System::new(cortex.dimensions(), y.m);
     let newton = Newton { tolerance: 1e-12, ..Newton::default() };

@@ -236,7 +236,7 @@ fn shapes_at_rest_converge_with_order_2m() {
     let scalars = |m: usize, intervals: usize| {
         let gauss = Gauss::new(m);
         let grid = mesh::uniform(0.0, 1.0, intervals);
-        let from = |u: f64, y: &mut [f64]| exact.eval(&Gauss::new(exact.m), u, y);
+        let from = |u: f64, y: &mut [f64]| exact.eval(&exact.gauss(), u, y);
         let mut y = Solution::from_fn(&gauss, &grid, COMPONENTS, &exact.scalars, from);
         let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
         let mut system = System::new(cortex.dimensions(), m);

@@ -32,7 +32,7 @@ fn at_rest(cell: &Cell, numerics: &Numerics) -> Solution {
 
 /// (r, z) at places along the contour.
 fn contour(y: &Solution) -> Vec<[f64; 2]> {
-    let (gauss, mut state) = (Gauss::new(y.m), vec![0.0; y.components]);
+    let (gauss, mut state) = (y.gauss(), vec![0.0; y.components]);
     let mut at = |u: f64| {
         y.eval(&gauss, u, &mut state);
         [state[R], state[Z]]
@@ -164,7 +164,7 @@ fn component(l: usize, f: impl Fn(f64) -> f64) -> f64 {
 
 /// φ of a shape, at u.
 fn phi(y: &Solution) -> impl Fn(f64) -> f64 {
-    let gauss = Gauss::new(y.m);
+    let gauss = y.gauss();
     move |u| {
         let mut state = vec![0.0; y.components];
         y.eval(&gauss, u, &mut state);
@@ -221,7 +221,7 @@ fn small_disturbances_of_a_regulator_on_a_sphere_follow_the_exponential_of_theor
     for (l, diluted) in [(1, true), (2, true), (3, false), (4, true)] {
         let cell = quiet(diluted);
         let mut start = at_rest(&cell, &Numerics::default());
-        let (gauss, radius) = (Gauss::new(start.m), SLOW[2]);
+        let (gauss, radius) = (start.gauss(), SLOW[2]);
         let grid = start.mesh.clone();
         let rest = start.clone();
         let disturbed = |u: f64, y: &mut [f64]| {
@@ -311,7 +311,7 @@ fn disturbances_of_a_shape_with_a_regulator_decay_at_its_growth_rates() {
         let [sigma, next, ..] = whole.values[..] else { panic!("{whole:?}") };
         println!("{cue}: {:?}", whole.values);
         assert!(sigma.re < 0.0 && sigma.im == 0.0 && next.re < 3.5 * sigma.re, "{whole:?}");
-        let gauss = Gauss::new(rest.m);
+        let gauss = rest.gauss();
         // Odd and even.
         let start = Solution::from_fn(&gauss, &rest.mesh, rest.components, &rest.scalars, |u, y| {
             rest.eval(&gauss, u, y);
