@@ -76,7 +76,7 @@ fn the_branch_passes_the_reference_points() {
     let (r0, numerics) = (2.0, Numerics::default());
     let mut options = BranchOptions::default();
     options.settings.max_step = 0.5;
-    let gauss = Gauss::new(numerics.stages);
+    let gauss = Gauss::new(numerics.stages).unwrap();
     let mut branch = primary::start(&at(r0, 0.87), &numerics, &options.settings).unwrap();
     let mut next = 0;
     branch

@@ -15,7 +15,7 @@ fn passive_shapes_exist_for_every_confinement() {
             let cell = Cell { epsilon, ..Cell::gao2026_thresholds(r0) };
             let (y, report) =
                 passive(&cell, &Numerics::default()).unwrap_or_else(|e| panic!("R0 = {r0}, epsilon = {epsilon}: {e}"));
-            let volume = 2.0 * observables::volume_until(&Gauss::new(4), &y, 0.5);
+            let volume = 2.0 * observables::volume_until(&Gauss::new(4).unwrap(), &y, 0.5);
             assert!((volume / cell.volume() - 1.0).abs() < 1e-10, "{volume} {cell:?} {report:?}");
         }
     }
@@ -29,7 +29,7 @@ fn passive_shapes_match_the_reference() {
         let (r0, epsilon) = (row.number("R0"), row.number("eps"));
         let numerics = Numerics::default();
         let (y, _) = passive(&Cell { epsilon, ..Cell::gao2026_thresholds(r0) }, &numerics).unwrap();
-        let gauss = Gauss::new(numerics.stages);
+        let gauss = Gauss::new(numerics.stages).unwrap();
         assert!((y.scalars[0] - row.number("L")).abs() < 2e-6, "{row:?}");
         assert!((y.scalars[1] - row.number("p")).abs() < 2e-6, "{row:?}");
         let elongation = observables::elongation(&y, Domain::Half, r0);

@@ -180,12 +180,12 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         if dims.missing_conditions() != 2 {
             return Err(InvalidInput::NotSquare { missing: dims.missing_conditions(), allowed: "2" }.into());
         }
-        let augmented =
-            MinimallyAugmented::new(problem, singularity, guess.m, metric, branch_tangent).map_err(|error| match error
-            {
+        let augmented = MinimallyAugmented::new(problem, singularity, guess.m, metric, branch_tangent).map_err(
+            |error| match error {
                 SingularError::Invalid(input) => CurveError::Invalid(input),
                 error => CurveError::Start(error),
-            })?;
+            },
+        )?;
         let mut curve = Codim2Curve {
             augmented,
             trial: guess.clone(),

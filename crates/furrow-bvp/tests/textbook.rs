@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use furrow_bvp::continuation::State;
 use furrow_bvp::normal_form::pitchfork_normal_form;
 use furrow_bvp::{
-    AugmentedReport, Codim2Curve, Continuation, ContinuationSettings, CurveSettings, Direction, Fold, Gauss, Metric,
-    MinimallyAugmented, Solution, SymmetryBreaking, Termination, locate, mesh,
+    AugmentedReport, BoundaryJacobian, BoundaryValueProblem, Codim2Curve, CollocationPoint, Continuation,
+    ContinuationError, ContinuationSettings, CurveSettings, Dimensions, Direction, Fold, Gauss, Metric,
+    MinimallyAugmented, PointJacobian, Solution, SymmetryBreaking, Termination, locate, mesh,
 };
 
 #[path = "../examples/problems/oscillator.rs"]
@@ -251,4 +252,120 @@ fn the_folds_of_the_gelfand_problem_end_in_a_cusp() {
     let cusp = curve.turning_point(1).unwrap();
     assert!((cusp.scalars[1] - 0.245780).abs() < 1e-6, "{:?}", cusp.scalars);
     assert!((cusp.scalars[0] / 4.0 - 1.307374).abs() < 1e-6, "{:?}", cusp.scalars);
+}
+
+/// Van der Pol's periodic orbit x″ = μ(1 − x²)x′ − x over half its period T, after which (x, x′) is (−x, −x′): x = c, x′ = 0 on
+/// the left. Unknown scalars are c, T/2 and μ.
+#[derive(Clone)]
+struct VanDerPol;
+
+impl BoundaryValueProblem for VanDerPol {
+    fn dimensions(&self) -> Dimensions {
+        Dimensions { components: 2, scalars: 3, left: 2, right: 2, ..Dimensions::default() }
+    }
+
+    fn rhs(&self, _: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
+        f.copy_from_slice(&[p[1] * y[1], p[1] * (p[2] * (1.0 - y[0] * y[0]) * y[1] - y[0])]);
+    }
+
+    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+        self.rhs(at, y, p, out.f, out.g);
+        let damping = 1.0 - y[0] * y[0];
+        let by_x = p[1] * (-2.0 * p[2] * y[0] * y[1] - 1.0);
+        out.fy.copy_from_slice(&[0.0, p[1], by_x, p[1] * p[2] * damping]);
+        out.fp.copy_from_slice(&[0.0, y[1], 0.0, 0.0, out.f[1] / p[1], p[1] * damping * y[1]]);
+    }
+
+    fn left(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
+        out.r.copy_from_slice(&[y[0] - p[0], y[1]]);
+        (out.ry[0], out.ry[3], out.rp[0]) = (1.0, 1.0, -1.0);
+    }
+
+    fn right(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
+        out.r.copy_from_slice(&[y[0] + p[0], y[1]]);
+        (out.ry[0], out.ry[3], out.rp[0]) = (1.0, 1.0, 1.0);
+    }
+}
+
+/// The branch of orbits from μ = 0.1, with 30 intervals to a period.
+fn van_der_pol(settings: ContinuationSettings) -> Continuation<VanDerPol> {
+    let circle = |s: f64, y: &mut [f64]| y.copy_from_slice(&[2.0 * (PI * s).cos(), -2.0 * (PI * s).sin()]);
+    let gauss = Gauss::new(4).unwrap();
+    let guess = Solution::from_fn(&gauss, &mesh::uniform(0.0, 1.0, 15), 2, &[2.0, PI, 0.1], circle).unwrap();
+    Continuation::start(VanDerPol, guess, Metric::unit(2, 3), settings, true).unwrap()
+}
+
+/// Half the period at μ, by the classical Runge–Kutta method from one rest x′ = 0 to the next once the orbit is reached.
+fn half_period(mu: f64) -> f64 {
+    let f = |[x, v]: [f64; 2]| [v, mu * (1.0 - x * x) * v - x];
+    let along = |[x, v]: [f64; 2], h: f64, [a, b]: [f64; 2]| [x + h * a, v + h * b];
+    let h = 1e-4;
+    let step = |y: [f64; 2], h: f64| {
+        let k1 = f(y);
+        let k2 = f(along(y, 0.5 * h, k1));
+        let k3 = f(along(y, 0.5 * h, k2));
+        let k4 = f(along(y, h, k3));
+        [0, 1].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    };
+    let (mut y, mut t, mut rests) = ([2.0, -1e-9], 0.0, Vec::new());
+    while rests.len() < 4 {
+        let next = step(y, h);
+        if next[1] * y[1] < 0.0 {
+            // x″ = −x where x′ = 0: Newton's method on x′ = 0.
+            let (mut part, mut there) = (0.0, y);
+            for _ in 0..4 {
+                part -= there[1] / f(there)[1];
+                there = step(y, part);
+            }
+            rests.push(t + part);
+        }
+        (y, t) = (next, t + h);
+    }
+    rests[3] - rests[2]
+}
+
+#[test]
+fn with_a_tolerance_every_orbit_of_a_stiff_oscillator_is_accurate() {
+    let exact = half_period(10.0);
+    assert!((2.0 * exact - 19.0783696).abs() < 1e-6, "{exact}");
+    // On 30 intervals to a period, without a word, it is off in the fourth digit.
+    let mut coarse = van_der_pol(ContinuationSettings::default());
+    coarse.follow([0.0, 10.0], 200, |_, advance| advance.defect.is_none()).unwrap();
+    let error = (coarse.state.solution.scalars[1] / exact - 1.0).abs();
+    assert!(error > 1e-4, "{error:.1e}");
+    let tolerance = 1e-6;
+    let mut branch = van_der_pol(ContinuationSettings { tolerance: Some(tolerance), ..Default::default() });
+    let mut most = 0;
+    let ended = branch.follow([0.0, 10.0], 200, |branch, advance| {
+        let defect = branch.defect();
+        assert_eq!(advance.defect, Some(defect));
+        assert!(defect <= tolerance, "{defect:.1e}");
+        most = most.max(branch.state.solution.intervals());
+        true
+    });
+    assert_eq!(ended, Ok(Termination::ParameterBound(10.0)));
+    let [_, half, mu] = *branch.state.solution.scalars else { panic!("three scalars") };
+    assert!(mu == 10.0 && (half / exact - 1.0).abs() < 1e-7, "{half} {exact}");
+    assert!(most > 60, "{most}");
+    // Back where the orbit is a circle, fewer intervals do.
+    branch.reverse();
+    branch.follow([0.1, 11.0], 200, |_, _| true).unwrap();
+    assert!(2 * branch.state.solution.intervals() < most, "{}", branch.state.solution.intervals());
+}
+
+#[test]
+fn a_branch_that_needs_more_intervals_than_allowed_ends_with_its_defect() {
+    let settings = ContinuationSettings { tolerance: Some(1e-6), max_intervals: 25, ..Default::default() };
+    let mut branch = van_der_pol(settings);
+    let mut last = branch.state.parameter();
+    let ended = branch.follow([0.0, 10.0], 200, |branch, _| {
+        last = branch.state.parameter();
+        true
+    });
+    let Err(ContinuationError::MeshLimit { limit: 25, parameter, defect, tolerance: 1e-6 }) = ended else {
+        panic!("{ended:?}")
+    };
+    assert!(parameter > last && defect > 1e-6 && last > 0.1, "{last} {parameter} {defect:.1e}");
+    // The last accurate point stays.
+    assert!(branch.state.parameter() == last && branch.defect() <= 1e-6);
 }

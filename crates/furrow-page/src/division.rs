@@ -287,7 +287,8 @@ mod tests {
             let (sin, cos) = (PI * u).sin_cos();
             state.fill(0.0);
             (state[R], state[Z], state[M], state[PSI]) = (radius * sin, radius * cos, 2.0 / radius, PI * u);
-        });
+        })
+        .unwrap();
         let xi_b = film.cortex.constants().uniform.xi_b;
         for u in [0.1, 0.37, 0.5, 0.8] {
             let [along_r, along_z] = film.active_force(&sphere, u);

@@ -38,7 +38,14 @@ pub fn gelfand(u: f64, mu: f64) -> [f64; 7] {
 impl Oscillator {
     /// u = 0 on `intervals` of [0, end], which solves where w(0) = 0 or λ = 0.
     pub fn zero(&self, end: f64, intervals: usize, stages: usize, lambda: f64) -> Solution {
-        Solution::from_fn(&Gauss::new(stages).expect("stages from 1 to 5"), &mesh::uniform(0.0, end, intervals), 2, &[lambda], |_, y| y.fill(0.0)).expect("a mesh")
+        Solution::from_fn(
+            &Gauss::new(stages).expect("stages from 1 to 5"),
+            &mesh::uniform(0.0, end, intervals),
+            2,
+            &[lambda],
+            |_, y| y.fill(0.0),
+        )
+        .expect("a mesh")
     }
 
     fn derivatives(&self, u: f64, p: &[f64]) -> [f64; 7] {

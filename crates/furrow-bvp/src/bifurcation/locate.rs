@@ -37,8 +37,13 @@ pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
     const HALVINGS: usize = 24;
     let state = &branch.state;
     let tangent = state.tangent.clone();
-    let mut augmented =
-        MinimallyAugmented::new(branch.problem.clone(), singularity, state.solution.m, branch.metric.clone(), &tangent)?;
+    let mut augmented = MinimallyAugmented::new(
+        branch.problem.clone(),
+        singularity,
+        state.solution.m,
+        branch.metric.clone(),
+        &tangent,
+    )?;
     let mut last = SingularError::Stalled { iterations: 0, correction: f64::NAN };
     let Some((mut now, mut later)) = state.history.back(0) else { return Err(last) };
     let (mut before, mut earlier) = state.history.back(1).ok_or(last)?;

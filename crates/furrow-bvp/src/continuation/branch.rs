@@ -20,6 +20,7 @@ use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
+use super::accuracy::{Held, newton_tolerance};
 use super::predictor::History;
 
 /// Settings of a continuation.
@@ -37,6 +38,12 @@ pub struct ContinuationSettings {
     pub min_cosine: f64,
     /// Move the mesh when the largest interval carries this many times its share of the monitor.
     pub remesh_above: f64,
+    /// Bound on the largest defect of every point, see [`mesh::defect`]: the mesh is refined where it is exceeded, and coarsened
+    /// where fewer intervals do. Newton's tolerance is tightened where this one asks for it. None leaves the number of
+    /// intervals as it is.
+    pub tolerance: Option<f64>,
+    /// Most intervals of a refined mesh.
+    pub max_intervals: usize,
 }
 
 impl Default for ContinuationSettings {
@@ -48,6 +55,8 @@ impl Default for ContinuationSettings {
             max_step: 1.0,
             min_cosine: 0.9,
             remesh_above: 1.8,
+            tolerance: None,
+            max_intervals: 2000,
         }
     }
 }
@@ -64,7 +73,8 @@ impl ContinuationSettings {
         invalid::positive("min_step", min_step)?;
         invalid::setting("max_step", max_step, max_step > 0.0, "a number above 0")?;
         invalid::setting("min_cosine", min_cosine, (-1.0..1.0).contains(&min_cosine), "a number from −1, below 1")?;
-        invalid::setting("remesh_above", remesh_above, remesh_above >= 1.0, "a number from 1")
+        invalid::setting("remesh_above", remesh_above, remesh_above >= 1.0, "a number from 1")?;
+        self.tolerance.map_or(Ok(()), |tolerance| invalid::positive("the tolerance", tolerance))
     }
 }
 
@@ -123,6 +133,21 @@ pub enum ContinuationError {
         arclength: f64,
         /// The last failure.
         source: StepFailure,
+    },
+    /// The accuracy asked for would need more intervals than allowed.
+    #[error(
+        "the limit of {limit} intervals is reached at parameter {parameter} with a defect of {defect:.3e}, \
+         the tolerance is {tolerance:.3e}"
+    )]
+    MeshLimit {
+        /// Most intervals allowed.
+        limit: usize,
+        /// Value of λ at the point that is not accurate enough.
+        parameter: f64,
+        /// Its defect.
+        defect: f64,
+        /// What was asked for.
+        tolerance: f64,
     },
 }
 
@@ -199,6 +224,9 @@ pub struct Advance {
     pub report: NewtonReport,
     /// Steps rejected before.
     pub rejected: usize,
+    /// Largest defect of the point, where a [`tolerance`](ContinuationSettings::tolerance) is set; see also
+    /// [`Continuation::defect`].
+    pub defect: Option<f64>,
 }
 
 /// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.
@@ -264,13 +292,13 @@ pub struct Continuation<P> {
     pub state: State,
     /// Work so far.
     pub work: Work,
-    scratch: NewtonScratch,
-    conditions: Vec<LinearCondition>,
-    trial: Solution,
+    pub(super) scratch: NewtonScratch,
+    pub(super) conditions: Vec<LinearCondition>,
+    pub(super) trial: Solution,
     tangent: Direction,
-    weight: Vec<f64>,
+    pub(super) weight: Vec<f64>,
     /// The factors in `system` are those of the newest point.
-    exact: bool,
+    pub(super) exact: bool,
     /// Steps up to this length are corrected with the factors of the point that they start from.
     reach: f64,
 }
@@ -279,17 +307,22 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Starts at the solution near `guess` with the λ of `guess`, towards larger λ if `upwards`.
     ///
     /// # Errors
-    /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::Invalid`] for input that is refused.
+    /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::MeshLimit`] if it is not accurate enough,
+    /// [`ContinuationError::Invalid`] for input that is refused.
     pub fn start(
         mut problem: P,
         guess: Solution,
         metric: Metric,
-        settings: ContinuationSettings,
+        mut settings: ContinuationSettings,
         upwards: bool,
     ) -> Result<Self, ContinuationError> {
         let dims = problem.dimensions();
         settings.check()?;
         check_problem(dims, &guess, &metric)?;
+        let tolerance = settings.tolerance;
+        if let Some(tolerance) = tolerance {
+            settings.newton.tolerance = newton_tolerance(settings.newton.tolerance, tolerance);
+        }
         let mut system = System::new(dims, guess.m);
         let mut scratch = NewtonScratch::default();
         let mut conditions = vec![LinearCondition::default()];
@@ -311,7 +344,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let step = settings.first_step;
         let direction = if upwards { 1.0 } else { -1.0 };
         let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, orientation: 0.0, history };
-        Ok(Continuation::resume(problem, state, metric, settings))
+        let mut branch = Continuation::resume(problem, state, metric, settings);
+        if let Some(tolerance) = tolerance {
+            branch.refine(tolerance, Held::Parameter(parameter))?;
+        }
+        Ok(branch)
     }
 
     /// Resumes a run, or starts one from a point whose tangent is known (e.g. a branch switched to).
@@ -360,11 +397,19 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Takes one step.
     ///
     /// # Errors
-    /// [`ContinuationError::Lost`]; the state is left at the last point. [`ContinuationError::Invalid`] if public fields were
+    /// [`ContinuationError::Lost`] or [`ContinuationError::MeshLimit`]; the state is left at the last point. [`ContinuationError::Invalid`] if public fields were
     /// changed to what does not fit.
     pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
         self.check()?;
         self.remesh();
+        match self.settings.tolerance {
+            Some(tolerance) => self.advance_to(tolerance),
+            None => self.step(),
+        }
+    }
+
+    /// One step on the mesh as it is.
+    pub(super) fn step(&mut self) -> Result<Advance, ContinuationError> {
         let mut step = self.state.step.min(self.settings.max_step);
         let mut rejected = 0;
         loop {
@@ -379,13 +424,13 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 // short enough. Without an exact one the next rejections go on as before.
                 let _ = self.exact_tangent();
             }
-            if step < self.settings.min_step {
+            if step < self.settings.min_step.max(f64::MIN_POSITIVE) {
                 return Err(self.lost(self.state.parameter(), source));
             }
         }
     }
 
-    fn lost(&self, parameter: f64, source: StepFailure) -> ContinuationError {
+    pub(super) fn lost(&self, parameter: f64, source: StepFailure) -> ContinuationError {
         ContinuationError::Lost { parameter, arclength: self.state.arclength, source }
     }
 
@@ -404,11 +449,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.work += Work { steps: 1, rejected, ..Work::default() };
         self.work += report;
         let passed_fold = self.confirm_direction(self.state.parameter() - parameter);
-        Advance { passed_fold, report, rejected }
+        Advance { passed_fold, report, rejected, defect: None }
     }
 
     /// The tangent at the newest point with the factors of the point itself, which are then those of its own plane.
-    fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
+    pub(super) fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
         self.factorise_newest()?;
         let Continuation { system, metric, state, tangent, .. } = self;
         system.null_direction(0, tangent);
@@ -560,11 +605,12 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         mut visit: impl FnMut(&mut Self, Advance) -> bool,
     ) -> Result<Termination, ContinuationError> {
         for _ in 0..limit {
-            let advance = self.advance()?;
+            let mut advance = self.advance()?;
             let parameter = self.state.parameter();
             if parameter < range[0] || parameter > range[1] {
                 let bound = if parameter < range[0] { range[0] } else { range[1] };
                 self.land_on(bound)?;
+                advance.defect = self.settings.tolerance.map(|_| self.defect());
                 visit(self, advance);
                 return Ok(Termination::ParameterBound(bound));
             }
@@ -578,7 +624,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Replaces the newest point by the one with λ = `value` between the last two.
     ///
     /// # Errors
-    /// [`ContinuationError::Lost`] if the corrector fails there.
+    /// [`ContinuationError::Lost`] if the corrector fails there, [`ContinuationError::MeshLimit`] if the point is not accurate
+    /// enough.
     pub fn land_on(&mut self, value: f64) -> Result<(), ContinuationError> {
         let y = self.at(value)?;
         if let Some((before, share)) = self.between_last_points(value) {
@@ -588,6 +635,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.exact_tangent().map_err(|failure| self.lost(value, failure.into()))?;
         // The points before stay, so that what lies between them and the new one can still be located.
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
+        if let Some(tolerance) = self.settings.tolerance {
+            self.refine(tolerance, Held::Parameter(value))?;
+        }
         Ok(())
     }
 
@@ -632,7 +682,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 }
 
 /// The corrector where no shorter step can help it.
-fn patient(newton: Newton) -> Newton {
+pub(super) fn patient(newton: Newton) -> Newton {
     Newton { max_factorisations: 20, max_iterations: 60, ..newton }
 }
 

@@ -1,5 +1,6 @@
 //! Branches of solutions in one parameter.
 
+mod accuracy;
 mod branch;
 pub mod predictor;
 

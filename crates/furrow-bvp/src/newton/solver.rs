@@ -261,7 +261,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
 
 /// Intervals of an equidistributing mesh with defects below `tolerance`: a defect is proportional to h^(m+1), so that
 /// Σ defect^(1/(m+1)) does not depend on the mesh. The monitor leaves half of the intervals to regions of small defects.
-fn intervals_for(defects: &[f64], m: usize, tolerance: f64) -> usize {
+pub(crate) fn intervals_for(defects: &[f64], m: usize, tolerance: f64) -> usize {
     let order = 1.0 / (m as f64 + 1.0);
     let sum: f64 = defects.iter().map(|d| d.powf(order)).sum();
     // A float beyond the largest index becomes that one.

@@ -21,7 +21,10 @@ fn solve<P: BoundaryValueProblem>(
 
 /// The constant `value` on a uniform mesh of `intervals` on [0, 1].
 fn constant(components: usize, intervals: usize, m: usize, value: f64) -> Solution {
-    Solution::from_fn(&Gauss::new(m).unwrap(), &mesh::uniform(0.0, 1.0, intervals), components, &[], |_, v| v.fill(value)).unwrap()
+    Solution::from_fn(&Gauss::new(m).unwrap(), &mesh::uniform(0.0, 1.0, intervals), components, &[], |_, v| {
+        v.fill(value)
+    })
+    .unwrap()
 }
 
 /// y(x) = 0 by atan(1000 y(0)) = 0. Far from its root undamped Newton steps overshoot ever more, and with values this

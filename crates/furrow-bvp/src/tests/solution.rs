@@ -20,7 +20,8 @@ fn polynomial(m: usize, c: usize, x: f64) -> (f64, f64) {
 fn sampled_polynomial(gauss: &Gauss, mesh: &[f64]) -> Solution {
     Solution::from_fn(gauss, mesh, 2, &[0.25, -3.0], |x, v| {
         v.iter_mut().enumerate().for_each(|(c, v)| *v = polynomial(gauss.m, c, x).0);
-    }).unwrap()
+    })
+    .unwrap()
 }
 
 /// Largest Σ|basis| on [0, 1] with the derivatives: by how much errors of values come out amplified in the polynomial

@@ -94,7 +94,10 @@ fn guesses_of_other_sizes_are_errors() {
     let guess = || quadratic().line(3, &mesh::uniform(0.0, 1.0, 4));
     for (guess, error) in [
         (Solution { m: 7, ..guess() }, TooLarge::Stages { stages: 7 }.into()),
-        (Solution { scalars: vec![1.0], ..guess() }, InvalidInput::Length { name: "scalars of the solution", length: 1, expected: 0 }),
+        (
+            Solution { scalars: vec![1.0], ..guess() },
+            InvalidInput::Length { name: "scalars of the solution", length: 1, expected: 0 },
+        ),
     ] {
         assert_eq!(solve(&mut quadratic(), &guess, &Settings::default()), Err(SolveError::Invalid(error)));
     }

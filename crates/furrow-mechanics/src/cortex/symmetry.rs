@@ -155,11 +155,12 @@ mod tests {
     use super::*;
 
     fn shape(components: usize) -> Solution {
-        Solution::from_fn(&Gauss::new(4), &mesh::uniform(0.0, 1.0, 6), components, &[5.0, 0.3], |u, y| {
+        Solution::from_fn(&Gauss::new(4).unwrap(), &mesh::uniform(0.0, 1.0, 6), components, &[5.0, 0.3], |u, y| {
             for (k, value) in y.iter_mut().enumerate() {
                 *value = (3.0 * u + 0.7 * k as f64).sin() + 0.2 * u * u;
             }
         })
+        .unwrap()
     }
 
     #[test]

@@ -86,7 +86,13 @@ impl Recorder {
         // It has divided, so that its cue has its place.
         let cell = polarity::resolved(&input.cell).unwrap_or(Cow::Borrowed(&input.cell));
         let cortex = Cortex::new(&cell, Domain::Full, &[]);
-        Trajectory { division, cortex, gauss: Gauss::new(input.numerics.stages).unwrap_or_default(), steps: self.0, dense: None }
+        Trajectory {
+            division,
+            cortex,
+            gauss: Gauss::new(input.numerics.stages).unwrap_or_default(),
+            steps: self.0,
+            dense: None,
+        }
     }
 }
 

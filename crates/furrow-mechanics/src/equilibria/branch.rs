@@ -1,8 +1,8 @@
 //! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
 
 use furrow_bvp::{
-    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Metric, Solution,
-    Termination, Work, mesh,
+    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Metric, Solution, Termination,
+    Work, mesh,
 };
 
 use super::azimuthal_scan::AzimuthalScan;

@@ -38,9 +38,10 @@ fn uniform_states_solve_the_algebra_and_stay_as_they_are() {
         assert!(gain_a.abs() < 1e-14 && gain_p.abs() < 1e-14, "{gain_a} {gain_p}");
         let problem = Polarity::new(c, membrane.clone(), Some(1.0));
         let grid = mesh::uniform(0.0, 1.0, 20);
-        let y = Solution::from_fn(&Gauss::new(4), &grid, COMPONENTS, &[a, p], |_, y| {
+        let y = Solution::from_fn(&Gauss::new(4).unwrap(), &grid, COMPONENTS, &[a, p], |_, y| {
             y.copy_from_slice(&[a, p, 0.0, 0.0]);
-        });
+        })
+        .unwrap();
         let mut evolution = Evolution::new(problem, y.clone());
         evolution.advance(f64::INFINITY).unwrap();
         let moved = evolution.state.nodes.iter().zip(&y.nodes).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -82,11 +83,17 @@ fn legendre_modes_decay_on_a_sphere_as_they_must() {
             let (x, slope) = ((PI * u).cos(), -PI * (PI * u).sin());
             if l == 1 { [x, slope] } else { [1.5 * x * x - 0.5, 3.0 * x * slope] }
         };
-        let start =
-            Solution::from_fn(&Gauss::new(4), &mesh::uniform(0.0, 1.0, 40), COMPONENTS, &[rest.a, rest.p], |u, y| {
+        let start = Solution::from_fn(
+            &Gauss::new(4).unwrap(),
+            &mesh::uniform(0.0, 1.0, 40),
+            COMPONENTS,
+            &[rest.a, rest.p],
+            |u, y| {
                 let [f, slope] = mode(u);
                 y.copy_from_slice(&[rest.a + 0.1 * f, rest.p + 0.1 * f, 0.1 * slope, 0.1 * slope]);
-            });
+            },
+        )
+        .unwrap();
         let mut evolution = Evolution::new(Polarity::new(c, membrane.clone(), Some(1.0)), start);
         let dt = 20.0;
         evolution.advance(dt).unwrap();
@@ -213,7 +220,8 @@ fn the_mirror_image_of_a_state_is_one() {
     let mirrored = Solution::from_fn(&gauss, &grid, COMPONENTS, &y.scalars, |u, out| {
         y.eval(&gauss, 1.0 - u, &mut value);
         out.copy_from_slice(&[value[A], value[P], -value[A_U], -value[P_U]]);
-    });
+    })
+    .unwrap();
     let mut evolution = Evolution::new(Polarity::new(chemistry.constants, membrane, Some(1.0)), mirrored);
     evolution.advance(f64::INFINITY).unwrap();
     assert!((polarity(&evolution.state) + polarity(&y)).abs() < 1e-8, "{}", polarity(&evolution.state));

@@ -99,6 +99,7 @@ fn bulged(gauss: &Gauss, cell: &Cell, rest: &Solution, amplitude: f64, l: i32) -
         y[M] += cell.material.kappa * (f64::from(l * (l + 1)) - 2.0) * w / (r0 * r0);
         y[Q] += cell.material.kappa * (f64::from(l * (l + 1)) - 2.0) * slope / r0.powi(3);
     })
+    .unwrap()
 }
 
 /// Amplitude of mode ℓ in a shape: the projection of its distance from the middle on P_ℓ.

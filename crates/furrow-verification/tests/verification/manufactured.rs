@@ -110,7 +110,7 @@ impl<const N: usize> BoundaryValueProblem for Forced<N> {
 
 /// A cell with the volume of the chosen state.
 fn cell(cue: &str) -> Cell {
-    let gauss = Gauss::new(5);
+    let gauss = Gauss::new(5).unwrap();
     let grid = mesh::uniform(0.0, 1.0, 64);
     let plain = uneven_cell(2.0, 8.0, cue).unwrap();
     let density = |u: f64| {
@@ -146,13 +146,14 @@ fn errors(cue: &str, m: usize, intervals: usize) -> Errors {
 }
 
 fn errors_of<const N: usize>(cell: Cell, m: usize, intervals: usize) -> Errors {
-    let gauss = Gauss::new(m);
+    let gauss = Gauss::new(m).unwrap();
     let grid = mesh::uniform(0.0, 1.0, intervals);
     let mut y = Solution::from_fn(&gauss, &grid, N, &[LENGTH * 1.001, PRESSURE * 1.01], |u, y| {
         // r vanishes at the poles: the guess starts a little beside them.
         y.copy_from_slice(&chosen::<_, N>(&cell, u.clamp(1e-6, 1.0 - 1e-6)));
         y.iter_mut().enumerate().for_each(|(k, y)| *y *= 1.0 + 1e-3 * (k as f64 + 5.0 * u).sin());
-    });
+    })
+    .unwrap();
     let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
     cortex.rate = RATE;
     for i in 0..intervals {
@@ -234,10 +235,10 @@ fn shapes_at_rest_converge_with_order_2m() {
     let cell = uneven_cell(2.0, 9.0, "kappa:band,u0=0.44,omega=0.3,amplitude=0.2").unwrap();
     let exact = resting(&cell).unwrap().shape;
     let scalars = |m: usize, intervals: usize| {
-        let gauss = Gauss::new(m);
+        let gauss = Gauss::new(m).unwrap();
         let grid = mesh::uniform(0.0, 1.0, intervals);
         let from = |u: f64, y: &mut [f64]| exact.eval(&exact.gauss(), u, y);
-        let mut y = Solution::from_fn(&gauss, &grid, COMPONENTS, &exact.scalars, from);
+        let mut y = Solution::from_fn(&gauss, &grid, COMPONENTS, &exact.scalars, from).unwrap();
         let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
         let mut system = System::new(cortex.dimensions(), m);
         Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).unwrap();

@@ -149,7 +149,7 @@ fn legendre(l: usize, x: f64) -> [f64; 2] {
 
 /// The component along P_l of a function on the sphere, given at u.
 fn component(l: usize, f: impl Fn(f64) -> f64) -> f64 {
-    let gauss = Gauss::new(5);
+    let gauss = Gauss::new(5).unwrap();
     let count = 400;
     let mut sum = 0.0;
     for i in 0..count {
@@ -231,7 +231,7 @@ fn small_disturbances_of_a_regulator_on_a_sphere_follow_the_exponential_of_theor
             y[PHI] += 1e-4 * p;
             y[J] -= 1e-4 * slope * sin / radius;
         };
-        start = Solution::from_fn(&gauss, &grid, rest.components, &rest.scalars, disturbed);
+        start = Solution::from_fn(&gauss, &grid, rest.components, &rest.scalars, disturbed).unwrap();
         let mut stepper = Stepper::new(Cortex::new(&cell, Domain::Full, &[]), rest.m, 48, start);
         let dt = 0.02 / decay(l);
         let mut go = |dt: f64, count: usize| {
@@ -320,7 +320,8 @@ fn disturbances_of_a_shape_with_a_regulator_decay_at_its_growth_rates() {
                 y[PHI] += 1e-3 * cos;
                 y[J] -= 1e-3 * modes * PI * sin / rest.scalars[LENGTH];
             }
-        });
+        })
+        .unwrap();
         let mut stepper = Stepper::new(Cortex::new(&cell, Domain::Full, &[]), rest.m, 48, start);
         stepper.solve_for(1e-7);
         let dt = 0.02 / sigma.re.abs();
