@@ -1,6 +1,7 @@
 //! Checks of every reader: one function per reader takes any bytes and panics if the reader misbehaves. The fuzzers call them
 //! with random bytes, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
 
+pub mod boundary_value;
 pub mod config;
 pub mod constants;
 pub mod contours;
@@ -21,7 +22,8 @@ use serde::{Serialize, de::DeserializeOwned};
 type Check = fn(&[u8]);
 
 /// All checks by name.
-pub const TARGETS: [(&str, Check); 9] = [
+pub const TARGETS: [(&str, Check); 10] = [
+    ("boundary_value", boundary_value::check),
     ("config", config::check),
     ("constants", constants::check),
     ("contours", contours::check),

@@ -10,8 +10,11 @@ use furrow_bvp::{
     MinimallyAugmented, PointJacobian, Solution, SymmetryBreaking, Termination, locate, mesh,
 };
 
+mod hostile;
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;
+
+use proptest::prelude::*;
 
 use oscillator::{Force, Oscillator, gelfand};
 
@@ -368,4 +371,18 @@ fn a_branch_that_needs_more_intervals_than_allowed_ends_with_its_defect() {
     assert!(parameter > last && defect > 1e-6 && last > 0.1, "{last} {parameter} {defect:.1e}");
     // The last accurate point stays.
     assert!(branch.state.parameter() == last && branch.defect() <= 1e-6);
+}
+
+/// Cases of [`hostile::check`]; `HOSTILE_CASES` asks for more.
+fn cases() -> u32 {
+    std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1500)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn whatever_is_solved_ends_without_a_panic(data in proptest::collection::vec(any::<u8>(), 0..400)) {
+        hostile::check(&data);
+    }
 }
