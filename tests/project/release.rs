@@ -84,7 +84,7 @@ fn what_is_to_be_filled_in_is_listed() {
     let extensions = ["toml", "cff", "md", "yml", "yaml", "bib"];
     let found: BTreeSet<String> = [".github", "conda", "crates", "docs", "paper", "python"]
         .iter()
-        .flat_map(|folder| extensions.iter().flat_map(|extension| files_below(&root().join(folder), extension)))
+        .flat_map(|folder| extensions.iter().flat_map(move |extension| files_below(&root().join(folder), extension)))
         .chain(fs::read_dir(root()).unwrap().map(|entry| entry.unwrap().path()))
         .filter(|file| {
             !file.is_symlink() && file.extension().is_some_and(|e| extensions.iter().any(|known| e == *known))
