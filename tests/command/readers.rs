@@ -15,7 +15,7 @@ const EXPORTS: [[&str; 3]; 11] = [
     ["nexus", "generation", "generation.nex"],
     ["nhx", "time", "time.nhx"],
     ["graphml", "time", "tree.graphml"],
-    ["geff", "time", "tree.geff"],
+    ["geff", "", "tree.geff"],
     ["geff", "generation", "generation.geff"],
     ["lineagetree", "generation", "cells.txt"],
     ["csv", "", "cells.csv"],
