@@ -1,4 +1,4 @@
-//! The command line: sessions, errors, what Ctrl-C does, hostile files, and the page.
+//! The command line: sessions, errors, what Ctrl-C does, hostile files, readers of exports, and the page.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -8,5 +8,6 @@ mod hostile_files;
 mod interrupts;
 mod movies;
 mod page;
+mod readers;
 mod sessions;
 mod stored_boundary;

@@ -1,7 +1,8 @@
 //! The interactive page and its WebAssembly module give the results of the command line.
 //!
-//! Skipped without `node` or Chromium (`FURROW_CHROMIUM` names one). `FURROW_SCREENSHOTS` names a folder for pictures of the pages,
-//! `FURROW_LARGE_REPORT` a report of many cells, whose opening is then timed.
+//! The tests need Node, and one needs Chromium (`FURROW_CHROMIUM` names one), so they are ignored; `.ci/run` runs those whose programs are
+//! there. `FURROW_SCREENSHOTS` names a folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells, whose opening is
+//! then timed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -22,11 +23,10 @@ fn program(candidates: impl IntoIterator<Item = String>) -> Option<String> {
     candidates.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success()))
 }
 
-/// Node and Chromium, if there are both.
-fn browser() -> Option<[String; 2]> {
+fn chromium() -> String {
     let named = std::env::var("FURROW_CHROMIUM").ok();
     let usual = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"].map(str::to_owned);
-    Some([program(["node".to_owned()])?, program(named.into_iter().chain(usual))?])
+    program(named.into_iter().chain(usual)).expect("Chromium, which FURROW_CHROMIUM may name")
 }
 
 /// What the command line says of a zygote that it refuses.
@@ -100,19 +100,16 @@ fn expected(folder: &Path) -> Value {
 }
 
 /// Runs a script of `tests/browser/` and prints its measures.
-fn run_script(node: &str, script: &str, arguments: &[PathBuf]) {
+fn run_script(script: &str, arguments: &[PathBuf]) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser").join(script);
-    let output = Command::new(node).arg(script).args(arguments).output().unwrap();
+    let output = Command::new("node").arg(script).args(arguments).output().expect("Node starts");
     println!("{}", String::from_utf8_lossy(&output.stdout));
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]
+#[ignore = "needs Node"]
 fn the_module_divides_and_grows_as_the_command_line_does() {
-    let Some(node) = program(["node".to_owned()]) else {
-        println!("skipped: the module of the page is not tried, for there is no node here");
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
     let module = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/furrow-report/src/page/furrow.wasm.txt");
     // The second has a founder with physics of its own, µm, and cues by rules; the third a regulator.
@@ -120,17 +117,14 @@ fn the_module_divides_and_grows_as_the_command_line_does() {
     for (lineage, more) in [("c_elegans", "--quiet"), ("template", "--quiet"), ("c_elegans", carried)] {
         let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("lineages/{lineage}.ron"));
         answer(folder.path(), &["tree", &lineage.display().to_string(), "--cache", "cache", more]);
-        run_script(&node, "module.mjs", &[module.clone(), folder.path().join("furrow-out/tree.json")]);
+        run_script("module.mjs", &[module.clone(), folder.path().join("furrow-out/tree.json")]);
     }
 }
 
 /// Regulators too: what the page offers for copying is what the command line reads.
 #[test]
+#[ignore = "needs Node"]
 fn the_page_writes_cues_as_the_command_line_does() {
-    let Some(node) = program(["node".to_owned()]) else {
-        println!("skipped: the cues of the page are not tried, for there is no node here");
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
     let cues = [
         "none",
@@ -142,24 +136,21 @@ fn the_page_writes_cues_as_the_command_line_does() {
     let file = folder.path().join("cases.json");
     std::fs::write(&file, Value::from(cases).to_string()).unwrap();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/furrow-report/src/page/data.js");
-    run_script(&node, "cue_text.mjs", &[source, file]);
+    run_script("cue_text.mjs", &[source, file]);
 }
 
 #[test]
+#[ignore = "needs Node and Chromium"]
 fn the_page_says_what_the_command_line_says() {
-    let Some([node, chromium]) = browser() else {
-        println!("skipped: the page is not tried in a browser, for there is no node or no Chromium here");
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("expected.json");
     let expected = expected(folder.path());
     std::fs::write(&file, expected.to_string()).unwrap();
-    let mut arguments = vec![PathBuf::from(chromium), file];
+    let mut arguments = vec![PathBuf::from(chromium()), file];
     if let Some(shots) = std::env::var_os("FURROW_SCREENSHOTS").map(PathBuf::from) {
         std::fs::create_dir_all(&shots).unwrap();
         arguments.push(shots);
     }
-    run_script(&node, "report.mjs", &arguments);
+    run_script("report.mjs", &arguments);
     saved_settings_divide(folder.path(), &expected["sliders"][0]);
 }

@@ -91,6 +91,18 @@ fn workflows() {
 }
 
 #[test]
+#[ignore = "needs Slurm"]
+fn slurm_solves_the_parts_of_a_sweep() {
+    check_session("command/sessions/slurm.txt");
+}
+
+#[test]
+#[ignore = "needs Snakemake"]
+fn snakemake_merges_the_parts_of_a_sweep() {
+    check_session("command/sessions/snakemake.txt");
+}
+
+#[test]
 fn tracked() {
     check_session("command/sessions/tracked.txt");
 }
