@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
@@ -70,7 +69,7 @@ def solve(
     count = whole("points", points, 2, 100_000)
     with shown(progress, "divisions") as tell:
         text = _furrow.solve(inputs, known, seed_of(seed), unknown, asked, ends, count, threads_of(threads), tell)
-    found: dict[str, Any] = json.loads(text)
+    found: dict[str, Any] = text
     return found
 
 

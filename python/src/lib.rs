@@ -12,6 +12,7 @@
 //! | `shapes` | where division begins: boundaries, phase diagrams, critical radii, PAR polarity |
 //! | `drawings` | pictures and movies |
 //! | `trees` | lineages |
+//! | `recursion` | trees whose cells get their parameters from a function |
 //! | `solve` | the values of one parameter that give a wanted division |
 //! | `sweeps` | many points |
 //! | `studies` | constants from thresholds, lineages over sets of constants |
@@ -30,6 +31,7 @@ mod fits;
 mod inputs;
 mod measurements;
 mod memo;
+mod recursion;
 mod shapes;
 mod solve;
 mod studies;
@@ -52,6 +54,7 @@ mod _furrow {
         inputs::{Inputs, parameter_names, presets},
         measurements::{compare_dose, compare_lifetimes, fit_clock},
         memo::Memo,
+        recursion::grow_by,
         shapes::{boundary, critical_radius, perturb, phase, polarity},
         solve::solve,
         studies::{calibrate, ensemble, ranges},
