@@ -330,7 +330,7 @@ class Cell:
 
         >>> import furrow
         >>> round(furrow.Cell(2.0).critical_radius().r0, 4)
-        1.7131
+        1.7208
 
         Raises :class:`~furrow.NoOutcome` if there is none.
         """
@@ -355,7 +355,7 @@ class Cell:
         >>> import furrow
         >>> found = furrow.Cell(2.0).boundary("r0", 1.9, 2.0, folds=False)
         >>> round(found["pitchfork"][-1]["xi_s"], 4)
-        22.0649
+        22.0648
         """
         most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
         ends = [_number("first", first), _number("last", last)]
