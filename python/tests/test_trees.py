@@ -65,7 +65,7 @@ def test_a_lineage_of_ones_own(cli, tmp_path, memo):
         assert without_commit(furrow.tree(lineage, **keywords).to_json()) == theirs
     other = furrow.tree(text, r0=2.3, memo=memo)
     assert other.r0[0] == 2.3
-    both = furrow.tree([tmp_path / "mine.ron", text.replace("2.4", "2.5")], memo=memo)
+    both = furrow.scenarios([tmp_path / "mine.ron", text.replace("2.4", "2.5")], memo=memo)
     assert [tree.r0[0] for tree in both.values()] == [2.4, 2.5]
 
 
