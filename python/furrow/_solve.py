@@ -68,8 +68,7 @@ def solve(
     asked = (name, _number(name, value))
     count = whole("points", points, 2, 100_000)
     with shown(progress, "divisions") as tell:
-        text = _furrow.solve(inputs, known, seed_of(seed), unknown, asked, ends, count, threads_of(threads), tell)
-    found: dict[str, Any] = text
+        found = _furrow.solve(inputs, known, seed_of(seed), unknown, asked, ends, count, threads_of(threads), tell)
     return found
 
 
