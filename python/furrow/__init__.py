@@ -13,11 +13,13 @@ and share cached ones.
 
 from __future__ import annotations
 
-from . import compare, fit
+from . import cache, compare, fit
 from ._cell import Cell, Value
 from ._errors import InputError, Interrupted, NoOutcome
+from ._files import Reproduction, explore, merge, new_lineage, reproduce, tree_schema
 from ._founders import Founder
-from ._furrow import Memo, __version__, parameter_names, presets, solver_version
+from ._furrow import Drawing, Memo, __version__, parameter_names, presets, solver_version
+from ._grow import NewCell, Scenarios, grow, scenarios, tree, tree_ensemble
 from ._memo import memo, use_store
 from ._results import (
     PLACE_COLUMNS,
@@ -32,48 +34,71 @@ from ._results import (
     Replicates,
     Steady,
 )
+from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase, Polarity, polarity
 from ._solve import solve
-from ._studies import Calibration, Constants, Ranges, calibrate, ensemble
+from ._studies import Calibration, Constants, Front, Ranges, calibrate, ensemble, front
 from ._sweep import Sweep, sweep
-from ._tree import Scenarios, Tree, read_tree, tree
+from ._tree import Tree, TreeCell, read_tree
 
 __all__ = [
     "PLACE_COLUMNS",
+    "Boundary",
     "Branch",
     "Calibration",
     "Cell",
     "Constants",
     "Contour",
+    "CriticalRadius",
     "Curve",
     "Division",
+    "Drawing",
     "Event",
     "Founder",
     "Frame",
     "Frames",
+    "Front",
     "InputError",
     "Interrupted",
     "Memo",
+    "NewCell",
     "NoOutcome",
+    "Perturbation",
+    "Perturbations",
+    "Phase",
     "Pitchfork",
+    "Polarity",
     "Ranges",
     "Replicates",
+    "Reproduction",
     "Scenarios",
     "Steady",
     "Sweep",
     "Tree",
+    "TreeCell",
     "Value",
     "__version__",
+    "cache",
     "calibrate",
     "compare",
     "ensemble",
+    "explore",
     "fit",
+    "front",
+    "grow",
     "memo",
+    "merge",
+    "new_lineage",
     "parameter_names",
+    "polarity",
     "presets",
     "read_tree",
+    "reproduce",
+    "scenarios",
     "solve",
     "solver_version",
     "sweep",
     "tree",
+    "tree_ensemble",
+    "tree_schema",
     "use_store",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, overload
 
@@ -26,6 +25,7 @@ from ._results import (
     Steady,
     division,
 )
+from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase
 from ._tables import html_table
 from ._tables import shown as shown_value
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from typing import TypeAlias
 
-    from ._furrow import Memo
+    from ._furrow import Drawing, Memo
 
 #: A number (also of numpy), or a word for parameters whose values are words.
 Value: TypeAlias = SupportsFloat | SupportsIndex | str
@@ -71,6 +71,34 @@ class Cell:
     _inputs: _furrow.Inputs
     _known: dict[str, Any] | None
 
+    # The parameters, for type checkers; their values are those of `parameters()`.
+    if TYPE_CHECKING:
+        kappa: float
+        eta_b: float
+        eta_s: float
+        friction: float
+        tension: float
+        xi_s: float
+        xi_ratio: float
+        gain: float
+        aspect: float
+        p0: float
+        w: float
+        r0: float
+        epsilon: float
+        rigidity_gradient: str
+        stages: int
+        intervals: int
+        scheme: str
+        dt: float
+        first_step: float
+        time_tolerance: float
+        step_factor: float
+        t_max: float
+        noise: float
+        noise_time: float
+        chi_symmetric: float
+
     def __init__(
         self,
         r0: Value,
@@ -105,7 +133,7 @@ class Cell:
         """All parameters by name, with the cue."""
         known = self._known
         if known is None:
-            known = json.loads(self._inputs.parameters())
+            known = self._inputs.parameters()
             object.__setattr__(self, "_known", known)
         return dict(known)
 
@@ -233,15 +261,143 @@ class Cell:
         if replicates is not None and frames is not False:
             raise refused("frames", frames, "False with replicates")
         if count == 1:
-            found = json.loads(_furrow.divide(self._inputs, known, first, 1, 1))
+            found = _furrow.divide(self._inputs, known, first, 1, 1)
         else:
             with shown(progress, "divisions") as tell:
-                text = _furrow.divide(self._inputs, known, first, count, threads_of(threads), tell)
-            found = json.loads(text)
+                found = _furrow.divide(self._inputs, known, first, count, threads_of(threads), tell)
         solved, undecided = found
         if replicates is None:
             return division(self, first, solved[0][1], self._frames(first, frames, places))
         return Replicates(tuple(division(self, seed, record) for seed, record in solved), dict(undecided))
+
+    def movie(
+        self,
+        path: str | os.PathLike[str],
+        seed: SupportsIndex = 0,
+        *,
+        frames: SupportsIndex | None = None,
+        progress: Progress = None,
+    ) -> None:
+        """Writes the division as a movie: GIF, animated PNG or animated SVG by the file's extension. ``frames`` are evenly
+        spaced in time, 80 by default, 20 in SVG."""
+        count = None if frames is None else whole("frames", frames, 2, 2000)
+        with shown(progress, "frames") as tell:
+            _furrow.write_movie(self._inputs, seed_of(seed), path_of("path", path), count, tell)
+
+    def write_frames(
+        self, folder: str | os.PathLike[str], seed: SupportsIndex = 0, *, every: SupportsFloat | None = None
+    ) -> None:
+        """Writes the shapes of the division into a folder as CSV, after every step or every so many τ, as ``furrow divide
+        --frames`` does; :func:`furrow.compare.contours` of the command line reads it."""
+        step = None if every is None else _number("every", every)
+        _furrow.write_shapes(self._inputs, seed_of(seed), path_of("folder", folder), step)
+
+    def draw(self, seed: SupportsIndex = 0) -> Drawing:
+        """The picture of the division that ``furrow divide --plot`` draws."""
+        return _furrow.draw_division(self._inputs, seed_of(seed))
+
+    def perturb(
+        self,
+        seed: SupportsIndex = 0,
+        *,
+        until: SupportsFloat = 40.0,
+        replicates: SupportsIndex = 1,
+        threads: SupportsIndex | None = None,
+    ) -> Perturbations:
+        """Starts from the stationary shape at the cell's activity, disturbed by the noise of the first step, and follows it
+        for ``until`` τ: whether it returns, with its distance from the start over time.
+
+        >>> import furrow
+        >>> [furrow.Cell(2.0, xi_s=xi_s).perturb(until=20)[0].returned for xi_s in (20, 25)]
+        [True, False]
+        """
+        count, first = whole("replicates", replicates, 1, 1_000_000), seed_of(seed)
+        rows, drawing, undecided = _furrow.perturb(self._inputs, first, count, _number("until", until), threads_of(threads))
+        found = [
+            Perturbation(
+                division=division(self, row["seed"], row["division"]),
+                returned=row["returned"],
+                start_growth_rate=row["start_growth_rate"],
+                t=np.array(row["distances"])[:, 0],
+                distance=np.array(row["distances"])[:, 1],
+            )
+            for row in rows
+        ]
+        return Perturbations(tuple(found), drawing, tuple(undecided))
+
+    def critical_radius(self) -> CriticalRadius:
+        """The radius below which cells like this one do not divide.
+
+        >>> import furrow
+        >>> round(furrow.Cell(2.0).critical_radius().r0, 4)
+        1.7208
+
+        Raises :class:`~furrow.NoOutcome` if there is none.
+        """
+        return CriticalRadius(cell=self, **_furrow.critical_radius(self._inputs))
+
+    def boundary(
+        self,
+        vary: str,
+        first: SupportsFloat,
+        last: SupportsFloat,
+        *,
+        folds: bool = True,
+        critical: bool = False,
+        azimuthal: SupportsIndex | None = None,
+    ) -> Boundary:
+        """Continues the boundary of division from the ``first`` to the ``last`` value of a parameter: pitchforks and folds of
+        mirror-symmetric shapes, or the fold that ends the stable shapes of a cell with another cue.
+
+        ``critical`` also finds the value at which the boundary lies at the cell's own activity; ``azimuthal=M`` follows the
+        activity from which disturbances cos mφ, m = 1 to M, grow.
+
+        >>> import furrow
+        >>> found = furrow.Cell(2.0).boundary("r0", 1.9, 2.0, folds=False)
+        >>> round(found["pitchfork"][-1]["xi_s"], 4)
+        22.0648
+        """
+        most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
+        ends = [_number("first", first), _number("last", last)]
+        found, drawing, warnings = _furrow.boundary(self._inputs, text_of("vary", vary), ends, bool(folds), bool(critical), most)
+        return Boundary(found, drawing, tuple(warnings))
+
+    def phase(
+        self,
+        vary: str,
+        first: SupportsFloat,
+        last: SupportsFloat,
+        *,
+        points: SupportsIndex = 8,
+        xi_s: tuple[SupportsFloat, SupportsFloat] = (5.0, 30.0),
+        xi_points: SupportsIndex = 6,
+        azimuthal: SupportsIndex = 0,
+        seed: SupportsIndex = 0,
+        memo: Memo | None = None,
+        threads: SupportsIndex | None = None,
+        progress: Progress = None,
+    ) -> Phase:
+        """Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere.
+
+        ``azimuthal=M`` draws where disturbances cos mφ, m = 1 to M, begin to grow.
+        """
+        known = shared_memo() if memo is None else memo
+        across = (_number("first", first), _number("last", last), whole("points", points, 1, 10_000))
+        if len(xi_s) != 2:
+            raise refused("xi_s", xi_s, "a first and a last value")
+        up = (_number("xi_s", xi_s[0]), _number("xi_s", xi_s[1]), whole("xi_points", xi_points, 1, 10_000))
+        with shown(progress, "divisions") as tell:
+            found, drawing, warnings = _furrow.phase(
+                self._inputs,
+                known,
+                seed_of(seed),
+                text_of("vary", vary),
+                [across, up],
+                whole("azimuthal", azimuthal, 0, MOST_AZIMUTHAL),
+                threads_of(threads),
+                tell,
+            )
+        return Phase(found, drawing, tuple(warnings))
 
     def _frames(self, seed: int, frames: bool | float, places: SupportsIndex | None) -> Frames | None:
         if frames is False:
@@ -264,8 +420,7 @@ class Cell:
         Raises :class:`~furrow.NoOutcome` if there is none, as for a cell that must divide.
         """
         most = None if azimuthal is None else whole("azimuthal", azimuthal, 0, MOST_AZIMUTHAL)
-        text, places = _furrow.steady(self._inputs, most)
-        found = json.loads(text)
+        found, places = _furrow.steady(self._inputs, most)
         rates = found.pop("growth_rates")
         modes = found.pop("azimuthal", None)
         return Steady(
@@ -283,12 +438,11 @@ class Cell:
 
         Raises :class:`~furrow.NoOutcome` if there is none, as with a cue that breaks the mirror symmetry.
         """
-        return Pitchfork(cell=self, **json.loads(_furrow.pitchfork(self._inputs, _number("xi_max", xi_max))))
+        return Pitchfork(cell=self, **_furrow.pitchfork(self._inputs, _number("xi_max", xi_max)))
 
     def branch(self, xi_max: SupportsFloat = 100.0, max_step: SupportsFloat = 1.0) -> Branch:
         """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks."""
-        text, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step))
-        found = json.loads(text)
+        found, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step))
         ends = {end["branch"]: end["why"] for end in found["ends"]}
         scaling = found["scaling"] or (None, None)
         return Branch(
@@ -312,7 +466,7 @@ def _from_json(text: str) -> Cell:
 
 
 def _defaults() -> dict[str, Any]:
-    return dict(json.loads(_furrow.Inputs(({}, "gao2026", None)).parameters()))
+    return dict(_furrow.Inputs(({}, "gao2026", None)).parameters())
 
 
 def _whole(places: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,36 +8,62 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "Drawing",
     "GrownTree",
     "Inputs",
     "Memo",
     "__version__",
+    "boundary",
     "branch",
+    "cache",
     "calibrate",
     "compare_contours",
     "compare_counts",
     "compare_dose",
     "compare_lifetimes",
     "compare_volumes",
+    "critical_radius",
     "divide",
+    "draw_division",
     "ensemble",
+    "explore",
     "film",
+    "fit_activity",
     "fit_clock",
+    "fit_constants",
+    "fit_cue",
+    "front",
     "grow",
+    "grow_by",
+    "grow_spread",
+    "merge",
+    "new_lineage",
     "parameter_names",
+    "perturb",
+    "phase",
     "pitchfork",
+    "polarity",
     "presets",
     "ranges",
     "read_tree",
+    "reproduce",
+    "scenarios_files",
     "solve",
     "solver_version",
     "steady",
     "sweep",
+    "tree_schema",
+    "write_movie",
+    "write_shapes",
 ]
 
 __version__: str
 solver_version: int
 
+_Search = tuple[int, int, int]
+_Labelled = tuple[str, str | None]
+_Names = tuple[str, str, str, str | None]
+_Drawn = tuple[dict[str, Any], "Drawing", list[str]]
 _Told = Callable[[int, int], object] | None
 #: Parameters, the preset and the configuration file.
 _Given = tuple[Mapping[str, Any], str, str | None]
@@ -54,7 +80,7 @@ class Inputs:
         cue: str = "none",
         lineage: str | None = None,
     ) -> Inputs: ...
-    def parameters(self) -> str: ...
+    def parameters(self) -> dict[str, Any]: ...
     @property
     def cue(self) -> str: ...
     def cue_at(self, u: NDArray[np.float64], length: float) -> list[tuple[str, NDArray[np.float64]]]: ...
@@ -85,9 +111,9 @@ class GrownTree:
     def from_json(text: str) -> GrownTree: ...
     @property
     def organism(self) -> str: ...
-    def founders(self) -> str: ...
+    def founders(self) -> list[dict[str, Any]]: ...
     def table(self) -> str: ...
-    def ended(self) -> str: ...
+    def ended(self) -> dict[str, int]: ...
     def colours(self) -> list[tuple[str, str]]: ...
     def newick(self) -> str: ...
     def svg(self, axis: str = "generations") -> str: ...
@@ -97,15 +123,26 @@ class GrownTree:
     def write_export(self, format: str, lengths: str, path: str) -> None: ...
     def cells(self) -> dict[str, Any]: ...
 
+@final
+class Drawing:
+    """A picture, as the command line draws it. Notebooks show it."""
+
+    def svg(self) -> str: ...
+    def png(self) -> bytes: ...
+    def save(self, path: str | os.PathLike[str]) -> None: ...
+    def _repr_svg_(self) -> str: ...
+
 def parameter_names() -> list[tuple[str, str]]: ...
 def presets() -> list[str]: ...
-def divide(inputs: Inputs, memo: Memo, seed: int, count: int, threads: int, progress: _Told = None) -> str: ...
+def divide(inputs: Inputs, memo: Memo, seed: int, count: int, threads: int, progress: _Told = None) -> Any: ...
 def film(
     inputs: Inputs, seed: int, every: float | None = None, places: int | None = None
-) -> tuple[str, dict[str, NDArray[np.float64]], NDArray[np.int64], dict[str, NDArray[np.float64]], list[float]]: ...
-def steady(inputs: Inputs, azimuthal: int | None = None) -> tuple[str, dict[str, NDArray[np.float64]]]: ...
-def pitchfork(inputs: Inputs, xi_max: float) -> str: ...
-def branch(inputs: Inputs, xi_max: float, max_step: float) -> tuple[str, dict[str, dict[str, NDArray[np.float64]]]]: ...
+) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]], NDArray[np.int64], dict[str, NDArray[np.float64]], list[float]]: ...
+def steady(inputs: Inputs, azimuthal: int | None = None) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]: ...
+def pitchfork(inputs: Inputs, xi_max: float) -> dict[str, Any]: ...
+def branch(
+    inputs: Inputs, xi_max: float, max_step: float
+) -> tuple[dict[str, Any], dict[str, dict[str, NDArray[np.float64]]]]: ...
 def grow(
     lineages: list[tuple[str, str | None]],
     cues: list[str],
@@ -115,7 +152,7 @@ def grow(
     dynamics: bool,
     threads: int,
     progress: _Told = None,
-) -> tuple[list[tuple[str, str, str | None, GrownTree]], str]: ...
+) -> tuple[list[tuple[_Names, GrownTree]], dict[str, Any]]: ...
 def solve(
     inputs: Inputs,
     memo: Memo,
@@ -126,18 +163,21 @@ def solve(
     points: int,
     threads: int,
     progress: _Told = None,
-) -> str: ...
+) -> dict[str, Any]: ...
 def read_tree(file: str) -> GrownTree: ...
 def sweep(
     source: _Source,
     given: _Given,
     memo: Memo,
     out: str | None,
+    shard: tuple[int, int] | None,
     threads: int,
     progress: _Told = None,
 ) -> tuple[dict[str, Any], list[tuple[int, str]], str, tuple[int, int]]: ...
-def calibrate(source: _Source, given: _Given) -> str: ...
-def ensemble(source: _Source, count: int, seed: int, given: _Given, threads: int) -> str: ...
+def calibrate(source: _Source, unknowns: list[str] | None, given: _Given) -> dict[str, Any]: ...
+def ensemble(
+    source: _Source, unknowns: list[str] | None, count: int, seed: int, given: _Given, threads: int
+) -> dict[str, Any]: ...
 def ranges(
     lineage: tuple[str, str | None],
     cues: list[str],
@@ -146,17 +186,17 @@ def ranges(
     memo: Memo,
     seed: int,
     threads: int,
-) -> str: ...
-def compare_counts(tree: GrownTree, measured: str | None = None) -> str: ...
+) -> tuple[dict[str, Any], Drawing]: ...
+def compare_counts(tree: GrownTree, measured: str | None = None) -> dict[str, Any]: ...
 def compare_volumes(
     asked: Mapping[str, Any],
     given: _Given,
     memo: Memo,
     threads: int,
     progress: _Told = None,
-) -> str: ...
-def compare_lifetimes(tree: GrownTree, table: _Source, volumes: _Tables, frame_minutes: float | None) -> str: ...
-def fit_clock(table: _Source, volumes: _Tables, lineage: str | None, frame_minutes: float | None) -> str: ...
+) -> dict[str, Any]: ...
+def compare_lifetimes(tree: GrownTree, table: _Source, volumes: _Tables, frame_minutes: float | None) -> dict[str, Any]: ...
+def fit_clock(table: _Source, volumes: _Tables, lineage: str | None, frame_minutes: float | None) -> dict[str, Any]: ...
 def compare_dose(
     table: _Source,
     bins: list[float] | None,
@@ -166,7 +206,102 @@ def compare_dose(
     memo: Memo,
     threads: int,
     progress: _Told = None,
-) -> str: ...
+) -> dict[str, Any]: ...
 def compare_contours(
     measured: list[NDArray[np.float64]], model: list[tuple[float, NDArray[np.float64]]], length: float | None
-) -> str: ...
+) -> dict[str, Any]: ...
+def boundary(
+    inputs: Inputs, vary: str, range: list[float], folds: bool, critical: bool, azimuthal: int | None = None
+) -> _Drawn: ...
+def phase(
+    inputs: Inputs,
+    memo: Memo,
+    seed: int,
+    vary: str,
+    axes: list[tuple[float, float, int]],
+    azimuthal: int,
+    threads: int,
+    progress: _Told = None,
+) -> _Drawn: ...
+def critical_radius(inputs: Inputs) -> dict[str, Any]: ...
+def perturb(
+    inputs: Inputs, seed: int, count: int, until: float, threads: int
+) -> tuple[list[dict[str, Any]], Drawing, list[str]]: ...
+def polarity(
+    given: _Given,
+    lineage: str | None,
+    one: bool,
+    par: list[str],
+    length_um: float | None,
+    profile: str,
+    amplitude: float,
+) -> tuple[dict[str, Any], list[tuple[str, list[list[float]]]]]: ...
+def draw_division(inputs: Inputs, seed: int) -> Drawing: ...
+def write_movie(inputs: Inputs, seed: int, path: str, frames: int | None = None, progress: _Told = None) -> None: ...
+def write_shapes(inputs: Inputs, seed: int, folder: str, every: float | None = None) -> None: ...
+def fit_constants(
+    source: _Source,
+    lineage: str | None,
+    given: _Given,
+    memo: Memo,
+    search: _Search,
+    threads: int,
+    progress: _Told = None,
+) -> tuple[dict[str, Any], Drawing, str]: ...
+def fit_activity(
+    lineage: str | None,
+    given: _Given,
+    memo: Memo,
+    rounds: str,
+    range: list[float],
+    threads: int,
+    progress: _Told = None,
+) -> tuple[dict[str, Any], Drawing]: ...
+def fit_cue(
+    cue: str,
+    source: _Source,
+    lineage: str | None,
+    given: _Given,
+    memo: Memo,
+    search: _Search,
+    threads: int,
+    progress: _Told = None,
+) -> tuple[dict[str, Any], Drawing]: ...
+def front(source: _Source, unknowns: list[str] | None, count: int, seed: int, given: _Given, threads: int) -> dict[str, Any]: ...
+def grow_spread(
+    lineage: _Labelled,
+    cues: list[str],
+    given: _Given,
+    memo: Memo,
+    seed: int,
+    count: int,
+    dynamics: bool,
+    threads: int,
+    progress: _Told = None,
+) -> tuple[GrownTree, dict[str, Any], Drawing, str, dict[str, Any]]: ...
+def grow_by(
+    name: str,
+    first_r0: float,
+    rule: Callable[..., Inputs | None],
+    memo: Memo,
+    seed: int,
+    limits: tuple[int, int],
+    threads: int,
+    progress: _Told = None,
+) -> tuple[GrownTree, dict[str, Any]]: ...
+def scenarios_files(parts: list[tuple[_Names, GrownTree]]) -> tuple[str, str, str]: ...
+def explore(lineage: _Labelled, given: _Given, memo: Memo, seed: int, path: str) -> int: ...
+def new_lineage(path: str) -> None: ...
+def tree_schema() -> dict[str, Any]: ...
+def cache(folder: str, action: str) -> dict[str, Any]: ...
+def merge(parts: list[str], out: str) -> int: ...
+def reproduce(
+    figures: list[str],
+    data: str | None,
+    given: _Given,
+    memo: Memo,
+    threads: int,
+    out: str | None,
+    format: str,
+    progress: _Told = None,
+) -> tuple[dict[str, Any], str]: ...

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
@@ -69,8 +68,7 @@ def solve(
     asked = (name, _number(name, value))
     count = whole("points", points, 2, 100_000)
     with shown(progress, "divisions") as tell:
-        text = _furrow.solve(inputs, known, seed_of(seed), unknown, asked, ends, count, threads_of(threads), tell)
-    found: dict[str, Any] = json.loads(text)
+        found = _furrow.solve(inputs, known, seed_of(seed), unknown, asked, ends, count, threads_of(threads), tell)
     return found
 
 

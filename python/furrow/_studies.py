@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 
 from . import _furrow
-from ._checks import Given, given_of, path_of, refused, seed_of, threads_of, whole
+from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
 from ._results import Array, Result
-from ._tables import frame
+from ._tables import Found, frame
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
     from ._cell import Value
-    from ._furrow import Memo
+    from ._furrow import Drawing
+    from ._tree import Tree
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Calibration(Result):
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """Weighted sets of constants that agree with the targets, for ``furrow.tree(constants=…)``."""
+    """Weighted sets of constants that agree with the targets, for :func:`furrow.tree_ensemble`."""
 
     parameters: tuple[str, ...]  #: Names of the constants.
     values: Array = field(repr=False)  #: One row per set.
@@ -83,10 +84,25 @@ class Constants:
 
 
 class Ranges:
-    """A lineage over sets of constants: median and 90 % range of every count."""
+    """A lineage over sets of constants or over seeds: median and 90 % range of every count."""
 
-    def __init__(self, found: Mapping[str, Any]) -> None:
+    def __init__(self, found: Mapping[str, Any], drawing: Drawing, tree: Tree | None = None, page: str | None = None) -> None:
         self._found = dict(found)
+        self._page = page
+        #: The rounds with their ranges as the command line draws them.
+        self.drawing = drawing
+        #: Over seeds: the tree of the first one.
+        self.tree = tree
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the picture (``.svg``, ``.png``) or, over seeds, the page of the first tree with the ranges (``.html``)."""
+        file = path_of("path", path)
+        if not file.endswith(".html"):
+            self.drawing.save(file)
+        elif self._page is None:
+            raise refused("path", str(path), "a file that ends in .svg or .png: a page is of one tree")
+        else:
+            Path(file).write_text(self._page, encoding="utf-8")
 
     @property
     def founders(self) -> Sequence[Mapping[str, Any]]:
@@ -127,20 +143,6 @@ class Ranges:
         return plot.saved(plot.ranges(self), path)
 
 
-def ranges_of(
-    labelled: list[tuple[str, str | None]],
-    cues: list[str],
-    constants: str | os.PathLike[str] | Constants,
-    given: Given,
-    memo: Memo,
-    seed: SupportsIndex,
-    threads: SupportsIndex | None,
-) -> Ranges:
-    """A lineage over sets of constants; for :func:`furrow.tree`."""
-    found = _furrow.ranges(labelled[0], cues, table_of(constants), given, memo, seed_of(seed), threads_of(threads))
-    return Ranges(json.loads(found))
-
-
 def table_of(constants: str | os.PathLike[str] | Constants) -> tuple[str | None, str | None]:
     """Sets of constants as a table in text, or as its file."""
     if isinstance(constants, Constants):
@@ -159,15 +161,17 @@ def _targets(targets: str | os.PathLike[str]) -> tuple[str | None, str | None]:
 def calibrate(
     targets: str | os.PathLike[str],
     *,
+    unknowns: Sequence[str] | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
     **parameters: Value,
 ) -> Calibration:
     """Fits constants to thresholds and reports what these leave open.
 
-    ``targets`` is a file such as ``data/thresholds.ron`` or its text; keywords are parameters at which the search starts.
+    ``targets`` is a file such as ``data/thresholds.ron`` or its text; ``unknowns`` names other constants to vary; keywords
+    are parameters at which the search starts.
     """
-    found = json.loads(_furrow.calibrate(_targets(targets), given_of(parameters, preset, config)))
+    found = _furrow.calibrate(_targets(targets), _names(unknowns), given_of(parameters, preset, config))
     return Calibration(
         parameters=found["parameters"],
         residuals=tuple(found["residuals"]),
@@ -178,21 +182,56 @@ def calibrate(
     )
 
 
+def _names(unknowns: Sequence[str] | None) -> list[str] | None:
+    return None if unknowns is None else [text_of("unknowns", name) for name in unknowns]
+
+
+class Front(Found):
+    """Sets of constants by how many statements they meet and how far their worst threshold is off: the output of ``furrow
+    calibrate --front --json``."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per set of the front."""
+        names = self["parameters"]
+        rows = [
+            {"worst": row["worst"], "met": row["met"], **dict(zip(names, row["values"], strict=True))} for row in self["members"]
+        ]
+        return frame({name: [row[name] for row in rows] for name in ("worst", "met", *names)})
+
+
+def front(
+    targets: str | os.PathLike[str],
+    members: SupportsIndex,
+    *,
+    unknowns: Sequence[str] | None = None,
+    seed: SupportsIndex = 0,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    threads: SupportsIndex | None = None,
+    **parameters: Value,
+) -> Front:
+    """Searches among ``members`` sets of constants for the front: the least worst threshold for each number of statements met."""
+    source, given = _targets(targets), given_of(parameters, preset, config)
+    count = whole("members", members, 1, 10_000_000)
+    return Front(_furrow.front(source, _names(unknowns), count, seed_of(seed), given, threads_of(threads)))
+
+
 def ensemble(
     targets: str | os.PathLike[str],
     members: SupportsIndex,
     *,
+    unknowns: Sequence[str] | None = None,
     seed: SupportsIndex = 0,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
     threads: SupportsIndex | None = None,
     **parameters: Value,
 ) -> Constants:
-    """Samples ``members`` sets of constants that agree with the targets, for ``furrow.tree(constants=…)``."""
+    """Samples ``members`` sets of constants that agree with the targets, for :func:`furrow.tree_ensemble`."""
     source = _targets(targets)
     given = given_of(parameters, preset, config)
     count = whole("members", members, 1, 100_000)
-    found = json.loads(_furrow.ensemble(source, count, seed_of(seed), given, threads_of(threads)))
+    found = _furrow.ensemble(source, _names(unknowns), count, seed_of(seed), given, threads_of(threads))
     return Constants(
         parameters=tuple(found["parameters"]),
         values=np.array(found["values"], dtype=np.float64),

@@ -124,6 +124,7 @@ def sweep(
     seed: SupportsIndex = 0,
     lineage: str | os.PathLike[str] | None = None,
     out: str | os.PathLike[str] | None = None,
+    shard: tuple[SupportsIndex, SupportsIndex] | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
@@ -136,6 +137,7 @@ def sweep(
     Give either ``file``, a sweep file, or ``axes``, a mapping of parameters to values, the first varying slowest. Names
     are those of ``furrow --set``, ``cue``, or ``cue.amplitude``, ``regulator.turnover`` and the like. ``kind`` is
     ``division``, ``tree``, ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written to that folder.
+    ``shard=(k, n)`` solves part k of n, which :func:`merge` puts together.
 
     >>> import furrow
     >>> sizes = furrow.sweep(axes={"r0": [1.5, 2.0, 2.5]})
@@ -157,6 +159,7 @@ def sweep(
     where = None if file is None else path_of("file", file)
     given = given_of(parameters, preset, config)
     folder = None if out is None else path_of("out", out)
+    part = None if shard is None else (whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000))
     with shown(progress, "points") as tell:
-        columns, why, csv, (solved, reused) = _furrow.sweep((text, where), given, known, folder, threads_of(threads), tell)
+        columns, why, csv, (solved, reused) = _furrow.sweep((text, where), given, known, folder, part, threads_of(threads), tell)
     return Sweep(columns, dict(why), csv, solved, reused)

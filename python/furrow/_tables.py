@@ -97,6 +97,14 @@ def frame(columns: Mapping[str, Any]) -> pd.DataFrame:
     return table
 
 
+def pd_index(names: list[str]) -> pd.Index[str]:
+    """Names as the index of a DataFrame."""
+    import pandas as pd
+
+    index: pd.Index[str] = pd.Index(names, name="name")
+    return index
+
+
 def html_table(rows: list[tuple[str, str]], caption: str) -> str:
     """Names and values as a small HTML table."""
     from html import escape

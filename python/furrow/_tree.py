@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of
+from ._checks import path_of, refused, text_of
 from ._founders import Founder, founder_of
-from ._memo import memo as shared_memo
-from ._progress import Progress, shown
-from ._results import Array
-from ._tables import frame, html_table
+from ._results import Array, Result
+from ._tables import frame, html_table, pd_index
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -25,24 +24,54 @@ if TYPE_CHECKING:
     from lineagetree import LineageTree
     from matplotlib.figure import Figure
 
-    from ._cell import Value
-    from ._furrow import GrownTree, Memo
-    from ._studies import Constants, Ranges
+    from ._furrow import GrownTree
 
 #: The largest tree that a notebook draws (half a megabyte); for larger ones it shows the founders' table.
 MOST_DRAWN = 1000
 
 
-class Tree:
-    """A grown lineage. Numbers of all cells are arrays in breadth-first order: ``tree.r0``, ``tree.chi``, ``tree["t_end"]``.
+@dataclass(frozen=True)
+class TreeCell(Result):
+    """A cell of a tree."""
 
-    Missing values, such as χ of a cell that did not divide, are NaN. If the lineage has a clock, ``tree["birth_min"]`` and
-    ``tree["division_min"]`` are in minutes.
+    name: str  #: Name.
+    mother: str | None  #: Name of its mother; None for the first cell.
+    daughters: tuple[str, ...]  #: Names of its daughters, the anterior one first; none if it did not divide.
+    founder: str  #: The founder that it is or descends from.
+    generation: int  #: Divisions from the first cell.
+    r0: float  #: Radius R0, in L_h.
+    volume_fraction: float  #: Its volume over that of the first cell.
+    cue: str  #: Its cue.
+    outcome: str | None  #: ``symmetric``, ``asymmetric`` or ``failed``; None if a limit stopped it.
+    ended: str | None  #: Why it has no daughters.
+    chi: float | None  #: Size asymmetry χ.
+    chi_signed: float | None  #: Positive if the daughter at the pole u = 0 is smaller.
+    u_furrow: float | None  #: Furrow position.
+    t_end: float | None  #: Time of pinch-off or of rest, in τ.
+    phi: float | None = None  #: The regulator φ at the furrow.
+    birth_min: float | None = None  #: Its birth, in minutes; None without a clock.
+    division_min: float | None = None  #: Its division, in minutes.
+
+
+class Tree:
+    """A grown lineage. ``tree["AB"]`` is a cell; numbers of all cells are arrays in breadth-first order: ``tree.r0``,
+    ``tree.chi``, ``tree.cells["t_end"]``.
+
+    Missing values, such as χ of a cell that did not divide, are NaN. If the lineage has a clock, ``tree.cells["birth_min"]``
+    and ``tree.cells["division_min"]`` are in minutes.
+
+    >>> import furrow
+    >>> worm = furrow.tree()
+    >>> worm["AB"].mother, worm["AB"].daughters
+    ('P0', ('ABa', 'ABp'))
+    >>> "ABa" in worm, "ABx" in worm
+    (True, False)
     """
 
     def __init__(self, grown: GrownTree, work: Mapping[str, Any] | None = None) -> None:
         self._grown = grown
         self._cells: dict[str, Any] | None = None
+        self._numbers_of: dict[str, int] | None = None
         #: Divisions solved.
         self.divisions_solved: int = 0 if work is None else work["divisions_solved"]
         #: Divisions reused from the memo.
@@ -60,8 +89,52 @@ class Tree:
             self._cells = self._grown.cells()
         return self._cells
 
-    def __getitem__(self, column: str) -> Any:
-        return self.cells[column]
+    def _number_of(self) -> Mapping[str, int]:
+        if self._numbers_of is None:
+            self._numbers_of = {name: k for k, name in enumerate(self.names)}
+        return self._numbers_of
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._number_of()
+
+    def __iter__(self) -> Iterator[TreeCell]:
+        return (self[name] for name in self.names)
+
+    def __getitem__(self, name: str) -> TreeCell:
+        numbers, cells = self._number_of(), self.cells
+        if name not in numbers:
+            from difflib import get_close_matches
+
+            near = get_close_matches(str(name), self.names, 1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            column = f"; the column is tree.cells[{name!r}]" if name in cells else ""
+            raise KeyError(f"no cell {name!r} in the tree{hint}{column}")
+        k = numbers[name]
+        names, mother = cells["name"], int(cells["mother"][k])
+
+        def number(column: str) -> float | None:
+            value = float(cells[column][k]) if column in cells else float("nan")
+            return None if np.isnan(value) else value
+
+        return TreeCell(
+            name=name,
+            mother=names[mother] if mother >= 0 else None,
+            daughters=tuple(names[i] for i in np.flatnonzero(cells["mother"] == k)),
+            founder=cells["founder"][k],
+            generation=int(cells["generation"][k]),
+            r0=float(cells["r0"][k]),
+            volume_fraction=float(cells["volume_fraction"][k]),
+            cue=cells["cue"][k],
+            outcome=cells["outcome"][k],
+            ended=cells["ended"][k],
+            chi=number("chi"),
+            chi_signed=number("chi_signed"),
+            u_furrow=number("u_furrow"),
+            t_end=number("t_end"),
+            phi=number("phi"),
+            birth_min=number("birth_min"),
+            division_min=number("division_min"),
+        )
 
     @property
     def names(self) -> list[str]:
@@ -102,12 +175,12 @@ class Tree:
     @property
     def founders(self) -> tuple[Founder, ...]:
         """The founders' table."""
-        return tuple(founder_of(found) for found in json.loads(self._grown.founders()))
+        return tuple(founder_of(found) for found in self._grown.founders())
 
     @property
     def ended(self) -> dict[str, int]:
         """Numbers of cells without daughters, by reason."""
-        return dict(json.loads(self._grown.ended()))
+        return self._grown.ended()
 
     def alive(self) -> tuple[Array, NDArray[np.int64]]:
         """Minutes, and the numbers of cells alive then; the lineage must have a clock.
@@ -168,8 +241,13 @@ class Tree:
         return dict(json.loads(self._grown.to_json()))
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row per cell."""
-        return frame(self.cells)
+        """One row per cell, by its name; ``mother`` is the mother's name."""
+        names = self.names
+        mothers = [names[mother] if mother >= 0 else None for mother in self.mother]
+        columns = {column: values for column, values in self.cells.items() if column != "name"}
+        table = frame({**columns, "mother": mothers})
+        table.index = pd_index(names)
+        return table
 
     def founders_to_pandas(self) -> pd.DataFrame:
         """One row per founder: its rounds and the observed rounds."""
@@ -290,188 +368,6 @@ class Tree:
 def _scalar(value: Any) -> Any:
     """A numpy scalar as a Python number."""
     return value.item() if isinstance(value, np.generic) else value
-
-
-class Scenarios(Mapping[str, Tree]):
-    """Several trees, grown in one run, by name."""
-
-    def __init__(self, trees: Mapping[str, Tree], cues: Mapping[str, str | None]) -> None:
-        self._trees = dict(trees)
-        #: The cue of each as given; None for the lineage's own cues.
-        self.cues = dict(cues)
-
-    def __getitem__(self, name: str) -> Tree:
-        return self._trees[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._trees)
-
-    def __len__(self) -> int:
-        return len(self._trees)
-
-    def to_dict(self) -> dict[str, Any]:
-        """All trees as numbers, strings and lists."""
-        return {name: tree.to_dict() for name, tree in self.items()}
-
-    def to_pandas(self) -> pd.DataFrame:
-        """The founders' tables of all trees, concatenated."""
-        import pandas as pd
-
-        tables = {name: tree.founders_to_pandas() for name, tree in self.items()}
-        table: pd.DataFrame = pd.concat(tables, names=["scenario"]).reset_index("scenario").reset_index(drop=True)
-        return table
-
-    def __repr__(self) -> str:
-        return f"<furrow.Scenarios {', '.join(self)}>"
-
-    def _repr_html_(self) -> str:
-        parts = [tree._founders_html(f"{name}: {len(tree)} cells") for name, tree in self.items()]
-        return f"<div style='display:flex;gap:2em;flex-wrap:wrap'>{''.join(parts)}</div>"
-
-
-@overload
-def tree(
-    lineage: str | os.PathLike[str] | None = None,
-    *,
-    cue: str | None = None,
-    cues: None = None,
-    constants: None = None,
-    r0: Value | None = None,
-    seed: SupportsIndex = 0,
-    dynamics: bool = False,
-    preset: str = "gao2026",
-    config: str | os.PathLike[str] | None = None,
-    memo: Memo | None = None,
-    threads: SupportsIndex | None = None,
-    progress: Progress = None,
-    **parameters: Value,
-) -> Tree: ...
-@overload
-def tree(
-    lineage: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
-    *,
-    cue: None = None,
-    cues: Sequence[str],
-    constants: None = None,
-    r0: Value | None = None,
-    seed: SupportsIndex = 0,
-    dynamics: bool = False,
-    preset: str = "gao2026",
-    config: str | os.PathLike[str] | None = None,
-    memo: Memo | None = None,
-    threads: SupportsIndex | None = None,
-    progress: Progress = None,
-    **parameters: Value,
-) -> Scenarios: ...
-@overload
-def tree(
-    lineage: Sequence[os.PathLike[str]] | list[str],
-    *,
-    cue: None = None,
-    cues: Sequence[str] | None = None,
-    constants: None = None,
-    r0: Value | None = None,
-    seed: SupportsIndex = 0,
-    dynamics: bool = False,
-    preset: str = "gao2026",
-    config: str | os.PathLike[str] | None = None,
-    memo: Memo | None = None,
-    threads: SupportsIndex | None = None,
-    progress: Progress = None,
-    **parameters: Value,
-) -> Scenarios: ...
-@overload
-def tree(
-    lineage: str | os.PathLike[str] | None = None,
-    *,
-    cue: str | None = None,
-    cues: None = None,
-    constants: str | os.PathLike[str] | Constants,
-    r0: Value | None = None,
-    seed: SupportsIndex = 0,
-    dynamics: Literal[False] = False,
-    preset: str = "gao2026",
-    config: str | os.PathLike[str] | None = None,
-    memo: Memo | None = None,
-    threads: SupportsIndex | None = None,
-    progress: Progress = None,
-    **parameters: Value,
-) -> Ranges: ...
-def tree(
-    lineage: Any = None,
-    *,
-    cue: str | None = None,
-    cues: Sequence[str] | None = None,
-    constants: Any = None,
-    r0: Value | None = None,
-    seed: SupportsIndex = 0,
-    dynamics: bool = False,
-    preset: str = "gao2026",
-    config: str | os.PathLike[str] | None = None,
-    memo: Memo | None = None,
-    threads: SupportsIndex | None = None,
-    progress: Progress = None,
-    **parameters: Value,
-) -> Tree | Scenarios | Ranges:
-    """Grows a lineage from one cell: solves every division, then those of the daughters, until no cell can divide.
-
-    ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue of
-    the lineage. With ``cues``, or several lineages, every combination is grown in one run and the result is
-    :class:`Scenarios`; ``"my tension=tension:gradient,amplitude=0.3"`` names one. With ``constants``, a table written by
-    ``furrow calibrate --ensemble`` or the result of :func:`furrow.ensemble`, the lineage is grown with every set and the
-    result is :class:`Ranges`. ``r0`` is the radius of the first cell; other keywords are parameters with the names of
-    ``furrow --set``. ``dynamics=True`` computes the division of every cell, including those below the critical radius.
-
-    >>> import furrow
-    >>> worm = furrow.tree()
-    >>> len(worm), worm.founders[0].name, round(worm.founders[0].chi, 3)
-    (253, 'P0', 0.185)
-    """
-    known = shared_memo() if memo is None else memo
-    given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
-    several = cues is not None or (not isinstance(lineage, (str, os.PathLike)) and lineage is not None)
-    lineages = [lineage] if lineage is None or isinstance(lineage, (str, os.PathLike)) else list(lineage)
-    if cue is not None and cues is not None:
-        raise refused("cues", list(cues), "given without cue")
-    if isinstance(cues, str):
-        raise refused("cues", cues, "a list of cues; a single one is given as cue")
-    wanted = [cue] if cue is not None else [] if cues is None else list(cues)
-    labelled = [_labelled(one) for one in lineages]
-    settings = given_of(given, preset, config)
-    if constants is not None:
-        from ._studies import ranges_of
-
-        if several:
-            raise refused("constants", constants, "given with one lineage and at most one cue")
-        if dynamics:
-            raise refused("dynamics", dynamics, "False with constants")
-        return ranges_of(labelled, wanted, constants, settings, known, seed, threads)
-    with shown(progress, "divisions") as tell:
-        named, work = _furrow.grow(
-            labelled,
-            [text_of("cue", text) for text in wanted],
-            settings,
-            known,
-            seed_of(seed),
-            bool(dynamics),
-            threads_of(threads),
-            tell,
-        )
-    took = json.loads(work)
-    if not several:
-        return Tree(named[0][3], took)
-    trees = {name: Tree(grown, took) for name, _, _, grown in named}
-    return Scenarios(trees, {name: cue for name, _, cue, _ in named})
-
-
-def _labelled(lineage: str | os.PathLike[str] | None) -> tuple[str, str | None]:
-    """The name of a lineage, and its file or text."""
-    if lineage is None:
-        return "c_elegans", None
-    if isinstance(lineage, str) and (lineage.lstrip().startswith("(") or "Lineage(" in lineage):
-        return "lineage", lineage
-    path = path_of("lineage", lineage)
-    return Path(path).stem or "lineage", path
 
 
 def read_tree(path: str | os.PathLike[str]) -> Tree:

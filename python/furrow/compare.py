@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from . import _furrow
 from ._cell import _number
 from ._checks import given_of, path_of, refused, text_of, threads_of
+from ._grow import tree as grow
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Division, Frame, Frames
 from ._studies import Constants, table_of
 from ._tables import Found, Table, frame, positive, source_of, tables_of
 from ._tree import Tree
-from ._tree import tree as grow
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,7 +59,7 @@ def counts(tree: Tree, *, measured: str | os.PathLike[str] | None = None) -> Cou
     if not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
     file = None if measured is None else path_of("measured", measured)
-    return Counts(json.loads(_furrow.compare_counts(tree._grown, file)))
+    return Counts(_furrow.compare_counts(tree._grown, file))
 
 
 class Lifetimes(Found):
@@ -91,7 +90,7 @@ def lifetimes(
         raise refused("tree", tree, "a tree from furrow.tree()")
     grown = (grow() if tree is None else tree)._grown
     minutes = None if frame_minutes is None else positive("frame_minutes", frame_minutes)
-    return Lifetimes(json.loads(_furrow.compare_lifetimes(grown, source_of(table), tables_of(volumes), minutes)))
+    return Lifetimes(_furrow.compare_lifetimes(grown, source_of(table), tables_of(volumes), minutes))
 
 
 class Dose(Found):
@@ -143,7 +142,7 @@ def dose(
             threads_of(threads),
             tell,
         )
-    return Dose(json.loads(found))
+    return Dose(found)
 
 
 @dataclass(frozen=True)
@@ -251,7 +250,7 @@ def volumes(
         else positive("length_scale", length_scale),
     }
     with shown(progress, "divisions") as tell:
-        found = json.loads(_furrow.compare_volumes(asked, given_of(parameters, preset, config), known, threads_of(threads), tell))
+        found = _furrow.compare_volumes(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
     scale = found["length_scale"]
     mothers = [_mother(of["group"], event) for of in found["groups"] for event in of["events"]]
     return VolumesComparison(
@@ -339,7 +338,7 @@ def contours(
         other = half[::-1] * np.array([-1.0, 1.0])
         sections.append((one.t, np.ascontiguousarray(np.concatenate((half, other)))))
     scale = None if length_scale is None else positive("length_scale", length_scale)
-    found = json.loads(_furrow.compare_contours(outlines, sections, scale))
+    found = _furrow.compare_contours(outlines, sections, scale)
     laid = tuple((np.array(a), np.array(b)) for a, b in found["laid"])
     return ContoursComparison(
         similarity=found["similarity"],

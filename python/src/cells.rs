@@ -12,12 +12,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
 
+use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::{Columns, Inputs, arrays};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
-/// Divisions of one cell with the seeds from `seed` on, as JSON: the divisions with their seeds, and the failures with their seeds.
+/// Divisions of one cell with the seeds from `seed` on, the divisions with their seeds, and the failures with their seeds.
 #[pyfunction]
 #[pyo3(signature = (inputs, memo, seed, count, threads, progress=None))]
 pub fn divide(
@@ -28,7 +29,7 @@ pub fn divide(
     count: usize,
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
-) -> Result<String, Error> {
+) -> Result<Document, Error> {
     let input = inputs.division(seed)?;
     let memo = memo.solved()?;
     // A known division needs no thread.
@@ -36,7 +37,7 @@ pub fn divide(
         && let Some(division) = py.detach(|| memo.known(&input))
     {
         let found: (_, [(u64, String); 0]) = ([(seed, division)], []);
-        return Ok(serde_json::to_string(&found)?);
+        return Document::of(&found);
     }
     // A single division leaves nothing to keep before it ends; it goes on to the memo by itself.
     let interrupt = if count == 1 { Interrupt::Abandons } else { Interrupt::Finishes };
@@ -54,13 +55,13 @@ pub fn divide(
             return Err(first.failure.into());
         }
         let undecided = undecided.iter().map(|job| (seed.wrapping_add(job.id as u64), job.failure.to_string()));
-        Ok(serde_json::to_string(&(divisions, undecided.collect::<Vec<(u64, String)>>()))?)
+        Document::of(&(divisions, undecided.collect::<Vec<(u64, String)>>()))
     })
 }
 
-/// A division with its shapes: its outcome as JSON, the columns of frames, and where the places of each frame end in the columns of
+/// A division with its shapes: its outcome, the columns of frames, and where the places of each frame end in the columns of
 /// all places.
-type Filmed<'py> = (String, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, [f64; 2]);
+type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, [f64; 2]);
 
 /// Computes a division and keeps its shapes, after every step or every so many τ.
 #[pyfunction]
@@ -90,7 +91,7 @@ pub fn film<'py>(
             Some(*end)
         });
         let places = place_columns(stills.iter().flat_map(|still| &still.places));
-        let text = serde_json::to_string(&film.division)?;
+        let text = Document::of(&film.division)?;
         Ok((text, frame_columns(&stills), ends.collect(), places, film.shell()))
     })?;
     Ok((text, arrays(py, frames)?, PyArray1::from_vec(py, ends), arrays(py, places)?, shell))
@@ -121,14 +122,14 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Columns {
 }
 
 /// The stationary shape at one activity, on the branch of the passive shape, and its growth rates, with `azimuthal` also those of
-/// disturbances cos mφ up to this m: JSON, and the places of its contour.
+/// disturbances cos mφ up to this m, and the places of its contour.
 #[pyfunction]
 #[pyo3(signature = (inputs, azimuthal=None))]
 pub fn steady<'py>(
     py: Python<'py>,
     inputs: &Inputs,
     azimuthal: Option<usize>,
-) -> Result<(String, Bound<'py, PyDict>), Error> {
+) -> Result<(Document, Bound<'py, PyDict>), Error> {
     inputs.settings().check_activity(ARGUMENTS)?;
     let Inputs { cell, numerics } = inputs.clone();
     let (found, places) = supervised(py, Interrupt::Abandons, None, move |_| {
@@ -146,7 +147,7 @@ pub fn steady<'py>(
             }
             report["azimuthal"] = rows.into();
         }
-        Ok((report.to_string(), place_columns(places.iter())))
+        Ok((report.into(), place_columns(places.iter())))
     })?;
     Ok((found, arrays(py, places)?))
 }
@@ -159,25 +160,25 @@ fn positive(field: &str, value: f64) -> Result<f64, Error> {
     }
 }
 
-/// The first pitchfork of the mirror-symmetric shapes, as JSON.
+/// The first pitchfork of the mirror-symmetric shapes.
 #[pyfunction]
-pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<String, Error> {
+pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<Document, Error> {
     let options = BranchOptions { xi: [0.0, positive("xi_max", xi_max)?], ..BranchOptions::default() };
     let Inputs { cell, numerics } = inputs.clone();
     supervised(py, Interrupt::Abandons, None, move |_| {
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
-        Ok(threshold_report(&found).to_string())
+        Ok(threshold_report(&found).into())
     })
 }
 
-/// The branches of a cell: JSON, and the points of each by its name.
+/// The branches of a cell: its events and ends, and the points of each by its name.
 #[pyfunction]
 pub fn branch<'py>(
     py: Python<'py>,
     inputs: &Inputs,
     xi_max: f64,
     max_step: f64,
-) -> Result<(String, Bound<'py, PyDict>), Error> {
+) -> Result<(Document, Bound<'py, PyDict>), Error> {
     let xi = [0.0, positive("xi_max", xi_max)?];
     let options = BranchOptions { xi, growth_rates: true, ..BranchOptions::default() };
     let options = options.with_max_step(positive("max_step", max_step)?);
@@ -204,7 +205,7 @@ pub fn branch<'py>(
 
 /// Events and ends of branches, and the exponent, prefactor, coefficient and number of points of
 /// |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
-fn described(found: &Diagram) -> String {
+fn described(found: &Diagram) -> Document {
     let branches = || found.branches.iter();
     let events = branches().flat_map(|(name, branch)| branch.events.iter().map(|event| event_report(name, event)));
     let ends = branches().map(|(name, branch)| {
@@ -217,5 +218,5 @@ fn described(found: &Diagram) -> String {
         "scaling": scaling,
         "ends": ends.collect::<Vec<_>>(),
     })
-    .to_string()
+    .into()
 }

@@ -24,16 +24,17 @@ use pyo3::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use crate::document::Document;
 use crate::errors::Error;
 use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::GrownTree;
 
-/// A tree beside the observed embryo, by every reading of "rounds", or beside one that another program followed, as JSON.
+/// A tree beside the observed embryo, by every reading of "rounds", or beside one that another program followed.
 #[pyfunction]
 #[pyo3(signature = (tree, measured=None))]
-pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf>) -> Result<String, Error> {
+pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf>) -> Result<Document, Error> {
     py.detach(|| {
         let found = match &measured {
             Some(file) => {
@@ -42,7 +43,7 @@ pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf
             }
             None => counted(&tree.tree, "tree")?,
         };
-        Ok(serde_json::to_string(&found)?)
+        Document::of(&found)
     })
 }
 
@@ -144,7 +145,7 @@ impl VolumesAsked {
     }
 }
 
-/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files or one table as text, and embryos
+/// Size asymmetries of measured divisions beside the model's. Volumes are tables in files or one table as text, and embryos
 /// that other programs followed; default published means.
 #[pyfunction]
 #[pyo3(signature = (asked, given, memo, threads, progress=None))]
@@ -155,7 +156,7 @@ pub fn compare_volumes(
     memo: &Memo,
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
-) -> Result<String, Error> {
+) -> Result<Document, Error> {
     let settings = given.settings()?;
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
@@ -196,7 +197,7 @@ pub fn compare_volumes(
         };
         let regressions = asked.regressions(&groups)?;
         let found = volumes_found(&measured, (&groups, regressions), (&bins, &by_bin), (sized, length));
-        Ok(found.to_string())
+        Ok(found.into())
     })
 }
 
@@ -244,14 +245,14 @@ struct ContoursFound<'a> {
     laid: Vec<[Vec<[f64; 2]>; 2]>,
 }
 
-/// Measured contours beside those of frames, which are sections through the axis with their times, as JSON.
+/// Measured contours beside those of frames, which are sections through the axis with their times.
 #[pyfunction]
 pub fn compare_contours(
     py: Python<'_>,
     measured: Vec<PyReadonlyArray2<'_, f64>>,
     model: Vec<(f64, PyReadonlyArray2<'_, f64>)>,
     length: Option<f64>,
-) -> Result<String, Error> {
+) -> Result<Document, Error> {
     let points = |array: &PyReadonlyArray2<'_, f64>| -> Vec<[f64; 2]> {
         array.as_array().rows().into_iter().filter_map(|row| Some([*row.get(0)?, *row.get(1)?])).collect()
     };
@@ -275,6 +276,6 @@ pub fn compare_contours(
             .ok_or_else(|| Error::not_allowed("contours", "none", "at least one contour and one frame"))?;
         let points = |contour: &Contour| contour.points().iter().map(|p| [p.x, p.y]).collect();
         let laid = series.contours.iter().map(|one| one.laid.each_ref().map(points)).collect();
-        Ok(serde_json::to_string(&ContoursFound { series: &series, laid })?)
+        Document::of(&ContoursFound { series: &series, laid })
     })
 }

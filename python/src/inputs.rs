@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyInt, PyString};
 use serde::{Deserialize, Serialize};
 
+use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error, refused};
 
 /// A text, or the file that has it.
@@ -88,6 +89,13 @@ fn value_text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
 }
 
 impl Given {
+    /// A name for the constants: the preset, and what differs from it.
+    pub fn named(&self) -> String {
+        let file = self.config.iter().map(|_| "a configuration file".to_owned());
+        let set = self.pairs.iter().map(|(name, value)| format!("{name}={value}"));
+        [self.preset.clone()].into_iter().chain(file).chain(set).collect::<Vec<_>>().join(", ")
+    }
+
     /// The settings, checked.
     pub fn settings(&self) -> Result<Settings, InputError> {
         let mut settings = Settings::load(&self.preset, self.config.as_deref(), &[])?;
@@ -173,8 +181,8 @@ impl Inputs {
         Ok(Inputs { cell: cell.with_cue(lineage.parse_cue(cue).map_err(bad_cue)?), numerics })
     }
 
-    /// Every parameter by its name, and the cue, as JSON.
-    fn parameters(&self) -> Result<String, Error> {
+    /// Every parameter by its name, and the cue.
+    fn parameters(&self) -> Result<Document, Error> {
         let mut map = serde_json::Map::new();
         for (_, name, text) in settings::listing(&self.settings()) {
             let value = match (name, text.parse::<f64>()) {
@@ -185,7 +193,7 @@ impl Inputs {
             map.insert(name.to_owned(), value);
         }
         map.insert("cue".to_owned(), self.cue().into());
-        Ok(serde_json::to_string(&map)?)
+        Document::of(map)
     }
 
     /// The cue as users write it.

@@ -1,26 +1,38 @@
 //! The compiled part of the Python package, a thin layer: the library checks and computes, and results reach Python as numpy
-//! arrays without copies, or as JSON. `python/furrow/` turns them into what users see.
+//! arrays without copies, or as numbers, lists and dicts. `python/furrow/` turns them into what users see.
 //!
 //! | file | contents |
 //! |---|---|
+//! | `document` | results as Python's own values |
 //! | `errors` | the library's errors as Python's exceptions |
 //! | `supervise` | work without the interpreter's lock, stopped by Ctrl-C |
 //! | `inputs` | a cell and its numerics, checked |
 //! | `memo` | solved divisions |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
+//! | `shapes` | where division begins: boundaries, phase diagrams, critical radii, PAR polarity |
+//! | `drawings` | pictures and movies |
 //! | `trees` | lineages |
+//! | `recursion` | trees whose cells get their parameters from a function |
 //! | `solve` | the values of one parameter that give a wanted division |
 //! | `sweeps` | many points |
 //! | `studies` | constants from thresholds, lineages over sets of constants |
+//! | `fits` | constants, activities and a cue fitted to observations |
+//! | `files` | pages, templates, caches, the paper reproduced |
 //! | `comparisons` | the model beside counts, volumes and outlines of measured embryos |
 //! | `measurements` | the model beside measured lifetimes and doses, the clock fitted to lifetimes |
 
 mod cells;
 mod comparisons;
+mod document;
+mod drawings;
 mod errors;
+mod files;
+mod fits;
 mod inputs;
 mod measurements;
 mod memo;
+mod recursion;
+mod shapes;
 mod solve;
 mod studies;
 mod supervise;
@@ -36,13 +48,18 @@ mod _furrow {
     use crate::{
         cells::{branch, divide, film, pitchfork, steady},
         comparisons::{compare_contours, compare_counts, compare_volumes},
+        drawings::{Drawing, draw_division, write_movie, write_shapes},
+        files::{cache, explore, merge, new_lineage, reproduce, tree_schema},
+        fits::{fit_activity, fit_constants, fit_cue, front},
         inputs::{Inputs, parameter_names, presets},
         measurements::{compare_dose, compare_lifetimes, fit_clock},
         memo::Memo,
+        recursion::grow_by,
+        shapes::{boundary, critical_radius, perturb, phase, polarity},
         solve::solve,
         studies::{calibrate, ensemble, ranges},
         sweeps::sweep,
-        trees::{GrownTree, grow, read_tree},
+        trees::{GrownTree, grow, grow_spread, read_tree, scenarios_files},
     };
 
     #[pymodule_init]

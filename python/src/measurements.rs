@@ -12,6 +12,7 @@ use furrow_measured::volumes::{ReadOptions, Volumes};
 use pyo3::prelude::*;
 use serde_json::json;
 
+use crate::document::Document;
 use crate::errors::Error;
 use crate::inputs::{Given, Source, Tables, bad_cue, is_empty, lineage_of};
 use crate::memo::Memo;
@@ -50,7 +51,7 @@ fn name_of((text, file): &Source) -> String {
     }
 }
 
-/// Measured lifetimes beside those of a tree, as JSON.
+/// Measured lifetimes beside those of a tree.
 #[pyfunction]
 pub fn compare_lifetimes(
     py: Python<'_>,
@@ -58,17 +59,17 @@ pub fn compare_lifetimes(
     table: Source,
     volumes: Tables,
     frame_minutes: Option<f64>,
-) -> Result<String, Error> {
+) -> Result<Document, Error> {
     py.detach(|| {
         let lifetimes = lifetimes_of(&table, frame_minutes)?;
         let published = [table == (None, None), is_empty(&volumes)];
         let volumes = volumes_of(&volumes)?;
         let found = lifetimes_beside(&tree.tree, &lifetimes, &mean_volumes(&volumes));
-        Ok(lifetimes::document(&found, &lifetimes, &volumes, published).to_string())
+        Ok(lifetimes::document(&found, &lifetimes, &volumes, published).into())
     })
 }
 
-/// The clock of a lineage fitted to lifetimes and volumes, as JSON.
+/// The clock of a lineage fitted to lifetimes and volumes.
 #[pyfunction]
 pub fn fit_clock(
     py: Python<'_>,
@@ -76,7 +77,7 @@ pub fn fit_clock(
     volumes: Tables,
     lineage: Option<String>,
     frame_minutes: Option<f64>,
-) -> Result<String, Error> {
+) -> Result<Document, Error> {
     py.detach(|| {
         let of = lineage_of(lineage.as_deref())?;
         let lifetimes = lifetimes_of(&table, frame_minutes)?;
@@ -88,7 +89,7 @@ pub fn fit_clock(
         found["skipped_rows"] = lifetimes.skipped.iter().chain(&volumes.skipped).map(|row| json!(row)).collect();
         found["skipped_row_count"] = json!(lifetimes.skipped_count + volumes.skipped_count);
         found["ron"] = json!(clock.as_ron(lineage.is_none().then_some("c_elegans")));
-        Ok(found.to_string())
+        Ok(found.into())
     })
 }
 
@@ -101,7 +102,7 @@ fn doses_of(table: &Source, bins: Option<&[f64]>) -> Result<MeasuredDoses, Error
     Ok(MeasuredDoses::of(doses, bins))
 }
 
-/// Asymmetry over a dose beside the model's over the amplitude of a cue, as JSON.
+/// Asymmetry over a dose beside the model's over the amplitude of a cue.
 #[pyfunction]
 #[pyo3(signature = (table, bins, cue, lineage, given, memo, threads, progress=None))]
 pub fn compare_dose(
@@ -114,7 +115,7 @@ pub fn compare_dose(
     memo: &Memo,
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
-) -> Result<String, Error> {
+) -> Result<Document, Error> {
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         let measured = doses_of(&table, bins.as_deref())?;
@@ -126,6 +127,6 @@ pub fn compare_dose(
         let interrupt = Some(&watch.stop);
         let options = SchedulerOptions { threads, interrupt, progress: Some(&show), ..SchedulerOptions::default() };
         let model = over_dose(&settings.cell, &strongest, &measured, settings.numerics, &memo, &options)?;
-        Ok(document(&measured, &model, (settings.cell.r0, &cue)).to_string())
+        Ok(document(&measured, &model, (settings.cell.r0, &cue)).into())
     })
 }

@@ -6,12 +6,13 @@ use furrow_input::{did_you_mean, shown};
 use furrow_lineage::batch::SchedulerOptions;
 use pyo3::prelude::*;
 
+use crate::document::Document;
 use crate::errors::Error;
 use crate::inputs::Inputs;
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
-/// The roots, jumps and gaps of an outcome, named `chi`, `chi_signed`, `u` or `t`, over one parameter, as JSON.
+/// The roots, jumps and gaps of an outcome, named `chi`, `chi_signed`, `u` or `t`, over one parameter.
 #[pyfunction]
 #[pyo3(signature = (inputs, memo, seed, unknown, wanted, range, points, threads, progress=None))]
 pub fn solve(
@@ -25,8 +26,8 @@ pub fn solve(
     points: usize,
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
-) -> Result<String, Error> {
-    let parameter = parameter(unknown, inputs)?;
+) -> Result<Document, Error> {
+    let parameter = parameter("unknown", unknown, inputs)?;
     let (name, wanted) = wanted;
     let measure = match &*name {
         "chi" => Measure::Chi,
@@ -59,23 +60,23 @@ pub fn solve(
             SolveError::Interrupted { .. } => Error::Interrupted(0),
             error => Error::no_outcome(error),
         })?;
-        Ok(serde_json::to_string(&found)?)
+        Document::of(&found)
     })
 }
 
 /// A parameter that the cell has, by its name.
-fn parameter(name: &str, inputs: &Inputs) -> Result<Parameter, Error> {
+pub fn parameter(field: &str, name: &str, inputs: &Inputs) -> Result<Parameter, Error> {
     let names = || Parameter::ALL.into_iter().map(Parameter::name);
     let unknown = |_| {
         let (known, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
         let allowed = format!("one of {known}, {}{nearest}", Parameter::OF_CUES.join(", "));
-        Error::not_allowed("unknown", shown(name), allowed)
+        Error::not_allowed(field, shown(name), allowed)
     };
     let parameter: Parameter = name.parse().map_err(unknown)?;
     match parameter.is_of(&inputs.cell) {
         true => Ok(parameter),
         false => {
-            Err(Error::not_allowed("unknown", shown(name), format!("a number of the cell's cue, {}", inputs.cell.cue)))
+            Err(Error::not_allowed(field, shown(name), format!("a number of the cell's cue, {}", inputs.cell.cue)))
         }
     }
 }

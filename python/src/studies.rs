@@ -3,31 +3,46 @@
 use furrow_analysis::{EnsembleError, Extent, check_constraints, read_constants, write_constants};
 use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;
+use furrow_figures::plot;
 use furrow_input::parse_document;
-use furrow_mechanics::calibration::{Targets, calibrate as calibrated};
+use furrow_mechanics::calibration::{Targets, Unknown, calibrate as calibrated};
 use pyo3::prelude::*;
 use serde_json::{Map, json};
 
+use crate::document::Document;
+use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::{Given, Source, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::{Labelled, scenarios};
 
-/// Targets, and the settings of everything that they do not name.
-fn read(source: &Source, given: &Given) -> Result<(Targets, Settings), Error> {
+/// Targets, with other constants to vary if they are named, and the settings of everything else.
+pub fn read(source: &Source, unknowns: Option<&[String]>, given: &Given) -> Result<(Targets, Settings), Error> {
     let missing = || Error::not_allowed("targets", "None", "a file of targets, or its text");
     let (text, name) = text_of(source, ARGUMENTS)?.ok_or_else(missing)?;
-    let targets: Targets = parse_document(&text, &name, "a file of targets", "Targets")?;
+    let mut targets: Targets = parse_document(&text, &name, "a file of targets", "Targets")?;
+    if let Some(names) = unknowns {
+        let unknown = |name: &String| match name.parse() {
+            Ok(parameter) => Ok(Unknown { parameter, start: None }),
+            Err(_) => Err(Error::not_allowed("unknowns", name, "names of parameters")),
+        };
+        targets.unknowns = names.iter().map(unknown).collect::<Result<_, Error>>()?;
+    }
     targets.check(&name)?;
     Ok((targets, given.settings()?))
 }
 
-/// Constants from thresholds, as JSON.
+/// Constants from thresholds.
 #[pyfunction]
-pub fn calibrate(py: Python<'_>, source: Source, given: Given) -> Result<String, Error> {
+pub fn calibrate(
+    py: Python<'_>,
+    source: Source,
+    unknowns: Option<Vec<String>>,
+    given: Given,
+) -> Result<Document, Error> {
     supervised(py, Interrupt::Abandons, None, move |_| {
-        let (targets, Settings { cell, numerics }) = read(&source, &given)?;
+        let (targets, Settings { cell, numerics }) = read(&source, unknowns.as_deref(), &given)?;
         let found = calibrated(&targets, &cell, &numerics).map_err(Error::no_outcome)?;
         let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), json!(value)));
         let found = json!({
@@ -38,28 +53,24 @@ pub fn calibrate(py: Python<'_>, source: Source, given: Given) -> Result<String,
             "iterations": found.iterations,
             "excluded": check_constraints(&targets, &found.cell, &numerics, Extent::Within(f64::INFINITY)).excluded,
         });
-        Ok(found.to_string())
+        Ok(found.into())
     })
 }
 
-/// Sets of constants that agree with the targets, as JSON; `csv` is the table that `furrow tree --constants` reads.
+/// Sets of constants that agree with the targets, ; `csv` is the table that `furrow tree --constants` reads.
 #[pyfunction]
 pub fn ensemble(
     py: Python<'_>,
     source: Source,
+    unknowns: Option<Vec<String>>,
     count: usize,
     seed: u64,
     given: Given,
     threads: usize,
-) -> Result<String, Error> {
+) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
-        let (targets, Settings { cell, numerics }) = read(&source, &given)?;
-        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, &|_, _| ());
-        let found = found.map_err(|error| match error {
-            EnsembleError::Interrupted => Error::Interrupted(0),
-            EnsembleError::Workers(_) => Error::system(error),
-            error => Error::no_outcome(error),
-        })?;
+        let (targets, Settings { cell, numerics }) = read(&source, unknowns.as_deref(), &given)?;
+        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, &|_, _| ())?;
         let found = json!({
             "parameters": found.parameters.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "values": found.members.iter().map(|member| &member.values).collect::<Vec<_>>(),
@@ -69,11 +80,11 @@ pub fn ensemble(
             "csv": write_constants(&found.constants()),
             "excluded": found.excluded,
         });
-        Ok(found.to_string())
+        Ok(found.into())
     })
 }
 
-/// A lineage over sets of constants, which are a table as text or in a file, as JSON.
+/// A lineage over sets of constants, which are a table as text or in a file.
 #[pyfunction]
 pub fn ranges(
     py: Python<'_>,
@@ -84,7 +95,7 @@ pub fn ranges(
     memo: &Memo,
     seed: u64,
     threads: usize,
-) -> Result<String, Error> {
+) -> Result<(Document, Drawing), Error> {
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (text, name) =
@@ -92,6 +103,18 @@ pub fn ranges(
         let sets = read_constants(&text, &name)?;
         let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
         let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
-        Ok(serde_json::to_string(&ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop, &|| ())?)?)
+        let found = ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop, &|| ())?;
+        let drawing = Drawing::of(plot::rounds::draw_ranges(&first.lineage, &found));
+        Ok((Document::of(&found)?, drawing))
     })
+}
+
+impl From<EnsembleError> for Error {
+    fn from(error: EnsembleError) -> Error {
+        match error {
+            EnsembleError::Interrupted => Error::Interrupted(0),
+            EnsembleError::Workers(_) => Error::system(error),
+            error => Error::no_outcome(error),
+        }
+    }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
-use furrow_analysis::{Kind, Row, Run, Sweep, SweepProgress, SweepResult};
+use furrow_analysis::{Kind, Row, Run, Shard, Sweep, SweepProgress, SweepResult};
 use furrow_cell::settings::Settings;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -20,19 +20,24 @@ use crate::supervise::{Interrupt, supervised};
 /// numbers of points solved and reused.
 type Table<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, String, (usize, usize));
 
-/// Solves a sweep given as a file or as text. With `out` its files are written there.
+/// Solves a sweep given as a file or as text. With `out` its files are written there; `shard` is the part (k, n) that is solved.
 #[pyfunction]
-#[pyo3(signature = (source, given, memo, out, threads, progress=None))]
+#[pyo3(signature = (source, given, memo, out, shard, threads, progress=None))]
 pub fn sweep<'py>(
     py: Python<'py>,
     source: Source,
     given: Given,
     memo: &Memo,
     out: Option<PathBuf>,
+    shard: Option<(u64, u64)>,
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Table<'py>, Error> {
-    let memo = memo.solved()?;
+    let shard = shard.map(|(number, of)| {
+        let text = format!("{number}/{of}");
+        text.parse::<Shard>().map_err(|allowed| Error::not_allowed("shard", text, allowed))
+    });
+    let (shard, memo) = (shard.transpose()?, memo.solved()?);
     let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let base = Settings::load(&given.preset, given.config.as_deref(), &[])?;
         let overrides: Vec<String> = given.pairs.iter().map(|(name, value)| format!("{name}={value}")).collect();
@@ -46,16 +51,17 @@ pub fn sweep<'py>(
         let show = |SweepProgress { done, of }| watch.set([if kept { done } else { 0 }, done, of]);
         let journal = out
             .as_deref()
-            .map(|folder| SweepTable::new(&sweep, memo.quantisation(), None, Vec::new()).open_journal(folder));
+            .map(|folder| SweepTable::new(&sweep, memo.quantisation(), shard, Vec::new()).open_journal(folder));
         let journal = journal.transpose().map_err(Error::system)?;
-        let run = Run { threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, &watch.stop) };
+        let run =
+            Run { shard, threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, &watch.stop) };
         let mut done = run.solve()?;
         if done.interrupted {
             return Err(Error::Interrupted(0));
         }
         if let Some(folder) = out {
             let rows = std::mem::take(&mut done.rows);
-            let table = SweepTable::new(&sweep, memo.quantisation(), None, rows);
+            let table = SweepTable::new(&sweep, memo.quantisation(), shard, rows);
             table.write(&folder).map_err(Error::system)?;
             journal.map_or(Ok(()), |journal| journal.finish()).map_err(Error::system)?;
             done.rows = table.rows;

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
-use furrow_analysis::{Grown, grown, tree_settings};
+use furrow_analysis::{Grown, grown, grown_replicates, scenarios_csv, tree_settings};
 use furrow_cell::Parameter;
+use furrow_figures::plot;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, check_tree, export};
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
+use furrow_lineage::batch::scheduler::Summary;
 use furrow_lineage::batch::{Quantisation, SchedulerOptions};
 use furrow_lineage::clock::alive;
 use furrow_lineage::{CellId, Tree, TreeCell};
@@ -20,6 +22,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 use serde_json::json;
 
+use crate::document::Document;
+use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::{Given, arrays, bad_cue, lineage_of};
 use crate::memo::Memo;
@@ -67,9 +71,26 @@ pub fn scenarios(
 }
 
 /// A tree with the name, the lineage and the cue of its scenario.
-type Named = (String, String, Option<String>, GrownTree);
+type Named = (ScenarioNames, GrownTree);
 
-/// Grows every lineage with every cue in one run; returns the trees, and the run's work as JSON.
+/// The name, the folder, the lineage and the cue of a scenario.
+type ScenarioNames = (String, String, String, Option<String>);
+
+fn named(Scenario { name, folder, label, cue, .. }: Scenario, tree: Tree) -> Named {
+    ((name, folder, label, cue), GrownTree { tree: Arc::new(tree) })
+}
+
+/// What a run took and warns of.
+fn work(summary: &Summary, unknown: usize) -> Document {
+    let mut warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
+    if unknown > 0 {
+        warnings.push(format!("{unknown} cues have no critical radius: all divisions of their cells were computed"));
+    }
+    let (solved, known, stored) = (summary.solved, summary.memo_hits, summary.store_hits);
+    json!({ "divisions_solved": solved, "memo_hits": known, "store_hits": stored, "warnings": warnings }).into()
+}
+
+/// Grows every lineage with every cue in one run; returns the trees, and the run's work.
 #[pyfunction]
 #[pyo3(signature = (lineages, cues, given, memo, seed, dynamics, threads, progress=None))]
 pub fn grow(
@@ -82,7 +103,7 @@ pub fn grow(
     dynamics: bool,
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
-) -> Result<(Vec<Named>, String), Error> {
+) -> Result<(Vec<Named>, Document), Error> {
     let memo = memo.solved()?;
     let (scenarios, Grown { trees, summary, unknown }) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let scenarios = scenarios(&lineages, &cues, &given, seed, memo.quantisation())?;
@@ -91,22 +112,58 @@ pub fn grow(
         let found = grown(&scenarios, dynamics, &memo, options, &watch.stop)?;
         Ok((scenarios, found))
     })?;
-    let named = scenarios
-        .into_iter()
-        .zip(trees)
-        .map(|(Scenario { name, label, cue, .. }, tree)| (name, label, cue, GrownTree { tree: Arc::new(tree) }));
-    let mut warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
-    if !unknown.is_empty() {
-        let count = unknown.len();
-        warnings.push(format!("{count} cues have no critical radius: all divisions of their cells were computed"));
-    }
-    let work = json!({
-        "divisions_solved": summary.solved,
-        "memo_hits": summary.memo_hits,
-        "store_hits": summary.store_hits,
-        "warnings": warnings,
-    });
-    Ok((named.collect(), work.to_string()))
+    let work = work(&summary, unknown.len());
+    Ok((scenarios.into_iter().zip(trees).map(|(scenario, tree)| named(scenario, tree)).collect(), work))
+}
+
+/// A tree, ranges over seeds, their picture, the page of both, and the run's work.
+type Spread = (GrownTree, Document, Drawing, String, Document);
+
+/// Grows one lineage with several seeds.
+#[pyfunction]
+#[pyo3(signature = (lineage, cues, given, memo, seed, count, dynamics, threads, progress=None))]
+pub fn grow_spread(
+    py: Python<'_>,
+    lineage: Labelled,
+    cues: Vec<String>,
+    given: Given,
+    memo: &Memo,
+    seed: u64,
+    count: u32,
+    dynamics: bool,
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<Spread, Error> {
+    let memo = memo.solved()?;
+    supervised(py, Interrupt::Finishes, progress, move |watch| {
+        let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
+        let show = |progress| watch.divisions(progress);
+        let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
+        let (found, ranges) = grown_replicates(&scenarios, count, dynamics, &memo, options, &watch.stop)?;
+        let (Some(tree), Some(ranges)) = (found.trees.into_iter().next(), ranges.first()) else {
+            return Err(Error::not_allowed("lineage", "none", "one lineage"));
+        };
+        let drawing = Drawing::of(plot::rounds::draw_ranges(&tree.lineage, ranges));
+        let page = report::html(&tree, &founder_rows(&tree), Some(ranges));
+        let work = work(&found.summary, found.unknown.len());
+        Ok((GrownTree { tree: Arc::new(tree) }, Document::of(ranges)?, drawing, page, work))
+    })
+}
+
+/// The page of scenarios, their table as CSV and as text.
+#[pyfunction]
+pub fn scenarios_files(py: Python<'_>, parts: Vec<(ScenarioNames, Py<GrownTree>)>) -> (String, String, String) {
+    let scenario = |((name, folder, label, cue), tree): &(ScenarioNames, Py<GrownTree>)| {
+        let tree = &tree.get().tree;
+        let (name, folder, label, cue) = (name.clone(), folder.clone(), label.clone(), cue.clone());
+        Scenario { name, folder, label, cue, lineage: tree.lineage.clone(), settings: tree.settings.clone() }
+    };
+    py.detach(|| {
+        let scenarios: Vec<Scenario> = parts.iter().map(scenario).collect();
+        let trees: Vec<Tree> = parts.iter().map(|(_, tree)| Tree::clone(&tree.get().tree)).collect();
+        let page = report::scenarios_page(&scenarios, &trees, &[]);
+        (page, scenarios_csv(&scenarios, &trees), report::scenarios_table(&scenarios, &trees))
+    })
 }
 
 /// Reads a tree.json.
@@ -121,7 +178,7 @@ fn tree_of(text: &str, file: &str) -> Result<GrownTree, Error> {
 }
 
 /// The value of a name, of several that are known.
-fn one_of<T>(field: &str, name: &str, known: impl IntoIterator<Item = (&'static str, T)>) -> Result<T, Error> {
+pub fn one_of<T>(field: &str, name: &str, known: impl IntoIterator<Item = (&'static str, T)>) -> Result<T, Error> {
     let (names, mut values): (Vec<_>, Vec<_>) = known.into_iter().unzip();
     match names.iter().position(|known| *known == name) {
         Some(at) => Ok(values.swap_remove(at)),
@@ -168,9 +225,9 @@ impl GrownTree {
         &self.tree.lineage.name
     }
 
-    /// The founders' table, as JSON.
-    fn founders(&self) -> Result<String, Error> {
-        Ok(serde_json::to_string(&founder_rows(&self.tree))?)
+    /// The founders' table.
+    fn founders(&self) -> Result<Document, Error> {
+        Document::of(&founder_rows(&self.tree))
     }
 
     /// The founders' table with the growth by generation, as `furrow tree` prints it.
@@ -178,9 +235,9 @@ impl GrownTree {
         report::founders_table(&self.tree, &founder_rows(&self.tree))
     }
 
-    /// Cells that ended, by why they did, as JSON.
-    fn ended(&self) -> Result<String, Error> {
-        Ok(serde_json::to_string(&TreeSummary::of(&self.tree).ended)?)
+    /// Cells that ended, by why they did.
+    fn ended(&self) -> Result<Document, Error> {
+        Document::of(&TreeSummary::of(&self.tree).ended)
     }
 
     /// The colour of each founder in all drawings.

@@ -91,11 +91,11 @@ def test_an_error_says_what_was_given_and_what_is_allowed():
         lambda: furrow.tree("a\0b"),
         lambda: furrow.tree("Lineage("),
         lambda: furrow.tree(cue="germlnie"),
-        lambda: furrow.tree(cues="germline"),
-        lambda: furrow.tree(cues=["none", "none"]),
-        lambda: furrow.tree(cues=["none"], cue="none"),
-        lambda: furrow.tree(cues=["none"], constants="x.csv"),
-        lambda: furrow.tree(constants="nowhere.csv"),
+        lambda: furrow.scenarios(cues="germline"),
+        lambda: furrow.scenarios(cues=["none", "none"]),
+        lambda: furrow.scenarios(cues=["none"], cue="none"),
+        lambda: furrow.scenarios(cues=["none"], constants="x.csv"),
+        lambda: furrow.tree_ensemble(constants="nowhere.csv"),
         lambda: furrow.tree(seed=-1),
         lambda: furrow.tree(epsilon=NAN),
         lambda: furrow.tree(threads=10**6),
@@ -228,7 +228,7 @@ def test_everything_can_be_pickled(tmp_path):
         assert copied(steady).growth_rates.tolist() == steady.growth_rates.tolist()
         assert copied(furrow.Cell(2).pitchfork()) == furrow.Cell(2).pitchfork()
         assert copied(sweep).csv == sweep.csv and copied(tree) == tree
-        scenarios = copied(furrow.tree(cues=["none"]))
+        scenarios = copied(furrow.scenarios(cues=["none"]))
         assert list(scenarios) == ["c_elegans-none"]
         replicates = copied(furrow.Cell(2).divide(replicates=2))
         assert len(replicates) == 2

@@ -43,3 +43,10 @@ def test_ones_own_cue():
     assert sum("image/png" in one for one in data) == 2
     assert any("c_elegans-cue-2" in one.get("text/html", "") for one in data)
     assert any("one L_h is" in one.get("text/plain", "") for one in data)
+
+
+def test_a_clock_and_the_spread_of_a_cue():
+    data = shown(executed("clock.ipynb"))
+    assert sum("image/png" in one for one in data) == 2
+    assert any("founder" in one.get("text/html", "") for one in data)
+    assert any("measured 0." in one.get("text/plain", "") for one in data)

@@ -100,7 +100,7 @@ def test_rounds_and_ranges():
     assert "terminal cells" in texts(figure) and "P4" in texts(figure)
     table = "aspect,p0,w,gain,weight\n1.5,0.123,0.1445,0.5,0.5\n1.49,0.122,0.144,0.5,0.5\n"
     constants = furrow.Constants(("aspect",), np.array([[1.5], [1.49]]), np.array([0.5, 0.5]), 2.0, 2, {}, table)
-    figure = furrow.tree('(name: "S", founders: [(name: "S", r0: 2.4)])', constants=constants).plot()
+    figure = furrow.tree_ensemble('(name: "S", founders: [(name: "S", r0: 2.4)])', constants=constants).plot()
     assert "2 sets" in texts(figure)
 
 

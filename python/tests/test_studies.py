@@ -31,7 +31,7 @@ def test_an_ensemble_is_that_of_the_command_line(cli, tmp_path):
     assert found.csv == (tmp_path / "constants.csv").read_text()
     assert found.parameters == ("aspect", "p0") and found["p0"].shape == (4,)
     assert np.isclose(found.weights.sum(), 1.0)
-    grown = furrow.tree('(name: "S", founders: [(name: "S", r0: 2.2)])', constants=found)
+    grown = furrow.tree_ensemble('(name: "S", founders: [(name: "S", r0: 2.2)])', constants=found)
     assert grown.members == 4
 
 

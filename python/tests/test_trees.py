@@ -37,15 +37,15 @@ def test_columns_are_of_all_cells(worm):
     assert np.all(worm.generation[1:] == worm.generation[born] + 1)
     # Volumes are handed down whole.
     for mother in np.unique(born):
-        assert np.isclose(worm["volume_fraction"][1:][born == mother].sum(), worm["volume_fraction"][mother])
-    assert worm["outcome"].count("failed") == sum(worm.ended.values()) == 127
-    assert np.isnan(worm.chi[[outcome == "failed" for outcome in worm["outcome"]]]).all()
+        assert np.isclose(worm.cells["volume_fraction"][1:][born == mother].sum(), worm.cells["volume_fraction"][mother])
+    assert worm.cells["outcome"].count("failed") == sum(worm.ended.values()) == 127
+    assert np.isnan(worm.chi[[outcome == "failed" for outcome in worm.cells["outcome"]]]).all()
 
 
 def test_scenarios_are_those_of_the_command_line(cli, tmp_path, memo):
     cues = ["none", "tension:gradient,amplitude=0.3"]
     cli.text("tree", "--cue", cues[0], "--cue", cues[1], "--out", "out")
-    found = furrow.tree(cues=cues, memo=memo)
+    found = furrow.scenarios(cues=cues, memo=memo)
     assert list(found) == ["c_elegans-none", "c_elegans-cue-2"]
     assert found.cues == dict(zip(found, cues, strict=True))
     for name, tree in found.items():
@@ -65,7 +65,7 @@ def test_a_lineage_of_ones_own(cli, tmp_path, memo):
         assert without_commit(furrow.tree(lineage, **keywords).to_json()) == theirs
     other = furrow.tree(text, r0=2.3, memo=memo)
     assert other.r0[0] == 2.3
-    both = furrow.tree([tmp_path / "mine.ron", text.replace("2.4", "2.5")], memo=memo)
+    both = furrow.scenarios([tmp_path / "mine.ron", text.replace("2.4", "2.5")], memo=memo)
     assert [tree.r0[0] for tree in both.values()] == [2.4, 2.5]
 
 
@@ -103,11 +103,11 @@ def test_newick_has_every_cell(worm):
 
 def test_cells_over_minutes(worm, cli, tmp_path):
     minutes, cells = worm.alive()
-    births, divisions = worm["birth_min"], worm["division_min"]
+    births, divisions = worm.cells["birth_min"], worm.cells["division_min"]
     counted = [int((births <= at).sum() - (divisions <= at).sum()) for at in minutes]
     assert cells.tolist() == counted and len(minutes) > 50 and cells[-1] == 127
     last = worm.last_divisions
-    of_ab = [k for k, founder in enumerate(worm["founder"]) if founder == "AB"]
+    of_ab = [k for k, founder in enumerate(worm.cells["founder"]) if founder == "AB"]
     assert last["AB"] == np.nanmax(divisions[of_ab])
     theirs = cli.json("tree", "--out", "out")
     assert last == {row["name"]: row.get("last_division_min") for row in theirs["founders"]}
@@ -148,7 +148,7 @@ def test_tables_for_pandas(worm):
     assert cells.shape[0] == 253 and cells["r0"].to_numpy().tolist() == worm.r0.tolist()
     founders = worm.founders_to_pandas().set_index("name")
     assert founders.loc["AB", "model_terminal"] == 64 and founders.loc["AB", "observed_terminal"] == 487
-    both = furrow.tree(cues=["germline", "none"]).to_pandas()
+    both = furrow.scenarios(cues=["germline", "none"]).to_pandas()
     assert both.groupby("scenario").size().tolist() == [11, 11]
 
 
@@ -184,7 +184,7 @@ def test_ranges_over_constants(cli, tmp_path):
     table = "aspect,p0,w,gain,weight\n1.5,0.123,0.1445,0.5,0.75\n1.49,0.122,0.144,0.5,0.25\n"
     (tmp_path / "constants.csv").write_text(table)
     theirs = cli.json("tree", "--constants", "constants.csv")
-    ours = furrow.tree(constants=tmp_path / "constants.csv")
+    ours = furrow.tree_ensemble(constants=tmp_path / "constants.csv")
     theirs.pop("elapsed_s")
     assert ours.to_dict() == theirs and ours.members == 2
     frame = ours.to_pandas().set_index("name")

@@ -4,20 +4,19 @@ use super::cell::set;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt::write_deferred;
-use super::output::{csv_of, filled, number, print_as, to_json, writable_file};
+use super::output::{number, print_as, records_csv, to_json, writable_file};
 use super::picture::PlotArgs;
 use super::steady::MOST_AZIMUTHAL;
 use super::vary::{Varied, VaryArgs};
 use clap::Args;
-use furrow_cell::{Cell, Cue, Numerics, Parameter};
-use furrow_figures::plot::boundary::{self, Boundary};
+use furrow_analysis::boundary::point_document;
+use furrow_analysis::{BoundaryOptions, BoundaryStudy, boundary};
+use furrow_cell::{Cue, Parameter};
+use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
-use furrow_mechanics::critical::{self, Stored};
-use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
-use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
-use furrow_mechanics::equilibria::{PointKind, StepBudget};
-use serde_json::{Value, json};
+use furrow_mechanics::critical::Stored;
+use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -58,14 +57,6 @@ pub struct BoundaryArgs {
 /// The columns of `--csv`.
 const HEADER: &str = "curve,r0,epsilon,value,xi_s,H,criticality,coefficient";
 
-/// A point of a curve, which is named if there are several; `value` is that of the parameter that varies.
-fn described(curve: impl Into<Value>, p: &CurvePoint) -> Value {
-    filled(json!({
-        "curve": curve.into(), "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation,
-        "criticality": p.criticality(), "coefficient": p.coefficient,
-    }))
-}
-
 pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     set(&mut context.settings, [("--xi", "xi_s", args.xi)])?;
     let varied = args.vary.read(&mut context)?;
@@ -78,93 +69,17 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         let stored = Stored::compute(cell, numerics, &[vec![Cue::none()], cues].concat(), *range)?;
         write_deferred(path, to_json(&stored)?.as_bytes())?;
     }
-    let (kind, mut found) = curves::boundary_curves(cell, numerics, *parameter, *range)?;
-    let (pitchfork, folds) = match kind {
-        PointKind::Pitchfork if args.no_folds => (found.remove(0), Vec::new()),
-        PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, *parameter, *range)?),
-        _ => (Curve::default(), found),
-    };
-    let critical = args.critical.then(|| critical_point(&varied, numerics)).transpose()?;
-    for (k, fold) in folds.iter().enumerate() {
-        match &fold.ended {
-            CurveEnd::Stopped(error) => tracing::warn!("fold {k} is followed no further: {error}"),
-            CurveEnd::Cusp(cusp) if kind != PointKind::Pitchfork => {
-                tracing::warn!("fold {k} ends within the range, in a cusp at {parameter} = {:.6}", cusp.value);
-            }
-            _ => {}
-        }
-    }
-    let azimuthal = args.azimuthal.map(|most| thresholds(cell, numerics, *parameter, *range, usize::from(most)));
-    let cusps = &cusps(&folds)[..];
-    let (parameter, range, pitchfork, folds) = (*parameter, *range, &pitchfork, &folds[..]);
-    let thresholds = azimuthal.as_deref().unwrap_or_default();
-    let found = Boundary { cell, parameter, range, pitchfork, folds, cusps, critical, azimuthal: thresholds };
-    let named = named(&found);
+    let options =
+        BoundaryOptions { folds: !args.no_folds, critical: args.critical, azimuthal: args.azimuthal.map(usize::from) };
+    let found = boundary(cell, numerics, *parameter, *range, options)?;
+    found.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    let named = found.named();
     if let Some(file) = &args.csv {
-        write_atomically(file, &csv_of(HEADER, named.iter().map(|(name, p)| described(name.as_str(), p)))?)?;
+        let rows = named.iter().map(|(name, p)| point_document(name.as_str(), p));
+        write_atomically(file, &records_csv(HEADER, rows)?)?;
     }
-    picture.write(|| boundary::draw(&found))?;
-    let mut document = document(&found);
-    if azimuthal.is_some() {
-        document["azimuthal"] = azimuthal_document(thresholds);
-    }
-    print_as(context.json, &document, || if args.points { list(&named) } else { text(&found) })
-}
-
-/// The thresholds of disturbances of azimuthal number 1 … `most`, with a warning for each that is not found or not to its end.
-pub fn thresholds(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    range: [f64; 2],
-    most: usize,
-) -> Vec<(usize, Curve)> {
-    let mut found = Vec::new();
-    for m in 1..=most {
-        match threshold_curve(cell, numerics, parameter, range, m) {
-            Ok(curve) => {
-                curve.error().iter().for_each(|error| tracing::warn!("{error}"));
-                found.push((m, curve));
-            }
-            Err(error) => tracing::warn!("no threshold for m = {m}: {error}"),
-        }
-    }
-    found
-}
-
-/// What `--json` prints of them.
-fn azimuthal_document(curves: &[(usize, Curve)]) -> Value {
-    let of = |m: usize, p: &CurvePoint| json!({ "m": m, "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation });
-    curves.iter().flat_map(|(m, curve)| curve.points.iter().map(move |p| of(*m, p))).collect()
-}
-
-/// Where the boundary lies at the cell's activity. Along R0 it is the critical radius of a tree, from wherever the range begins; a
-/// warning says if smaller cells divide all the same.
-fn critical_point(varied: &Varied, numerics: &Numerics) -> Result<CurvePoint, CliError> {
-    let Varied { cell, parameter, range: [from, to] } = varied;
-    let budget = StepBudget::unlimited();
-    if *parameter != Parameter::R0 {
-        let starts = [0.5 * (from + to), *from, *to];
-        return Ok(critical::critical_value(cell, numerics, *parameter, &starts, &budget)?.1);
-    }
-    let (kind, point) = critical::critical_value(cell, numerics, *parameter, &critical::STARTS, &budget)?;
-    if let Err(error) = critical::rests_from(cell, numerics, (kind, point.value), None) {
-        tracing::warn!("{error}");
-    }
-    Ok(point)
-}
-
-/// The cusps of fold curves, each of which two curves lead to.
-fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
-    let mut cusps: Vec<CurvePoint> = Vec::new();
-    for cusp in folds.iter().filter_map(Curve::cusp) {
-        let same =
-            |c: &CurvePoint| (c.value - cusp.value).abs() + (c.xi_s - cusp.xi_s).abs() < 1e-6 * (1.0 + cusp.xi_s.abs());
-        if !cusps.iter().any(same) {
-            cusps.push(cusp);
-        }
-    }
-    cusps
+    picture.write(|| plot::boundary::draw(&found))?;
+    print_as(context.json, &found.document(), || if args.points { list(&named) } else { text(&found) })
 }
 
 impl BoundaryArgs {
@@ -178,46 +93,6 @@ impl BoundaryArgs {
     }
 }
 
-/// What `--json` prints.
-fn document(found: &Boundary<'_>) -> Value {
-    let points = |points: &[CurvePoint]| points.iter().map(|p| described(Value::Null, p)).collect::<Vec<_>>();
-    let folds = || found.folds.iter().enumerate();
-    let end = |(curve, fold): (usize, &Curve)| {
-        let value = fold.cusp().or(fold.points.last().copied()).map_or(f64::NAN, |point| point.value);
-        json!({ "curve": curve, "value": value, "reason": fold.ended.name() })
-    };
-    let mut document = json!({
-        "vary": found.parameter.to_string(),
-        "cue": found.cell.cue,
-        "pitchfork": points(&found.pitchfork.points),
-        "degenerate": points(&degenerate(found)),
-        "folds": folds().flat_map(|(k, fold)| fold.points.iter().map(move |p| described(k, p))).collect::<Vec<_>>(),
-        "ends": folds().map(end).collect::<Vec<_>>(),
-        "cusps": points(found.cusps),
-        "critical": found.critical.map(|point| point.value),
-    });
-    if let Some(point) = &found.critical {
-        document["critical_point"] = described(Value::Null, point);
-    }
-    document
-}
-
-/// Where criticality changes; such points are neither sub- nor supercritical.
-fn degenerate(found: &Boundary<'_>) -> Vec<CurvePoint> {
-    found.pitchfork.degenerate.iter().map(|p| CurvePoint { coefficient: None, ..*p }).collect()
-}
-
-/// All points, each with the name of its curve.
-fn named(found: &Boundary<'_>) -> Vec<(String, CurvePoint)> {
-    let folds = found.folds.iter().enumerate().map(|(k, fold)| (format!("fold {k}"), fold.points.clone()));
-    let before =
-        [("pitchfork".to_owned(), found.pitchfork.points.clone()), ("degenerate".to_owned(), degenerate(found))];
-    let after = [("cusp".to_owned(), found.cusps.to_vec()), ("critical".to_owned(), Vec::from_iter(found.critical))];
-    let azimuthal = found.azimuthal.iter().map(|(m, curve)| (format!("m = {m}"), curve.points.clone()));
-    let curves = before.into_iter().chain(folds).chain(azimuthal).chain(after);
-    curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
-}
-
 const HEADING: &str = "curve              R0         ε      value         ξ_s         H\n";
 
 /// Every point.
@@ -226,7 +101,7 @@ fn list(named: &[(String, CurvePoint)]) -> String {
 }
 
 /// Every curve by its two ends, and the points at which something happens.
-fn text(found: &Boundary<'_>) -> String {
+fn text(found: &BoundaryStudy) -> String {
     let ends = |name: &str, curve: &Curve| {
         let (Some(first), Some(last)) = (curve.points.first(), curve.points.last()) else { return String::new() };
         let how = match &curve.ended {
@@ -238,9 +113,9 @@ fn text(found: &Boundary<'_>) -> String {
     let pitchfork = Curve { ended: CurveEnd::Reached, ..found.pitchfork.clone() };
     let folds = found.folds.iter().enumerate().map(|(k, fold)| ends(&format!("fold {k}"), fold));
     let events =
-        named(found).into_iter().filter(|(name, _)| ["degenerate", "cusp", "critical"].contains(&name.as_str()));
+        found.named().into_iter().filter(|(name, _)| ["degenerate", "cusp", "critical"].contains(&name.as_str()));
     let events = events.map(|(name, point)| line(&name, &point));
-    let azimuthal = found.azimuthal.iter().map(|(m, curve)| ends(&format!("m = {m}"), curve));
+    let azimuthal = found.azimuthal.iter().flatten().map(|(m, curve)| ends(&format!("m = {m}"), curve));
     let curves = folds.chain(azimuthal).chain(events);
     [HEADING.to_owned(), ends("pitchfork", &pitchfork)].into_iter().chain(curves).collect()
 }

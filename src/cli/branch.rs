@@ -3,7 +3,7 @@
 use super::cell::{CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::{csv_of, filled, number, print_as, writable_file};
+use super::output::{filled, number, print_as, records_csv, writable_file};
 use super::picture::PlotArgs;
 use super::steady::MOST_AZIMUTHAL;
 use clap::Args;
@@ -90,7 +90,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     }
     let document = document(&cell, &found);
     if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
-        write_atomically(file, &csv_of(HEADER, points)?)?;
+        write_atomically(file, &records_csv(HEADER, points)?)?;
     }
     picture.write(|| plot::branch::draw(&cell, &found.branches))?;
     print_as(context.json, &document, || text(&cell, &found, args.points))

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{csv_of, filled, merged, print_as, to_json, writable_file, writable_folder};
+use super::output::{filled, merged, print_as, records_csv, to_json, writable_file, writable_folder};
 use super::picture::Picture;
 use super::progress::ProgressLine;
 use furrow_analysis::ranges::{FounderRange, RoundsRange};
@@ -112,7 +112,7 @@ pub fn grow_over(
     let found = found?;
     let elapsed_s = start.elapsed().as_secs_f64();
     if let Some(mut files) = files {
-        files.stage("ranges.csv", &csv_of(RANGES_COLUMNS, found.founders.iter().map(ranges_row))?)?;
+        files.stage("ranges.csv", &records_csv(RANGES_COLUMNS, found.founders.iter().map(ranges_row))?)?;
         files.stage("ranges.json", to_json(&found)?.as_bytes())?;
         files.stage("ranges.svg", &plot::rounds::draw_ranges(lineage, &found).bytes(Format::Svg)?)?;
         let record = json!({

@@ -1,27 +1,13 @@
 //! The two streams of the command, its files, and numbers of its options. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
 
 use super::error::CliError;
-use furrow_analysis::Row;
-use furrow_analysis::table::csv_text;
+pub use furrow_analysis::table::records_csv;
 use furrow_formats::files::{WriteError, check_file, check_folder};
 use furrow_input::InputError;
 use serde::Serialize;
 use serde_json::Value;
 use std::io::{self, Write};
 use std::path::Path;
-
-/// Records as CSV under a header: lists in its order, or objects with its names as in `--json`, whose missing fields stay empty.
-pub fn csv_of<T: Serialize>(header: &str, records: impl IntoIterator<Item = T>) -> Result<Vec<u8>, CliError> {
-    let names: Vec<String> = header.split(',').map(str::to_owned).collect();
-    let row = |(index, record): (usize, T)| {
-        let record = serde_json::to_value(record)?;
-        let cell =
-            |(k, name): (usize, &String)| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
-        Ok(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None })
-    };
-    let rows = records.into_iter().enumerate().map(row).collect::<Result<Vec<_>, CliError>>()?;
-    Ok(csv_text(&names, &rows).into_bytes())
-}
 
 /// An object without its fields that are null.
 pub fn filled(mut object: Value) -> Value {

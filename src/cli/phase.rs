@@ -1,6 +1,5 @@
 //! `furrow phase`: outcomes over a plane of one parameter and activity.
 
-use super::boundary::thresholds;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
@@ -10,14 +9,13 @@ use super::progress::ProgressLine;
 use super::steady::MOST_AZIMUTHAL;
 use super::vary::{Varied, VaryArgs};
 use clap::Args;
-use furrow_analysis::Edges;
+use furrow_analysis::edges;
 use furrow_cell::Parameter;
 use furrow_figures::plot;
 use furrow_input::InputError;
 use furrow_lineage::batch::phase::{PhaseOutcome, spaced};
 use furrow_lineage::batch::{PhaseDiagram, PhasePlane};
 use furrow_mechanics::equilibria::at_rest::Edge;
-use furrow_mechanics::equilibria::{PointKind, curves};
 use serde_json::json;
 use std::fmt::Write;
 
@@ -71,30 +69,14 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     };
     let diagram = solve(&context, &plane)?;
     let azimuthal = args.azimuthal.map_or(0, usize::from);
-    picture.write(|| plot::phase::draw(&plane, &diagram, &edges(&plane, range, azimuthal)))?;
+    picture.write(|| {
+        let (edges, warnings) = edges(&plane, azimuthal);
+        warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+        plot::phase::draw(&plane, &diagram, &edges)
+    })?;
     let (vary, cue) = (parameter.to_string(), &plane.cell.cue);
     let document = json!({ "vary": vary, "cue": cue, "cells": diagram.cells, "columns": diagram.columns });
     print_as(context.json, &document, || text(&plane, &diagram))
-}
-
-/// The curves that bound the outcomes, for the picture; without them it shows the edges at each value of the parameter.
-fn edges(plane: &PhasePlane, [from, to]: [f64; 2], azimuthal: usize) -> Edges {
-    if from == to || plane.across.len() < 2 {
-        return Edges::default();
-    }
-    let (PhasePlane { cell, numerics, parameter, .. }, range) = (plane, [from, to]);
-    let found = curves::boundary_curves(cell, numerics, *parameter, range).and_then(|(kind, found)| match kind {
-        PointKind::Pitchfork => {
-            let folds = curves::fold_curves(cell, numerics, *parameter, range)?;
-            Ok(Edges { pitchforks: found, folds, ..Edges::default() })
-        }
-        _ => Ok(Edges { folds: found, ..Edges::default() }),
-    });
-    let found = found.unwrap_or_else(|error| {
-        tracing::warn!("the picture shows the edges at each value, without curves: {error}");
-        Edges::default()
-    });
-    Edges { azimuthal: thresholds(cell, numerics, *parameter, range, azimuthal), ..found }
 }
 
 /// Computes the diagram; logs what could not be computed.

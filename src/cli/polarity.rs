@@ -3,7 +3,7 @@
 use super::cell::{length, load_lineage, natural, one_of, positive, set};
 use super::context::Context;
 use super::error::CliError;
-use super::output::{csv_of, filled, merged, number, print_as, writable_file};
+use super::output::{number, print_as, records_csv, writable_file};
 use clap::Args;
 use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
 use furrow_formats::write_atomically;
@@ -12,7 +12,7 @@ use furrow_lineage::{Length, Units};
 use furrow_mechanics::polarity::{
     Chemistry, LENGTH_UM, ParConstants, PolarityError, PolarityLimit, SurfaceToVolume, ZYGOTE_SURFACE_TO_VOLUME,
 };
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -47,7 +47,7 @@ pub struct PolarityArgs {
     length_um: Option<f64>,
     /// How κ follows P: a step from the pole where P is high, or a band at its boundary, of the same width
     #[arg(help_heading = "Chemistry", long, value_name = "step|band", default_value = "step", hide_possible_values = true,
-        value_parser = one_of([("step", Follows::Step), ("band", Follows::Band)]))]
+        value_parser = one_of(Follows::NAMED))]
     profile: Follows,
     /// By how much κ is larger where P is high, or at its boundary, relative
     #[arg(help_heading = "Chemistry", long, value_name = "A", default_value_t = 0.1, allow_negative_numbers = true, value_parser = number)]
@@ -91,17 +91,16 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(file) = &args.out {
         let rows = found.cells.iter().flat_map(|cell| cell.profile.iter().map(move |[u, a, p]| (cell, [u, a, p])));
         let row = |(cell, [u, a, p]): (&PolarisedCell, [&f64; 3])| json!([name(cell), cell.r0, u, a, p]);
-        write_atomically(file, &csv_of(HEADER, rows.map(row))?)?;
+        write_atomically(file, &records_csv(HEADER, rows.map(row))?)?;
     }
-    let shown = Shown { found: &found, chemistry: &chemistry, amplitude };
-    print_as(context.json, &shown.document(), || shown.text())
+    let shown = Shown { found: &found, chemistry: &chemistry };
+    print_as(context.json, &found.document(&chemistry, amplitude), || shown.text())
 }
 
 /// What is printed.
 struct Shown<'a> {
     found: &'a PolarityStudy,
     chemistry: &'a Chemistry,
-    amplitude: f64,
 }
 
 /// The name of a cell in tables.
@@ -109,57 +108,9 @@ fn name(cell: &PolarisedCell) -> &str {
     cell.name.as_deref().unwrap_or("cell")
 }
 
-/// What ends first as cells shrink.
-fn first(found: &PolarityStudy) -> Option<&'static str> {
-    let (Ok(chemistry), Ok(mechanics)) = (&found.smallest, &found.mechanics) else { return None };
-    Some(if chemistry.r0 > mechanics.r0 { "chemistry" } else { "mechanics" })
-}
-
 impl Shown<'_> {
     fn um(&self, r0: f64) -> f64 {
         r0 * self.chemistry.length_um
-    }
-
-    fn document(&self) -> Value {
-        let limit = |limit: &Result<PolarityLimit, PolarityError>| match limit {
-            Ok(limit) => merged(json!({ "r0": limit.r0, "r0_um": self.um(limit.r0) }), json!(limit.state)),
-            Err(error) => json!({ "why": error.to_string() }),
-        };
-        let mechanics = match &self.found.mechanics {
-            Ok(critical) => json!({ "r0": critical.r0, "r0_um": self.um(critical.r0), "kind": critical.kind }),
-            Err(error) => json!({ "why": error.to_string() }),
-        };
-        json!({
-            "constants": self.chemistry.constants,
-            "length_um": self.chemistry.length_um,
-            "amplitude": self.amplitude,
-            "cells": self.found.cells.iter().map(|cell| self.row(cell)).collect::<Vec<_>>(),
-            "smallest_polarised": limit(&self.found.smallest),
-            "largest_polarised": limit(&self.found.largest),
-            "smallest_dividing": mechanics,
-            "ends_first": first(self.found),
-        })
-    }
-
-    fn row(&self, cell: &PolarisedCell) -> Value {
-        let division = cell.division.as_ref().ok();
-        let psi = match self.chemistry.constants.surface_to_volume {
-            SurfaceToVolume::Shape => cell.surface_to_volume,
-            SurfaceToVolume::Fixed(psi) => psi,
-        };
-        let own = json!({
-            "cell": cell.name, "r0": cell.r0, "r0_um": self.um(cell.r0), "surface_to_volume": cell.surface_to_volume,
-            "psi": psi, "polarised": cell.polarity.is_some(),
-        });
-        let divided = json!({
-            "cue": cell.cue,
-            "outcome": division.map(|division| division.outcome()),
-            "chi": division.and_then(|division| division.chi()),
-            "chi_signed": division.and_then(|division| division.chi_signed()),
-            "u_furrow": division.and_then(|division| division.u_furrow()),
-            "measured": cell.measured.as_ref().map(|m| json!({ "mean_signed": m.mean_signed, "sd": m.sd_signed, "n": m.n })),
-        });
-        filled(merged(merged(own, cell.polarity.map_or(json!({}), |found| json!(found))), divided))
     }
 
     fn text(&self) -> String {

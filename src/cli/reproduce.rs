@@ -4,20 +4,18 @@ use super::cell::one_of;
 use super::context::{Context, Globals, warn_of_store};
 use super::error::CliError;
 use super::interrupt::{self, write_deferred};
-use super::output::{csv_of, filled, print, to_json, writable_file, writable_folder};
+use super::output::{filled, merged, print, to_json, writable_file, writable_folder};
 use super::progress::ProgressLine;
 use clap::Args;
-use furrow_analysis::reproduce::{self, Artifact, NamedArtifact, ReproduceError, Verdict, paper::selected, reproduce};
-use furrow_analysis::table::csv_text;
+use furrow_analysis::reproduce::{
+    self, NamedArtifact, ReproduceError, measured::measured_divisions, paper::selected, reproduce,
+};
 use furrow_figures::drawing::Format;
 use furrow_figures::plot;
 use furrow_formats::files::FileSet;
-use furrow_input::{InputError, open_file};
-use furrow_measured::events::{Division, divisions};
-use furrow_measured::volumes::{ReadOptions, Volumes};
-use furrow_report::reproduction::{markdown, text};
+use furrow_report::reproduction::{FILES, markdown, stage, text};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(Debug, Args)]
@@ -50,12 +48,6 @@ pub struct ReproduceArgs {
 /// Formats of pictures by the extension of their files.
 const FORMATS: [(&str, Format); 2] = [("svg", Format::Svg), ("png", Format::Png)];
 
-/// The columns of results.csv.
-const HEADER: &str =
-    "figure,id,quantity,paper,computed,published_scheme,published_fine,rel_error,pass,verdict,criterion,note,seconds";
-/// Files other than pictures and tables of panels.
-const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
-
 pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
@@ -64,7 +56,7 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     context.settings.check_activity("settings")?;
     writable_folder("--out", args.out.as_deref(), &FILES)?;
     writable_file("--table", args.table.as_deref())?;
-    let measured = args.data.as_deref().map(measured).transpose()?;
+    let measured = args.data.as_deref().map(measured_divisions).transpose()?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let figures = reproduce::Context {
@@ -84,15 +76,12 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     })?;
     warn_of_store(&found.warnings);
     let constants = constants(&context.globals);
-    let document = filled(json!({
-        "constants": constants,
-        "items": found.items,
-        "agrees": found.count(Verdict::Agrees),
-        "differs": found.count(Verdict::Differs),
-        "apart": found.count(Verdict::Apart),
+    let document = found.document(&constants);
+    let run = filled(json!({
         "elapsed_s": start.elapsed().as_secs_f64(),
         "out": args.out.as_ref().map(|folder| folder.display().to_string()),
     }));
+    let document = merged(document, run);
     let json = to_json(&document)?;
     let page = markdown(&found, &constants);
     if let Some(file) = &args.table {
@@ -100,35 +89,12 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     }
     if let Some(folder) = &args.out {
         let mut files = FileSet::new(folder);
-        files.stage("reproduction.md", page.as_bytes())?;
-        files.stage("reproduce.json", json.as_bytes())?;
-        files.stage("results.csv", &csv_of(HEADER, &found.items)?)?;
-        // A picture of every panel, and a table of those that are drawn from one.
         let (extension, format) = args.format;
-        for panel in &found.panels {
-            let picture = plot::reproduction::draw(panel).bytes(format)?;
-            files.stage(&format!("{}.{extension}", panel.name), &picture)?;
-            if let Some(table) = table(panel)? {
-                files.stage(&format!("{}.csv", panel.name), &table)?;
-            }
-        }
+        let draw = |panel: &NamedArtifact| Ok::<_, CliError>(plot::reproduction::draw(panel).bytes(format)?);
+        stage(&mut files, &found, (&page, &json), extension, draw)?;
         interrupt::defer(|| files.commit())?;
     }
     if context.json { print(&json) } else { print(&text(&found, &constants)) }
-}
-
-/// The divisions in a table of volumes.
-fn measured(file: &Path) -> Result<(String, Vec<Division>), CliError> {
-    let name = file.display().to_string();
-    let mut volumes = Volumes::default();
-    volumes.read(open_file(file)?, &name, &ReadOptions::default())?;
-    let divisions = divisions(&volumes).divisions;
-    match divisions.is_empty() {
-        true => {
-            Err(InputError::not_allowed(&name, "cells", "no division", "both daughters of one cell at least").into())
-        }
-        false => Ok((name, divisions)),
-    }
 }
 
 /// A name for the constants in use.
@@ -136,18 +102,4 @@ fn constants(globals: &Globals) -> String {
     let file = globals.config.iter().map(|_| "a configuration file");
     let set = globals.set.iter().map(String::as_str);
     [globals.preset.as_str()].into_iter().chain(file).chain(set).collect::<Vec<_>>().join(", ")
-}
-
-/// The table of a panel that is drawn from many cells.
-fn table(panel: &NamedArtifact) -> Result<Option<Vec<u8>>, CliError> {
-    Ok(match &panel.artifact {
-        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows).into_bytes()),
-        Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
-        Artifact::Perturbations(_, watched) => {
-            let rows =
-                watched.iter().flat_map(|(shape, found)| found.distances.iter().map(move |[t, dis]| (shape, t, dis)));
-            Some(csv_of("shape,t,dis", rows)?)
-        }
-        _ => None,
-    })
 }

@@ -4,6 +4,7 @@ use super::cell::{CueArgs, length, natural};
 use super::context::Context;
 use super::output::number;
 use clap::Args;
+use furrow_analysis::boundary::over_range;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::{InputError, did_you_mean};
 use furrow_lineage::{Length, parse_cue};
@@ -31,9 +32,6 @@ pub struct VaryArgs {
     #[command(flatten)]
     pub cue: CueArgs,
 }
-
-/// Values at which a cue is checked over the range of one of its numbers.
-const STEPS: u32 = 64;
 
 /// What the options say.
 pub struct Varied {
@@ -115,23 +113,9 @@ impl Given<'_> {
     ///
     /// # Errors
     /// Names the option, its value and what is allowed.
-    pub fn range(&self, mut cell: Cell, [from, to]: [f64; 2], context: &mut Context) -> Result<Varied, InputError> {
-        let parameter = self.parameter;
-        for (option, value) in [("--to", to), ("--from", from)] {
-            if parameter.is_of_cue() {
-                // On the way as well: two bands may be far enough apart at both ends and not in between.
-                for k in 0..=STEPS {
-                    let way = from + (to - from) * f64::from(k) / f64::from(STEPS);
-                    parameter.set(&mut cell, if option == "--to" { value } else { way });
-                    cell.cue.check().map_err(|e| InputError::not_allowed(option, e.field, e.value, e.allowed))?;
-                }
-            } else {
-                context.settings.set_number(option, parameter.name(), value)?;
-                context.settings.check_wall(option)?;
-            }
-            parameter.set(&mut cell, value);
-        }
-        Ok(Varied { cell, parameter, range: [from, to] })
+    pub fn range(&self, cell: Cell, range: [f64; 2], context: &mut Context) -> Result<Varied, InputError> {
+        let cell = over_range(&mut context.settings, cell, self.parameter, range, ["--from", "--to"])?;
+        Ok(Varied { cell, parameter: self.parameter, range })
     }
 }
 

@@ -14,9 +14,11 @@
 //! | [`compare`] | the model beside measured embryos |
 //! | [`reproduce`] | the paper's statements beside what is computed |
 //! | [`mod@solve`] | the value of one parameter that gives a wanted division |
+//! | [`mod@boundary`] | what bounds division over a parameter |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
 //! | [`mod@polarity`] | PAR polarity along the germline, and what follows for its divisions |
 
+pub mod boundary;
 pub mod compare;
 pub mod constants;
 pub mod constraints;
@@ -44,6 +46,7 @@ pub mod sweep;
 pub mod sweep_files;
 pub mod table;
 
+pub use boundary::{BoundaryOptions, BoundaryStudy, boundary, edges};
 pub use constants::{Constants, read_constants, write_constants};
 pub use constraints::{ConstraintCheck, Exclusion, Extent, check_constraints};
 pub use diagram::{Diagram, Edges, diagram};

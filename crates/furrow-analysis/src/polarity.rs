@@ -9,7 +9,10 @@ use furrow_measured::published::jankele2021;
 use furrow_mechanics::critical::{CriticalRadius, critical_radius};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, divide};
 use furrow_mechanics::equilibria::ShapeError;
-use furrow_mechanics::polarity::{Chemistry, PolarityError, PolarityLimit, Readings, Towards, profile, readings};
+use furrow_mechanics::polarity::{
+    Chemistry, PolarityError, PolarityLimit, Readings, SurfaceToVolume, Towards, profile, readings,
+};
+use serde_json::{Value, json};
 
 /// A cell of the germline, or any other.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,6 +134,11 @@ pub enum Follows {
     Band,
 }
 
+impl Follows {
+    /// All of them, with the names that users write.
+    pub const NAMED: [(&str, Follows); 2] = [("step", Follows::Step), ("band", Follows::Band)];
+}
+
 /// The cue κ = κ0 (1 + amplitude · f), P.4, f from 0 to 1 as P has it.
 ///
 /// # Errors
@@ -176,4 +184,70 @@ pub fn polarity(
         largest: chemistry.limit(like, Towards::Larger),
         mechanics: critical_radius(&like.clone().with_cue(Cue::none()), &settings.numerics),
     })
+}
+
+/// An object with the fields of another behind its own.
+fn merged(mut object: Value, other: Value) -> Value {
+    if let (Some(fields), Value::Object(other)) = (object.as_object_mut(), other) {
+        fields.extend(other);
+    }
+    object
+}
+
+impl PolarityStudy {
+    /// What ends first as cells shrink.
+    fn ends_first(&self) -> Option<&'static str> {
+        let (Ok(chemistry), Ok(mechanics)) = (&self.smallest, &self.mechanics) else { return None };
+        Some(if chemistry.r0 > mechanics.r0 { "chemistry" } else { "mechanics" })
+    }
+
+    /// As `furrow polarity --json` prints it; `amplitude` is that of κ.
+    pub fn document(&self, chemistry: &Chemistry, amplitude: f64) -> Value {
+        let um = |r0: f64| r0 * chemistry.length_um;
+        let limit = |limit: &Result<PolarityLimit, PolarityError>| match limit {
+            Ok(limit) => merged(json!({ "r0": limit.r0, "r0_um": um(limit.r0) }), json!(limit.state)),
+            Err(error) => json!({ "why": error.to_string() }),
+        };
+        let mechanics = match &self.mechanics {
+            Ok(critical) => json!({ "r0": critical.r0, "r0_um": um(critical.r0), "kind": critical.kind }),
+            Err(error) => json!({ "why": error.to_string() }),
+        };
+        json!({
+            "constants": chemistry.constants,
+            "length_um": chemistry.length_um,
+            "amplitude": amplitude,
+            "cells": self.cells.iter().map(|cell| cell.document(chemistry)).collect::<Vec<_>>(),
+            "smallest_polarised": limit(&self.smallest),
+            "largest_polarised": limit(&self.largest),
+            "smallest_dividing": mechanics,
+            "ends_first": self.ends_first(),
+        })
+    }
+}
+
+impl PolarisedCell {
+    fn document(&self, chemistry: &Chemistry) -> Value {
+        let division = self.division.as_ref().ok();
+        let psi = match chemistry.constants.surface_to_volume {
+            SurfaceToVolume::Shape => self.surface_to_volume,
+            SurfaceToVolume::Fixed(psi) => psi,
+        };
+        let own = json!({
+            "cell": self.name, "r0": self.r0, "r0_um": self.r0 * chemistry.length_um,
+            "surface_to_volume": self.surface_to_volume, "psi": psi, "polarised": self.polarity.is_some(),
+        });
+        let measured =
+            self.measured.as_ref().map(|m| json!({ "mean_signed": m.mean_signed, "sd": m.sd_signed, "n": m.n }));
+        let divided = json!({
+            "cue": self.cue,
+            "outcome": division.map(|division| division.outcome()),
+            "chi": division.and_then(|division| division.chi()),
+            "chi_signed": division.and_then(|division| division.chi_signed()),
+            "u_furrow": division.and_then(|division| division.u_furrow()),
+            "measured": measured,
+        });
+        let mut row = merged(merged(own, self.polarity.map_or(json!({}), |found| json!(found))), divided);
+        row.as_object_mut().into_iter().for_each(|fields| fields.retain(|_, value| !value.is_null()));
+        row
+    }
 }

@@ -26,6 +26,9 @@ pub enum Reading {
 }
 
 impl Reading {
+    /// All of them, with the names that users write.
+    pub const NAMED: [(&str, Reading); 3] = [("min", Reading::Min), ("mean", Reading::Mean), ("max", Reading::Max)];
+
     /// The model's.
     pub fn of(self, rounds: &Rounds) -> f64 {
         match self {

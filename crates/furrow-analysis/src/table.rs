@@ -3,6 +3,7 @@
 use super::points::AxisValue;
 use super::sweep::{Kind, Sweep};
 use furrow_input::csv_field;
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// The outcome of a point that could not be computed.
@@ -52,6 +53,25 @@ impl Sweep {
         let cells = self.axes.values(index).into_iter().map(axis).chain(results).collect();
         Row { index, cells, why }
     }
+}
+
+/// Records as CSV under a header: lists in its order, or objects with its names whose missing fields stay empty.
+///
+/// # Errors
+/// A record cannot be serialised.
+pub fn records_csv<T: Serialize>(
+    header: &str,
+    records: impl IntoIterator<Item = T>,
+) -> Result<Vec<u8>, serde_json::Error> {
+    let names: Vec<String> = header.split(',').map(str::to_owned).collect();
+    let row = |(index, record): (usize, T)| {
+        let record = serde_json::to_value(record)?;
+        let cell =
+            |(k, name): (usize, &String)| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
+        Ok(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None })
+    };
+    let rows = records.into_iter().enumerate().map(row).collect::<Result<Vec<_>, serde_json::Error>>()?;
+    Ok(csv_text(&names, &rows).into_bytes())
 }
 
 /// The rows as JSON, one a line, their fields in the order of the columns.

@@ -1,12 +1,13 @@
 //! What pictures say: colours of a cue's sign, names of the poles, titles within the width, legends of what is there.
 
+use furrow_analysis::BoundaryStudy;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_figures::drawing::style::{CUE_LOWERS, CUE_RAISES, Colour};
 use furrow_figures::drawing::{Canvas, Format};
 use furrow_figures::movie::{Movie, MovieFormat};
 use furrow_figures::plot;
 use furrow_mechanics::division::{DivisionInput, Trajectory};
-use furrow_mechanics::equilibria::curves::{Curve, CurvePoint};
+use furrow_mechanics::equilibria::curves::Curve;
 
 const LONG: &str = "tension:gradient,amplitude=0.3+kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 
@@ -171,17 +172,16 @@ fn long_cues_do_not_cut_a_title() {
 fn boundary(cue: &str, parameter: &str) -> String {
     let cell = Cell { cue: cue.parse::<Cue>().unwrap(), ..Cell::new(2.0) };
     let parameter: Parameter = parameter.parse().unwrap();
-    let (pitchfork, folds): (Curve, &[Curve]) = (Curve::default(), &[]);
-    let critical: Option<CurvePoint> = None;
-    let of = plot::boundary::Boundary {
-        cell: &cell,
+    let of = BoundaryStudy {
+        cell,
         parameter,
         range: [0.1, 0.4],
-        pitchfork: &pitchfork,
-        folds,
-        cusps: &[],
-        critical,
-        azimuthal: &[],
+        pitchfork: Curve::default(),
+        folds: Vec::new(),
+        cusps: Vec::new(),
+        critical: None,
+        azimuthal: None,
+        warnings: Vec::new(),
     };
     plain(&plot::boundary::draw(&of).svg())
 }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use furrow_analysis::reproduce::{Item, Reproduction, Verdict};
+use furrow_analysis::reproduce::{Artifact, Item, NamedArtifact, Reproduction, Verdict};
+use furrow_analysis::table::{csv_text, records_csv};
+use furrow_formats::files::{FileSet, WriteError};
 use serde_json::Value;
 
 /// An empty cell of the table.
@@ -122,6 +124,51 @@ pub fn text(found: &Reproduction, constants: &str) -> String {
     }
     let _ = writeln!(out, "{}", counts(found, constants));
     out
+}
+
+/// The columns of results.csv.
+const HEADER: &str =
+    "figure,id,quantity,paper,computed,published_scheme,published_fine,rel_error,pass,verdict,criterion,note,seconds";
+
+/// Files other than pictures and tables of panels.
+pub const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
+
+/// Stages the page, the document, the table of all statements, and of every panel a picture and, if it is drawn from many cells, a
+/// table. `draw` gives the bytes of a picture, whose files end in `extension`.
+///
+/// # Errors
+/// A picture cannot be drawn, a file not written.
+pub fn stage<E: From<WriteError> + From<serde_json::Error>>(
+    files: &mut FileSet,
+    found: &Reproduction,
+    (page, json): (&str, &str),
+    extension: &str,
+    draw: impl Fn(&NamedArtifact) -> Result<Vec<u8>, E>,
+) -> Result<(), E> {
+    files.stage("reproduction.md", page.as_bytes())?;
+    files.stage("reproduce.json", json.as_bytes())?;
+    files.stage("results.csv", &records_csv(HEADER, &found.items)?)?;
+    for panel in &found.panels {
+        files.stage(&format!("{}.{extension}", panel.name), &draw(panel)?)?;
+        if let Some(table) = table(panel)? {
+            files.stage(&format!("{}.csv", panel.name), &table)?;
+        }
+    }
+    Ok(())
+}
+
+/// The table of a panel that is drawn from many cells.
+fn table(panel: &NamedArtifact) -> Result<Option<Vec<u8>>, serde_json::Error> {
+    Ok(match &panel.artifact {
+        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows).into_bytes()),
+        Artifact::Map(map) => Some(records_csv("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
+        Artifact::Perturbations(_, watched) => {
+            let rows =
+                watched.iter().flat_map(|(shape, found)| found.distances.iter().map(move |[t, dis]| (shape, t, dis)));
+            Some(records_csv("shape,t,dis", rows)?)
+        }
+        _ => None,
+    })
 }
 
 #[cfg(test)]

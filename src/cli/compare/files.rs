@@ -5,7 +5,7 @@ use furrow_measured::events::Division;
 use furrow_measured::trend::{AdjacentTest, VolumeBin};
 
 use crate::cli::error::CliError;
-use crate::cli::output::csv_of;
+use crate::cli::output::records_csv;
 use furrow_analysis::compare::volumes::GroupBeside;
 use furrow_formats::files::FileSet;
 use serde_json::{Value, json};
@@ -46,7 +46,8 @@ pub fn write(
         let [u, p] = [test.map(|test| test.test.u), test.map(|test| test.test.p)];
         json!([bin.from, bin.to, bin.n, bin.mean, bin.sd, u, p, test.map(|test| test.stars)])
     });
-    let tables = [csv_of(CHI, chi)?, csv_of(DIVISION, division)?, csv_of(BIN, bin)?, json.as_bytes().to_vec()];
+    let tables =
+        [records_csv(CHI, chi)?, records_csv(DIVISION, division)?, records_csv(BIN, bin)?, json.as_bytes().to_vec()];
     write_all(folder, &NAMES, tables)
 }
 
@@ -84,7 +85,7 @@ fn contour_row(beside: &ContourMatch) -> Value {
 /// Writes them, or none. `json` is what `--json` prints.
 pub fn write_contours(folder: &Path, series: &Series, json: &str) -> Result<(), CliError> {
     let rows = series.contours.iter().map(contour_row);
-    write_all(folder, &CONTOUR_NAMES, [csv_of(CONTOUR, rows)?, json.as_bytes().to_vec()])
+    write_all(folder, &CONTOUR_NAMES, [records_csv(CONTOUR, rows)?, json.as_bytes().to_vec()])
 }
 
 fn write_all<const N: usize>(folder: &Path, names: &[&str; N], tables: [Vec<u8>; N]) -> Result<(), CliError> {

@@ -11,7 +11,7 @@ use crate::cli::interrupt;
 use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
-use furrow_analysis::fit::{FounderActivity, Limit, NumberAtLimit, Reading, activities};
+use furrow_analysis::fit::{FounderActivity, Reading, activities, activities_at_limit};
 use furrow_figures::plot;
 use furrow_input::InputError;
 use furrow_lineage::TreeSettings;
@@ -29,7 +29,7 @@ pub struct ActivityArgs {
     #[command(flatten)]
     lineage: LineageArgs,
     /// Which count of rounds activities are fitted to
-    #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(READINGS))]
+    #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(Reading::NAMED))]
     rounds: Reading,
     /// Lower limit of the activity ξ_s
     #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = number)]
@@ -40,9 +40,6 @@ pub struct ActivityArgs {
     #[command(flatten)]
     plot: PlotArgs,
 }
-
-/// Readings of "rounds" by the names of the option.
-const READINGS: [(&str, Reading); 3] = [("min", Reading::Min), ("mean", Reading::Mean), ("max", Reading::Max)];
 
 pub fn run(args: &ActivityArgs, context: &Context) -> Result<(), CliError> {
     let fit = Fit::new(&args.lineage, context)?;
@@ -68,7 +65,7 @@ pub fn run(args: &ActivityArgs, context: &Context) -> Result<(), CliError> {
     picture.write(|| plot::fit::draw_activities(&found, settings.cell.xi_s))?;
     let elapsed_s = fit.elapsed_s();
     let document = json!({
-        "rounds": reading, "founders": found, "at_limit": limits(&found), "trees": trees, "elapsed_s": elapsed_s,
+        "rounds": reading, "founders": found, "at_limit": activities_at_limit(&found), "trees": trees, "elapsed_s": elapsed_s,
     });
     print_as(context.json, &document, || {
         format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings))
@@ -101,14 +98,5 @@ fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSet
         };
         let _ = writeln!(out, "{name:<8} {observed:>8.2} {model:>8} {run_xi_s:>8}   {needed:<22} {nearest}{others}");
     }
-    out + &at_limit_text(&limits(found), "change --xi-from or --xi-to")
-}
-
-/// The activities that reach an end of the range asked for.
-fn limits(found: &[FounderActivity]) -> Vec<NumberAtLimit> {
-    let of = |founder: &FounderActivity, limit: Limit| {
-        let (name, searched) = (format!("xi_s of {}", founder.name), founder.searched);
-        Some(NumberAtLimit { name, value: limit.of(founder.xi_s?), limit, searched })
-    };
-    found.iter().flat_map(|founder| founder.at_limit.iter().filter_map(move |limit| of(founder, *limit))).collect()
+    out + &at_limit_text(&activities_at_limit(found), "change --xi-from or --xi-to")
 }

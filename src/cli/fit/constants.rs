@@ -1,7 +1,7 @@
 //! `furrow fit constants`: one set of constants for an observed embryo.
 
 use clap::Args;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
 use super::{Fit, LineageArgs, SearchArgs, TargetsArgs, at_limit_text, or_dash, show};
 use crate::cli::context::Context;
@@ -57,57 +57,18 @@ pub fn run(args: &ConstantsArgs, context: &Context) -> Result<(), CliError> {
         fit_constants(&fit.lineage, &targets, &fit.settings, &memo, budget, context.threads, flag, Some(&progress))?;
     drop(line);
     if let Some(file) = &args.out {
-        write_atomically(file, config(&found.best).as_bytes())?;
+        write_atomically(file, found.best.as_ron().as_bytes())?;
     }
     picture.write(|| plot::fit::draw_constants(&found))?;
     let elapsed_s = fit.elapsed_s();
-    let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), Value::from(*value));
-    let sharpness = found.sharpness.iter().zip(&found.plateau);
-    let sharpness = sharpness.map(|(sharp, (_, plateau))| merged(json!(sharp), json!({ "plateau": plateau })));
-    let document = json!({
-        "constants": found.best.constants.iter().map(number).collect::<Map<_, _>>(),
-        "misfit": found.best.misfit,
-        "residuals": residuals(&found.best, &targets),
-        "at_limit": found.at_limit,
-        "best": found.best,
-        "start": found.start,
-        "front": found.front,
-        "sharpness": sharpness.collect::<Vec<_>>(),
-        "tried": found.tried,
-        "seed": args.search.seed,
-        "elapsed_s": elapsed_s,
-    });
+    let run = json!({ "seed": args.search.seed, "elapsed_s": elapsed_s });
+    let document = merged(found.document(&targets), run);
     print_as(context.json, &document, || {
         let used = |file: &PathBuf| format!("; use them with --config {}", file.display());
         let (text, tried) = (constants_text(&found, &targets), found.tried);
         let written = args.out.as_ref().map_or(String::new(), used);
         format!("{text}{tried} sets of constants tried, {elapsed_s:.0} s{written}\n")
     })
-}
-
-/// Numbers of the model beside the observed ones.
-fn residuals(best: &Evaluated, targets: &Targets) -> Vec<Value> {
-    let residual = |founder: &str, quantity: &str, observed: f64, computed: Option<f64>| -> Value {
-        json!({ "founder": founder, "quantity": quantity, "observed": observed, "computed": computed })
-    };
-    let mut out = Vec::new();
-    for founder in best.founders.iter().filter(|founder| targets.founders.contains(&founder.name)) {
-        let mean = founder.observed_mean.unwrap_or(f64::NAN);
-        out.push(residual(&founder.name, "mean_rounds", mean, founder.rounds.map(|r| r.mean)));
-        let (observed, computed) = (founder.observed_terminal.unwrap_or(0), founder.rounds.map(|r| r.terminal.into()));
-        out.push(residual(&founder.name, "terminal_cells", observed.into(), computed));
-    }
-    for chi in &targets.chi {
-        let computed = best.founders.iter().find(|founder| founder.name == chi.cell).and_then(|founder| founder.chi);
-        out.push(residual(&chi.cell, "chi", chi.mean, computed));
-    }
-    out
-}
-
-/// The constants as a configuration file.
-fn config(best: &Evaluated) -> String {
-    let lines: String = best.constants.iter().map(|(p, value)| format!("        {p}: {value},\n")).collect();
-    format!("// Found by furrow fit constants.\nConfig(\n    physics: (\n{lines}    ),\n)\n")
 }
 
 fn constants_text(found: &FittedConstants, targets: &Targets) -> String {

@@ -7,12 +7,14 @@
 //! | [`activity`] | the activity that each founder would need for its observed rounds |
 //! | [`clock`] | how lifetimes depend on volume, by founder |
 //! | [`germline`] | the cue that gives the measured χ of the germline |
+//! | [`document`] | results as JSON and as configuration files |
 //! | [`search`] | derivative-free search |
 //! | [`error`] | why a fit fails |
 
 pub mod activity;
 pub mod clock;
 pub mod constants;
+pub mod document;
 pub mod error;
 pub mod germline;
 pub mod search;
@@ -22,6 +24,7 @@ pub use crate::ranges::Reading;
 pub use activity::{FounderActivity, activities};
 pub use clock::{FewCells, FittedClock, FittedLaw, Unused, fit_clock};
 pub use constants::{Evaluated, FittedConstants, fit_constants};
+pub use document::activities_at_limit;
 pub use error::FitError;
 pub use germline::{ChiResidual, FittedCue, fit_cue};
 pub use search::{FitProgress, Limit, NumberAtLimit, SearchBudget};

@@ -26,6 +26,7 @@ mod branches;
 pub mod context;
 mod embryo;
 mod films;
+pub mod measured;
 pub mod paper;
 mod perturbed;
 mod readings;
@@ -38,7 +39,7 @@ use serde::Serialize;
 pub use context::{Artifact, Context, Figure, Finding, Map, NamedArtifact, ReproduceError};
 use furrow_lineage::batch::StoreWarning;
 use paper::Statement;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Whether a result is that of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -118,6 +119,17 @@ impl Reproduction {
     /// How many statements have a verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.items.iter().filter(|item| item.verdict == verdict).count()
+    }
+
+    /// As `furrow reproduce --json` prints it, of the constants that `constants` names.
+    pub fn document(&self, constants: &str) -> Value {
+        json!({
+            "constants": constants,
+            "items": self.items,
+            "agrees": self.count(Verdict::Agrees),
+            "differs": self.count(Verdict::Differs),
+            "apart": self.count(Verdict::Apart),
+        })
     }
 }
 

@@ -5,51 +5,32 @@ use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
-use furrow_cell::{Cell, Parameter};
+use furrow_analysis::BoundaryStudy;
+use furrow_cell::Parameter;
 use furrow_mechanics::equilibria::Criticality;
 use furrow_mechanics::equilibria::curves::{Curve, CurvePoint};
 
 const WIDTH: f64 = 940.0;
 const CHART: f64 = 548.0;
 
-/// What is drawn.
-pub struct Boundary<'a> {
-    /// The cell, without what varies.
-    pub cell: &'a Cell,
-    /// What varies.
-    pub parameter: Parameter,
-    /// Its range.
-    pub range: [f64; 2],
-    /// The curve of pitchforks; without points where a cue breaks the symmetry.
-    pub pitchfork: &'a Curve,
-    /// Curves of folds.
-    pub folds: &'a [Curve],
-    /// Where two folds are born.
-    pub cusps: &'a [CurvePoint],
-    /// Where the boundary lies at the cell's own activity.
-    pub critical: Option<CurvePoint>,
-    /// Thresholds of disturbances that are not axisymmetric, by azimuthal number.
-    pub azimuthal: &'a [(usize, Curve)],
-}
-
 /// Draws the curves.
-pub fn draw(of: &Boundary<'_>) -> Canvas {
-    let title = format!("Where division begins, {}", style::described(of.cell, &[of.parameter, Parameter::XiS]));
+pub fn draw(of: &BoundaryStudy) -> Canvas {
+    let title = format!("Where division begins, {}", style::described(&of.cell, &[of.parameter, Parameter::XiS]));
     let (mut canvas, top) = titled(WIDTH, CHART, &title, &legend(of));
-    let others = || of.folds.iter().chain(of.azimuthal.iter().map(|(_, curve)| curve));
+    let others = || of.folds.iter().chain(of.azimuthal.iter().flatten().map(|(_, curve)| curve));
     let points = || of.pitchfork.points.iter().chain(others().flat_map(|curve| &curve.points));
     let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
     let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
     let x = Axis::new(style::parameter(of.parameter, &of.cell.cue), widened(across, 0.02));
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, Axis::over(style::ACTIVITY, heights));
     let place = |point: &CurvePoint| [point.value, point.xi_s];
-    for fold in of.folds {
+    for fold in &of.folds {
         chart.line(fold.points.iter().chain(fold.cusp().as_ref()).map(place), Stroke::solid(FOLD, style::CURVE));
     }
-    for (m, curve) in of.azimuthal {
+    for (m, curve) in of.azimuthal.iter().flatten() {
         chart.line(curve.points.iter().map(place), Stroke::solid(style::azimuthal(*m), style::CURVE));
     }
-    for (kind, piece) in by_criticality(of.pitchfork) {
+    for (kind, piece) in by_criticality(&of.pitchfork) {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
         chart.line(piece.iter().map(place), Stroke { colour: PITCHFORK, width: style::CURVE + 0.4, dash });
     }
@@ -70,7 +51,7 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
     canvas
 }
 
-fn legend(of: &Boundary<'_>) -> Legend {
+fn legend(of: &BoundaryStudy) -> Legend {
     let is = |kind: Criticality| of.pitchfork.points.iter().any(|point| point.criticality() == Some(kind));
     let critical = Key::Point(style::ASYMMETRIC, Marker::Triangle);
     let azimuthal = |legend: Legend, (m, _): &(usize, Curve)| {
@@ -83,7 +64,7 @@ fn legend(of: &Boundary<'_>) -> Legend {
         .with_if(!of.folds.is_empty(), Key::Line(FOLD), "fold")
         .with_if(!of.cusps.is_empty(), Key::Point(FOLD, Marker::Diamond), "cusp")
         .with_if(of.critical.is_some(), critical, "critical value");
-    of.azimuthal.iter().fold(legend, azimuthal)
+    of.azimuthal.iter().flatten().fold(legend, azimuthal)
 }
 
 /// A curve of pitchforks in pieces of one criticality, which meet where it changes.

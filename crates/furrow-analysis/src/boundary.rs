@@ -1,0 +1,248 @@
+//! What bounds division over a parameter: curves of pitchforks and folds, and where they lie at a cell's own activity.
+
+use crate::diagram::Edges;
+use furrow_cell::{Cell, Numerics, Parameter, Settings};
+use furrow_input::InputError;
+use furrow_lineage::batch::PhasePlane;
+use furrow_mechanics::critical;
+use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
+use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
+use furrow_mechanics::equilibria::{PointKind, ShapeError, StepBudget};
+use serde_json::{Value, json};
+
+/// The boundary of division over a parameter.
+#[derive(Clone, Debug)]
+pub struct BoundaryStudy {
+    /// The cell, without what varies.
+    pub cell: Cell,
+    /// What varies.
+    pub parameter: Parameter,
+    /// Its range.
+    pub range: [f64; 2],
+    /// The curve of pitchforks; without points where a cue breaks the symmetry.
+    pub pitchfork: Curve,
+    /// Curves of folds.
+    pub folds: Vec<Curve>,
+    /// Where two folds are born.
+    pub cusps: Vec<CurvePoint>,
+    /// Where the boundary lies at the cell's own activity.
+    pub critical: Option<CurvePoint>,
+    /// Thresholds of disturbances that are not axisymmetric, by azimuthal number; none if they were not asked for.
+    pub azimuthal: Option<Vec<(usize, Curve)>>,
+    /// What could not be followed or found.
+    pub warnings: Vec<String>,
+}
+
+/// Values at which a cue is checked over the range of one of its numbers.
+const STEPS: u32 = 64;
+
+/// A cell at the first value of a range of one of its parameters, and `settings` with it. `sources` are what errors call the first
+/// and the last value.
+///
+/// # Errors
+/// A value in the range is not allowed.
+pub fn over_range(
+    settings: &mut Settings,
+    mut cell: Cell,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+    sources: [&str; 2],
+) -> Result<Cell, InputError> {
+    for (source, value) in [(sources[1], to), (sources[0], from)] {
+        if parameter.is_of_cue() {
+            // On the way as well: two bands may be far enough apart at both ends and not in between.
+            for k in 0..=STEPS {
+                let way = from + (to - from) * f64::from(k) / f64::from(STEPS);
+                parameter.set(&mut cell, if value == to { value } else { way });
+                cell.cue.check().map_err(|e| InputError::not_allowed(source, e.field, e.value, e.allowed))?;
+            }
+        } else {
+            settings.set_number(source, parameter.name(), value)?;
+            settings.check_wall(source)?;
+        }
+        parameter.set(&mut cell, value);
+    }
+    Ok(cell)
+}
+
+/// What is computed beside the curve that bounds division.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoundaryOptions {
+    /// The folds of mirror-symmetric shapes too.
+    pub folds: bool,
+    /// The value at which the boundary lies at the cell's own activity.
+    pub critical: bool,
+    /// Thresholds of disturbances cos mφ up to this m.
+    pub azimuthal: Option<usize>,
+}
+
+/// Follows the boundary of division of a cell over the range of a parameter.
+///
+/// # Errors
+/// [`ShapeError`]: the boundary, or the point on it that was asked for, cannot be found.
+pub fn boundary(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    range: [f64; 2],
+    options: BoundaryOptions,
+) -> Result<BoundaryStudy, ShapeError> {
+    let (kind, mut found) = curves::boundary_curves(cell, numerics, parameter, range)?;
+    let (pitchfork, folds) = match kind {
+        PointKind::Pitchfork if !options.folds => (found.remove(0), Vec::new()),
+        PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, parameter, range)?),
+        _ => (Curve::default(), found),
+    };
+    let mut warnings = Vec::new();
+    let critical =
+        options.critical.then(|| critical_point(cell, numerics, parameter, range, &mut warnings)).transpose()?;
+    for (k, fold) in folds.iter().enumerate() {
+        match &fold.ended {
+            CurveEnd::Stopped(error) => warnings.push(format!("fold {k} is followed no further: {error}")),
+            CurveEnd::Cusp(cusp) if kind != PointKind::Pitchfork => {
+                warnings.push(format!("fold {k} ends within the range, in a cusp at {parameter} = {:.6}", cusp.value));
+            }
+            _ => {}
+        }
+    }
+    let azimuthal = options.azimuthal.map(|most| thresholds(cell, numerics, parameter, range, most, &mut warnings));
+    let (cell, cusps) = (cell.clone(), cusps(&folds));
+    Ok(BoundaryStudy { cell, parameter, range, pitchfork, folds, cusps, critical, azimuthal, warnings })
+}
+
+/// The curves that bound the outcomes of a plane, with the thresholds of disturbances cos mφ for m up to `azimuthal`, and what could
+/// not be followed. None over a single value.
+pub fn edges(plane: &PhasePlane, azimuthal: usize) -> (Edges, Vec<String>) {
+    let PhasePlane { cell, numerics, parameter, across, .. } = plane;
+    let mut warnings = Vec::new();
+    let range = match (across.first(), across.last()) {
+        (Some(&from), Some(&to)) if across.len() > 1 && from != to => [from, to],
+        _ => return (Edges::default(), warnings),
+    };
+    let found = curves::boundary_curves(cell, numerics, *parameter, range).and_then(|(kind, found)| match kind {
+        PointKind::Pitchfork => {
+            let folds = curves::fold_curves(cell, numerics, *parameter, range)?;
+            Ok(Edges { pitchforks: found, folds, ..Edges::default() })
+        }
+        _ => Ok(Edges { folds: found, ..Edges::default() }),
+    });
+    let found = found.unwrap_or_else(|error| {
+        warnings.push(format!("the picture shows the edges at each value, without curves: {error}"));
+        Edges::default()
+    });
+    (Edges { azimuthal: thresholds(cell, numerics, *parameter, range, azimuthal, &mut warnings), ..found }, warnings)
+}
+
+/// The thresholds of disturbances of azimuthal number 1 … `most`, with a warning for each that is not found or not to its end.
+fn thresholds(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    range: [f64; 2],
+    most: usize,
+    warnings: &mut Vec<String>,
+) -> Vec<(usize, Curve)> {
+    let mut found = Vec::new();
+    for m in 1..=most {
+        match threshold_curve(cell, numerics, parameter, range, m) {
+            Ok(curve) => {
+                warnings.extend(curve.error().map(ToString::to_string));
+                found.push((m, curve));
+            }
+            Err(error) => warnings.push(format!("no threshold for m = {m}: {error}")),
+        }
+    }
+    found
+}
+
+/// Where the boundary lies at the cell's activity. Along R0 it is the critical radius of a tree, from wherever the range begins; a
+/// warning says if smaller cells divide all the same.
+fn critical_point(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+    warnings: &mut Vec<String>,
+) -> Result<CurvePoint, ShapeError> {
+    let budget = StepBudget::unlimited();
+    if parameter != Parameter::R0 {
+        let starts = [0.5 * (from + to), from, to];
+        return Ok(critical::critical_value(cell, numerics, parameter, &starts, &budget)?.1);
+    }
+    let (kind, point) = critical::critical_value(cell, numerics, parameter, &critical::STARTS, &budget)?;
+    if let Err(error) = critical::rests_from(cell, numerics, (kind, point.value), None) {
+        warnings.push(error.to_string());
+    }
+    Ok(point)
+}
+
+/// The cusps of fold curves, each of which two curves lead to.
+fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
+    let mut cusps: Vec<CurvePoint> = Vec::new();
+    for cusp in folds.iter().filter_map(Curve::cusp) {
+        let same =
+            |c: &CurvePoint| (c.value - cusp.value).abs() + (c.xi_s - cusp.xi_s).abs() < 1e-6 * (1.0 + cusp.xi_s.abs());
+        if !cusps.iter().any(same) {
+            cusps.push(cusp);
+        }
+    }
+    cusps
+}
+
+/// A point of a curve, which is named if there are several; `value` is that of the parameter that varies.
+pub fn point_document(curve: impl Into<Value>, p: &CurvePoint) -> Value {
+    let mut point = json!({
+        "curve": curve.into(), "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation,
+        "criticality": p.criticality(), "coefficient": p.coefficient,
+    });
+    point.as_object_mut().into_iter().for_each(|fields| fields.retain(|_, value| !value.is_null()));
+    point
+}
+
+impl BoundaryStudy {
+    /// As `furrow boundary --json` prints it.
+    pub fn document(&self) -> Value {
+        let points = |points: &[CurvePoint]| points.iter().map(|p| point_document(Value::Null, p)).collect::<Vec<_>>();
+        let folds = || self.folds.iter().enumerate();
+        let end = |(curve, fold): (usize, &Curve)| {
+            let value = fold.cusp().or(fold.points.last().copied()).map_or(f64::NAN, |point| point.value);
+            json!({ "curve": curve, "value": value, "reason": fold.ended.name() })
+        };
+        let of_folds = folds().flat_map(|(k, fold)| fold.points.iter().map(move |p| point_document(k, p)));
+        let mut document = json!({
+            "vary": self.parameter.to_string(),
+            "cue": self.cell.cue,
+            "pitchfork": points(&self.pitchfork.points),
+            "degenerate": points(&self.degenerate()),
+            "folds": of_folds.collect::<Vec<_>>(),
+            "ends": folds().map(end).collect::<Vec<_>>(),
+            "cusps": points(&self.cusps),
+            "critical": self.critical.map(|point| point.value),
+        });
+        if let Some(point) = &self.critical {
+            document["critical_point"] = point_document(Value::Null, point);
+        }
+        if let Some(curves) = &self.azimuthal {
+            let of = |m: usize, p: &CurvePoint| json!({ "m": m, "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation });
+            let rows = curves.iter().flat_map(|(m, curve)| curve.points.iter().map(move |p| of(*m, p)));
+            document["azimuthal"] = rows.collect();
+        }
+        document
+    }
+
+    /// Where criticality changes; such points are neither sub- nor supercritical.
+    fn degenerate(&self) -> Vec<CurvePoint> {
+        self.pitchfork.degenerate.iter().map(|p| CurvePoint { coefficient: None, ..*p }).collect()
+    }
+
+    /// All points, each with the name of its curve.
+    pub fn named(&self) -> Vec<(String, CurvePoint)> {
+        let folds = self.folds.iter().enumerate().map(|(k, fold)| (format!("fold {k}"), fold.points.clone()));
+        let before =
+            [("pitchfork".to_owned(), self.pitchfork.points.clone()), ("degenerate".to_owned(), self.degenerate())];
+        let after = [("cusp".to_owned(), self.cusps.clone()), ("critical".to_owned(), Vec::from_iter(self.critical))];
+        let azimuthal = self.azimuthal.iter().flatten().map(|(m, curve)| (format!("m = {m}"), curve.points.clone()));
+        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(after);
+        curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
+    }
+}

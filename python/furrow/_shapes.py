@@ -1,0 +1,156 @@
+"""Where division begins: boundaries, phase diagrams, disturbed shapes, PAR polarity."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, SupportsFloat, overload
+
+from . import _furrow
+from ._checks import given_of, path_of, text_of
+from ._results import Array, Division, Result
+from ._tables import Found, frame, positive
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ._cell import Cell, Value
+    from ._furrow import Drawing
+
+
+class Drawn(Found):
+    """A result with the keys of the command line's JSON and its picture."""
+
+    def __init__(self, found: Mapping[str, Any], drawing: Drawing, warnings: tuple[str, ...] = ()) -> None:
+        super().__init__(found)
+        #: The picture that the command line draws, which notebooks show.
+        self.drawing = drawing
+        #: What could not be computed.
+        self.warnings = warnings
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the picture as SVG or PNG, by the file's extension."""
+        self.drawing.save(path_of("path", path))
+
+    def _repr_svg_(self) -> str:
+        return self.drawing.svg()
+
+
+class Boundary(Drawn):
+    """Curves of pitchforks and folds over a parameter: the output of ``furrow boundary --json``."""
+
+    @property
+    def critical(self) -> float | None:
+        """The value at which the boundary lies at the cell's own activity, if it was asked for."""
+        value: float | None = self["critical"]
+        return value
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per point of any curve: ``pitchfork``, ``fold 0``, ``m = 1`` and so on."""
+        rows = [{**point, "curve": "pitchfork"} for point in self["pitchfork"]]
+        rows += [{**point, "curve": f"fold {point['curve']}"} for point in self["folds"]]
+        rows += [{**point, "curve": f"m = {point['m']}"} for point in self.get("azimuthal", ())]
+        names = ("curve", "r0", "epsilon", "value", "xi_s", "H", "criticality", "coefficient")
+        return frame({name: [row.get(name) for row in rows] for name in names})
+
+
+class Phase(Drawn):
+    """Outcomes over a parameter and ξ_s: the output of ``furrow phase --json``."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per point of the plane."""
+        names = ("x", "xi_s", "outcome", "chi", "by")
+        return frame({name: [cell[name] for cell in self["cells"]] for name in names})
+
+
+@dataclass(frozen=True)
+class CriticalRadius(Result):
+    """The radius below which cells do not divide."""
+
+    cell: Cell = field(repr=False)  #: The cell; its radius plays no part.
+    r0: float  #: The critical radius, in L_h.
+    kind: str  #: ``pitchfork``, or ``cued_fold`` with a cue that tells the poles apart.
+    slope: float  #: Change of ξ_s along the boundary per change of R0.
+
+
+@dataclass(frozen=True, eq=False)
+class Perturbation(Result):
+    """A stationary shape that was disturbed."""
+
+    division: Division  #: How it ended; ``failed`` if it did not divide in the time that it was watched.
+    returned: bool  #: Whether it came back.
+    start_growth_rate: float  #: Leading growth rate of the stationary shape, in 1/τ.
+    t: Array = field(repr=False)  #: Times, in τ.
+    distance: Array = field(repr=False)  #: Distance from the start, ‖r − r0‖ + ‖z − z0‖.
+
+
+@dataclass(frozen=True, eq=False)
+class Perturbations(Sequence[Perturbation]):
+    """Disturbances with consecutive seeds."""
+
+    found: tuple[Perturbation, ...]  #: In order of seeds.
+    drawing: Drawing = field(repr=False)  #: Distances over time.
+    undecided: tuple[str, ...] = ()  #: Why other seeds could not be computed.
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    @overload
+    def __getitem__(self, index: int) -> Perturbation: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Perturbation]: ...
+    def __getitem__(self, index: int | slice) -> Perturbation | Sequence[Perturbation]:
+        return self.found[index]
+
+    def _repr_svg_(self) -> str:
+        return self.drawing.svg()
+
+
+class Polarity(Found):
+    """PAR polarity of cells, and what ends first as they shrink: the output of ``furrow polarity --json``."""
+
+    def __init__(self, found: Mapping[str, Any], profiles: Mapping[str, Sequence[Sequence[float]]]) -> None:
+        super().__init__(found)
+        self._profiles = dict(profiles)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per cell."""
+        names = ("cell", "r0", "r0_um", "polarised", "u0", "omega", "outcome", "chi", "chi_signed")
+        return frame({name: [cell.get(name) for cell in self["cells"]] for name in names})
+
+    def profiles_to_pandas(self) -> pd.DataFrame:
+        """A and P of the polarised cells along the contour: one row per cell and place."""
+        rows = [(cell, *place) for cell, places in self._profiles.items() for place in places]
+        return frame({name: [row[k] for row in rows] for k, name in enumerate(("cell", "u", "a", "p"))})
+
+
+def polarity(
+    *,
+    r0: Value | None = None,
+    lineage: str | os.PathLike[str] | None = None,
+    par: Mapping[str, float | str] | None = None,
+    length_um: SupportsFloat | None = None,
+    profile: str = "step",
+    amplitude: SupportsFloat = 0.1,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    **parameters: Value,
+) -> Polarity:
+    """PAR polarity at the sizes of the germline, or of one cell of the radius ``r0``: where its boundary lies, what χ follows,
+    and at which size it ends.
+
+    ``par`` sets constants of the chemistry, such as ``{"d_p": 0.1, "psi": 0.174}``; ``length_um`` is L_h in µm. κ follows P as a
+    ``profile``, ``step`` or ``band``, of this ``amplitude``.
+    """
+    given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
+    found, profiles = _furrow.polarity(
+        given_of(given, preset, config),
+        None if lineage is None else path_of("lineage", lineage),
+        r0 is not None,
+        [f"{name}={value}" for name, value in (par or {}).items()],
+        None if length_um is None else positive("length_um", length_um),
+        text_of("profile", profile),
+        float(amplitude),
+    )
+    return Polarity(found, dict(profiles))

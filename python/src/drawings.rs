@@ -1,0 +1,146 @@
+//! Pictures and movies, as the command line draws them.
+
+use std::path::{Path, PathBuf};
+
+use furrow_figures::drawing::{Canvas, Format};
+use furrow_figures::movie::{Movie, MovieFormat};
+use furrow_figures::plot;
+use furrow_formats::frames::{check_step, write_frames};
+use furrow_formats::write_atomically;
+use furrow_mechanics::division::Trajectory;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::Inputs;
+use crate::supervise::{Interrupt, supervised};
+
+/// A picture.
+#[pyclass(frozen, module = "furrow._furrow")]
+pub struct Drawing(Picture);
+
+/// A picture that is not drawn yet, or one that was pickled.
+enum Picture {
+    Canvas(Canvas),
+    Written { svg: String, png: Vec<u8> },
+}
+
+impl Drawing {
+    /// A picture of a canvas.
+    pub fn of(canvas: Canvas) -> Drawing {
+        Drawing(Picture::Canvas(canvas))
+    }
+
+    fn bytes(&self, format: Format) -> Result<Vec<u8>, Error> {
+        match (&self.0, format) {
+            (Picture::Canvas(canvas), format) => canvas.bytes(format).map_err(Error::system),
+            (Picture::Written { svg, .. }, Format::Svg) => Ok(svg.clone().into_bytes()),
+            (Picture::Written { png, .. }, _) => Ok(png.clone()),
+        }
+    }
+}
+
+#[pymethods]
+impl Drawing {
+    /// As SVG.
+    fn svg(&self) -> String {
+        match &self.0 {
+            Picture::Canvas(canvas) => canvas.svg(),
+            Picture::Written { svg, .. } => svg.clone(),
+        }
+    }
+
+    /// As PNG.
+    fn png<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Error> {
+        Ok(PyBytes::new(py, &py.detach(|| self.bytes(Format::Png))?))
+    }
+
+    /// Writes it, as SVG or PNG by the file's extension.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> Result<(), Error> {
+        let allowed = "a file that ends in .svg or .png";
+        let format = Format::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), allowed))?;
+        py.detach(|| write(&path, &self.bytes(format)?))
+    }
+
+    /// What a notebook shows.
+    fn _repr_svg_(&self) -> String {
+        self.svg()
+    }
+
+    /// Reads what was pickled.
+    #[staticmethod]
+    fn _written(svg: String, png: Vec<u8>) -> Drawing {
+        Drawing(Picture::Written { svg, png })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Drawing>) -> Result<(Bound<'py, PyAny>, (String, Bound<'py, PyBytes>)), Error> {
+        let drawing = slf.get();
+        Ok((slf.get_type().getattr("_written")?, (drawing.svg(), drawing.png(slf.py())?)))
+    }
+}
+
+/// Writes a file whole or not at all.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    write_atomically(path, bytes).map_err(Error::system)
+}
+
+/// Places of each mesh interval in pictures and movies, as the command line draws them.
+const DENSE: usize = 6;
+
+/// Computes a division and writes it as a movie, with so many frames or the usual number, in the format of the file's extension.
+#[pyfunction]
+#[pyo3(signature = (inputs, seed, path, frames=None, progress=None))]
+pub fn write_movie(
+    py: Python<'_>,
+    inputs: &Inputs,
+    seed: u64,
+    path: PathBuf,
+    frames: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<(), Error> {
+    let input = inputs.division(seed)?;
+    let allowed = "a file that ends in .gif, .png, .apng or .svg";
+    let format = MovieFormat::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), allowed))?;
+    supervised(py, Interrupt::Abandons, progress, move |watch| {
+        let film = Trajectory::compute(&input)?.with_places(DENSE);
+        let frames = frames.unwrap_or(format.usual_frames());
+        let movie = Movie { cell: &input.cell, film: &film, frames };
+        let bytes = movie.bytes_shown(format, &|done, of| watch.set([0, done, of])).map_err(Error::system)?;
+        // Whoever interrupted the call expects no file.
+        if watch.stop.load(std::sync::atomic::Ordering::SeqCst) {
+            return Err(Error::Interrupted(0));
+        }
+        write(&path, &bytes)
+    })
+}
+
+/// Computes a division and writes its shapes into a folder, as `furrow divide --frames` does.
+#[pyfunction]
+#[pyo3(signature = (inputs, seed, folder, every=None))]
+pub fn write_shapes(
+    py: Python<'_>,
+    inputs: &Inputs,
+    seed: u64,
+    folder: PathBuf,
+    every: Option<f64>,
+) -> Result<(), Error> {
+    let input = inputs.division(seed)?;
+    if let Some(step) = every.filter(|step| !(step.is_finite() && *step > 0.0)) {
+        return Err(Error::not_allowed("every", step, "a finite number of τ above 0"));
+    }
+    supervised(py, Interrupt::Abandons, None, move |_| {
+        let film = Trajectory::compute(&input)?;
+        check_step(ARGUMENTS, &film, every)?;
+        write_frames(&folder, &film, every).map_err(Error::system)
+    })
+}
+
+/// Computes a division and draws its contours, asymmetry and balance of forces.
+#[pyfunction]
+pub fn draw_division(py: Python<'_>, inputs: &Inputs, seed: u64) -> Result<Drawing, Error> {
+    let input = inputs.division(seed)?;
+    supervised(py, Interrupt::Abandons, None, move |_| {
+        let film = Trajectory::compute(&input)?.with_places(DENSE);
+        Ok(Drawing::of(plot::division::draw(&input.cell, &film)))
+    })
+}

@@ -1,0 +1,141 @@
+//! Files beside those of trees: the page that computes, a lineage to begin with, caches, parts of sweeps, the paper reproduced.
+
+use std::path::PathBuf;
+
+use furrow_analysis::reproduce::measured::measured_divisions;
+use furrow_analysis::reproduce::paper::selected;
+use furrow_analysis::reproduce::{Context, ReproduceError, reproduce as reproduced};
+use furrow_analysis::sweep_files::merge as merged;
+use furrow_figures::drawing::Format;
+use furrow_figures::plot;
+use furrow_formats::files::{FileSet, WriteError};
+use furrow_lineage::TEMPLATE;
+use furrow_lineage::batch::store::maintenance;
+use furrow_report::reproduction::{markdown, stage};
+use pyo3::prelude::*;
+use serde_json::Value;
+
+use crate::document::Document;
+use crate::drawings::write;
+use crate::errors::Error;
+use crate::inputs::Given;
+use crate::memo::Memo;
+use crate::supervise::{Interrupt, supervised};
+use crate::trees::{Labelled, one_of, scenarios};
+
+/// Writes the page that computes divisions in a browser; returns its length in bytes.
+#[pyfunction]
+pub fn explore(
+    py: Python<'_>,
+    lineage: Labelled,
+    given: Given,
+    memo: &Memo,
+    seed: u64,
+    path: PathBuf,
+) -> Result<usize, Error> {
+    let quantisation = memo.solved()?.quantisation();
+    py.detach(|| {
+        let scenarios = scenarios(&[lineage], &[], &given, seed, quantisation)?;
+        let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
+        let page = furrow_report::explorer(&first.lineage, &first.settings);
+        write(&path, page.as_bytes())?;
+        Ok(page.len())
+    })
+}
+
+/// Writes a commented lineage file; an existing file stays.
+#[pyfunction]
+pub fn new_lineage(path: PathBuf) -> Result<(), Error> {
+    if path.symlink_metadata().is_ok() {
+        return Err(Error::not_allowed("path", path.display(), "a file that does not exist yet"));
+    }
+    write(&path, TEMPLATE.as_bytes())
+}
+
+/// The JSON Schema of tree.json.
+#[pyfunction]
+pub fn tree_schema() -> Result<Document, Error> {
+    Ok(Document(serde_json::from_str::<Value>(furrow_formats::TREE_SCHEMA)?))
+}
+
+/// Counts, checks, repairs or clears a cache folder.
+#[pyfunction]
+pub fn cache(py: Python<'_>, folder: PathBuf, action: &str) -> Result<Document, Error> {
+    let run = one_of(
+        "action",
+        action,
+        [
+            ("verify", maintenance::verify as fn(&_) -> _),
+            ("repair", maintenance::repair),
+            ("clear", maintenance::clear),
+        ],
+    )?;
+    py.detach(|| Document::of(run(&folder)?))
+}
+
+/// Merges the folders of a sweep's parts; returns the number of points.
+#[pyfunction]
+pub fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf) -> Result<usize, Error> {
+    py.detach(|| {
+        let whole = |path: &PathBuf| path.canonicalize().unwrap_or_else(|_| path.clone());
+        if parts.is_empty() || parts.iter().any(|part| whole(part) == whole(&out)) {
+            return Err(Error::not_allowed("out", out.display(), "another folder than those of the parts"));
+        }
+        let table = merged(&parts)?;
+        table.write(&out).map_err(Error::system)?;
+        Ok(table.rows.len())
+    })
+}
+
+/// The statements of the paper beside what is computed; writes pictures, tables and pages into a folder if there is one.
+#[pyfunction]
+#[pyo3(signature = (figures, data, given, memo, threads, out, format, progress=None))]
+pub fn reproduce(
+    py: Python<'_>,
+    figures: Vec<String>,
+    data: Option<PathBuf>,
+    given: Given,
+    memo: &Memo,
+    threads: usize,
+    out: Option<PathBuf>,
+    format: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<(Document, String), Error> {
+    let statements = selected(&figures)?;
+    let (extension, format) = one_of("format", format, [("svg", ("svg", Format::Svg)), ("png", ("png", Format::Png))])?;
+    let settings = given.for_divisions()?;
+    let constants = given.named();
+    let memo = memo.solved()?;
+    supervised(py, Interrupt::Finishes, progress, move |watch| {
+        let measured = data.as_deref().map(measured_divisions).transpose()?;
+        let context = Context {
+            settings: &settings,
+            memo: &memo,
+            threads,
+            cancel: &watch.stop,
+            measured: measured.as_ref().map(|(name, divisions)| (name.as_str(), divisions.as_slice())),
+            progress: &|_, done, of| watch.set([0, done, of]),
+        };
+        let found = reproduced(&context, &statements).map_err(|error| match error {
+            ReproduceError::Input(error) => error.into(),
+            ReproduceError::Workers(error) => error.into(),
+            _ => Error::Interrupted(0),
+        })?;
+        let (document, page) = (found.document(&constants), markdown(&found, &constants));
+        if let Some(folder) = &out {
+            let mut files = FileSet::new(folder);
+            let json = format!("{}\n", serde_json::to_string_pretty(&document)?);
+            stage(&mut files, &found, (&page, &json), extension, |panel| {
+                plot::reproduction::draw(panel).bytes(format).map_err(Error::system)
+            })?;
+            files.commit()?;
+        }
+        Ok((document.into(), page))
+    })
+}
+
+impl From<WriteError> for Error {
+    fn from(error: WriteError) -> Error {
+        Error::system(error)
+    }
+}

@@ -1,0 +1,172 @@
+//! Constants, activities and a cue fitted to observations.
+
+use furrow_analysis::fit::{FitError, FitProgress, Reading, SearchBudget, Targets};
+use furrow_analysis::fit::{activities, activities_at_limit, fit_constants as fitted, fit_cue as fitted_cue};
+use furrow_analysis::{front as searched, tree_settings};
+use furrow_figures::plot;
+use furrow_input::parse_document;
+use furrow_lineage::{Lineage, TreeSettings};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::document::Document;
+use crate::drawings::Drawing;
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::{Given, Source, bad_cue, lineage_of, text_of};
+use crate::memo::Memo;
+use crate::studies::read as read_thresholds;
+use crate::supervise::{Interrupt, Watch, supervised};
+use crate::trees::one_of;
+
+/// Particles, moves and seed of a search.
+type Search = (usize, u64, u64);
+
+fn budget((particles, moves, seed): Search) -> SearchBudget {
+    SearchBudget { particles, moves, seed }
+}
+
+impl From<FitError> for Error {
+    fn from(error: FitError) -> Error {
+        match error {
+            FitError::Interrupted { .. } => Error::Interrupted(0),
+            FitError::Grow(error) => error.into(),
+            error => Error::no_outcome(error),
+        }
+    }
+}
+
+/// The lineage and the parameters of its divisions.
+fn lineage_and_settings(
+    lineage: Option<&str>,
+    given: &Given,
+    memo: &furrow_lineage::batch::Memo,
+) -> Result<(Lineage, TreeSettings), Error> {
+    let lineage = lineage_of(lineage)?;
+    let settings = tree_settings(given.for_divisions()?, &lineage, 0, memo.quantisation());
+    Ok((lineage, settings))
+}
+
+/// Observations of a file or a text; default the built-in ones.
+fn targets(source: &Source, lineage: &Lineage) -> Result<Targets, Error> {
+    let (targets, name) = match text_of(source, ARGUMENTS)? {
+        None => (Targets::embryo()?, "embryo.ron (built in)".to_owned()),
+        Some((text, name)) => (parse_document(&text, &name, "a file of targets of a fit", "Fit")?, name),
+    };
+    targets.check(&name, lineage)?;
+    Ok(targets)
+}
+
+fn show(watch: &Watch) -> impl Fn(FitProgress) + Sync {
+    |FitProgress { done, of, .. }| watch.set([0, done, of])
+}
+
+/// One set of constants for the observed embryo: the result, its picture and a configuration file.
+#[pyfunction]
+#[pyo3(signature = (source, lineage, given, memo, search, threads, progress=None))]
+pub fn fit_constants(
+    py: Python<'_>,
+    source: Source,
+    lineage: Option<String>,
+    given: Given,
+    memo: &Memo,
+    search: Search,
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<(Document, Drawing, String), Error> {
+    let memo = memo.solved()?;
+    supervised(py, Interrupt::Finishes, progress, move |watch| {
+        let (lineage, settings) = lineage_and_settings(lineage.as_deref(), &given, &memo)?;
+        let targets = targets(&source, &lineage)?;
+        let (effort, show) = (budget(search), show(watch));
+        let found = fitted(&lineage, &targets, &settings, &memo, effort, threads, &watch.stop, Some(&show))?;
+        let drawing = Drawing::of(plot::fit::draw_constants(&found));
+        Ok((found.document(&targets).into(), drawing, found.best.as_ron()))
+    })
+}
+
+/// The activity that each founder alone would need for its observed rounds.
+#[pyfunction]
+#[pyo3(signature = (lineage, given, memo, rounds, range, threads, progress=None))]
+pub fn fit_activity(
+    py: Python<'_>,
+    lineage: Option<String>,
+    given: Given,
+    memo: &Memo,
+    rounds: &str,
+    range: [f64; 2],
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<(Document, Drawing), Error> {
+    let reading = one_of("rounds", rounds, Reading::NAMED)?;
+    for xi_s in range {
+        let mut settings = given.settings()?;
+        settings.cell.xi_s = xi_s;
+        if xi_s.is_nan() || xi_s <= 0.0 {
+            return Err(Error::not_allowed("range", xi_s, "numbers above 0"));
+        }
+        settings.check_activity(ARGUMENTS)?;
+    }
+    if range[1] <= range[0] {
+        return Err(Error::not_allowed("range", range[1], format!("above the first value, {}", range[0])));
+    }
+    let memo = memo.solved()?;
+    supervised(py, Interrupt::Finishes, progress, move |watch| {
+        let (lineage, settings) = lineage_and_settings(lineage.as_deref(), &given, &memo)?;
+        let show = show(watch);
+        let (found, trees) = activities(&lineage, &settings, &memo, reading, range, threads, &watch.stop, Some(&show))?;
+        let drawing = Drawing::of(plot::fit::draw_activities(&found, settings.cell.xi_s));
+        let at_limit = activities_at_limit(&found);
+        Ok((json!({ "rounds": reading, "founders": found, "at_limit": at_limit, "trees": trees }).into(), drawing))
+    })
+}
+
+/// The cue that gives the measured χ of the germline.
+#[pyfunction]
+#[pyo3(signature = (cue, source, lineage, given, memo, search, threads, progress=None))]
+pub fn fit_cue(
+    py: Python<'_>,
+    cue: String,
+    source: Source,
+    lineage: Option<String>,
+    given: Given,
+    memo: &Memo,
+    search: Search,
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<(Document, Drawing), Error> {
+    let memo = memo.solved()?;
+    supervised(py, Interrupt::Finishes, progress, move |watch| {
+        let (lineage, settings) = lineage_and_settings(lineage.as_deref(), &given, &memo)?;
+        let targets = targets(&source, &lineage)?;
+        let template = lineage.parse_cue(&cue).map_err(bad_cue)?;
+        if template.is_none() {
+            return Err(Error::not_allowed("cue", cue, "a cue with at least one term"));
+        }
+        if targets.chi.is_empty() {
+            return Err(Error::not_allowed("targets", "[]", "targets with at least one measured χ"));
+        }
+        let (effort, show) = (budget(search), show(watch));
+        let found = fitted_cue(&lineage, &targets, &settings, &template, effort, threads, &watch.stop, Some(&show))?;
+        let drawing = Drawing::of(plot::fit::draw_cue(&found));
+        Ok((Document::of(&found)?, drawing))
+    })
+}
+
+/// The front between the worst threshold and the number of statements met, among so many sets of constants.
+#[pyfunction]
+#[pyo3(signature = (source, unknowns, count, seed, given, threads))]
+pub fn front(
+    py: Python<'_>,
+    source: Source,
+    unknowns: Option<Vec<String>>,
+    count: usize,
+    seed: u64,
+    given: Given,
+    threads: usize,
+) -> Result<Document, Error> {
+    supervised(py, Interrupt::Finishes, None, move |watch| {
+        let (targets, settings) = read_thresholds(&source, unknowns.as_deref(), &given)?;
+        let found = searched(&targets, &settings.cell, &settings.numerics, count, seed, threads, &watch.stop)?;
+        Document::of(&found)
+    })
+}

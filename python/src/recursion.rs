@@ -1,0 +1,167 @@
+//! A tree whose cells get their parameters from a function of Python.
+
+use std::sync::Arc;
+
+use furrow_cell::{Cell, Cue, Parameter};
+use furrow_lineage::batch::SchedulerOptions;
+use furrow_lineage::batch::scheduler::{Solved, Summary, solve_all};
+use furrow_lineage::{CellId, Fate, FounderPhysics, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
+use furrow_mechanics::division::{Division, divide};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::document::Document;
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::Inputs;
+use crate::memo::Memo;
+use crate::supervise::{Interrupt, supervised};
+use crate::trees::GrownTree;
+
+/// A cell that is born.
+struct Born {
+    name: String,
+    r0: f64,
+    volume_fraction: f64,
+    /// Its mother and which daughter it is; none of the first.
+    from: Option<(CellId, Side)>,
+}
+
+/// A tree as it grows.
+struct Growing<'py> {
+    /// What gives a cell its parameters; it returns nothing for a cell that is not to divide.
+    rule: &'py Bound<'py, PyAny>,
+    tree: Option<Tree>,
+    seed: u64,
+    /// As that of the memo.
+    r0_step: f64,
+    /// The first cell without its cue, from which those of others differ.
+    first: Cell,
+}
+
+impl Growing<'_> {
+    /// Asks for the parameters of a cell.
+    fn asked(&self, generation: u32, born: &Born) -> Result<Option<Inputs>, Error> {
+        let side = born.from.map(|(_, side)| if side == Side::Anterior { "anterior" } else { "posterior" });
+        let mother = born.from.and_then(|(id, _)| Some(self.tree.as_ref()?.cell(id)));
+        let division = mother.and_then(|mother| mother.fate.division()).map(Document::of).transpose()?;
+        let mother = mother.map(|mother| mother.name.as_str());
+        let told = (born.name.as_str(), born.r0, born.volume_fraction, generation, side, mother, division);
+        let answer = self.rule.call1(told)?;
+        Ok(answer.extract::<Option<PyRef<'_, Inputs>>>().map_err(PyErr::from)?.map(|inputs| inputs.clone()))
+    }
+
+    /// Adds a cell with its fate.
+    fn add(
+        &mut self,
+        generation: u32,
+        born: Born,
+        of: &Cell,
+        fate: Fate,
+        numerics: furrow_cell::Numerics,
+    ) -> Result<CellId, Error> {
+        let mut physics = FounderPhysics::default();
+        for parameter in Parameter::ALL {
+            let value = parameter.get(of);
+            if value != parameter.get(&self.first) {
+                physics.set(parameter, value);
+            }
+        }
+        let physics = (!physics.is_empty()).then(|| Box::new(physics));
+        let Born { name, volume_fraction, from, .. } = born;
+        let cue = of.cue.clone();
+        let cell = TreeCell { name, founder: 0, generation, r0: of.r0, volume_fraction, cue, physics, fate };
+        Ok(match (&mut self.tree, from) {
+            (Some(tree), Some((mother, side))) => tree.add(mother, side, cell, false),
+            (tree, _) => {
+                let text = format!("(name: {0:?}, founders: [(name: {0:?})])", cell.name);
+                let settings =
+                    TreeSettings { seed: self.seed, r0_step: self.r0_step, cell: self.first.clone(), numerics };
+                tree.insert(Tree::new(Lineage::parse(&text, ARGUMENTS)?, settings, cell)).first()
+            }
+        })
+    }
+
+    /// The daughters of a cell, the anterior one first.
+    fn daughters(&self, id: CellId) -> Option<[Born; 2]> {
+        let mother = self.tree.as_ref()?.cell(id);
+        let volumes = mother.fate.daughter_volumes(mother.volume_fraction)?;
+        Some([(Side::Anterior, 'a', 0), (Side::Posterior, 'p', 1)].map(|(side, letter, k)| Born {
+            name: format!("{}{letter}", mother.name),
+            r0: mother.r0 * (volumes[k] / mother.volume_fraction).cbrt(),
+            volume_fraction: volumes[k],
+            from: Some((id, side)),
+        }))
+    }
+}
+
+/// Grows a tree from a cell of this name, generation by generation; `rule` gives each cell its parameters. Returns it with the run's work.
+#[pyfunction]
+#[pyo3(signature = (name, first_r0, rule, memo, seed, limits, threads, progress=None))]
+pub fn grow_by(
+    py: Python<'_>,
+    name: &str,
+    first_r0: f64,
+    rule: &Bound<'_, PyAny>,
+    memo: &Memo,
+    seed: u64,
+    limits: (u32, usize),
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<(GrownTree, Document), Error> {
+    let (max_depth, max_cells) = limits;
+    let memo = memo.solved()?;
+    let mut growing =
+        Growing { rule, tree: None, seed, r0_step: memo.quantisation().relative_step(), first: Cell::new(first_r0) };
+    let mut born = vec![Born { name: name.to_owned(), r0: first_r0, volume_fraction: 1.0, from: None }];
+    let (mut summary, mut generation) = (Summary::default(), 0);
+    while !born.is_empty() {
+        let cells: Vec<Option<Inputs>> =
+            born.iter().map(|one| growing.asked(generation, one)).collect::<Result<_, _>>()?;
+        if let (0, Some(Some(first))) = (generation, cells.first()) {
+            growing.first = first.cell.clone().with_cue(Cue::none());
+        }
+        let numerics = cells.iter().flatten().next().map_or_else(Default::default, |inputs| inputs.numerics);
+        let count = growing.tree.as_ref().map_or(0, Tree::len) + born.len();
+        let fates = if generation >= max_depth {
+            born.iter().map(|_| TerminalReason::MaxDepth { max_depth }.into()).collect()
+        } else if count + 2 * born.len() > max_cells {
+            born.iter().map(|_| TerminalReason::MaxCells { max_cells }.into()).collect()
+        } else {
+            let inputs = cells.iter().flatten().map(|inputs| inputs.division(seed)).collect::<Result<Vec<_>, _>>()?;
+            let memo = Arc::clone(&memo);
+            let solved = supervised(py, Interrupt::Finishes, progress, move |watch| {
+                let show = |progress| watch.divisions(progress);
+                let (interrupt, progress): (_, Option<&dyn Fn(_)>) = (Some(&watch.stop), Some(&show));
+                let options = SchedulerOptions { threads, interrupt, progress, ..SchedulerOptions::default() };
+                let solved = solve_all(inputs, &memo, &options, divide)?;
+                if solved.summary.interrupted { Err(Error::Interrupted(0)) } else { Ok(solved) }
+            })?;
+            fates(generation, &cells, solved, &mut summary)
+        };
+        let like = growing.first.clone();
+        let mut next = Vec::new();
+        for ((one, inputs), fate) in born.into_iter().zip(cells).zip(fates) {
+            let cell = inputs.map_or_else(|| Cell { r0: one.r0, ..like.clone() }, |inputs| inputs.cell);
+            let id = growing.add(generation, one, &cell, fate, numerics)?;
+            next.extend(growing.daughters(id).into_iter().flatten());
+        }
+        (born, generation) = (next, generation + 1);
+    }
+    let tree = growing.tree.ok_or_else(|| Error::not_allowed("name", name, "the name of a cell"))?;
+    let work = json!({ "divisions_solved": summary.solved, "memo_hits": summary.memo_hits, "warnings": [] });
+    Ok((GrownTree { tree: Arc::new(tree) }, work.into()))
+}
+
+/// The fates of a generation's cells: those without parameters do not divide.
+fn fates(generation: u32, cells: &[Option<Inputs>], solved: Solved, summary: &mut Summary) -> Vec<Fate> {
+    let Solved { divisions, unsolved, summary: run } = solved;
+    summary.add(run);
+    let mut divisions = divisions.into_iter().enumerate();
+    let mut fate = |_: &Inputs| -> Option<Fate> {
+        let (id, division): (usize, Option<Division>) = divisions.next()?;
+        let why = || unsolved.iter().find(|job| job.id == id).map_or(String::new(), |job| job.failure.to_string());
+        Some(division.map_or_else(|| TerminalReason::Undecided { why: why() }.into(), Fate::from))
+    };
+    let ended = || TerminalReason::MaxDepth { max_depth: generation }.into();
+    cells.iter().map(|inputs| inputs.as_ref().and_then(&mut fate).unwrap_or_else(ended)).collect()
+}
