@@ -375,7 +375,7 @@ fn a_branch_that_needs_more_intervals_than_allowed_ends_with_its_defect() {
 
 /// Cases of [`hostile::check`]; `HOSTILE_CASES` asks for more.
 fn cases() -> u32 {
-    std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1500)
+    std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(300)
 }
 
 proptest! {
