@@ -30,6 +30,17 @@ fn moves(along: &[f64]) -> bool {
     along.iter().any(|d| *d != 0.0)
 }
 
+/// The slope at 0 of what `values` gives at t.
+pub(super) fn slope(t: f64, mut values: impl FnMut(f64) -> Vec<f64>) -> Vec<f64> {
+    let mut sum = Vec::new();
+    for (place, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
+        let values = values(place * t);
+        sum.resize(values.len(), 0.0);
+        sum.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * value / (12.0 * t));
+    }
+    sum
+}
+
 /// Second derivatives along a twice, and third ones by differences of these.
 pub(super) fn third<P: Directional + ?Sized>(
     problem: &mut P,
@@ -43,26 +54,24 @@ pub(super) fn third<P: Directional + ?Sized>(
     }
     problem.second_many(points, p, [along, along], [&mut *f2, &mut *g2]);
     let Some(t) = step(FIRST, [(points.y, along.y), (p, along.p)].into_iter()) else { return };
-    let (mut f, mut g) = (vec![0.0; f2.len()], vec![0.0; g2.len()]);
-    for (place, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
-        let (y, p) = (moved(points.y, place * t, along.y), moved(p, place * t, along.p));
+    let slopes = slope(t, |t| {
+        let (y, p) = (moved(points.y, t, along.y), moved(p, t, along.p));
         if moves(along.p) {
             problem.prepare(&p);
         }
-        f.fill(0.0);
-        g.fill(0.0);
-        problem.second_many(CollocationPoints { y: &y, ..points }, &p, [along, along], [&mut f, &mut g]);
-        for (out, values) in [(&mut *f3, &f), (&mut *g3, &g)] {
-            out.iter_mut().zip(values).for_each(|(out, value)| *out += weight * value / (12.0 * t));
-        }
-    }
+        let mut values = vec![0.0; f2.len() + g2.len()];
+        let (f, g) = values.split_at_mut(f2.len());
+        problem.second_many(CollocationPoints { y: &y, ..points }, &p, [along, along], [f, g]);
+        values
+    });
+    f3.iter_mut().chain(g3).zip(slopes).for_each(|(out, slope)| *out = slope);
     if moves(along.p) {
         problem.prepare(p);
     }
 }
 
 /// Derivatives along `b` of the left conditions, the right ones and the parts h(p), in one vector.
-fn slopes_at_ends<P: BoundaryValueProblem + ?Sized>(problem: &P, at: EndValues, b: EndValues) -> Vec<f64> {
+pub(super) fn slopes_at_ends<P: BoundaryValueProblem + ?Sized>(problem: &P, at: EndValues, b: EndValues) -> Vec<f64> {
     let Dimensions { components: n, scalars: np, left, right, integrals, .. } = problem.dimensions();
     let product = |row: &[f64], d: &[f64]| row.iter().zip(d).map(|(r, d)| r * d).sum::<f64>();
     let mut slopes = Vec::with_capacity(left + right + integrals);
@@ -89,7 +98,7 @@ fn slopes_at_ends<P: BoundaryValueProblem + ?Sized>(problem: &P, at: EndValues, 
 }
 
 /// The same at `at` + t · `a`.
-fn slopes_beside<P: BoundaryValueProblem + ?Sized>(
+pub(super) fn slopes_beside<P: BoundaryValueProblem + ?Sized>(
     problem: &mut P,
     at: EndValues,
     [a, b]: [EndValues; 2],
@@ -122,10 +131,8 @@ pub(super) fn second_at_ends<P: BoundaryValueProblem + ?Sized>(
     mut out: EndDerivatives<'_>,
 ) {
     let Some(t) = step_at_ends(FIRST, at, a) else { return };
-    for (place, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
-        let slopes = slopes_beside(problem, at, [a, b], place * t);
-        add(&mut out, slopes.iter().map(|s| weight * s / (12.0 * t)));
-    }
+    let slopes = slope(t, |t| slopes_beside(problem, at, [a, b], t));
+    add(&mut out, slopes.into_iter());
     if moves(a.p) {
         problem.prepare(at.p);
     }
