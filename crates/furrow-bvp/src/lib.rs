@@ -32,6 +32,9 @@ pub mod metric;
 pub mod newton;
 pub mod problem;
 pub mod solution;
+#[cfg(feature = "auto")]
+#[doc = include_str!("tutorial.md")]
+pub mod tutorial {}
 
 // Test problems that examples share name the crate.
 #[cfg(test)]

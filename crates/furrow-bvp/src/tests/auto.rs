@@ -63,7 +63,7 @@ impl<E> ByHand<E> {
     /// Spoils a value if it is the one that is wrong.
     fn spoil(&self, name: &str, value: &mut [f64], k: usize) {
         if self.wrong == name {
-            value[k] = 1.01 * value[k] + 0.01;
+            value[k] = 1.01 * value[k] + 0.03;
         }
     }
 }
@@ -328,4 +328,12 @@ fn values_of_other_sizes_cannot_be_checked() {
     assert_eq!(error, CheckError::Guess { components: 2, scalars: 1 });
     let none = Solution::constant(2, &[0.0], &[0.0; 2], &[0.0; 2]);
     assert!(check_directional(&mut Auto(Everything), &none).is_err());
+}
+
+#[test]
+fn the_readme_shows_the_first_example_in_thirty_lines() {
+    let (example, readme) = (include_str!("../../examples/bratu.rs"), include_str!("../../README.md"));
+    let code = example.split_once("use ").unwrap().1;
+    assert!(readme.contains(&format!("```rust\nuse {code}```")), "examples/bratu.rs is not what README.md shows");
+    assert!(example.lines().count() <= 30);
 }
