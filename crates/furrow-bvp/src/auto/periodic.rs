@@ -62,10 +62,9 @@ pub trait VectorField {
 /// ```
 #[derive(Clone, Debug)]
 pub struct PeriodicOrbit<V> {
-    /// The vector field.
-    pub field: V,
+    field: V,
     /// The reference orbit y₀ on \[0, 1\].
-    pub reference: Solution,
+    reference: Solution,
     gauss: Gauss,
 }
 
@@ -86,9 +85,9 @@ impl<V: VectorField> PeriodicOrbit<V> {
         (Auto(PeriodicOrbit { field, reference, gauss: gauss.clone() }), guess)
     }
 
-    /// The period T of an orbit found.
+    /// The period T of an orbit found; NaN of what is no solution of such a problem.
     pub fn period(orbit: &Solution) -> f64 {
-        orbit.scalars[orbit.components]
+        orbit.scalars.get(orbit.components).copied().unwrap_or(f64::NAN)
     }
 }
 
