@@ -65,7 +65,8 @@ pub struct Closures {
     integrands: AtPoint,
     left: AtEnd,
     right: AtEnd,
-    offsets: Arc<dyn Fn(&[Jet], &mut [Jet]) + Send + Sync>,
+    /// Of p alone.
+    offsets: AtEnd,
 }
 
 impl std::fmt::Debug for Closures {
@@ -87,7 +88,7 @@ impl SimpleProblem {
             integrands: Arc::new(|_, _, _, _| {}),
             left: Arc::new(|_, _, _| {}),
             right: Arc::new(|_, _, _| {}),
-            offsets: Arc::new(|_, _| {}),
+            offsets: Arc::new(|_, _, _| {}),
         })
     }
 
@@ -132,7 +133,7 @@ impl SimpleProblem {
 
     /// With the parts h(p) of the integral conditions, zero otherwise.
     pub fn offsets(mut self, offsets: impl Fn(&[Jet], &mut [Jet]) + Send + Sync + 'static) -> SimpleProblem {
-        self.0.offsets = Arc::new(offsets);
+        self.0.offsets = Arc::new(move |_, p, h| offsets(p, h));
         self
     }
 }
@@ -168,6 +169,6 @@ impl Equations for Closures {
     }
 
     fn offsets<D: Number>(&self, p: &[D], h: &mut [D]) {
-        with_jets([&[], p], h, |[_, p], h| (self.offsets)(p, h));
+        with_jets([&[], p], h, |[y, p], h| (self.offsets)(y, p, h));
     }
 }
