@@ -10,12 +10,15 @@
 //! | [`solution`], [`direction`], [`metric`] | solutions and their changes |
 //! | `kernels` (private) | `stages`, `condense`, `block`, `table`: inner loops in O(N) |
 //! | [`problem`], [`mesh`] | the statement of a problem; meshes and defects |
+//! | [`auto`] | problems from equations, closures and vector fields, with automatic differentiation |
 //! | [`linear`] | residuals, factors and solves of the linearised system |
 //! | [`newton`] | damped Newton, and the adaptive driver [`solve`] |
 //! | [`continuation`] | branches by pseudo-arclength |
 //! | [`bifurcation`] | folds and pitchforks as roots, normal forms |
 //! | [`codim2`] | curves of folds and pitchforks in two parameters |
 
+#[cfg(feature = "auto")]
+pub mod auto;
 pub mod bifurcation;
 pub mod codim2;
 pub mod continuation;
@@ -31,6 +34,9 @@ pub mod metric;
 pub mod newton;
 pub mod problem;
 pub mod solution;
+#[cfg(feature = "auto")]
+#[doc = include_str!("tutorial.md")]
+pub mod tutorial {}
 
 // Test problems that examples share name the crate.
 #[cfg(test)]
@@ -38,6 +44,8 @@ extern crate self as furrow_bvp;
 #[cfg(test)]
 mod tests;
 
+#[cfg(feature = "auto")]
+pub use auto::{Auto, DualNum, Equations, Number, PeriodicOrbit, SimpleProblem, VectorField};
 pub use bifurcation::{
     AugmentedReport, Fold, MinimallyAugmented, SingularError, Singularity, SymmetryBreaking, locate, normal_form,
 };
@@ -53,7 +61,8 @@ pub use linear::System;
 pub use metric::Metric;
 pub use newton::{Newton, NewtonError, NewtonReport, Settings, SolveError, Solved, Work, solve};
 pub use problem::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Directional, MirrorSymmetric,
-    PointJacobian, derivatives,
+    BoundaryJacobian, BoundaryValueProblem, CheckError, CollocationPoint, CollocationPoints, Directional,
+    EndDerivatives, EndValues, MirrorSymmetric, Mismatch, PointDirection, PointJacobian, PointValues,
+    check_derivatives, check_directional, derivatives,
 };
 pub use solution::{Solution, Transfer};

@@ -10,6 +10,9 @@ use crate::solution::Solution;
 /// The inner product ⟨a, b⟩ = Σ_c W_c ∫ a_c b_c dx / (x_N − x₀) + Σ_k w_k a_k b_k on solutions, by the trapezoidal rule
 /// on the nodes, so that an arclength does not depend on the mesh.
 ///
+/// Weights make unknowns comparable: 1/s² for one of typical size s, 0 for one that follows from the others. The module
+/// `tutorial` has more on the choice.
+///
 /// # Examples
 /// ```
 /// use furrow_bvp::{Direction, Metric, mesh};

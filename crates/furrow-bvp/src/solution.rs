@@ -121,6 +121,18 @@ impl Solution {
         self.check()
     }
 
+    /// The same values everywhere on a mesh, as a guess: `y` of the components and `scalars` of the scalar unknowns.
+    pub fn constant(stages: usize, mesh: &[f64], y: &[f64], scalars: &[f64]) -> Solution {
+        Solution {
+            components: y.len(),
+            m: stages,
+            mesh: mesh.to_vec(),
+            nodes: y.repeat(mesh.len()),
+            stages: y.repeat(mesh.len().saturating_sub(1) * stages),
+            scalars: scalars.to_vec(),
+        }
+    }
+
     /// Number of mesh intervals N.
     pub fn intervals(&self) -> usize {
         self.mesh.len().saturating_sub(1)

@@ -91,31 +91,20 @@ impl BoundaryValueProblem for Oscillator {
 }
 
 impl Directional for Oscillator {
-    type Second = ();
-    type Third = ();
-
-    fn prepare_second(&self, _: &[f64], _: &[f64], _: &[f64]) {}
-
-    fn second(
-        &self,
-        _: &(),
-        PointValues { y, p, .. }: PointValues,
-        [a, b]: [PointDirection; 2],
-        [f, _]: [&mut [f64]; 2],
-    ) {
+    fn second(&self, PointValues { y, p, .. }: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
         let [_, w_u, w_uu, _, w_mu, w_umu, w_mumu] = self.derivatives(y[0], p);
         let ([au, am], [bu, bm]) = ([a.y[0], along_mu(a)], [b.y[0], along_mu(b)]);
         let second = w_uu * au * bu + w_umu * (au * bm + am * bu) + w_mumu * am * bm;
         f[1] = -p[0] * second - a.p[0] * (w_u * bu + w_mu * bm) - b.p[0] * (w_u * au + w_mu * am);
     }
 
-    fn prepare_third(&self, _: &[f64], _: &[f64]) {}
-
-    fn third(&self, _: &(), PointValues { y, p, .. }: PointValues, a: PointDirection, [f2, _, f3]: [&mut [f64]; 3]) {
-        // Along u alone.
+    fn third(&self, PointValues { y, p, .. }: PointValues, a: PointDirection, out: [[&mut [f64]; 2]; 2]) -> bool {
+        let [[f2, _], [f3, _]] = out;
         let [_, _, w_uu, w_uuu, ..] = self.derivatives(y[0], p);
         f2[1] = -p[0] * w_uu * a.y[0] * a.y[0];
         f3[1] = -p[0] * w_uuu * a.y[0] * a.y[0] * a.y[0];
+        // Along u alone. The others are left to differences.
+        a.p.iter().all(|along| *along == 0.0)
     }
 }
 

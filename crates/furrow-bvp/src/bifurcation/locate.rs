@@ -6,6 +6,7 @@ use crate::metric;
 use crate::problem::Directional;
 use crate::solution::Solution;
 
+use super::fold::Fold;
 use super::minimally_augmented::{AugmentedReport, MinimallyAugmented};
 use super::singularity::{SingularError, Singularity};
 
@@ -20,6 +21,17 @@ pub struct Located<P, S> {
     pub arclength: f64,
     /// How Newton converged.
     pub report: AugmentedReport,
+}
+
+/// The fold in the last scalar unknown that the last step of a branch has passed, as
+/// [`passed_fold`](crate::continuation::Advance::passed_fold) says.
+///
+/// # Errors
+/// As [`between_last_points`].
+pub fn last_fold<P: Directional + Clone>(branch: &mut Continuation<P>) -> Result<Located<P, Fold>, SingularError> {
+    let after = branch.state.parameter_slope().signum();
+    let parameter = branch.state.solution.scalars.len().saturating_sub(1);
+    between_last_points(branch, Fold::new(parameter), [-after, after])
 }
 
 /// Finds the zero of `singularity` between the last points of a branch, where its sign changes from `signs[0]` to

@@ -46,8 +46,9 @@ pub fn pitchfork_normal_form<P: Directional + MirrorSymmetric>(
     system.solve(&square, &mut response);
     response.scale(0.5);
     second_residual(&gauss, problem, y, [&singularity.null, &response], conditions, &mut mixed);
-    for (mixed, cube) in mixed.stages.iter_mut().zip(&cube.stages) {
-        *mixed += cube / 6.0;
+    // The antisymmetric problem has no other equations: at the mirror its conditions are linear.
+    for (mixed, cube) in [(&mut mixed.stages, &cube.stages), (&mut mixed.left, &cube.left)] {
+        mixed.iter_mut().zip(cube).for_each(|(mixed, cube)| *mixed += cube / 6.0);
     }
     mixed.right.clear();
     mixed.right.resize(problem.vanishing_at_mirror().len(), 0.0);

@@ -1,99 +1,57 @@
-//! Second and third derivatives along given directions, for singular points and their normal forms.
-//!
-//! Only the right-hand side and the integrands are nonlinear here: boundary conditions must be linear.
+//! Second and third derivatives of all equations along given directions, for singular points and their normal forms.
 
 use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
 use crate::direction::{Direction, Residual};
 use crate::gauss::Gauss;
 use crate::solution::Solution;
 
-use super::statement::{BoundaryValueProblem, CollocationPoint};
+use super::statement::CollocationPoints;
 
-/// A collocation point with the unknowns there.
-#[derive(Clone, Copy, Debug)]
-pub struct PointValues<'a> {
-    /// The point.
-    pub at: CollocationPoint,
-    /// Components of y.
-    pub y: &'a [f64],
-    /// Scalar unknowns.
-    pub p: &'a [f64],
-}
-
-/// A direction in the unknowns at one point: components of y and scalar unknowns.
-#[derive(Clone, Copy, Debug)]
-pub struct PointDirection<'a> {
-    /// Along y.
-    pub y: &'a [f64],
-    /// Along the scalar unknowns.
-    pub p: &'a [f64],
-}
-
-/// Problems whose right-hand side can be differentiated along directions. The scalar directions of a whole sweep are
-/// known before its first point, so that what depends on them alone is computed once.
-pub trait Directional: BoundaryValueProblem {
-    /// What a sweep of second derivatives prepares.
-    type Second;
-    /// What a sweep of third derivatives prepares.
-    type Third;
-
-    /// Prepares D²f\[a, b\] for scalar unknowns p and their directions.
-    fn prepare_second(&self, p: &[f64], a: &[f64], b: &[f64]) -> Self::Second;
-
-    /// D²f\[a, b\] and D²g\[a, b\] into the two of `out`.
-    fn second(&self, prepared: &Self::Second, point: PointValues, along: [PointDirection; 2], out: [&mut [f64]; 2]);
-
-    /// The same of the part h(p) of an integral condition.
-    fn second_offset(&self, _prepared: &Self::Second, _k: usize) -> f64 {
-        0.0
-    }
-
-    /// Prepares the powers of one direction.
-    fn prepare_third(&self, p: &[f64], a: &[f64]) -> Self::Third;
-
-    /// D²f\[a, a\], D²g\[a, a\] and D³f\[a, a, a\] into the three of `out`.
-    fn third(&self, prepared: &Self::Third, point: PointValues, along: PointDirection, out: [&mut [f64]; 3]);
-}
+pub use super::directional::{Directional, EndDerivatives, EndValues, PointDirection, PointValues};
 
 /// Clears `out` in the shape of the problem and the mesh of `y`.
 fn clear(dims: Dimensions, y: &Solution, border: usize, out: &mut Residual) {
     out.reset([y.stages.len(), y.intervals() * y.components, dims.left, dims.right, border]);
 }
 
-/// Runs `point` over all collocation points and collects −h f in the stage rows and Σ h b g in the integral rows.
-fn sweep<P: BoundaryValueProblem>(
-    gauss: &Gauss,
-    problem: &mut P,
-    y: &Solution,
-    border: usize,
-    out: &mut Residual,
-    mut point: impl FnMut(&P, PointValues, [&mut [f64]; 2]),
-) {
-    let dims = problem.dimensions();
-    let n = dims.components;
-    clear(dims, y, border, out);
-    let mut scratch = [0.0; 2 * MAX_UNKNOWNS];
-    let (f, rest) = scratch.split_at_mut(n);
-    let g = &mut rest[..dims.integrals];
+/// The collocation points of a mesh.
+fn places(gauss: &Gauss, y: &Solution) -> Vec<f64> {
+    let intervals = y.mesh.windows(2).map(|x| (x[0], x[1] - x[0]));
+    intervals.flat_map(|(left, h)| gauss.c.iter().map(move |c| left + h * c)).collect()
+}
+
+/// Turns derivatives of f in the stage rows of `out` into −h f, and adds Σ h b g to its integral rows.
+fn integrate(gauss: &Gauss, y: &Solution, integrands: &[f64], out: &mut Residual) {
+    let width = y.m * y.components;
+    let integrals = integrands.len() / (y.intervals() * y.m);
     for i in 0..y.intervals() {
         let h = y.mesh[i + 1] - y.mesh[i];
+        out.stages[i * width..(i + 1) * width].iter_mut().for_each(|row| *row *= -h);
         for j in 0..y.m {
-            let index = i * y.m + j;
-            f.fill(0.0);
-            g.fill(0.0);
-            let at = CollocationPoint { x: y.mesh[i] + h * gauss.c[j], index };
-            point(problem, PointValues { at, y: y.stage(i, j), p: &y.scalars }, [f, g]);
-            for (row, f) in out.stages[index * n..(index + 1) * n].iter_mut().zip(f.iter()) {
-                *row = -h * f;
-            }
-            for (row, g) in out.border.iter_mut().zip(g.iter()) {
+            let g = &integrands[(i * y.m + j) * integrals..];
+            for (row, g) in out.border[..integrals].iter_mut().zip(g) {
                 *row += h * gauss.b[j] * g;
             }
         }
     }
 }
 
-/// D²F\[a, b\] of all collocation equations, with zeros in `conditions` linear conditions.
+/// The unknowns at both ends of a solution, or of a direction, on n components.
+fn ends<'a>(nodes: &'a [f64], p: &'a [f64], n: usize) -> EndValues<'a> {
+    EndValues { left: &nodes[..n], right: &nodes[nodes.len() - n..], p }
+}
+
+/// Room for derivatives of the boundary conditions and of h(p).
+fn conditions<'a>(out: &'a mut Residual, offsets: &'a mut [f64]) -> EndDerivatives<'a> {
+    EndDerivatives { left: &mut out.left, right: &mut out.right, offsets }
+}
+
+/// Adds the derivatives of h(p) to the integral rows.
+fn add_offsets(out: &mut Residual, offsets: &[f64]) {
+    out.border.iter_mut().zip(offsets).for_each(|(row, h)| *row += h);
+}
+
+/// D²F\[a, b\] of all equations, with zeros in `conditions` linear conditions.
 pub fn second_residual<P: Directional>(
     gauss: &Gauss,
     problem: &mut P,
@@ -103,20 +61,23 @@ pub fn second_residual<P: Directional>(
     out: &mut Residual,
 ) {
     problem.prepare(&y.scalars);
-    let prepared = problem.prepare_second(&y.scalars, &a.scalars, &b.scalars);
-    let (n, integrals) = (y.components, problem.dimensions().integrals);
-    sweep(gauss, problem, y, integrals + conditions, out, |problem, point, out| {
-        let range = point.at.index * n..(point.at.index + 1) * n;
-        let along = [a, b].map(|d| PointDirection { y: &d.stages[range.clone()], p: &d.scalars });
-        problem.second(&prepared, point, along, out);
-    });
-    for k in 0..integrals {
-        out.border[k] += problem.second_offset(&prepared, k);
-    }
+    let dims = problem.dimensions();
+    clear(dims, y, dims.integrals + conditions, out);
+    let x = places(gauss, y);
+    let mut integrands = vec![0.0; x.len() * dims.integrals];
+    let points = CollocationPoints { first: 0, x: &x, y: &y.stages };
+    let along = [a, b].map(|d| PointDirection { y: &d.stages, p: &d.scalars });
+    problem.second_many(points, &y.scalars, along, [&mut out.stages, &mut integrands]);
+    integrate(gauss, y, &integrands, out);
+    let mut offsets = [0.0; MAX_UNKNOWNS];
+    let offsets = &mut offsets[..dims.integrals];
+    let n = y.components;
+    let along = [a, b].map(|d| ends(&d.nodes, &d.scalars, n));
+    problem.second_at_ends(ends(&y.nodes, &y.scalars, n), along, self::conditions(out, offsets));
+    add_offsets(out, offsets);
 }
 
-/// D²F\[a, a\] of all collocation equations into `second`, and D³F\[a, a, a\] of the stage equations into `third`, for a
-/// direction that leaves the scalar unknowns alone; zeros in `conditions` linear conditions.
+/// D²F\[a, a\] of all equations into `second` and D³F\[a, a, a\] into `third`, with zeros in `conditions` linear conditions.
 pub fn power_residuals<P: Directional>(
     gauss: &Gauss,
     problem: &mut P,
@@ -126,17 +87,25 @@ pub fn power_residuals<P: Directional>(
     [second, third]: [&mut Residual; 2],
 ) {
     problem.prepare(&y.scalars);
-    let prepared = problem.prepare_third(&y.scalars, &a.scalars);
     let dims = problem.dimensions();
-    let n = dims.components;
-    clear(dims, y, dims.integrals + conditions, third);
-    sweep(gauss, problem, y, dims.integrals + conditions, second, |problem, point, [f, g]| {
-        let range = point.at.index * n..(point.at.index + 1) * n;
-        let along = PointDirection { y: &a.stages[range.clone()], p: &a.scalars };
-        let f3 = &mut third.stages[range];
-        problem.third(&prepared, point, along, [f, g, f3]);
-        let interval = point.at.index / y.m;
-        let h = y.mesh[interval + 1] - y.mesh[interval];
-        f3.iter_mut().for_each(|f| *f *= -h);
-    });
+    let x = places(gauss, y);
+    let mut integrands = [(); 2].map(|()| vec![0.0; x.len() * dims.integrals]);
+    for out in [&mut *second, &mut *third] {
+        clear(dims, y, dims.integrals + conditions, out);
+    }
+    let points = CollocationPoints { first: 0, x: &x, y: &y.stages };
+    let along = PointDirection { y: &a.stages, p: &a.scalars };
+    let [g2, g3] = &mut integrands;
+    let out = [[&mut second.stages[..], &mut g2[..]], [&mut third.stages[..], &mut g3[..]]];
+    problem.third_many(points, &y.scalars, along, out);
+    for (out, integrands) in [(&mut *second, &integrands[0]), (&mut *third, &integrands[1])] {
+        integrate(gauss, y, integrands, out);
+    }
+    let (at, along) = (ends(&y.nodes, &y.scalars, y.components), ends(&a.nodes, &a.scalars, y.components));
+    let mut offsets = [[0.0; MAX_UNKNOWNS]; 2];
+    let [h2, h3] = offsets.each_mut().map(|h| &mut h[..dims.integrals]);
+    problem.second_at_ends(at, [along, along], self::conditions(second, h2));
+    problem.third_at_ends(at, along, self::conditions(third, h3));
+    add_offsets(second, h2);
+    add_offsets(third, h3);
 }

@@ -1,9 +1,13 @@
-//! The statement of a boundary-value problem, its higher derivatives and its mirror symmetry.
+//! The statement of a boundary-value problem, its higher derivatives, a check of both, and its mirror symmetry.
 
+mod check;
 pub mod derivatives;
+mod differences;
+mod directional;
 mod statement;
 mod symmetry;
 
-pub use derivatives::{Directional, PointDirection, PointValues};
+pub use check::{CheckError, Mismatch, check_derivatives, check_directional};
+pub use directional::{Directional, EndDerivatives, EndValues, PointDirection, PointValues};
 pub use statement::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian};
 pub use symmetry::MirrorSymmetric;

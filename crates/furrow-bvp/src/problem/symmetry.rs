@@ -1,9 +1,7 @@
 //! Problems on the half of a mirror-symmetric domain.
 
-use super::statement::BoundaryValueProblem;
-
 /// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
-pub trait MirrorSymmetric: BoundaryValueProblem {
+pub trait MirrorSymmetric {
     /// Components that vanish at the mirror in antisymmetric perturbations: as many as make these, with the left
     /// conditions, a square problem.
     fn vanishing_at_mirror(&self) -> &[usize];

@@ -4,6 +4,8 @@
 //! algebra without blocks.
 
 mod antisymmetric;
+#[cfg(feature = "auto")]
+mod auto;
 mod dense;
 mod limits;
 mod linear;

@@ -1,6 +1,7 @@
 //! Second and third directional derivatives of the equations, for singular points and their normal forms.
 
-use furrow_bvp::derivatives::{Directional, PointDirection, PointValues};
+use furrow_bvp::CollocationPoints;
+use furrow_bvp::derivatives::{Directional, EndDerivatives, EndValues, PointDirection, PointValues};
 use num_dual::{Dual3_64, HyperDual64};
 
 use super::Cortex;
@@ -9,8 +10,7 @@ use super::problem::SHAPE_SCALARS;
 use furrow_cell::Number;
 
 /// Constants, length and pressure of a cortex with derivatives along scalar directions.
-#[derive(Clone, Debug)]
-pub struct Lifted<D> {
+struct Lifted<D> {
     constants: Constants<D>,
     length: D,
     pressure: D,
@@ -25,64 +25,90 @@ fn lift<D: Number>(cortex: &Cortex, p: &[f64], number: impl Fn(usize, f64) -> D)
     Lifted { constants, length: number(LENGTH, p[LENGTH]), pressure: number(PRESSURE, p[PRESSURE]) }
 }
 
-/// For stationary problems (`rate` = 0, no noise).
-impl Directional for Cortex {
-    type Second = Lifted<HyperDual64>;
-    type Third = Lifted<Dual3_64>;
-
-    fn prepare_second(&self, p: &[f64], a: &[f64], b: &[f64]) -> Self::Second {
+impl Cortex {
+    fn second_order(&self, p: &[f64], a: &[f64], b: &[f64]) -> Lifted<HyperDual64> {
         lift(self, p, |k, value| HyperDual64::new(value, a[k], b[k], 0.0))
     }
 
-    fn second(&self, prepared: &Self::Second, point: PointValues, along: [PointDirection; 2], out: [&mut [f64]; 2]) {
-        if point.y.len() == REGULATED {
-            second::<REGULATED>(prepared, point, along, out);
-        } else {
-            second::<COMPONENTS>(prepared, point, along, out);
-        }
-    }
-
-    fn second_offset(&self, prepared: &Self::Second, _k: usize) -> f64 {
-        -self.domain.end() * prepared.constants.volume.eps1eps2
-    }
-
-    fn prepare_third(&self, p: &[f64], a: &[f64]) -> Self::Third {
+    fn third_order(&self, p: &[f64], a: &[f64]) -> Lifted<Dual3_64> {
         lift(self, p, |k, value| Dual3_64::new(value, a[k], 0.0, 0.0))
     }
+}
 
-    fn third(&self, prepared: &Self::Third, point: PointValues, a: PointDirection, out: [&mut [f64]; 3]) {
-        if point.y.len() == REGULATED {
-            third::<REGULATED>(prepared, point, a, out);
+/// For stationary problems (`rate` = 0, no noise).
+impl Directional for Cortex {
+    fn second(&self, point: PointValues, along: [PointDirection; 2], out: [&mut [f64]; 2]) {
+        let points = CollocationPoints { first: point.at.index, x: &[point.at.x], y: point.y };
+        self.second_many(points, point.p, along, out);
+    }
+
+    fn second_many(&self, points: CollocationPoints<'_>, p: &[f64], along: [PointDirection; 2], out: [&mut [f64]; 2]) {
+        let lifted = self.second_order(p, along[0].p, along[1].p);
+        if self.components() == REGULATED {
+            second::<REGULATED>(&lifted, points, along, out);
         } else {
-            third::<COMPONENTS>(prepared, point, a, out);
+            second::<COMPONENTS>(&lifted, points, along, out);
         }
+    }
+
+    fn third_many(
+        &mut self,
+        points: CollocationPoints<'_>,
+        p: &[f64],
+        along: PointDirection,
+        out: [[&mut [f64]; 2]; 2],
+    ) {
+        let lifted = self.third_order(p, along.p);
+        if self.components() == REGULATED {
+            third::<REGULATED>(&lifted, points, along, out);
+        } else {
+            third::<COMPONENTS>(&lifted, points, along, out);
+        }
+    }
+
+    /// Boundary conditions are linear.
+    fn second_at_ends(&mut self, at: EndValues, [a, b]: [EndValues; 2], out: EndDerivatives<'_>) {
+        out.offsets[0] = -self.domain.end() * self.second_order(at.p, a.p, b.p).constants.volume.eps1eps2;
+    }
+
+    fn third_at_ends(&mut self, at: EndValues, a: EndValues, out: EndDerivatives<'_>) {
+        out.offsets[0] = -self.domain.end() * self.third_order(at.p, a.p).constants.volume.v3;
     }
 }
 
 fn second<const N: usize>(
-    prepared: &Lifted<HyperDual64>,
-    point: PointValues,
-    along: [PointDirection; 2],
-    out: [&mut [f64]; 2],
+    lifted: &Lifted<HyperDual64>,
+    points: CollocationPoints<'_>,
+    [a, b]: [PointDirection; 2],
+    [f, g]: [&mut [f64]; 2],
 ) {
-    let (PointValues { at, y, .. }, [a, b], [f, g]) = (point, along, out);
-    let state: [HyperDual64; N] = std::array::from_fn(|k| HyperDual64::new(y[k], a.y[k], b.y[k], 0.0));
-    let (value, volume) =
-        equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
-    for (f, value) in f.iter_mut().zip(&value) {
-        *f = value.eps1eps2;
+    let Lifted { constants, length, pressure } = lifted;
+    for (i, &x) in points.x.iter().enumerate() {
+        let here = |values: &[f64], k: usize| values[i * N + k];
+        let state: [HyperDual64; N] =
+            std::array::from_fn(|k| HyperDual64::new(here(points.y, k), here(a.y, k), here(b.y, k), 0.0));
+        let (value, volume) = equations(constants, x, BdfTerm::default(), 1.0, &state, *length, *pressure);
+        for (k, value) in value.iter().enumerate() {
+            f[i * N + k] = value.eps1eps2;
+        }
+        g[i] = volume.eps1eps2;
     }
-    g[0] = volume.eps1eps2;
 }
 
-fn third<const N: usize>(prepared: &Lifted<Dual3_64>, point: PointValues, a: PointDirection, out: [&mut [f64]; 3]) {
-    let (PointValues { at, y, .. }, [f2, g2, f3]) = (point, out);
-    let state: [Dual3_64; N] = std::array::from_fn(|k| Dual3_64::new(y[k], a.y[k], 0.0, 0.0));
-    let (value, volume) =
-        equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
-    for (k, value) in value.iter().enumerate() {
-        f2[k] = value.v2;
-        f3[k] = value.v3;
+fn third<const N: usize>(
+    lifted: &Lifted<Dual3_64>,
+    points: CollocationPoints<'_>,
+    a: PointDirection,
+    [[f2, g2], [f3, g3]]: [[&mut [f64]; 2]; 2],
+) {
+    let Lifted { constants, length, pressure } = lifted;
+    for (i, &x) in points.x.iter().enumerate() {
+        let state: [Dual3_64; N] =
+            std::array::from_fn(|k| Dual3_64::new(points.y[i * N + k], a.y[i * N + k], 0.0, 0.0));
+        let (value, volume) = equations(constants, x, BdfTerm::default(), 1.0, &state, *length, *pressure);
+        for (k, value) in value.iter().enumerate() {
+            (f2[i * N + k], f3[i * N + k]) = (value.v2, value.v3);
+        }
+        (g2[i], g3[i]) = (volume.v2, volume.v3);
     }
-    g2[0] = volume.v2;
 }

@@ -7,7 +7,7 @@
 //! * \[P.2 stationary\] a′ = −(r′/r) a + (L²/D_A) \[ℓ²(k_offA A + k_AP P A − k_onA ρ_A) + ℓ²ψ(ℓ) k_onA Ā\], and p′ likewise,
 //! * ∫ (A − Ā) r du = 0, ∫ (P − P̄) r du = 0, and a = p = 0 at both poles.
 
-use furrow_bvp::derivatives::{PointDirection, PointValues};
+use furrow_bvp::derivatives::{EndDerivatives, EndValues, PointDirection, PointValues};
 use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, PointJacobian};
 
 use super::constants::{ParConstants, SurfaceToVolume};
@@ -191,21 +191,8 @@ impl BoundaryValueProblem for Polarity {
 
 /// Second derivatives are those of stationary states.
 impl Directional for Polarity {
-    type Second = Scaling;
-    type Third = Scaling;
-
-    fn prepare_second(&self, p: &[f64], _: &[f64], _: &[f64]) -> Scaling {
-        self.scaling(self.scale(p))
-    }
-
-    fn second(
-        &self,
-        scaling: &Scaling,
-        PointValues { y, p, .. }: PointValues,
-        [a, b]: [PointDirection; 2],
-        [f, _]: [&mut [f64]; 2],
-    ) {
-        let Scaling { square, pool } = scaling;
+    fn second(&self, PointValues { y, p, .. }: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
+        let Scaling { square, pool } = self.scaling(self.scale(p));
         let (loss, stiffness, attachment) = (self.loss(y[A], y[P]), self.stiffness(), self.attachment());
         let along = |d: &PointDirection| if self.fixed_scale.is_some() { 0.0 } else { d.p[SCALE] };
         let (scale_a, scale_b) = (along(&a), along(&b));
@@ -224,13 +211,16 @@ impl Directional for Polarity {
         }
     }
 
-    fn prepare_third(&self, p: &[f64], _: &[f64]) -> Scaling {
-        self.scaling(self.scale(p))
+    fn third(&self, point: PointValues, a: PointDirection, [[f2, g2], [f3, _]]: [[&mut [f64]; 2]; 2]) -> bool {
+        self.second(point, [a, a], [f2, g2]);
+        // Along A and P alone, as directions of power series are.
+        let square = self.scaling(self.scale(point.p)).square[0];
+        f3[P_U] = self.stiffness()[1] * square * 6.0 * self.constants.k_pa * a.y[A] * a.y[A] * a.y[P];
+        a.p.iter().all(|along| *along == 0.0)
     }
 
-    fn third(&self, scaling: &Scaling, point: PointValues, a: PointDirection, [f2, g2, f3]: [&mut [f64]; 3]) {
-        self.second(scaling, point, [a, a], [f2, g2]);
-        // Along A and P alone, as directions of power series are.
-        f3[P_U] = self.stiffness()[1] * scaling.square[0] * 6.0 * self.constants.k_pa * a.y[A] * a.y[A] * a.y[P];
-    }
+    /// Conditions are linear.
+    fn second_at_ends(&mut self, _: EndValues, _: [EndValues; 2], _: EndDerivatives<'_>) {}
+
+    fn third_at_ends(&mut self, _: EndValues, _: EndValues, _: EndDerivatives<'_>) {}
 }

@@ -159,7 +159,7 @@ fn derivatives_are_those_of_the_equations() {
         let (mut f, mut g) = ([0.0; 4], [0.0; 2]);
         let [along_a, along_b] = [&a, &b].map(|d| PointDirection { y: &d[..4], p: &d[4..] });
         let point = PointValues { at, y: &y, p: &p };
-        problem.second(&problem.prepare_second(&p, &a[4..], &b[4..]), point, [along_a, along_b], [&mut f, &mut g]);
+        problem.second(point, [along_a, along_b], [&mut f, &mut g]);
         for r in 0..4 {
             let expected: f64 = (0..7).map(|k| (above[r][k] - below[r][k]) / 2e-5 * a[k]).sum();
             assert!((f[r] - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{r}: {} {expected}", f[r]);
@@ -168,10 +168,10 @@ fn derivatives_are_those_of_the_equations() {
         let flat = [0.3, -0.5, 0.2, 0.9, 0.0, 0.0, 0.0];
         let second = |step: f64| {
             let x: [f64; 7] = along(&flat, step);
-            let (mut f2, mut g2, mut f3) = ([0.0; 4], [0.0; 2], [0.0; 4]);
+            let ([mut f2, mut f3], [mut g2, mut g3]) = ([[0.0; 4]; 2], [[0.0; 2]; 2]);
             let point = PointValues { at, y: &x[..4], p: &p };
             let along = PointDirection { y: &flat[..4], p: &flat[4..] };
-            problem.third(&problem.prepare_third(&p, &flat[4..]), point, along, [&mut f2, &mut g2, &mut f3]);
+            assert!(problem.third(point, along, [[&mut f2, &mut g2], [&mut f3, &mut g3]]));
             (f2, f3)
         };
         let ((above, third), (below, _)) = (second(1e-4), second(-1e-4));

@@ -2,7 +2,9 @@
 //! random states, for every field and profile of a cue.
 
 use furrow_bvp::derivatives::{PointDirection, PointValues};
-use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
+use furrow_bvp::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Directional, PointJacobian,
+};
 use furrow_cell::cue::{Field, Profile, Quantity, RegulatorQuantity, Source, Width};
 use furrow_cell::{Cell, Parameter};
 use furrow_mechanics::cortex::equations::{
@@ -271,18 +273,18 @@ fn higher_derivatives_are_slopes_of_the_lower() {
         cortex.prepare(&p);
         let (mut f, mut g) = (vec![0.0; n], vec![0.0]);
         let [along_a, along_b] = [&a, &b].map(|d| PointDirection { y: &d.0, p: &d.1 });
-        let prepared = cortex.prepare_second(&p, &a.1, &b.1);
         let point = PointValues { at: AT, y: &y, p: &p };
-        cortex.second(&prepared, point, [along_a, along_b], [&mut f, &mut g]);
+        cortex.second(point, [along_a, along_b], [&mut f, &mut g]);
         f.extend(g);
         for i in 0..=n {
             let slope = (corner[0][i] - corner[1][i] - corner[2][i] + corner[3][i]) / (4.0 * h * h);
             second = second.max((slope - f[i]).abs() / (10.0 + slope.abs()));
         }
-        let (mut f2, mut g2, mut f3) = (vec![0.0; n], vec![0.0], vec![0.0; n]);
-        let prepared = cortex.prepare_third(&p, &a.1);
-        cortex.third(&prepared, point, along_a, [&mut f2, &mut g2, &mut f3]);
-        for i in 0..n {
+        let ([mut f2, mut f3], [mut g2, mut g3]) = ([(); 2].map(|()| vec![0.0; n]), [[0.0]; 2]);
+        let points = CollocationPoints { first: AT.index, x: &[AT.x], y: &y };
+        cortex.third_many(points, &p, along_a, [[&mut f2, &mut g2], [&mut f3, &mut g3]]);
+        f3.extend(g3);
+        for i in 0..=n {
             let slope = (line[3][i] - 2.0 * line[2][i] + 2.0 * line[1][i] - line[0][i]) / (2.0 * h.powi(3));
             third = third.max((slope - f3[i]).abs() / (100.0 + slope.abs()));
         }

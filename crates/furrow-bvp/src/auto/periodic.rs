@@ -1,0 +1,122 @@
+//! Periodic orbits as boundary-value problems with separated conditions.
+
+use crate::dimensions::Dimensions;
+use crate::gauss::Gauss;
+use crate::solution::Solution;
+
+use super::numbers::Number;
+use super::{Auto, Equations};
+
+/// A vector field v(y, p), whose periodic orbits are looked for, written once for any number type.
+pub trait VectorField {
+    /// Components of y.
+    fn components(&self) -> usize;
+
+    /// Parameters p.
+    fn parameters(&self) -> usize;
+
+    /// v(y, p) into `v`, which is zero before.
+    fn velocity<D: Number>(&self, y: &[D], p: &[D], v: &mut [D]);
+}
+
+/// A periodic orbit of y′ = v(y, p), with the period T scaled to 1: y′ = T v(y, p) on \[0, 1\].
+///
+/// Boundary conditions of this crate involve one end each. A common value c = y(0) = y(1) among the scalar unknowns makes
+/// periodicity such a pair: y(0) − c = 0 and y(1) − c = 0. An orbit may be shifted in time; the phase condition
+/// ∫ y · y₀′ dx = 0 selects the shift that is nearest to a reference orbit y₀. Scalar unknowns are c, T and p, in this order.
+/// With one parameter the problem lacks one condition, and [`Continuation`](crate::Continuation) follows the orbit in it. With
+/// none the problem is square, for [`solve`](crate::solve).
+///
+/// # Examples
+/// The limit cycle of van der Pol's equation u″ − μ(1 − u²)u′ + u = 0, whose period at μ = 1 is 6.6632868593:
+///
+/// ```
+/// use furrow_bvp::{Continuation, Gauss, Metric, Number, PeriodicOrbit, VectorField, mesh};
+/// use std::f64::consts::TAU;
+///
+/// #[derive(Clone)]
+/// struct VanDerPol;
+///
+/// impl VectorField for VanDerPol {
+///     fn components(&self) -> usize {
+///         2
+///     }
+///     fn parameters(&self) -> usize {
+///         1
+///     }
+///     fn velocity<D: Number>(&self, y: &[D], p: &[D], v: &mut [D]) {
+///         v[0] = y[1];
+///         v[1] = p[0] * (-y[0].powi(2) + 1.0) * y[1] - y[0];
+///     }
+/// }
+///
+/// // For μ → 0 the cycle is a circle of radius 2.
+/// let circle = |x: f64, y: &mut [f64]| y.copy_from_slice(&[2.0 * (TAU * x).cos(), -2.0 * (TAU * x).sin()]);
+/// let (gauss, grid) = (Gauss::new(4), mesh::uniform(0.0, 1.0, 30));
+/// let (problem, guess) = PeriodicOrbit::near(VanDerPol, &gauss, &grid, TAU, &[0.1], circle);
+/// let mut cycle = Continuation::start(problem, guess, Metric::unit(2, 4), Default::default(), true)?;
+/// cycle.follow([0.0, 1.0], 100, |_, _| true)?;
+/// let period = PeriodicOrbit::<VanDerPol>::period(&cycle.state.solution);
+/// assert!((period - 6.6632868593).abs() < 1e-6);
+/// # Ok::<(), furrow_bvp::ContinuationError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PeriodicOrbit<V> {
+    field: V,
+    /// The reference orbit y₀ on \[0, 1\].
+    reference: Solution,
+    gauss: Gauss,
+}
+
+impl<V: VectorField> PeriodicOrbit<V> {
+    /// The problem with a reference orbit given on \[0, 1\] as `orbit`, which writes y at x, and this orbit as a guess: with its
+    /// period and the parameters p.
+    pub fn near(
+        field: V,
+        gauss: &Gauss,
+        mesh: &[f64],
+        period: f64,
+        parameters: &[f64],
+        orbit: impl FnMut(f64, &mut [f64]),
+    ) -> (Auto<PeriodicOrbit<V>>, Solution) {
+        let reference = Solution::from_fn(gauss, mesh, field.components(), &[], orbit);
+        let scalars = [reference.node(0), &[period], parameters].concat();
+        let guess = Solution { scalars, ..reference.clone() };
+        (Auto(PeriodicOrbit { field, reference, gauss: gauss.clone() }), guess)
+    }
+
+    /// The period T of an orbit found; NaN of what is no solution of such a problem.
+    pub fn period(orbit: &Solution) -> f64 {
+        orbit.scalars.get(orbit.components).copied().unwrap_or(f64::NAN)
+    }
+}
+
+impl<V: VectorField> Equations for PeriodicOrbit<V> {
+    fn dimensions(&self) -> Dimensions {
+        let n = self.field.components();
+        let scalars = n + 1 + self.field.parameters();
+        Dimensions { components: n, scalars, left: n, right: n, integrals: 1, ..Dimensions::default() }
+    }
+
+    fn rhs<D: Number>(&self, _: f64, y: &[D], p: &[D], f: &mut [D]) {
+        let n = y.len();
+        self.field.velocity(y, &p[n + 1..], f);
+        f.iter_mut().for_each(|f| *f *= p[n]);
+    }
+
+    fn integrands<D: Number>(&self, x: f64, y: &[D], _: &[D], g: &mut [D]) {
+        let mut slope = [0.0; crate::MAX_UNKNOWNS];
+        let i = self.reference.interval_of(x);
+        let theta = (x - self.reference.mesh[i]) / (self.reference.mesh[i + 1] - self.reference.mesh[i]);
+        self.reference.slope_in(&self.gauss, i, theta, &mut slope[..y.len()]);
+        g[0] = y.iter().zip(&slope).map(|(y, slope)| *y * *slope).sum();
+    }
+
+    fn left<D: Number>(&self, y: &[D], p: &[D], r: &mut [D]) {
+        r.iter_mut().zip(y.iter().zip(p)).for_each(|(r, (y, c))| *r = *y - *c);
+    }
+
+    fn right<D: Number>(&self, y: &[D], p: &[D], r: &mut [D]) {
+        self.left(y, p, r);
+    }
+}
