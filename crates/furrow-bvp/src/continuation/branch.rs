@@ -19,6 +19,7 @@ use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
+use super::passing;
 use super::predictor::History;
 
 /// Settings of a continuation.
@@ -156,6 +157,9 @@ impl State {
 pub struct Advance {
     /// dλ/ds changed sign: a fold lies between the last two points.
     pub passed_fold: bool,
+    /// Another branch crosses between the last two points, and this one goes straight on:
+    /// [`locate::branch_point`](crate::locate::branch_point) finds where. A step past two of them shows neither.
+    pub passed_branch_point: bool,
     /// Work of the corrector.
     pub report: NewtonReport,
     /// Steps rejected before.
@@ -171,6 +175,7 @@ struct Attempt {
     orientation: f64,
     /// The factors are those of the point itself.
     exact: bool,
+    passed_branch_point: bool,
 }
 
 /// Why following a branch ended.
@@ -230,6 +235,10 @@ pub struct Continuation<P> {
     trial: Solution,
     tangent: Direction,
     weight: Vec<f64>,
+    /// The branch point that the last step has passed, from its detection.
+    pub(crate) passed: Option<Solution>,
+    /// The flip of orientation in the step that is tried leads to another branch, however it is shortened.
+    elsewhere: bool,
     /// The factors in `system` are those of the newest point.
     exact: bool,
     /// Steps up to this length are corrected with the factors of the point that they start from.
@@ -296,6 +305,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             scratch: NewtonScratch::default(),
             conditions: vec![LinearCondition::default()],
             weight: Vec::new(),
+            passed: None,
+            elsewhere: false,
             exact: false,
             reach: f64::INFINITY,
         }
@@ -318,6 +329,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.remesh();
         let mut step = self.state.step.min(self.settings.max_step);
         let mut rejected = 0;
+        (self.passed, self.elsewhere) = (None, false);
         loop {
             let source = match self.attempt(step) {
                 Ok(attempt) => return Ok(self.accept(step, attempt, rejected)),
@@ -342,7 +354,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Makes the point of an attempt the newest.
     fn accept(&mut self, step: f64, attempt: Attempt, rejected: usize) -> Advance {
-        let Attempt { report, cosine, orientation, exact } = attempt;
+        let Attempt { report, cosine, orientation, exact, passed_branch_point } = attempt;
         self.exact = exact;
         let parameter = self.state.parameter();
         self.state.orientation = orientation;
@@ -355,7 +367,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.work += Work { steps: 1, rejected, ..Work::default() };
         self.work += report;
         let passed_fold = self.confirm_direction(self.state.parameter() - parameter);
-        Advance { passed_fold, report, rejected }
+        Advance { passed_fold, passed_branch_point, report, rejected }
     }
 
     /// The tangent at the newest point with the factors of the point itself, which are then those of its own plane.
@@ -437,10 +449,28 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             return Err(StepFailure::Turn { cosine });
         }
         let orientation = self.orientation();
-        if orientation * self.state.orientation < 0.0 && step > CLOSED_GAP {
+        let flipped = orientation * self.state.orientation < 0.0;
+        if flipped && step > CLOSED_GAP && !self.passes_branch_point(step) {
             return Err(StepFailure::OtherBranch);
         }
-        Ok(Attempt { report, cosine, orientation, exact })
+        Ok(Attempt { report, cosine, orientation, exact, passed_branch_point: flipped })
+    }
+
+    /// Whether the step to the trial point, which turns the orientation, has passed a branch point on the same branch.
+    fn passes_branch_point(&mut self, step: f64) -> bool {
+        if self.elsewhere {
+            return false;
+        }
+        let Continuation { problem, system, metric, state, work, trial, tangent, .. } = self;
+        self.passed =
+            passing::branch_point(problem, metric, [&state.solution, trial], &state.tangent, step, work);
+        self.elsewhere = self.passed.is_none();
+        if !self.elsewhere {
+            // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.
+            system.null_direction(0, tangent);
+            metric.normalise(&trial.mesh, tangent);
+        }
+        !self.elsewhere
     }
 
     /// The point at distance `step` by extrapolation, in `trial`.
@@ -493,6 +523,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let gauss = &self.system.gauss;
         metric::transfer_direction(gauss, &self.state.solution.mesh, grid, &mut self.state.tangent);
         self.metric.normalise(grid, &mut self.state.tangent);
+        if grid.len() != self.state.solution.mesh.len() {
+            // The sign of the determinant depends on the number of intervals.
+            self.state.orientation = 0.0;
+        }
         self.state.solution.transfer_into(gauss, grid, &mut self.trial);
         std::mem::swap(&mut self.state.solution, &mut self.trial);
         self.state.history.transfer(gauss, grid);
@@ -511,11 +545,16 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         mut visit: impl FnMut(&mut Self, Advance) -> bool,
     ) -> Result<Termination, ContinuationError> {
         for _ in 0..limit {
-            let advance = self.advance()?;
+            let mut advance = self.advance()?;
             let parameter = self.state.parameter();
             if parameter < range[0] || parameter > range[1] {
                 let bound = parameter.clamp(range[0], range[1]);
                 self.land_on(bound)?;
+                // What was passed may lie beyond the bound.
+                advance.passed_branch_point &= self.passed.as_ref().is_none_or(|y| {
+                    let passed = y.scalars[y.scalars.len() - 1];
+                    (range[0]..=range[1]).contains(&passed)
+                });
                 visit(self, advance);
                 return Ok(Termination::ParameterBound(bound));
             }

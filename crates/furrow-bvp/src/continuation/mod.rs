@@ -1,9 +1,14 @@
 //! Branches of solutions in one parameter.
 
 mod branch;
+mod passing;
 pub mod predictor;
+mod unfolded;
+mod unfolding;
 
 pub(crate) use branch::SHORTER;
+pub(crate) use passing::{belongs, distances};
+pub(crate) use unfolding::Unfolding;
 pub use branch::{
     Advance, Continuation, ContinuationError, ContinuationSettings, MeshMonitor, State, StepFailure, Termination,
 };
