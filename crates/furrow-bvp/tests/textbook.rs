@@ -11,6 +11,8 @@ use furrow_bvp::{
 
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;
+#[path = "textbook/branch_points.rs"]
+mod branch_points;
 
 use oscillator::{Force, Oscillator, gelfand};
 

@@ -317,6 +317,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.exact = false;
         self.state.tangent.scale(-1.0);
         self.state.direction = -self.state.direction;
+        self.state.orientation = -self.state.orientation;
         self.state.history.clear();
         self.state.history.push(self.state.arclength, &self.state.solution);
     }

@@ -52,7 +52,7 @@ pub(crate) struct Unfolding<P> {
 }
 
 /// Most iterations.
-const MOST_ITERATIONS: usize = 12;
+const MOST_ITERATIONS: usize = 10;
 
 /// Largest correction applied in full.
 const FARTHEST: f64 = 0.5;
