@@ -37,7 +37,8 @@ extern crate self as furrow_bvp;
 mod tests;
 
 pub use bifurcation::{
-    AugmentedReport, BranchPoint, BranchPointKind, Fold, MinimallyAugmented, SingularError, Singularity, SymmetryBreaking, locate, normal_form,
+    AugmentedReport, BranchPoint, BranchPointKind, Fold, MinimallyAugmented, SingularError, Singularity,
+    SymmetryBreaking, locate, normal_form,
 };
 pub use codim2::{Codim2Curve, CurveError, CurveSettings};
 pub use continuation::{Continuation, ContinuationError, ContinuationSettings, StepFailure, Termination, predictor};

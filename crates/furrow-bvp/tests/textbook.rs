@@ -9,10 +9,10 @@ use furrow_bvp::{
     MinimallyAugmented, Solution, SymmetryBreaking, Termination, locate, mesh,
 };
 
-#[path = "../examples/problems/oscillator.rs"]
-mod oscillator;
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
+#[path = "../examples/problems/oscillator.rs"]
+mod oscillator;
 
 use oscillator::{Force, Oscillator, gelfand};
 

@@ -1,10 +1,10 @@
 //! Simple branch points: where they are, which directions the branches have there, and how they cross.
 //!
-//! A direction α₁b₁ + α₂b₂ of a branch fulfils the algebraic bifurcation equation Σ ψD²F\[b_j, b_k\] α_jα_k = 0 with the left null
-//! vector ψ. Along the branch with tangent τ, x = x* + aτ + a²η + O(a³):
+//! A direction α₁b₁ + α₂b₂ of a branch fulfils the algebraic bifurcation equation Σ ψD²F\[b_j, b_k\] α_jα_k = 0 (N.20) with
+//! the left null vector ψ. Along the branch with tangent τ, x = x* + aτ + a²η + O(a³):
 //!
 //! * O(a²): Jη = −½ D²F\[τ, τ\], up to multiples of the tangents; η = η₀ + sσ with that of the other branch, σ
-//! * O(a³): ψ(D²F\[τ, η\] + ⅙ D³F\[τ, τ, τ\]) = 0, which gives s (N.14)
+//! * O(a³): ψ(D²F\[τ, η\] + ⅙ D³F\[τ, τ, τ\]) = 0, which gives s (as N.11)
 //!
 //! The parameter's component of η tells to which side a pitchfork opens.
 
@@ -82,13 +82,18 @@ impl BranchPoint {
 pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<BranchPoint, SingularError> {
     let singular = SingularError::Singular { iterations: 0 };
     let Continuation { problem, metric, state, work, passed, .. } = branch;
-    let mut y = passed.as_ref().unwrap_or(&state.solution).clone();
+    let mut y = state.solution.clone();
     let (before, from) = state.history.back(1).ok_or(singular)?;
     let mut unfolding = Unfolding::new(problem.dimensions(), y.m, metric.clone(), second).ok_or(singular)?;
-    let solved = unfolding.solve(problem, &mut y, &state.tangent);
-    let refreshed = solved.and_then(|()| unfolding.refresh(problem, &y).ok());
+    let solved = match passed.clone() {
+        Some(passed) => {
+            y = passed.solution;
+            unfolding.solve_from(problem, &mut y, passed.basis)
+        }
+        None => unfolding.solve(problem, &mut y, &state.tangent),
+    };
     *work += unfolding.work;
-    if refreshed.is_none() {
+    if solved.is_none() {
         return Err(SingularError::Stalled { iterations: unfolding.work.iterations, correction: f64::NAN });
     }
     let (step, place) = (state.arclength - before, distances(metric, from, &y, &state.tangent));
@@ -97,7 +102,8 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     }
     let tangents = unfolding.crossing(&y.mesh, &state.tangent).ok_or(singular)?;
     let [first, second] = &tangents;
-    let curvatures = [[first, second], [second, first]].map(|tangents| curvature(&mut unfolding, problem, &y, tangents));
+    let curvatures =
+        [[first, second], [second, first]].map(|tangents| curvature(&mut unfolding, problem, &y, tangents));
     problem.prepare(&state.solution.scalars);
     if curvatures.iter().any(|c| !c.is_finite()) {
         return Err(singular);

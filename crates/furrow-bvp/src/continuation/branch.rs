@@ -9,7 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dense::PivotFailure;
+use crate::dense::{Determinant, PivotFailure};
 use crate::dimensions::TooLarge;
 use crate::direction::{Direction, LinearCondition};
 use crate::linear::System;
@@ -19,7 +19,7 @@ use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
-use super::passing;
+use super::passing::{self, Passage, Passed};
 use super::predictor::History;
 
 /// Settings of a continuation.
@@ -171,8 +171,8 @@ struct Attempt {
     report: NewtonReport,
     /// Cosine of the angle turned.
     cosine: f64,
-    /// Sign of the bordered determinant.
-    orientation: f64,
+    /// The bordered determinant.
+    orientation: Determinant,
     /// The factors are those of the point itself.
     exact: bool,
     passed_branch_point: bool,
@@ -236,9 +236,11 @@ pub struct Continuation<P> {
     tangent: Direction,
     weight: Vec<f64>,
     /// The branch point that the last step has passed, from its detection.
-    pub(crate) passed: Option<Solution>,
+    pub(crate) passed: Option<Passed>,
     /// The flip of orientation in the step that is tried leads to another branch, however it is shortened.
     elsewhere: bool,
+    /// ln |bordered determinant| at the newest point, or at a prediction of it; NaN if not known.
+    log_determinant: f64,
     /// The factors in `system` are those of the newest point.
     exact: bool,
     /// Steps up to this length are corrected with the factors of the point that they start from.
@@ -307,6 +309,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             weight: Vec::new(),
             passed: None,
             elsewhere: false,
+            log_determinant: f64::NAN,
             exact: false,
             reach: f64::INFINITY,
         }
@@ -358,7 +361,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let Attempt { report, cosine, orientation, exact, passed_branch_point } = attempt;
         self.exact = exact;
         let parameter = self.state.parameter();
-        self.state.orientation = orientation;
+        (self.state.orientation, self.log_determinant) = (orientation.sign, orientation.log_abs);
         std::mem::swap(&mut self.state.tangent, &mut self.tangent);
         std::mem::swap(&mut self.state.solution, &mut self.trial);
         self.state.arclength += step;
@@ -450,7 +453,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             return Err(StepFailure::Turn { cosine });
         }
         let orientation = self.orientation();
-        let flipped = orientation * self.state.orientation < 0.0;
+        let flipped = orientation.sign * self.state.orientation < 0.0;
         if flipped && step > CLOSED_GAP && !self.passes_branch_point(step) {
             return Err(StepFailure::OtherBranch);
         }
@@ -462,9 +465,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         if self.elsewhere {
             return false;
         }
-        let Continuation { problem, system, metric, state, work, trial, tangent, .. } = self;
-        self.passed =
-            passing::branch_point(problem, metric, [&state.solution, trial], &state.tangent, step, work);
+        let Continuation { problem, system, metric, state, work, trial, tangent, log_determinant, .. } = self;
+        let null = passing::nearly_null(system);
+        // By the determinants at both ends. Not known at the first of them, they are NaN, and the point may be anywhere.
+        let ratio = (system.determinant().log_abs - *log_determinant).exp();
+        let share = if ratio.is_finite() { 1.0 / (1.0 + ratio) } else { 0.5 };
+        let (ends, along) = ([&state.solution, &*trial], &state.tangent);
+        let passage = Passage { ends, share, tangent: along, null: &null, step };
+        self.passed = passing::branch_point(problem, metric, &passage, work);
         self.elsewhere = self.passed.is_none();
         if !self.elsewhere {
             // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.
@@ -485,21 +493,21 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
-    /// Sign of the bordered determinant at the trial point.
+    /// The bordered determinant at the trial point, whose sign is the orientation.
     ///
     /// Where two branches nearly meet, as next to an imperfect pitchfork, a step across the gap turns by no angle at all.
     /// But it turns the sign of the bordered determinant, as passing a branch point does, and nothing else does.
-    fn orientation(&mut self) -> f64 {
+    fn orientation(&mut self) -> Determinant {
         let Continuation { problem, system, state, conditions, trial, .. } = self;
-        let sign = system.determinant().sign;
-        if sign * state.orientation >= 0.0 {
-            return sign;
+        let determinant = system.determinant();
+        if determinant.sign * state.orientation >= 0.0 {
+            return determinant;
         }
         // The corrector's factors belong to a prediction: what counts is the point itself.
         system.evaluate(problem, trial, conditions, true);
         match system.condense().and_then(|()| system.factor_blocks(conditions)) {
-            Ok(()) => system.determinant().sign,
-            Err(_) => sign,
+            Ok(()) => system.determinant(),
+            Err(_) => determinant,
         }
     }
 
@@ -552,7 +560,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 let bound = parameter.clamp(range[0], range[1]);
                 self.land_on(bound)?;
                 // What was passed may lie beyond the bound.
-                advance.passed_branch_point &= self.passed.as_ref().is_none_or(|y| {
+                advance.passed_branch_point &= self.passed.as_ref().is_none_or(|Passed { solution: y, .. }| {
                     let passed = y.scalars[y.scalars.len() - 1];
                     (range[0]..=range[1]).contains(&passed)
                 });

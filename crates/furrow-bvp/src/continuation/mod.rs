@@ -7,8 +7,8 @@ mod unfolded;
 mod unfolding;
 
 pub(crate) use branch::SHORTER;
-pub(crate) use passing::{belongs, distances};
-pub(crate) use unfolding::Unfolding;
 pub use branch::{
     Advance, Continuation, ContinuationError, ContinuationSettings, MeshMonitor, State, StepFailure, Termination,
 };
+pub(crate) use passing::{belongs, distances};
+pub(crate) use unfolding::Unfolding;

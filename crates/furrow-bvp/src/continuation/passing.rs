@@ -9,7 +9,7 @@ use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
 use super::unfolded::Unfolded;
-use super::unfolding::Unfolding;
+use super::unfolding::{Unfolding, uneven};
 
 /// Branches nearer to each other than this cross, as far as the rounding of β can tell.
 const CLOSED: f64 = 1e-5;
@@ -21,52 +21,77 @@ const SHRINKS: f64 = 0.5;
 /// A branch point belongs to a step if it lies between the ends, or beyond them by this share of the step.
 const BEYOND: f64 = 0.05;
 
-/// The branch point that the step of length `step` from `ends[0]` to `ends[1]` has passed on a branch that goes straight on. The
-/// bordered determinants at the ends have different signs. None if the step has changed to another branch, or if there is no
-/// simple branch point.
+/// A branch point that was passed, and the null directions there.
+#[derive(Clone)]
+pub(crate) struct Passed {
+    pub solution: Solution,
+    pub basis: [Direction; 2],
+}
+
+/// The direction that belongs to the smallest singular value, nearly, from factors near a branch point: a second null direction.
+pub(super) fn nearly_null(system: &mut System) -> Direction {
+    let dims = system.dimensions();
+    let mut weights = uneven(dims.right + dims.integrals);
+    let mut residual = system.zero_residual();
+    residual.right.iter_mut().chain(&mut residual.border).zip(&mut weights).for_each(|(row, w)| *row = w);
+    let mut direction = Direction::default();
+    system.solve(&residual, &mut direction);
+    direction
+}
+
+/// The step from one point to the next, which may have passed a branch point.
+pub(super) struct Passage<'a> {
+    pub ends: [&'a Solution; 2],
+    /// Where between them the branch point is to be expected.
+    pub share: f64,
+    pub tangent: &'a Direction,
+    /// Nearly the other null direction.
+    pub null: &'a Direction,
+    /// Arclength.
+    pub step: f64,
+}
+
+/// The branch point that a step has passed on a branch that goes straight on. The bordered determinants at the ends have
+/// different signs. None if the step has changed to another branch, or if there is no simple branch point.
 pub(super) fn branch_point<P: BoundaryValueProblem>(
     problem: &mut P,
     metric: &Metric,
-    ends: [&Solution; 2],
-    tangent: &Direction,
-    step: f64,
+    passage: &Passage<'_>,
     work: &mut Work,
-) -> Option<Solution> {
-    let dims = problem.dimensions();
-    let mut unfolding = Unfolding::new(dims, ends[0].m, metric.clone(), second_difference)?;
+) -> Option<Passed> {
+    let [from, to] = passage.ends;
+    let mut unfolding = Unfolding::new(problem.dimensions(), from.m, metric.clone(), second_difference)?;
     let mut found = None;
-    for share in [0.5, 0.1, 0.9] {
-        let mut y = between(ends, share);
-        let solved = unfolding.solve(problem, &mut y, tangent);
-        if solved.is_some() && belongs(distances(metric, ends[0], &y, tangent), step) {
-            found = Some(y);
+    for share in [passage.share, 0.5] {
+        let mut y = between(passage.ends, share);
+        let basis = [passage.tangent, passage.null].map(Clone::clone);
+        let solved = unfolding.solve_from(problem, &mut y, basis);
+        if solved.is_some() && belongs(distances(metric, from, &y, passage.tangent), passage.step) {
+            found = Some(Passed { solution: y, basis: unfolding.basis.clone() });
             break;
         }
     }
-    let crosses = found.as_ref().is_some_and(|y| {
-        unfolding.crossing(&y.mesh, tangent).is_some() && is_closed(&mut unfolding, problem, y, tangent)
+    let crosses = found.as_ref().is_some_and(|Passed { solution, .. }| {
+        unfolding.crossing(&solution.mesh, passage.tangent).is_some() && is_closed(&mut unfolding, problem, solution)
     });
     *work += unfolding.work;
-    problem.prepare(&ends[1].scalars);
+    problem.prepare(&to.scalars);
     found.filter(|_| crosses)
 }
 
 /// Whether the branches that cross at `y` in the unfolded problem do so in the problem itself.
-fn is_closed<P: BoundaryValueProblem>(
-    unfolding: &mut Unfolding<P>,
-    problem: &mut P,
-    y: &Solution,
-    tangent: &Direction,
-) -> bool {
+fn is_closed<P: BoundaryValueProblem>(unfolding: &mut Unfolding<P>, problem: &mut P, y: &Solution) -> bool {
     let gap = unfolding.gap();
     if gap < CLOSED {
         return true;
     }
     let finer = mesh::halved(&y.mesh);
     let gauss = unfolding.system.gauss.clone();
-    let (mut refined, mut along) = (y.on_mesh(&gauss, &finer), tangent.clone());
-    metric::transfer_direction(&gauss, &y.mesh, &finer, &mut along);
-    unfolding.solve(problem, &mut refined, &along).is_some() && unfolding.gap() < SHRINKS * gap
+    let (mut refined, mut basis) = (y.on_mesh(&gauss, &finer), unfolding.basis.clone());
+    for direction in &mut basis {
+        metric::transfer_direction(&gauss, &y.mesh, &finer, direction);
+    }
+    unfolding.solve_from(problem, &mut refined, basis).is_some() && unfolding.gap() < SHRINKS * gap
 }
 
 /// The point at a share of the way.

@@ -4,7 +4,7 @@
 //! column w and two rows c₁, c₂ that border J to a regular matrix M, the solutions b_k of M (b_k, g_k) = e_k tell: g₁ = g₂ = 0
 //! there and nowhere near. As those are two conditions, an unfolding parameter β joins x:
 //!
-//! * \[N.13 branch point\] F(x) + βw = 0, g₁(x) = 0, g₂(x) = 0
+//! * \[N.19 branch point\] F(x) + βw = 0, g₁(x) = 0, g₂(x) = 0
 //!
 //! is regular at a simple branch point of F + βw. β = 0 says that it is one of F; where an imperfection keeps the branches
 //! apart, β measures it. The β of a solution for any right-hand side is its product with the left null vector, so that no system
@@ -46,7 +46,7 @@ pub(crate) struct Unfolding<P> {
     pub work: Work,
     second: SecondDerivative<P>,
     weights: Vec<f64>,
-    conditions: Vec<LinearCondition>,
+    conditions: [LinearCondition; 2],
     residual: Residual,
     step: Direction,
 }
@@ -63,9 +63,9 @@ const SEPARATE: f64 = 1e-6;
 /// Iterations end with a correction below this: what it leaves is of the order of its square.
 const CONVERGED: f64 = 3e-9;
 
-/// Weights of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
+/// Weights w of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
 /// the symmetries of a problem do not make them useless.
-fn uneven(count: usize) -> impl Iterator<Item = f64> {
+pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     std::iter::repeat_with(move || {
         state ^= state << 13;
@@ -94,16 +94,36 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             work: Work::default(),
             second,
             weights: uneven(dims.right + dims.integrals).collect(),
-            conditions: vec![LinearCondition::default(); 2],
+            conditions: Default::default(),
             residual: Residual::default(),
             step: Direction::default(),
         })
     }
 
-    /// Moves `y` onto the branch point near it, on a branch with the given tangent. None if that does not converge.
+    /// Moves `y` onto the branch point near it, on a branch with the given tangent. None if that does not converge. The system,
+    /// the basis and the form are then those of the iterate before, from which the last correction was too small to matter.
     pub fn solve(&mut self, problem: &mut P, y: &mut Solution, tangent: &Direction) -> Option<()> {
-        self.begin(problem, y, tangent).ok()?;
+        let [first, second] = &mut self.conditions;
+        self.metric.plane_through(y, tangent, first);
+        // Any row does that the second null direction is not orthogonal to.
+        second.nodes = uneven(y.nodes.len()).collect();
+        second.scalars = uneven(y.scalars.len()).collect();
+        self.beta = 0.0;
+        self.linearise(problem, y).ok()?;
+        self.basis[0].clone_from(tangent);
+        self.iterate(problem, y)
+    }
+
+    /// [`solve`](Self::solve) where the null directions are known nearly.
+    pub fn solve_from(&mut self, problem: &mut P, y: &mut Solution, basis: [Direction; 2]) -> Option<()> {
+        self.basis = basis;
+        self.iterate(problem, y)
+    }
+
+    fn iterate(&mut self, problem: &mut P, y: &mut Solution) -> Option<()> {
+        self.beta = 0.0;
         for _ in 0..MOST_ITERATIONS {
+            self.border(y);
             let change = self.correction(problem, y).ok()?;
             let size = self.step.norm(y).max(change.abs());
             if !size.is_finite() {
@@ -117,13 +137,6 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             }
         }
         None
-    }
-
-    /// Null directions and coefficients at the point itself, where those of the last iteration are of the one before.
-    pub fn refresh(&mut self, problem: &mut P, y: &Solution) -> Result<(), PivotFailure> {
-        self.linearise(problem, y)?;
-        self.derive(problem, y);
-        Ok(())
     }
 
     /// The solution x and the β of M (x, β) = −(`residual`, 0, 0).
@@ -141,19 +154,6 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         product
     }
 
-    /// Finds a second direction to border with: the first solution of a system bordered by an uneven row.
-    fn begin(&mut self, problem: &mut P, y: &Solution, tangent: &Direction) -> Result<(), PivotFailure> {
-        self.beta = 0.0;
-        self.metric.plane_through(y, tangent, &mut self.conditions[0]);
-        self.conditions[1].nodes = uneven(y.nodes.len()).collect();
-        self.conditions[1].scalars = uneven(y.scalars.len()).collect();
-        self.factorise(problem, y)?;
-        self.basis[0].clone_from(tangent);
-        self.system.null_direction(1, &mut self.basis[1]);
-        split(&mut self.basis[1]);
-        Ok(())
-    }
-
     /// Factors at `y` with the conditions as they are.
     fn factorise(&mut self, problem: &mut P, y: &Solution) -> Result<(), PivotFailure> {
         let Unfolding { system, weights, beta, conditions, work, .. } = self;
@@ -167,8 +167,8 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         system.factor_blocks(conditions)
     }
 
-    /// Makes the basis orthonormal, factorises with planes across it, and puts the null directions into it. Returns their g.
-    fn linearise(&mut self, problem: &mut P, y: &Solution) -> Result<[f64; 2], PivotFailure> {
+    /// Makes the basis orthonormal, and borders with planes across it.
+    fn border(&mut self, y: &Solution) {
         let [first, second] = &mut self.basis;
         self.metric.normalise(&y.mesh, first);
         let along = self.metric.dot(&y.mesh, first, second);
@@ -177,6 +177,10 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         for (direction, condition) in self.basis.iter().zip(&mut self.conditions) {
             self.metric.plane_through(y, direction, condition);
         }
+    }
+
+    /// Factorises and puts the null directions into the basis. Returns their g.
+    fn linearise(&mut self, problem: &mut P, y: &Solution) -> Result<[f64; 2], PivotFailure> {
         self.factorise(problem, y)?;
         let Unfolding { system, basis, .. } = self;
         Ok([0, 1].map(|k| {

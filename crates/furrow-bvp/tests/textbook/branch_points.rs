@@ -4,7 +4,8 @@
 use std::f64::consts::PI;
 
 use furrow_bvp::{
-    BranchPoint, BranchPointKind, Continuation, ContinuationSettings, Directional, Metric, Solution, Termination, locate,
+    BranchPoint, BranchPointKind, Continuation, ContinuationSettings, Directional, Metric, Solution, Termination,
+    locate,
 };
 
 use super::oscillator::{Force, Oscillator};
@@ -59,11 +60,13 @@ fn elliptic(k: f64) -> f64 {
     0.5 * PI / a
 }
 
-/// u = 0 is crossed at λ = n. With u = a sin nπx + … there, λ = n + 4a/(3π³n²) for odd n, and λ = n + 5a²/(12π⁴n³) for even n.
+/// A branch of few steps, so that the branch points are most of the work. u = 0 is crossed at λ = n. With u = a sin nπx + … there, λ = n + 4a/(3π³n²) for odd n, and λ = n + 5a²/(12π⁴n³) for even n.
 #[test]
 fn the_branch_points_of_autos_bvp_are_transcritical_and_pitchforks_in_turn() {
     let mut branch = start(AutoBvp::PERFECT, AutoBvp::PERFECT.guess(48, 0.5), 0.5);
     let points = points_up_to(&mut branch, 5.5);
+    let work = branch.work;
+    assert!(work.steps < 16 && work.factorisations <= 3 * work.steps, "{work:?}");
     assert_eq!(points.len(), 5);
     for (n, point) in (1..).zip(&points) {
         let odd = n % 2 == 1;
@@ -149,7 +152,7 @@ fn a_pitchfork_is_passed_along_the_branch_that_bends_too() {
     let mut bent = Continuation::resume(problem, state, straight.metric.clone(), straight.settings.clone());
     bent.follow([0.0, 12.0], 100, |_, _| true).unwrap();
     bent.reverse();
-    let points = points_up_to(&mut bent, 11.0);
+    let points = points_up_to(&mut bent, 12.5);
     assert_eq!(points.len(), 1);
     assert!((points[0].parameter() - PI * PI).abs() < 1e-8, "{}", points[0].parameter());
     assert_eq!(points[0].kind(), BranchPointKind::SupercriticalPitchfork);
