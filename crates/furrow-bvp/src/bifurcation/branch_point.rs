@@ -29,6 +29,30 @@ pub enum BranchPointKind {
 }
 
 /// A simple branch point: two branches cross.
+///
+/// # Examples
+/// A rod u″ + λ sin u = 0, u(0) = u(1) = 0 buckles at λ = π². `Oscillator` is in `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::{Force, Oscillator};
+/// use furrow_bvp::{BranchPointKind, Continuation, ContinuationSettings, Metric, locate};
+/// let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 0 };
+/// let (guess, metric) = (problem.zero(1.0, 20, 4, 5.0), Metric::unit(2, 1));
+/// let settings = ContinuationSettings::default();
+/// let mut straight = Continuation::start(problem.clone(), guess, metric.clone(), settings.clone(), true)?;
+/// straight.follow([0.0, 20.0], 100, |_, advance| !advance.passed_branch_point)?;
+/// let point = locate::branch_point(&mut straight)?;
+/// assert!((point.parameter() - std::f64::consts::PI.powi(2)).abs() < 1e-8);
+/// assert_eq!(point.kind(), BranchPointKind::SupercriticalPitchfork);
+///
+/// // The buckled rod, to one side.
+/// let state = point.switch(&mut straight, true)?;
+/// let mut buckled = Continuation::resume(problem, state, metric, settings);
+/// buckled.follow([0.0, 20.0], 100, |_, _| true)?;
+/// assert!(buckled.state.solution.nodes[1].abs() > 5.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BranchPoint {
     /// The point.

@@ -35,7 +35,7 @@ impl BranchPoint {
                 Err(source) => source,
             };
             step *= SHORTER;
-            if !(step >= branch.settings.min_step) {
+            if step.is_nan() || step < branch.settings.min_step {
                 return Err(ContinuationError::Lost { parameter: self.parameter(), arclength: 0.0, source });
             }
         }
@@ -68,7 +68,7 @@ impl BranchPoint {
         problem.prepare(&state.solution.scalars);
         metric.normalise(&y.mesh, &mut tangent);
         let [cosine, other] = [along, &self.tangents[0]].map(|d| metric.dot(&y.mesh, &tangent, d));
-        if !(cosine >= settings.min_cosine) {
+        if cosine.is_nan() || cosine < settings.min_cosine {
             return Err(StepFailure::Turn { cosine });
         }
         let [_, across] = distances(metric, &self.solution, &y, along);

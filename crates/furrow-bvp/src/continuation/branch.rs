@@ -159,6 +159,7 @@ pub struct Advance {
     pub passed_fold: bool,
     /// Another branch crosses between the last two points, and this one goes straight on:
     /// [`locate::branch_point`](crate::locate::branch_point) finds where. A step past two of them shows neither.
+    /// Where λ has an extremum there, as on the branch that bends at a pitchfork, `passed_fold` is true as well.
     pub passed_branch_point: bool,
     /// Work of the corrector.
     pub report: NewtonReport,

@@ -222,7 +222,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         let [h11, h12, h22] = self.form;
         let root = (h12 * h12 - h11 * h22).sqrt();
         let size = h11.abs().max(h12.abs()).max(h22.abs());
-        if !(root > SEPARATE * size) {
+        if root.is_nan() || root <= SEPARATE * size {
             return None;
         }
         // α₁ : α₂ = q : h₁₁ = h₂₂ : q without cancellation.
