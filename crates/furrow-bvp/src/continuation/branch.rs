@@ -530,6 +530,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Carries the run over to another mesh.
     pub fn move_to(&mut self, grid: &[f64]) {
         self.exact = false;
+        self.passed = None;
         let gauss = &self.system.gauss;
         metric::transfer_direction(gauss, &self.state.solution.mesh, grid, &mut self.state.tangent);
         self.metric.normalise(grid, &mut self.state.tangent);
