@@ -52,6 +52,16 @@ impl Residual {
             zeroed(v, len);
         }
     }
+
+    /// Adds λ times another residual of the same shape.
+    pub(crate) fn add(&mut self, lambda: f64, other: &Residual) {
+        let to = [&mut self.stages, &mut self.nodes, &mut self.left, &mut self.right, &mut self.border];
+        for (to, from) in to.into_iter().zip([&other.stages, &other.nodes, &other.left, &other.right, &other.border]) {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to += lambda * from;
+            }
+        }
+    }
 }
 
 /// An update δ of a solution, or a direction along a curve of solutions.

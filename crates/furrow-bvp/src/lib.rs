@@ -14,7 +14,7 @@
 //! | [`linear`] | residuals, factors and solves of the linearised system |
 //! | [`newton`] | damped Newton, and the adaptive driver [`solve`] |
 //! | [`continuation`] | branches by pseudo-arclength |
-//! | [`bifurcation`] | folds and pitchforks as roots, normal forms |
+//! | [`bifurcation`] | folds, pitchforks and branch points as roots, normal forms, switching |
 //! | [`codim2`] | curves of folds and pitchforks in two parameters |
 
 #[cfg(feature = "auto")]
@@ -47,7 +47,8 @@ mod tests;
 #[cfg(feature = "auto")]
 pub use auto::{Auto, DualNum, Equations, Number, PeriodicOrbit, SimpleProblem, VectorField};
 pub use bifurcation::{
-    AugmentedReport, Fold, MinimallyAugmented, SingularError, Singularity, SymmetryBreaking, locate, normal_form,
+    AugmentedReport, BranchPoint, BranchPointKind, Fold, MinimallyAugmented, SingularError, Singularity,
+    SymmetryBreaking, locate, normal_form,
 };
 pub use codim2::{Codim2Curve, CurveError, CurveSettings};
 pub use continuation::{Continuation, ContinuationError, ContinuationSettings, StepFailure, Termination, predictor};

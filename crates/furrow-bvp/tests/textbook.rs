@@ -10,6 +10,8 @@ use furrow_bvp::{
     MinimallyAugmented, PointJacobian, Solution, SymmetryBreaking, Termination, locate, mesh,
 };
 
+#[path = "textbook/branch_points.rs"]
+mod branch_points;
 mod hostile;
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;

@@ -6,6 +6,7 @@ use crate::metric;
 use crate::problem::Directional;
 use crate::solution::Solution;
 
+pub use super::branch_point::branch_point;
 use super::fold::Fold;
 use super::minimally_augmented::{AugmentedReport, MinimallyAugmented};
 use super::singularity::{SingularError, Singularity};

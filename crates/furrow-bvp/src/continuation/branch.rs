@@ -9,7 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dense::PivotFailure;
+use crate::dense::{Determinant, PivotFailure};
 use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition};
 use crate::invalid::{self, InvalidInput};
@@ -21,6 +21,7 @@ use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
 use super::accuracy::{Held, newton_tolerance};
+use super::passing::{self, Passage, Passed};
 use super::predictor::History;
 
 /// Settings of a continuation.
@@ -220,6 +221,10 @@ impl State {
 pub struct Advance {
     /// dλ/ds changed sign: a fold lies between the last two points.
     pub passed_fold: bool,
+    /// Another branch crosses between the last two points, and this one goes straight on:
+    /// [`locate::branch_point`](crate::locate::branch_point) finds where. A step past two of them shows neither.
+    /// Where λ has an extremum there, as on the branch that bends at a pitchfork, `passed_fold` is true as well.
+    pub passed_branch_point: bool,
     /// Work of the corrector.
     pub report: NewtonReport,
     /// Steps rejected before.
@@ -234,10 +239,11 @@ struct Attempt {
     report: NewtonReport,
     /// Cosine of the angle turned.
     cosine: f64,
-    /// Sign of the bordered determinant.
-    orientation: f64,
+    /// The bordered determinant.
+    orientation: Determinant,
     /// The factors are those of the point itself.
     exact: bool,
+    passed_branch_point: bool,
 }
 
 /// Why following a branch ended.
@@ -297,6 +303,12 @@ pub struct Continuation<P> {
     pub(super) trial: Solution,
     tangent: Direction,
     pub(super) weight: Vec<f64>,
+    /// The branch point that the last step has passed, from its detection.
+    pub(crate) passed: Option<Passed>,
+    /// The flip of orientation in the step that is tried leads to another branch, however it is shortened.
+    elsewhere: bool,
+    /// ln |bordered determinant| at the newest point, or at a prediction of it; NaN if not known.
+    log_determinant: f64,
     /// The factors in `system` are those of the newest point.
     pub(super) exact: bool,
     /// Steps up to this length are corrected with the factors of the point that they start from.
@@ -372,6 +384,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             scratch: NewtonScratch::default(),
             conditions: vec![LinearCondition::default()],
             weight: Vec::new(),
+            passed: None,
+            elsewhere: false,
+            log_determinant: f64::NAN,
             exact: false,
             reach: f64::INFINITY,
         }
@@ -390,6 +405,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.exact = false;
         self.state.tangent.scale(-1.0);
         self.state.direction = -self.state.direction;
+        self.state.orientation = -self.state.orientation;
         self.state.history.clear();
         self.state.history.push(self.state.arclength, &self.state.solution);
     }
@@ -412,6 +428,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub(super) fn step(&mut self) -> Result<Advance, ContinuationError> {
         let mut step = self.state.step.min(self.settings.max_step);
         let mut rejected = 0;
+        (self.passed, self.elsewhere) = (None, false);
         loop {
             let source = match self.attempt(step) {
                 Ok(attempt) => return Ok(self.accept(step, attempt, rejected)),
@@ -436,10 +453,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Makes the point of an attempt the newest.
     fn accept(&mut self, step: f64, attempt: Attempt, rejected: usize) -> Advance {
-        let Attempt { report, cosine, orientation, exact } = attempt;
+        let Attempt { report, cosine, orientation, exact, passed_branch_point } = attempt;
         self.exact = exact;
         let parameter = self.state.parameter();
-        self.state.orientation = orientation;
+        (self.state.orientation, self.log_determinant) = (orientation.sign, orientation.log_abs);
         std::mem::swap(&mut self.state.tangent, &mut self.tangent);
         std::mem::swap(&mut self.state.solution, &mut self.trial);
         self.state.arclength += step;
@@ -449,7 +466,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.work += Work { steps: 1, rejected, ..Work::default() };
         self.work += report;
         let passed_fold = self.confirm_direction(self.state.parameter() - parameter);
-        Advance { passed_fold, report, rejected, defect: None }
+        Advance { passed_fold, passed_branch_point, report, rejected, defect: None }
     }
 
     /// The tangent at the newest point with the factors of the point itself, which are then those of its own plane.
@@ -531,10 +548,33 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             return Err(StepFailure::Turn { cosine });
         }
         let orientation = self.orientation();
-        if orientation * self.state.orientation < 0.0 && step > CLOSED_GAP {
+        let flipped = orientation.sign * self.state.orientation < 0.0;
+        if flipped && step > CLOSED_GAP && !self.passes_branch_point(step) {
             return Err(StepFailure::OtherBranch);
         }
-        Ok(Attempt { report, cosine, orientation, exact })
+        Ok(Attempt { report, cosine, orientation, exact, passed_branch_point: flipped })
+    }
+
+    /// Whether the step to the trial point, which turns the orientation, has passed a branch point on the same branch.
+    fn passes_branch_point(&mut self, step: f64) -> bool {
+        if self.elsewhere {
+            return false;
+        }
+        let Continuation { problem, system, metric, state, work, trial, tangent, log_determinant, .. } = self;
+        let null = passing::nearly_null(system);
+        // By the determinants at both ends. Not known at the first of them, they are NaN, and the point may be anywhere.
+        let ratio = (system.determinant().log_abs - *log_determinant).exp();
+        let share = if ratio.is_finite() { 1.0 / (1.0 + ratio) } else { 0.5 };
+        let (ends, along) = ([&state.solution, &*trial], &state.tangent);
+        let passage = Passage { ends, share, tangent: along, null: &null, step };
+        self.passed = passing::branch_point(problem, metric, &passage, work);
+        self.elsewhere = self.passed.is_none();
+        if !self.elsewhere {
+            // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.
+            system.null_direction(0, tangent);
+            metric.normalise(&trial.mesh, tangent);
+        }
+        !self.elsewhere
     }
 
     /// The point at distance `step` by extrapolation, in `trial`.
@@ -548,21 +588,21 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
-    /// Sign of the bordered determinant at the trial point.
+    /// The bordered determinant at the trial point, whose sign is the orientation.
     ///
     /// Where two branches nearly meet, as next to an imperfect pitchfork, a step across the gap turns by no angle at all.
     /// But it turns the sign of the bordered determinant, as passing a branch point does, and nothing else does.
-    fn orientation(&mut self) -> f64 {
+    fn orientation(&mut self) -> Determinant {
         let Continuation { problem, system, state, conditions, trial, .. } = self;
-        let sign = system.determinant().sign;
-        if sign * state.orientation >= 0.0 {
-            return sign;
+        let determinant = system.determinant();
+        if determinant.sign * state.orientation >= 0.0 {
+            return determinant;
         }
         // The corrector's factors belong to a prediction: what counts is the point itself.
         system.evaluate(problem, trial, conditions, true);
         match system.condense().and_then(|()| system.factor_blocks(conditions)) {
-            Ok(()) => system.determinant().sign,
-            Err(_) => sign,
+            Ok(()) => system.determinant(),
+            Err(_) => determinant,
         }
     }
 
@@ -584,9 +624,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Carries the run over to another mesh.
     pub fn move_to(&mut self, grid: &[f64]) {
         self.exact = false;
+        self.passed = None;
         let gauss = &self.system.gauss;
         metric::transfer_direction(gauss, &self.state.solution.mesh, grid, &mut self.state.tangent);
         self.metric.normalise(grid, &mut self.state.tangent);
+        if grid.len() != self.state.solution.mesh.len() {
+            // The sign of the determinant depends on the number of intervals.
+            self.state.orientation = 0.0;
+        }
         self.state.solution.transfer_into(gauss, grid, &mut self.trial);
         std::mem::swap(&mut self.state.solution, &mut self.trial);
         self.state.history.transfer(gauss, grid);
@@ -611,6 +656,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 let bound = if parameter < range[0] { range[0] } else { range[1] };
                 self.land_on(bound)?;
                 advance.defect = self.settings.tolerance.map(|_| self.defect());
+                // What was passed may lie beyond the bound.
+                advance.passed_branch_point &= self.passed.as_ref().is_none_or(|Passed { solution: y, .. }| {
+                    let passed = y.scalars[y.scalars.len() - 1];
+                    (range[0]..=range[1]).contains(&passed)
+                });
                 visit(self, advance);
                 return Ok(Termination::ParameterBound(bound));
             }

@@ -1,0 +1,182 @@
+//! Simple branch points: where they are, which directions the branches have there, and how they cross.
+//!
+//! A direction α₁b₁ + α₂b₂ of a branch fulfils the algebraic bifurcation equation Σ ψD²F\[b_j, b_k\] α_jα_k = 0 (N.20) with
+//! the left null vector ψ. Along the branch with tangent τ, x = x* + aτ + a²η + O(a³):
+//!
+//! * O(a²): Jη = −½ D²F\[τ, τ\], up to multiples of the tangents; η = η₀ + sσ with that of the other branch, σ
+//! * O(a³): ψ(D²F\[τ, η\] + ⅙ D³F\[τ, τ, τ\]) = 0, which gives s (as N.11)
+//!
+//! The parameter's component of η tells to which side a pitchfork opens.
+
+use crate::continuation::{Continuation, Unfolding, belongs, distances};
+use crate::direction::{Direction, Residual};
+use crate::linear::System;
+use crate::problem::Directional;
+use crate::problem::derivatives::second_residual;
+use crate::solution::Solution;
+
+use super::singularity::SingularError;
+
+/// How the branches cross at a branch point, as seen in the parameter λ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BranchPointKind {
+    /// λ changes along both branches.
+    Transcritical,
+    /// λ has an extremum along one of the branches, which exists for larger λ.
+    SupercriticalPitchfork,
+    /// λ has an extremum along one of the branches, which exists for smaller λ.
+    SubcriticalPitchfork,
+}
+
+/// A simple branch point: two branches cross.
+///
+/// # Examples
+/// A rod u″ + λ sin u = 0, u(0) = u(1) = 0 buckles at λ = π². `Oscillator` is in `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::{Force, Oscillator};
+/// use furrow_bvp::{BranchPointKind, Continuation, ContinuationSettings, Metric, locate};
+/// let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 0 };
+/// let (guess, metric) = (problem.zero(1.0, 20, 4, 5.0), Metric::unit(2, 1));
+/// let settings = ContinuationSettings::default();
+/// let mut straight = Continuation::start(problem.clone(), guess, metric.clone(), settings.clone(), true)?;
+/// straight.follow([0.0, 20.0], 100, |_, advance| !advance.passed_branch_point)?;
+/// let point = locate::branch_point(&mut straight)?;
+/// assert!((point.parameter() - std::f64::consts::PI.powi(2)).abs() < 1e-8);
+/// assert_eq!(point.kind(), BranchPointKind::SupercriticalPitchfork);
+///
+/// // The buckled rod, to one side.
+/// let state = point.switch(&mut straight, true)?;
+/// let mut buckled = Continuation::resume(problem, state, metric, settings);
+/// buckled.follow([0.0, 20.0], 100, |_, _| true)?;
+/// assert!(buckled.state.solution.nodes[1].abs() > 5.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct BranchPoint {
+    /// The point.
+    pub solution: Solution,
+    /// Its arclength along the branch, by projection on the tangent.
+    pub arclength: f64,
+    /// Unit tangents of the branch that was followed and of the one that crosses it.
+    pub tangents: [Direction; 2],
+    /// ½ d²λ/ds² along both branches.
+    pub curvatures: [f64; 2],
+    /// Distance between the two branches next to the point: what rounding and the mesh leave of 0.
+    pub gap: f64,
+}
+
+/// Ratio of the slopes of λ at which one of the branches is taken to have an extremum there.
+const EXTREMUM: f64 = 1e-6;
+
+impl BranchPoint {
+    /// λ at the point.
+    pub fn parameter(&self) -> f64 {
+        self.solution.scalars[self.solution.scalars.len() - 1]
+    }
+
+    /// dλ/ds along both branches.
+    pub fn slopes(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.tangents[k].scalars[self.solution.scalars.len() - 1])
+    }
+
+    /// Transcritical, or a pitchfork to either side.
+    pub fn kind(&self) -> BranchPointKind {
+        let [first, second] = self.slopes().map(f64::abs);
+        if first.min(second) > EXTREMUM * first.max(second) {
+            return BranchPointKind::Transcritical;
+        }
+        if self.curvatures[usize::from(second < first)] > 0.0 {
+            BranchPointKind::SupercriticalPitchfork
+        } else {
+            BranchPointKind::SubcriticalPitchfork
+        }
+    }
+}
+
+/// The branch point that the last step of a branch has passed ([`Advance::passed_branch_point`]), by Newton on an extended
+/// system that is regular there.
+///
+/// [`Advance::passed_branch_point`]: crate::continuation::Advance::passed_branch_point
+///
+/// # Errors
+/// [`SingularError::Stalled`] if Newton does not converge, [`SingularError::Elsewhere`] if it leads to a point outside the last
+/// step, [`SingularError::Singular`] if the two branches touch there, or more than two meet.
+pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<BranchPoint, SingularError> {
+    let singular = SingularError::Singular { iterations: 0 };
+    let Continuation { problem, metric, state, work, passed, .. } = branch;
+    let mut y = state.solution.clone();
+    let (before, from) = state.history.back(1).ok_or(singular)?;
+    let mut unfolding = Unfolding::new(problem.dimensions(), y.m, metric.clone(), second).ok_or(singular)?;
+    let solved = match passed.clone() {
+        Some(passed) => {
+            y = passed.solution;
+            unfolding.solve_from(problem, &mut y, passed.basis)
+        }
+        None => unfolding.solve(problem, &mut y, &state.tangent),
+    };
+    *work += unfolding.work;
+    if solved.is_none() {
+        return Err(SingularError::Stalled { iterations: unfolding.work.iterations, correction: f64::NAN });
+    }
+    let (step, place) = (state.arclength - before, distances(metric, from, &y, &state.tangent));
+    if !belongs(place, step) {
+        return Err(SingularError::Elsewhere { distance: (place[0] / step - 1.0).abs().max(place[1] / step) });
+    }
+    let tangents = unfolding.crossing(&y.mesh, &state.tangent).ok_or(singular)?;
+    let [first, second] = &tangents;
+    let curvatures =
+        [[first, second], [second, first]].map(|tangents| curvature(&mut unfolding, problem, &y, tangents));
+    problem.prepare(&state.solution.scalars);
+    if curvatures.iter().any(|c| !c.is_finite()) {
+        return Err(singular);
+    }
+    Ok(BranchPoint { arclength: before + place[0], tangents, curvatures, gap: unfolding.gap(), solution: y })
+}
+
+/// D²F\[a, b\] by the problem itself.
+fn second<P: Directional>(
+    system: &mut System,
+    problem: &mut P,
+    y: &Solution,
+    along: [&Direction; 2],
+    conditions: usize,
+    out: &mut Residual,
+) {
+    second_residual(&system.gauss, problem, y, along, conditions, out);
+}
+
+/// Length of the differences of second derivatives that give the third.
+const DIFFERENCE: f64 = 1e-5;
+
+/// ½ d²λ/ds² along the first of the tangents: the parameter's component of η.
+fn curvature<P: Directional>(
+    unfolding: &mut Unfolding<P>,
+    problem: &mut P,
+    y: &Solution,
+    [along, other]: [&Direction; 2],
+) -> f64 {
+    let (mut response, mut square, mut rest) = (Direction::default(), Residual::default(), Residual::default());
+    let gauss = unfolding.system.gauss.clone();
+    second_residual(&gauss, problem, y, [along, along], CONDITIONS, &mut square);
+    unfolding.respond(&square, &mut response);
+    response.scale(0.5);
+    second_residual(&gauss, problem, y, [along, &response], CONDITIONS, &mut rest);
+    for side in [1.0, -1.0] {
+        let mut moved = y.clone();
+        along.apply(side * DIFFERENCE, &mut moved);
+        second_residual(&gauss, problem, &moved, [along, along], CONDITIONS, &mut square);
+        rest.add(side / (12.0 * DIFFERENCE), &square);
+    }
+    let constant = unfolding.respond(&rest, &mut Direction::default());
+    let share = -constant / unfolding.product(problem, y, [along, other]);
+    response.add(share, other);
+    // An arclength has its curvature across the tangent.
+    let rest = unfolding.metric.dot(&y.mesh, along, &response);
+    response.add(-rest, along);
+    response.scalars[y.scalars.len() - 1]
+}
+
+/// Linear conditions that border the unfolded problem.
+const CONDITIONS: usize = 2;

@@ -1,0 +1,155 @@
+//! Whether a step has passed a branch point, or jumped to another branch.
+
+use crate::direction::{Direction, LinearCondition, Residual};
+use crate::linear::System;
+use crate::mesh;
+use crate::metric::{self, Metric};
+use crate::newton::Work;
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+use super::unfolded::Unfolded;
+use super::unfolding::{Unfolding, uneven};
+
+/// Branches nearer to each other than this cross, as far as the rounding of β can tell.
+const CLOSED: f64 = 1e-5;
+
+/// A gap that shrinks by this factor on a mesh twice as fine is one of the mesh and not of the problem: the order of collocation
+/// makes it far more, and an imperfection stays.
+const SHRINKS: f64 = 0.5;
+
+/// A branch point belongs to a step if it lies between the ends, or beyond them by this share of the step.
+const BEYOND: f64 = 0.05;
+
+/// A branch point that was passed, and the null directions there.
+#[derive(Clone)]
+pub(crate) struct Passed {
+    pub solution: Solution,
+    pub basis: [Direction; 2],
+}
+
+/// The direction that belongs to the smallest singular value, nearly, from factors near a branch point: a second null direction.
+pub(super) fn nearly_null(system: &mut System) -> Direction {
+    let dims = system.dimensions();
+    let mut weights = uneven(dims.right + dims.integrals);
+    let mut residual = system.zero_residual();
+    residual.right.iter_mut().chain(&mut residual.border).zip(&mut weights).for_each(|(row, w)| *row = w);
+    let mut direction = Direction::default();
+    system.solve(&residual, &mut direction);
+    direction
+}
+
+/// The step from one point to the next, which may have passed a branch point.
+pub(super) struct Passage<'a> {
+    pub ends: [&'a Solution; 2],
+    /// Where between them the branch point is to be expected.
+    pub share: f64,
+    pub tangent: &'a Direction,
+    /// Nearly the other null direction.
+    pub null: &'a Direction,
+    /// Arclength.
+    pub step: f64,
+}
+
+/// The branch point that a step has passed on a branch that goes straight on. The bordered determinants at the ends have
+/// different signs. None if the step has changed to another branch, or if there is no simple branch point.
+pub(super) fn branch_point<P: BoundaryValueProblem>(
+    problem: &mut P,
+    metric: &Metric,
+    passage: &Passage<'_>,
+    work: &mut Work,
+) -> Option<Passed> {
+    let [from, to] = passage.ends;
+    let mut unfolding = Unfolding::new(problem.dimensions(), from.m, metric.clone(), second_difference)?;
+    let mut found = None;
+    for share in [passage.share, 0.5] {
+        let mut y = between(passage.ends, share);
+        let basis = [passage.tangent, passage.null].map(Clone::clone);
+        let solved = unfolding.solve_from(problem, &mut y, basis);
+        if solved.is_some() && belongs(distances(metric, from, &y, passage.tangent), passage.step) {
+            found = Some(Passed { solution: y, basis: unfolding.basis.clone() });
+            break;
+        }
+    }
+    let crosses = found.as_ref().is_some_and(|Passed { solution, .. }| {
+        unfolding.crossing(&solution.mesh, passage.tangent).is_some() && is_closed(&mut unfolding, problem, solution)
+    });
+    *work += unfolding.work;
+    problem.prepare(&to.scalars);
+    found.filter(|_| crosses)
+}
+
+/// Whether the branches that cross at `y` in the unfolded problem do so in the problem itself.
+fn is_closed<P: BoundaryValueProblem>(unfolding: &mut Unfolding<P>, problem: &mut P, y: &Solution) -> bool {
+    let gap = unfolding.gap();
+    if gap < CLOSED {
+        return true;
+    }
+    let finer = mesh::halved(&y.mesh);
+    let gauss = unfolding.system.gauss.clone();
+    let (mut refined, mut basis) = (y.on_mesh(&gauss, &finer), unfolding.basis.clone());
+    for direction in &mut basis {
+        metric::transfer_direction(&gauss, &y.mesh, &finer, direction);
+    }
+    unfolding.solve_from(problem, &mut refined, basis).is_some() && unfolding.gap() < SHRINKS * gap
+}
+
+/// The point at a share of the way.
+fn between([from, to]: [&Solution; 2], share: f64) -> Solution {
+    let mut y = from.clone();
+    for (y, to) in [(&mut y.nodes, &to.nodes), (&mut y.stages, &to.stages), (&mut y.scalars, &to.scalars)] {
+        for (y, to) in y.iter_mut().zip(to) {
+            *y += share * (to - *y);
+        }
+    }
+    y
+}
+
+/// Distances of `y` from a point: along its tangent and across it.
+pub(crate) fn distances(metric: &Metric, from: &Solution, y: &Solution, tangent: &Direction) -> [f64; 2] {
+    let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let way = Direction {
+        nodes: minus(&y.nodes, &from.nodes),
+        stages: Vec::new(),
+        scalars: minus(&y.scalars, &from.scalars),
+    };
+    let along = metric.dot(&y.mesh, &way, tangent);
+    [along, (metric.dot(&y.mesh, &way, &way) - along * along).max(0.0).sqrt()]
+}
+
+/// Whether a point at these distances belongs to a step.
+pub(crate) fn belongs([along, across]: [f64; 2], step: f64) -> bool {
+    (-BEYOND * step..=(1.0 + BEYOND) * step).contains(&along) && across <= step
+}
+
+/// Length of the differences, relative to the directions.
+const DIFFERENCE: f64 = 1e-4;
+
+/// D²F\[a, b\] by differences of the residual. Newton converges with it as with the exact one, to the same point.
+fn second_difference<P: BoundaryValueProblem>(
+    system: &mut System,
+    problem: &mut P,
+    y: &Solution,
+    [a, b]: [&Direction; 2],
+    conditions: usize,
+    out: &mut Residual,
+) {
+    let largest = |d: &Direction| d.nodes.iter().chain(&d.scalars).fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
+    let steps = [a, b].map(|d| DIFFERENCE / largest(d));
+    let dims = problem.dimensions();
+    let (weights, conditions) = (vec![0.0; dims.right + dims.integrals], vec![LinearCondition::default(); conditions]);
+    let mut unfolded = Unfolded { inner: problem, beta: 0.0, weights: &weights };
+    let kept = std::mem::take(&mut system.residual);
+    for (count, signs) in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].into_iter().enumerate() {
+        let mut moved = y.clone();
+        a.apply(signs[0] * steps[0], &mut moved);
+        b.apply(signs[1] * steps[1], &mut moved);
+        system.evaluate(&mut unfolded, &moved, &conditions, false);
+        if count == 0 {
+            out.clone_from(&system.residual);
+            out.add(-1.0, &system.residual);
+        }
+        out.add(signs[0] * signs[1] / (4.0 * steps[0] * steps[1]), &system.residual);
+    }
+    system.residual = kept;
+}

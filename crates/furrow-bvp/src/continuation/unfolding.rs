@@ -1,0 +1,255 @@
+//! Simple branch points as regular roots: Newton on a minimally augmented system.
+//!
+//! F has one unknown more than equations. Where two branches cross, its Jacobian J has two null directions instead of one. With a
+//! column w and two rows c₁, c₂ that border J to a regular matrix M, the solutions b_k of M (b_k, g_k) = e_k tell: g₁ = g₂ = 0
+//! there and nowhere near. As those are two conditions, an unfolding parameter β joins x:
+//!
+//! * \[N.19 branch point\] F(x) + βw = 0, g₁(x) = 0, g₂(x) = 0
+//!
+//! is regular at a simple branch point of F + βw. β = 0 says that it is one of F; where an imperfection keeps the branches
+//! apart, β measures it. The β of a solution for any right-hand side is its product with the left null vector, so that no system
+//! is transposed, and g_k′\[b_j\] are the coefficients of the algebraic bifurcation equation.
+//!
+//! # References
+//! Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, SIAM 2000, ch. 3–4, 8 (bordered test scalars,
+//! unfolded branch points). Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (algebraic bifurcation
+//! equation).
+
+use crate::dense::PivotFailure;
+use crate::dimensions::Dimensions;
+use crate::direction::{Direction, LinearCondition, Residual};
+use crate::linear::System;
+use crate::metric::Metric;
+use crate::newton::Work;
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+use super::unfolded::{Unfolded, unfolded};
+
+/// D²F\[a, b\] at y into the residual, by the problem itself or by differences; the system is that of the unfolded problem.
+pub(crate) type SecondDerivative<P> =
+    fn(&mut System, &mut P, &Solution, [&Direction; 2], conditions: usize, &mut Residual);
+
+/// Newton on the extended system.
+pub(crate) struct Unfolding<P> {
+    /// The unfolded system at the last iterate, bordered by planes across `basis`.
+    pub system: System,
+    /// Norm of the branch.
+    pub metric: Metric,
+    /// Both null directions at the last iterate, orthonormal.
+    pub basis: [Direction; 2],
+    /// g_k′\[b_j\] as (1, 1), (1, 2), (2, 2).
+    pub form: [f64; 3],
+    /// The unfolding parameter.
+    pub beta: f64,
+    /// Factorisations and solves.
+    pub work: Work,
+    second: SecondDerivative<P>,
+    weights: Vec<f64>,
+    conditions: [LinearCondition; 2],
+    residual: Residual,
+    step: Direction,
+}
+
+/// Most iterations.
+const MOST_ITERATIONS: usize = 10;
+
+/// Largest correction applied in full.
+const FARTHEST: f64 = 0.5;
+
+/// Branches that cross at an angle with a smaller sine touch, as far as rounding can tell.
+const SEPARATE: f64 = 1e-6;
+
+/// Iterations end with a correction below this: what it leaves is of the order of its square.
+const CONVERGED: f64 = 3e-9;
+
+/// Weights w of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
+/// the symmetries of a problem do not make them useless.
+pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
+    let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
+    std::iter::repeat_with(move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        0.25 + (state >> 11) as f64 / (1u64 << 53) as f64
+    })
+    .take(count)
+}
+
+/// Takes β out of a direction of the unfolded problem.
+fn split(direction: &mut Direction) -> f64 {
+    direction.scalars.pop().unwrap_or(f64::NAN)
+}
+
+impl<P: BoundaryValueProblem> Unfolding<P> {
+    /// None for problems of which the kernels cannot take another scalar unknown, or which are not one condition short of square.
+    pub fn new(dims: Dimensions, stages: usize, metric: Metric, second: SecondDerivative<P>) -> Option<Self> {
+        let larger = unfolded(dims);
+        (larger.check(stages).is_ok() && dims.missing_conditions() == 1).then(|| Unfolding {
+            system: System::new(larger, stages),
+            metric,
+            basis: Default::default(),
+            form: [f64::NAN; 3],
+            beta: 0.0,
+            work: Work::default(),
+            second,
+            weights: uneven(dims.right + dims.integrals).collect(),
+            conditions: Default::default(),
+            residual: Residual::default(),
+            step: Direction::default(),
+        })
+    }
+
+    /// Moves `y` onto the branch point near it, on a branch with the given tangent. None if that does not converge. The system,
+    /// the basis and the form are then those of the iterate before, from which the last correction was too small to matter.
+    pub fn solve(&mut self, problem: &mut P, y: &mut Solution, tangent: &Direction) -> Option<()> {
+        let [first, second] = &mut self.conditions;
+        self.metric.plane_through(y, tangent, first);
+        // Any row does that the second null direction is not orthogonal to.
+        second.nodes = uneven(y.nodes.len()).collect();
+        second.scalars = uneven(y.scalars.len()).collect();
+        self.beta = 0.0;
+        self.linearise(problem, y).ok()?;
+        self.basis[0].clone_from(tangent);
+        self.iterate(problem, y)
+    }
+
+    /// [`solve`](Self::solve) where the null directions are known nearly.
+    pub fn solve_from(&mut self, problem: &mut P, y: &mut Solution, basis: [Direction; 2]) -> Option<()> {
+        self.basis = basis;
+        self.iterate(problem, y)
+    }
+
+    fn iterate(&mut self, problem: &mut P, y: &mut Solution) -> Option<()> {
+        self.beta = 0.0;
+        for _ in 0..MOST_ITERATIONS {
+            self.border(y);
+            let change = self.correction(problem, y).ok()?;
+            let size = self.step.norm(y).max(change.abs());
+            if !size.is_finite() {
+                return None;
+            }
+            let damping = (FARTHEST / size).min(1.0);
+            self.step.apply(damping, y);
+            self.beta += damping * change;
+            if size < CONVERGED {
+                return Some(());
+            }
+        }
+        None
+    }
+
+    /// The solution x and the β of M (x, β) = −(`residual`, 0, 0).
+    pub fn respond(&mut self, residual: &Residual, out: &mut Direction) -> f64 {
+        self.system.solve(residual, out);
+        split(out)
+    }
+
+    /// −ψ D²F\[a, b\] with the left null vector ψ.
+    pub fn product(&mut self, problem: &mut P, y: &Solution, along: [&Direction; 2]) -> f64 {
+        let (mut residual, mut change) = (std::mem::take(&mut self.residual), Direction::default());
+        (self.second)(&mut self.system, problem, y, along, self.conditions.len(), &mut residual);
+        let product = self.respond(&residual, &mut change);
+        self.residual = residual;
+        product
+    }
+
+    /// Factors at `y` with the conditions as they are.
+    fn factorise(&mut self, problem: &mut P, y: &Solution) -> Result<(), PivotFailure> {
+        let Unfolding { system, weights, beta, conditions, work, .. } = self;
+        for condition in conditions.iter_mut() {
+            condition.scalars.push(0.0);
+        }
+        work.factorisations += 1;
+        work.iterations += 1;
+        system.evaluate(&mut Unfolded { inner: problem, beta: *beta, weights }, y, conditions, true);
+        system.condense()?;
+        system.factor_blocks(conditions)
+    }
+
+    /// Makes the basis orthonormal, and borders with planes across it.
+    fn border(&mut self, y: &Solution) {
+        let [first, second] = &mut self.basis;
+        self.metric.normalise(&y.mesh, first);
+        let along = self.metric.dot(&y.mesh, first, second);
+        second.add(-along, first);
+        self.metric.normalise(&y.mesh, second);
+        for (direction, condition) in self.basis.iter().zip(&mut self.conditions) {
+            self.metric.plane_through(y, direction, condition);
+        }
+    }
+
+    /// Factorises and puts the null directions into the basis. Returns their g.
+    fn linearise(&mut self, problem: &mut P, y: &Solution) -> Result<[f64; 2], PivotFailure> {
+        self.factorise(problem, y)?;
+        let Unfolding { system, basis, .. } = self;
+        Ok([0, 1].map(|k| {
+            system.null_direction(k, &mut basis[k]);
+            split(&mut basis[k])
+        }))
+    }
+
+    /// The coefficients g_k′\[b_j\].
+    fn derive(&mut self, problem: &mut P, y: &Solution) {
+        let basis = std::mem::take(&mut self.basis);
+        self.form = [[0, 0], [0, 1], [1, 1]].map(|along| self.product(problem, y, along.map(|k| &basis[k])));
+        self.basis = basis;
+    }
+
+    /// The correction of one Newton iteration in `step`; returns that of β.
+    fn correction(&mut self, problem: &mut P, y: &Solution) -> Result<f64, PivotFailure> {
+        let g = self.linearise(problem, y)?;
+        let mut step = std::mem::take(&mut self.step);
+        self.system.solve_own(&mut step);
+        let mut change = split(&mut step);
+        self.derive(problem, y);
+        let basis = std::mem::take(&mut self.basis);
+        let [a, b] = [0, 1].map(|k| g[k] + self.product(problem, y, [&basis[k], &step]));
+        let [h11, h12, h22] = self.form;
+        let determinant = h11 * h22 - h12 * h12;
+        let shares = [(h12 * b - h22 * a) / determinant, (h12 * a - h11 * b) / determinant];
+        for (k, share) in shares.into_iter().enumerate() {
+            step.add(share, &basis[k]);
+            change += share * g[k];
+        }
+        (self.basis, self.step) = (basis, step);
+        Ok(change)
+    }
+
+    /// Directions of both branches through the point, of unit length, that nearest to `tangent` first: the roots of the
+    /// algebraic bifurcation equation h₁₁α₁² + 2h₁₂α₁α₂ + h₂₂α₂² = 0. None if it has no two real ones.
+    pub fn crossing(&self, mesh: &[f64], tangent: &Direction) -> Option<[Direction; 2]> {
+        let [h11, h12, h22] = self.form;
+        let root = (h12 * h12 - h11 * h22).sqrt();
+        let size = h11.abs().max(h12.abs()).max(h22.abs());
+        if root.is_nan() || root <= SEPARATE * size {
+            return None;
+        }
+        // α₁ : α₂ = q : h₁₁ = h₂₂ : q without cancellation.
+        let q = -h12 - root.copysign(h12);
+        let mut directions = [[q, h11], [h22, q]].map(|shares| {
+            let mut direction = self.basis[0].clone();
+            direction.scale(shares[0]);
+            direction.add(shares[1], &self.basis[1]);
+            self.metric.normalise(mesh, &mut direction);
+            if self.metric.dot(mesh, &direction, tangent) < 0.0 {
+                direction.scale(-1.0);
+            }
+            direction
+        });
+        let [first, second] = [0, 1].map(|k| self.metric.dot(mesh, &directions[k], tangent));
+        if second > first {
+            directions.swap(0, 1);
+        }
+        Some(directions)
+    }
+
+    /// Distance that an imperfection keeps the two branches apart: next to the point they are hyperbolas ½h(α, α) = −β.
+    pub fn gap(&self) -> f64 {
+        let [h11, h12, h22] = self.form;
+        let (mean, half) = (0.5 * (h11 + h22), (0.5 * (h11 - h22)).hypot(h12));
+        // The curvature of the form on the side that the hyperbolas lie on.
+        let curvature = if self.beta < 0.0 { mean + half } else { half - mean };
+        2.0 * (2.0 * self.beta.abs() / curvature.abs()).sqrt()
+    }
+}
