@@ -11,6 +11,7 @@ use crate::mesh;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
+use super::homotopy;
 use super::iteration::{Newton, NewtonError, NewtonScratch};
 use super::work::Work;
 
@@ -162,6 +163,8 @@ pub fn solve<P: BoundaryValueProblem>(
         scratch: NewtonScratch::default(),
         work: Work::default(),
         best: None,
+        origin: guess.clone(),
+        deformed: false,
     };
     run.solve(guess.clone())
 }
@@ -175,6 +178,10 @@ struct Run<'a, P> {
     work: Work,
     /// The solution of smallest defect.
     best: Option<Box<Solved>>,
+    /// The guess.
+    origin: Solution,
+    /// Homotopy was tried.
+    deformed: bool,
 }
 
 impl<P: BoundaryValueProblem> Run<'_, P> {
@@ -194,7 +201,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             if intervals >= limit && settled {
                 return Err(self.mesh_limit(y, defect));
             }
-            let needed = intervals_for(&defects, y.m, self.settings.tolerance);
+            let needed = mesh::intervals_for(&defects, y.m, self.settings.tolerance);
             let next = if settled { GROWTH * intervals } else { needed.clamp(intervals, GROWTH * intervals) };
             let next = next.min(limit.max(intervals));
             // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
@@ -228,7 +235,15 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                     self.work.rejected += 1;
                     failures += 1;
                     let intervals = start.intervals();
-                    if failures == FAILURES || 2 * intervals > settings.max_intervals {
+                    if failures == FAILURES && !std::mem::replace(&mut self.deformed, true) {
+                        let Run { problem, system, scratch, work, .. } = self;
+                        let limit = settings.max_intervals;
+                        if let Some(y) = homotopy::solve(*problem, &self.origin, limit, system, scratch, work) {
+                            start = y;
+                            continue;
+                        }
+                    }
+                    if failures >= FAILURES || 2 * intervals > settings.max_intervals {
                         return Err(SolveError::Newton { intervals, source, best: self.best.take() });
                     }
                     start = start.on_mesh(&self.system.gauss, &mesh::halved(&start.mesh));
@@ -259,13 +274,4 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         best.work = work;
         SolveError::MeshLimit { limit: self.settings.max_intervals, best }
     }
-}
-
-/// Intervals of an equidistributing mesh with defects below `tolerance`: a defect is proportional to h^(m+1), so that
-/// Σ defect^(1/(m+1)) does not depend on the mesh. The monitor leaves half of the intervals to regions of small defects.
-fn intervals_for(defects: &[f64], m: usize, tolerance: f64) -> usize {
-    let order = 1.0 / (m as f64 + 1.0);
-    let sum: f64 = defects.iter().map(|d| d.powf(order)).sum();
-    // A float beyond the largest index becomes that one.
-    (2.0 * sum * tolerance.powf(-order)).ceil() as usize
 }
