@@ -29,7 +29,19 @@ const MIN_STEP: f64 = 1e-6;
 const MAX_STEPS: usize = 4000;
 
 /// Bound on the defect on the way.
-const TOLERANCE: f64 = 1e-3;
+const BOUND: f64 = 1e-4;
+
+/// Defect meshes are made for.
+const TOLERANCE: f64 = 1e-5;
+
+/// A mesh with less imbalance is kept.
+const BALANCED: f64 = 1.3;
+
+/// An extrapolated interval is at least so wide, in its width before.
+const LEAST_WIDTH: f64 = 0.2;
+
+/// Quarterings of the interval at most.
+const SHRINKINGS: i32 = 8;
 
 /// Meshes tried in one step.
 const MESHES: usize = 8;
@@ -47,12 +59,21 @@ const CORRECTOR: Newton = Newton {
 /// A corrector of at most so many factorisations lets the step grow.
 const EASY: usize = 6;
 
+/// How a problem is deformed.
+#[derive(Clone, Copy)]
+enum Way {
+    Residual,
+    Stretch(f64),
+}
+
 /// The problem on the way from the guess `origin`.
 struct Deformed<'a, P> {
     problem: &'a mut P,
     origin: &'a Solution,
     gauss: Gauss,
-    /// 1 − s.
+    /// What the right-hand side is multiplied with.
+    rate: f64,
+    /// Part of the residual of the guess that is still subtracted.
     rest: f64,
     /// Points of the table, and f(u₀) − u₀′ and the integrands there.
     x: Vec<f64>,
@@ -75,7 +96,7 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
         problem.right(last, p, &mut BoundaryJacobian { r: &mut at_right, ry: &mut ry, rp: &mut rp });
         let offsets = (0..integrals).map(|k| problem.integral_offset(k, p, &mut rp_of(np))).collect();
         let (gauss, x, f, g) = (Gauss::new(origin.m), Vec::new(), Vec::new(), Vec::new());
-        Deformed { problem, origin, gauss, rest: 1.0, x, f, g, left: at_left, right: at_right, offsets }
+        Deformed { problem, origin, gauss, rate: 1.0, rest: 0.0, x, f, g, left: at_left, right: at_right, offsets }
     }
 
     /// Residuals of the guess at the points x.
@@ -105,11 +126,31 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
         self.x.extend_from_slice(x);
     }
 
-    fn subtract(&self, first: usize, f: &mut [f64], g: &mut [f64]) {
+    fn deform(&self, first: usize, f: &mut [f64], g: &mut [f64]) {
+        if self.rate != 1.0 {
+            f.iter_mut().for_each(|f| *f *= self.rate);
+        }
+        if self.rest == 0.0 {
+            return;
+        }
         let Dimensions { components: n, integrals, .. } = self.problem.dimensions();
         let parts = [(f, &self.f[first * n..]), (g, &self.g[first * integrals..])];
         for (to, table) in parts {
             to.iter_mut().zip(table).for_each(|(to, table)| *to -= self.rest * table);
+        }
+    }
+
+    fn scale_derivatives(&self, out: &mut PointJacobian<'_>) {
+        if self.rate != 1.0 {
+            out.fy.iter_mut().chain(out.fp.iter_mut()).for_each(|d| *d *= self.rate);
+        }
+    }
+
+    /// The problem at t, from 0 to 1.
+    fn at(&mut self, way: Way, t: f64) {
+        match way {
+            Way::Residual => self.rest = 1.0 - t,
+            Way::Stretch(first) => self.rate = first.powf(1.0 - t),
         }
     }
 
@@ -143,22 +184,24 @@ impl<P: BoundaryValueProblem> BoundaryValueProblem for Deformed<'_, P> {
 
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
         self.problem.rhs(at, y, p, f, g);
-        self.subtract(at.index, f, g);
+        self.deform(at.index, f, g);
     }
 
     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
         self.problem.rhs_jacobian(at, y, p, out);
-        self.subtract(at.index, out.f, out.g);
+        self.deform(at.index, out.f, out.g);
+        self.scale_derivatives(out);
     }
 
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
         self.problem.rhs_many(points, p, f, g);
-        self.subtract(points.first, f, g);
+        self.deform(points.first, f, g);
     }
 
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
         self.problem.rhs_jacobian_many(points, p, out);
-        self.subtract(points.first, out.f, out.g);
+        self.deform(points.first, out.f, out.g);
+        self.scale_derivatives(out);
     }
 
     fn left(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
@@ -200,16 +243,32 @@ pub(super) fn solve<P: BoundaryValueProblem>(
     work: &mut Work,
 ) -> Option<Solution> {
     let deformed = Deformed::new(problem, origin);
-    Path { deformed, system, scratch, work, max_intervals }.run(origin.clone())
+    let mut path = Path { deformed, system, scratch, work, max_intervals };
+    path.run(Way::Residual, origin.clone()).or_else(|| path.stretch())
 }
 
 impl<P: BoundaryValueProblem> Path<'_, P> {
-    fn run(&mut self, mut y: Solution) -> Option<Solution> {
+    /// Along the problems y′ = r f, from the largest r = 1/4, 1/16 … that is solved from the guess.
+    fn stretch(&mut self) -> Option<Solution> {
+        self.deformed.rest = 0.0;
+        for k in 1..=SHRINKINGS {
+            let way = Way::Stretch(0.25f64.powi(k));
+            self.deformed.at(way, 0.0);
+            let y = self.corrected(self.deformed.origin.clone()).and_then(|(y, _)| self.resolved(y));
+            eprintln!("stretch {k} {}", y.is_some());
+            if let Some(y) = y && let Some(y) = self.run(way, y) {
+                return Some(y);
+            }
+        }
+        None
+    }
+
+    fn run(&mut self, way: Way, mut y: Solution) -> Option<Solution> {
         let (mut s, mut step) = (0.0, FIRST_STEP);
         let mut before: Option<(f64, Solution)> = None;
         for _ in 0..MAX_STEPS {
             let next = if s + step > 1.0 - 0.01 * step { 1.0 } else { s + step };
-            self.deformed.rest = 1.0 - next;
+            self.deformed.at(way, next);
             let guess = match &before {
                 Some((earlier, last)) => extrapolated(&self.system.gauss, last, &y, (next - s) / (s - earlier)),
                 None => y.clone(),
@@ -239,6 +298,7 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
     fn corrected(&mut self, mut y: Solution) -> Option<(Solution, bool)> {
         let report = CORRECTOR.solve(self.system, self.scratch, &mut self.deformed, &mut y, &[], false);
         let Ok(report) = report else {
+            eprintln!("   newton {:?} N {}", report.err(), y.intervals());
             self.work.rejected += 1;
             return None;
         };
@@ -250,18 +310,19 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
     /// The solution on a mesh that resolves it.
     fn resolved(&mut self, mut y: Solution) -> Option<Solution> {
         let mut weight = Vec::new();
-        for _ in 0..MESHES {
+        for round in 0..MESHES {
             let defects = self.deformed.defects(&y);
             let largest = defects.iter().copied().fold(0.0, f64::max);
-            if largest <= TOLERANCE {
-                return Some(y);
-            }
             if !largest.is_finite() {
                 return None;
             }
             let intervals = y.intervals();
             let needed = mesh::intervals_for(&defects, y.m, TOLERANCE).clamp(intervals / 2, 2 * intervals);
             mesh::defect_monitor(&y.mesh, &defects, y.m, &mut weight);
+            eprintln!("   round {round} defect {largest:.2e} imb {:.2}", mesh::imbalance(&y.mesh, &weight));
+            if largest <= BOUND && (round > 1 || mesh::imbalance(&y.mesh, &weight) < BALANCED) {
+                return Some(y);
+            }
             let mut grid = Vec::new();
             mesh::equidistribute(&y.mesh, &weight, needed.clamp(1, self.max_intervals), &mut grid);
             self.work.remeshings += 1;
@@ -271,17 +332,37 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
     }
 }
 
-/// y + ratio (y − last), on the mesh of y.
+/// y + ratio (y − last), node by node, with a mesh that moves likewise: as meshes share the defect equally, a layer that moves
+/// stays at the same nodes. On the mesh of y where the nodes would meet.
 fn extrapolated(gauss: &Gauss, last: &Solution, y: &Solution, ratio: f64) -> Solution {
-    let last = last.on_mesh(gauss, &y.mesh);
+    let moved = |mesh: &[f64], from: &[f64]| -> Vec<f64> {
+        mesh.iter().zip(from).map(|(x, from)| x + ratio * (x - from)).collect()
+    };
+    let mut from = with_intervals(&last.mesh, y.intervals());
+    let mut grid = moved(&y.mesh, &from);
+    let least = |x: &[f64], h: &[f64]| x[1] - x[0] > LEAST_WIDTH * (h[1] - h[0]);
+    if !grid.windows(2).zip(y.mesh.windows(2)).all(|(x, h)| least(x, h)) {
+        from.clone_from(&y.mesh);
+        grid.clone_from(&y.mesh);
+    }
+    let last = last.on_mesh(gauss, &from);
     let mut out = y.clone();
-    let parts = [
-        (&mut out.nodes, &last.nodes),
-        (&mut out.stages, &last.stages),
-        (&mut out.scalars, &last.scalars),
-    ];
+    let parts = [(&mut out.nodes, &last.nodes), (&mut out.stages, &last.stages), (&mut out.scalars, &last.scalars)];
     for (to, from) in parts {
         to.iter_mut().zip(from).for_each(|(to, from)| *to += ratio * (*to - from));
     }
+    out.mesh = grid;
     out
+}
+
+/// The mesh as a function of the running number of its nodes, with another number of intervals.
+fn with_intervals(mesh: &[f64], intervals: usize) -> Vec<f64> {
+    let count = mesh.len() - 1;
+    let at = |k: usize| {
+        let place = (k * count) as f64 / intervals as f64;
+        let i = (k * count / intervals).min(count - 1);
+        let theta = place - i as f64;
+        if theta >= 1.0 { mesh[i + 1] } else { mesh[i] + theta * (mesh[i + 1] - mesh[i]) }
+    };
+    (0..=intervals).map(at).collect()
 }
