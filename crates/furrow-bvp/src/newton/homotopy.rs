@@ -40,9 +40,6 @@ const BALANCED: f64 = 1.3;
 /// An extrapolated interval is at least so wide, in its width before.
 const LEAST_WIDTH: f64 = 0.2;
 
-/// Quarterings of the interval at most.
-const SHRINKINGS: i32 = 8;
-
 /// Meshes tried in one step.
 const MESHES: usize = 8;
 
@@ -59,21 +56,12 @@ const CORRECTOR: Newton = Newton {
 /// A corrector of at most so many factorisations lets the step grow.
 const EASY: usize = 6;
 
-/// How a problem is deformed.
-#[derive(Clone, Copy)]
-enum Way {
-    Residual,
-    Stretch(f64),
-}
-
 /// The problem on the way from the guess `origin`.
 struct Deformed<'a, P> {
     problem: &'a mut P,
     origin: &'a Solution,
     gauss: Gauss,
-    /// What the right-hand side is multiplied with.
-    rate: f64,
-    /// Part of the residual of the guess that is still subtracted.
+    /// 1 − s.
     rest: f64,
     /// Points of the table, and f(u₀) − u₀′ and the integrands there.
     x: Vec<f64>,
@@ -88,15 +76,17 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
     fn new(problem: &'a mut P, origin: &'a Solution) -> Self {
         let Dimensions { components: n, scalars: np, left, right, integrals, .. } = problem.dimensions();
         problem.prepare(&origin.scalars);
-        let (mut ry, mut rp) = (vec![0.0; left.max(right) * n], vec![0.0; left.max(right) * np]);
-        let (mut at_left, mut at_right) = (vec![0.0; left], vec![0.0; right]);
         let p = &origin.scalars[..];
-        problem.left(origin.node(0), p, &mut BoundaryJacobian { r: &mut at_left, ry: &mut ry, rp: &mut rp });
-        let last = origin.node(origin.intervals());
-        problem.right(last, p, &mut BoundaryJacobian { r: &mut at_right, ry: &mut ry, rp: &mut rp });
-        let offsets = (0..integrals).map(|k| problem.integral_offset(k, p, &mut rp_of(np))).collect();
+        let at = |conditions: usize, evaluate: &dyn Fn(&mut BoundaryJacobian<'_>)| {
+            let [mut r, mut ry, mut rp] = [1, n, np].map(|width| vec![0.0; conditions * width]);
+            evaluate(&mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp });
+            r
+        };
+        let at_left = at(left, &|out| problem.left(origin.node(0), p, out));
+        let at_right = at(right, &|out| problem.right(origin.node(origin.intervals()), p, out));
+        let offsets = (0..integrals).map(|k| problem.integral_offset(k, p, &mut vec![0.0; np])).collect();
         let (gauss, x, f, g) = (Gauss::new(origin.m), Vec::new(), Vec::new(), Vec::new());
-        Deformed { problem, origin, gauss, rate: 1.0, rest: 0.0, x, f, g, left: at_left, right: at_right, offsets }
+        Deformed { problem, origin, gauss, rest: 1.0, x, f, g, left: at_left, right: at_right, offsets }
     }
 
     /// Residuals of the guess at the points x.
@@ -126,31 +116,12 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
         self.x.extend_from_slice(x);
     }
 
-    fn deform(&self, first: usize, f: &mut [f64], g: &mut [f64]) {
-        if self.rate != 1.0 {
-            f.iter_mut().for_each(|f| *f *= self.rate);
-        }
-        if self.rest == 0.0 {
-            return;
-        }
+    /// Takes what is left of the residual of the guess from f and the integrands at the points of the table from `first` on.
+    fn subtract(&self, first: usize, f: &mut [f64], g: &mut [f64]) {
         let Dimensions { components: n, integrals, .. } = self.problem.dimensions();
         let parts = [(f, &self.f[first * n..]), (g, &self.g[first * integrals..])];
         for (to, table) in parts {
             to.iter_mut().zip(table).for_each(|(to, table)| *to -= self.rest * table);
-        }
-    }
-
-    fn scale_derivatives(&self, out: &mut PointJacobian<'_>) {
-        if self.rate != 1.0 {
-            out.fy.iter_mut().chain(out.fp.iter_mut()).for_each(|d| *d *= self.rate);
-        }
-    }
-
-    /// The problem at t, from 0 to 1.
-    fn at(&mut self, way: Way, t: f64) {
-        match way {
-            Way::Residual => self.rest = 1.0 - t,
-            Way::Stretch(first) => self.rate = first.powf(1.0 - t),
         }
     }
 
@@ -161,10 +132,6 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
         let gauss = self.gauss.clone();
         mesh::defect(&gauss, self, y)
     }
-}
-
-fn rp_of(scalars: usize) -> Vec<f64> {
-    vec![0.0; scalars]
 }
 
 impl<P: BoundaryValueProblem> BoundaryValueProblem for Deformed<'_, P> {
@@ -184,24 +151,22 @@ impl<P: BoundaryValueProblem> BoundaryValueProblem for Deformed<'_, P> {
 
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
         self.problem.rhs(at, y, p, f, g);
-        self.deform(at.index, f, g);
+        self.subtract(at.index, f, g);
     }
 
     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
         self.problem.rhs_jacobian(at, y, p, out);
-        self.deform(at.index, out.f, out.g);
-        self.scale_derivatives(out);
+        self.subtract(at.index, out.f, out.g);
     }
 
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
         self.problem.rhs_many(points, p, f, g);
-        self.deform(points.first, f, g);
+        self.subtract(points.first, f, g);
     }
 
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
         self.problem.rhs_jacobian_many(points, p, out);
-        self.deform(points.first, out.f, out.g);
-        self.scale_derivatives(out);
+        self.subtract(points.first, out.f, out.g);
     }
 
     fn left(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
@@ -232,7 +197,7 @@ struct Path<'a, P> {
     max_intervals: usize,
 }
 
-/// A solution of `problem` with a defect of about [`TOLERANCE`], along the path of the guess `origin`; none if the path does
+/// A solution of `problem` with a defect below [`BOUND`], along the path of the guess `origin`; none if the path does
 /// not lead to one.
 pub(super) fn solve<P: BoundaryValueProblem>(
     problem: &mut P,
@@ -243,38 +208,22 @@ pub(super) fn solve<P: BoundaryValueProblem>(
     work: &mut Work,
 ) -> Option<Solution> {
     let deformed = Deformed::new(problem, origin);
-    let mut path = Path { deformed, system, scratch, work, max_intervals };
-    path.run(Way::Residual, origin.clone()).or_else(|| path.stretch())
+    Path { deformed, system, scratch, work, max_intervals }.run(origin.clone())
 }
 
 impl<P: BoundaryValueProblem> Path<'_, P> {
-    /// Along the problems y′ = r f, from the largest r = 1/4, 1/16 … that is solved from the guess.
-    fn stretch(&mut self) -> Option<Solution> {
-        self.deformed.rest = 0.0;
-        for k in 1..=SHRINKINGS {
-            let way = Way::Stretch(0.25f64.powi(k));
-            self.deformed.at(way, 0.0);
-            let y = self.corrected(self.deformed.origin.clone()).and_then(|(y, _)| self.resolved(y));
-            eprintln!("stretch {k} {}", y.is_some());
-            if let Some(y) = y && let Some(y) = self.run(way, y) {
-                return Some(y);
-            }
-        }
-        None
-    }
-
-    fn run(&mut self, way: Way, mut y: Solution) -> Option<Solution> {
+    /// Steps in s, a quarter as long after a failure and twice as long where the corrector was fast.
+    fn run(&mut self, mut y: Solution) -> Option<Solution> {
         let (mut s, mut step) = (0.0, FIRST_STEP);
         let mut before: Option<(f64, Solution)> = None;
         for _ in 0..MAX_STEPS {
             let next = if s + step > 1.0 - 0.01 * step { 1.0 } else { s + step };
-            self.deformed.at(way, next);
+            self.deformed.rest = 1.0 - next;
             let guess = match &before {
                 Some((earlier, last)) => extrapolated(&self.system.gauss, last, &y, (next - s) / (s - earlier)),
                 None => y.clone(),
             };
             let found = self.corrected(guess).and_then(|(y, easy)| Some((self.resolved(y)?, easy)));
-            eprintln!("s {s:.6} step {step:.2e} N {} found {} ", y.intervals(), found.is_some());
             let Some((found, easy)) = found else {
                 step *= 0.25;
                 if step < MIN_STEP {
@@ -294,11 +243,10 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
         None
     }
 
-    /// Newton, and whether it was easy.
+    /// Newton, and whether it was fast.
     fn corrected(&mut self, mut y: Solution) -> Option<(Solution, bool)> {
         let report = CORRECTOR.solve(self.system, self.scratch, &mut self.deformed, &mut y, &[], false);
         let Ok(report) = report else {
-            eprintln!("   newton {:?} N {}", report.err(), y.intervals());
             self.work.rejected += 1;
             return None;
         };
@@ -319,7 +267,6 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
             let intervals = y.intervals();
             let needed = mesh::intervals_for(&defects, y.m, TOLERANCE).clamp(intervals / 2, 2 * intervals);
             mesh::defect_monitor(&y.mesh, &defects, y.m, &mut weight);
-            eprintln!("   round {round} defect {largest:.2e} imb {:.2}", mesh::imbalance(&y.mesh, &weight));
             if largest <= BOUND && (round > 1 || mesh::imbalance(&y.mesh, &weight) < BALANCED) {
                 return Some(y);
             }
