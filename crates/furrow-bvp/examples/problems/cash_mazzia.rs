@@ -184,14 +184,10 @@ fn linear_first(number: usize, e: f64) -> TestProblem {
             let ends = [1.0 + (-2f64).exp(), 1.0 + (-2.0 * (1.0 + e) / e).exp()];
             (both, ends, linear(move |_| [(1.0 + e) / e, -1.0 / e, 0.0]))
         }
-        5 => (
-            both,
-            [-1.0; 2],
-            linear(move |x| [1.0 / e, x / e, -((1.0 + e * PI * PI) * cos(x) - PI * x * sin(x)) / e]),
-        ),
-        6 => {
-            (both, [-2.0, 0.0], linear(move |x| [0.0, -x / e, -(e * PI * PI * cos(x) + PI * x * sin(x)) / e]))
+        5 => {
+            (both, [-1.0; 2], linear(move |x| [1.0 / e, x / e, -((1.0 + e * PI * PI) * cos(x) - PI * x * sin(x)) / e]))
         }
+        6 => (both, [-2.0, 0.0], linear(move |x| [0.0, -x / e, -(e * PI * PI * cos(x) + PI * x * sin(x)) / e])),
         7 => (
             both,
             [-1.0, 1.0],
@@ -325,8 +321,7 @@ fn nozzle(e: f64, x: f64, y: f64, slope: f64) -> [f64; 3] {
 /// ε y″ + y y′ − y = 0 with six pairs of ends.
 fn lagerstrom_cole(number: usize, e: f64) -> TestProblem {
     let third = 1.0 / 3.0;
-    let ends =
-        [[-third, third], [1.0, -third], [1.0, third], [1.0, 1.5], [0.0, 1.5], [-7.0 / 6.0, 1.5]][number - 25];
+    let ends = [[-third, third], [1.0, -third], [1.0, third], [1.0, 1.5], [0.0, 1.5], [-7.0 / 6.0, 1.5]][number - 25];
     let rhs = second_order(move |_, y, slope| [(y - y * slope) / e, (1.0 - slope) / e, -y / e]);
     with_ends(number, e, [0.0, 1.0], ends, rhs)
 }

@@ -11,9 +11,7 @@ use crate::gauss::Gauss;
 use crate::kernels::Kernels;
 use crate::linear::System;
 use crate::mesh;
-use crate::problem::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian,
-};
+use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian};
 use crate::solution::Solution;
 
 use super::iteration::{Newton, NewtonScratch};

@@ -80,7 +80,7 @@ pub enum SolveError {
     },
     /// The equations hold for more than one solution nearby, or for none but one that grows without bound as the mesh is
     /// refined: the condition grows with every halving of the intervals, or Newton meets a Jacobian without inverse.
-    #[error("the problem is singular: its condition is {condition:.1e} on {intervals} intervals and grows as they are halved")]
+    #[error("the problem is singular: its condition is {condition:.1e} on {intervals} intervals")]
     Singular {
         /// Condition on the last mesh, see [`Solved::condition`].
         condition: f64,
@@ -113,7 +113,7 @@ const DOUBTFUL: f64 = 1e-2;
 const GROWN: f64 = 4.0;
 
 /// A problem of larger condition is singular to rounding.
-const SINGULAR: f64 = 1e13;
+const SINGULAR: f64 = 1e12;
 
 /// Where Newton stalls with a correction as small as this, rounding stops it.
 const STALLED_BY_ROUNDING: f64 = 1e-9;
@@ -288,8 +288,9 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             if on_finer > GROWN * condition || on_finer > SINGULAR {
                 return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
             }
-        } else if WASTEFUL * needed.max(1) <= y.intervals() {
-            let mut coarser = self.moved(&y, needed.max(1), weight);
+        } else if WASTEFUL * needed.max(2) <= y.intervals() {
+            // Half as many again: the mesh is not yet that of its own defects.
+            let mut coarser = self.moved(&y, needed.max(2).div_ceil(2) * 3, weight);
             let largest = self.newton(&mut coarser).map_or(f64::INFINITY, |()| self.defect(&coarser));
             if largest <= self.settings.tolerance {
                 (y, defect) = (coarser, largest);
@@ -338,6 +339,12 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 }
             }
             if last {
+                // Stalled with the factors of the last iterate, which has the mesh of `start`.
+                let stalled = matches!(source, NewtonError::Stalled { .. });
+                let condition = if stalled { condition::estimate(&mut self.system, &start) } else { 0.0 };
+                if condition > SINGULAR {
+                    return Err(SolveError::Singular { condition, intervals });
+                }
                 return Err(SolveError::Newton { intervals, source, best: self.best.take() });
             }
             start = start.on_mesh(&self.system.gauss, &mesh::halved(&start.mesh));

@@ -4,6 +4,8 @@
 //! algebra without blocks.
 
 mod antisymmetric;
+#[path = "../../examples/problems/cash_mazzia.rs"]
+mod cash_mazzia;
 mod dense;
 mod limits;
 mod linear;
