@@ -80,6 +80,13 @@ pub fn rebalanced(mesh: &[f64], weight: &[f64], above: f64) -> Option<Vec<f64>> 
     check(&grid).is_ok().then_some(grid)
 }
 
+/// Where [`defect`] is sampled: as many points as stages in every interval.
+pub(crate) fn samples(gauss: &Gauss, mesh: &[f64]) -> Vec<f64> {
+    let m = gauss.m;
+    let theta = |k: usize| if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] };
+    mesh.windows(2).flat_map(|x| (1..=m).map(move |k| x[0] + theta(k) * (x[1] - x[0]))).collect()
+}
+
 /// Largest defect |u′ − f(u)| · h / (1 + |u|) (N.6) of the collocation polynomial u on every interval of width h, sampled midway
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
 /// themselves it is zero.) It is infinite where f is not a number, and everywhere if `y` does not fit the problem.
@@ -91,13 +98,7 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
     problem.prepare(&y.scalars);
     let (n, m) = (y.components, y.m);
     let points = y.intervals() * m;
-    let (mut x, mut values, mut slopes) = (Vec::with_capacity(points), vec![0.0; points * n], vec![0.0; points * n]);
-    for i in 0..y.intervals() {
-        for k in 1..=m {
-            let theta = if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] };
-            x.push(y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]));
-        }
-    }
+    let (x, mut values, mut slopes) = (samples(gauss, &y.mesh), vec![0.0; points * n], vec![0.0; points * n]);
     let [mut basis, mut slope] = [[0.0; MAX_STAGES + 1]; 2];
     for k in 0..m {
         let theta = (x[k] - y.mesh[0]) / (y.mesh[1] - y.mesh[0]);
@@ -132,6 +133,15 @@ pub fn defect_monitor(mesh: &[f64], defect: &[f64], m: usize, weight: &mut Vec<f
     for w in weight.iter_mut() {
         *w = 0.5 * (*w + mean);
     }
+}
+
+/// Intervals of an equidistributing mesh with defects below `tolerance`: a defect is proportional to h^(m+1), so that
+/// Σ defect^(1/(m+1)) does not depend on the mesh. The monitor leaves half of the intervals to regions of small defects.
+pub(crate) fn intervals_for(defects: &[f64], m: usize, tolerance: f64) -> usize {
+    let order = 1.0 / (m as f64 + 1.0);
+    let sum: f64 = defects.iter().map(|d| d.powf(order)).sum();
+    // A float beyond the largest index becomes that one.
+    (2.0 * sum * tolerance.powf(-order)).ceil() as usize
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Newton's method on a given mesh, and on meshes of its own choice.
 
+mod condition;
+mod homotopy;
 mod iteration;
 mod solver;
 mod work;

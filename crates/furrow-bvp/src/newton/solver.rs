@@ -11,6 +11,8 @@ use crate::mesh;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
+use super::condition;
+use super::homotopy;
 use super::iteration::{Newton, NewtonError, NewtonScratch};
 use super::work::Work;
 
@@ -49,6 +51,9 @@ pub struct Solved {
     pub solution: Solution,
     /// Its largest defect.
     pub defect: f64,
+    /// Estimated condition of the problem there, from a few solves: by how much the solution changes at most, in |δ|/(1 + |value|),
+    /// per change of the right-hand side by 1 + |value| and of the conditions by 1.
+    pub condition: f64,
     /// Steps are meshes on which Newton converged, those rejected meshes on which it did not.
     pub work: Work,
 }
@@ -71,6 +76,21 @@ pub enum SolveError {
         /// The solution of smallest defect on the meshes before, if there is any.
         best: Option<Box<Solved>>,
     },
+    /// The equations hold for more than one solution nearby, or for none but one that grows without bound as the mesh is
+    /// refined: the condition grows with every halving of the intervals, or Newton meets a Jacobian without inverse.
+    #[error("the problem is singular: its condition is {condition:.1e} on {intervals} intervals")]
+    Singular {
+        /// Condition on the last mesh, see [`Solved::condition`].
+        condition: f64,
+        /// Intervals of that mesh.
+        intervals: usize,
+    },
+    /// More intervals make the defect no smaller: what remains is rounding.
+    #[error("rounding limits the defect to {:.3e} on {} intervals", .best.defect, .best.solution.intervals())]
+    Rounding {
+        /// The solution of smallest defect.
+        best: Box<Solved>,
+    },
     /// The accuracy asked for would need more intervals than allowed.
     #[error("the limit of {limit} intervals is reached with a defect of {:.3e}", .best.defect)]
     MeshLimit {
@@ -81,8 +101,32 @@ pub enum SolveError {
     },
 }
 
-/// Consecutive meshes on which Newton may fail.
+/// Consecutive meshes on which Newton may fail before a homotopy is tried.
 const FAILURES: usize = 3;
+
+/// Where the condition times the defect is larger, the problem may be singular.
+const DOUBTFUL: f64 = 1e-2;
+
+/// The condition of a singular problem grows at least by this factor where the intervals are halved.
+const GROWN: f64 = 4.0;
+
+/// A problem of larger condition is singular to rounding.
+const SINGULAR: f64 = 1e12;
+
+/// Where Newton stalls with a correction as small as this, rounding stops it.
+const STALLED_BY_ROUNDING: f64 = 1e-9;
+
+/// A defect below this that twice as many intervals do not make smaller is one of rounding.
+const ROUNDING: f64 = 1e-8;
+
+/// Least width of an interval, in the spacing of numbers there.
+const LEAST_WIDTH: f64 = 16.0;
+
+/// Newton is asked for no smaller corrections.
+const LEAST_TOLERANCE: f64 = 1e-14;
+
+/// A solution on this many times the intervals it needs is tried again on those it needs.
+const WASTEFUL: usize = 2;
 
 /// A redistributed mesh is worth another try with as many intervals if the last one brought the defect down to this
 /// fraction.
@@ -99,7 +143,8 @@ const NEWTON_SHARE: f64 = 1e-2;
 ///
 /// On every mesh Newton solves the collocation equations. Where the defect is too large, the mesh is redistributed so that
 /// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for. Where Newton fails,
-/// intervals are halved.
+/// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
+/// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end.
 ///
 /// # Errors
 /// [`SolveError`], with the best solution found on the way.
@@ -158,6 +203,8 @@ pub fn solve<P: BoundaryValueProblem>(
         scratch: NewtonScratch::default(),
         work: Work::default(),
         best: None,
+        guess,
+        deformed: false,
     };
     run.solve(guess.clone())
 }
@@ -171,30 +218,28 @@ struct Run<'a, P> {
     work: Work,
     /// The solution of smallest defect.
     best: Option<Box<Solved>>,
+    /// The guess.
+    guess: &'a Solution,
+    /// Homotopy was tried.
+    deformed: bool,
 }
 
 impl<P: BoundaryValueProblem> Run<'_, P> {
     fn solve(&mut self, mut y: Solution) -> Result<Solved, SolveError> {
+        let tolerance = self.settings.tolerance;
         let mut before = f64::INFINITY;
         let mut weight = Vec::new();
         loop {
             y = self.on_this_mesh_or_a_finer(y)?;
             let defects = mesh::defect(&self.system.gauss, self.problem, &y);
             let defect = defects.iter().copied().fold(0.0, f64::max);
+            let halved = self.best.as_ref().is_some_and(|best| WASTEFUL * best.solution.intervals() <= y.intervals());
+            if halved && defect <= ROUNDING && self.best.as_ref().is_some_and(|best| defect >= PROGRESS * best.defect) {
+                return Err(SolveError::Rounding { best: self.best_or(y, defect) });
+            }
             self.keep(&y, defect);
-            if defect <= self.settings.tolerance {
-                return Ok(Solved { solution: y, defect, work: self.work });
-            }
             let (intervals, limit) = (y.intervals(), self.settings.max_intervals);
-            let settled = defect > PROGRESS * before;
-            if intervals >= limit && settled {
-                return Err(self.mesh_limit(y, defect));
-            }
-            let needed = intervals_for(&defects, y.m, self.settings.tolerance);
-            let next = if settled { GROWTH * intervals } else { needed.clamp(intervals, GROWTH * intervals) };
-            let next = next.min(limit.max(intervals));
-            // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
-            before = if next > intervals { f64::INFINITY } else { defect };
+            let needed = mesh::intervals_for(&defects, y.m, tolerance);
             if defect.is_finite() {
                 mesh::defect_monitor(&y.mesh, &defects, y.m, &mut weight);
             } else {
@@ -202,37 +247,104 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 weight.clear();
                 weight.extend(y.mesh.windows(2).map(|x| 1.0 / (x[1] - x[0])));
             }
-            y = self.moved(&y, next, &weight);
+            if defect <= tolerance {
+                return self.accepted(y, defect, needed, &weight);
+            }
+            let settled = defect > PROGRESS * before;
+            if intervals >= limit && settled {
+                return Err(SolveError::MeshLimit { limit, best: self.best_or(y, defect) });
+            }
+            let next = if settled { GROWTH * intervals } else { needed.clamp(intervals, GROWTH * intervals) };
+            let next = next.min(limit.max(intervals));
+            // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
+            before = if next > intervals { f64::INFINITY } else { defect };
+            let moved = self.moved(&y, next, &weight);
+            if is_degenerate(&moved.mesh) {
+                return Err(SolveError::Rounding { best: self.best_or(y, defect) });
+            }
+            y = moved;
         }
     }
 
-    /// Newton on the mesh of `y`; where it fails, on that of halved intervals.
-    fn on_this_mesh_or_a_finer(&mut self, start: Solution) -> Result<Solution, SolveError> {
+    /// The solution, on a coarser mesh if that is fine enough; an error if the problem is singular.
+    fn accepted(
+        &mut self,
+        mut y: Solution,
+        mut defect: f64,
+        needed: usize,
+        weight: &[f64],
+    ) -> Result<Solved, SolveError> {
+        let mut condition = condition::estimate(&mut self.system, &y);
+        if condition * defect > DOUBTFUL {
+            let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
+            let on_finer = match self.newton(&mut finer) {
+                Ok(()) => condition::estimate(&mut self.system, &finer),
+                Err(_) => f64::INFINITY,
+            };
+            if on_finer > GROWN * condition || on_finer > SINGULAR {
+                return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
+            }
+        } else if WASTEFUL * needed.max(2) <= y.intervals() {
+            // Half as many again: the mesh is not yet that of its own defects.
+            let mut coarser = self.moved(&y, needed.max(2).div_ceil(2) * 3, weight);
+            let largest = self.newton(&mut coarser).map_or(f64::INFINITY, |()| self.defect(&coarser));
+            if largest <= self.settings.tolerance {
+                (y, defect) = (coarser, largest);
+                condition = condition::estimate(&mut self.system, &y);
+            }
+        }
+        Ok(Solved { solution: y, defect, condition, work: self.work })
+    }
+
+    fn defect(&mut self, y: &Solution) -> f64 {
+        mesh::defect(&self.system.gauss, self.problem, y).into_iter().fold(0.0, f64::max)
+    }
+
+    /// Newton on the mesh of `y`.
+    fn newton(&mut self, y: &mut Solution) -> Result<(), NewtonError> {
         let settings = self.settings;
-        let tolerance = settings.newton.tolerance.min(NEWTON_SHARE * settings.tolerance);
+        let tolerance = settings.newton.tolerance.min(NEWTON_SHARE * settings.tolerance).max(LEAST_TOLERANCE);
         let newton = Newton { tolerance, ..settings.newton };
-        // A defect tolerance near the smallest number has no hundredth.
-        let newton = Newton { tolerance: newton.tolerance.max(f64::MIN_POSITIVE), ..newton };
-        let (mut start, mut failures) = (start, 0);
+        match newton.solve(&mut self.system, &mut self.scratch, self.problem, y, &[], false) {
+            Ok(report) => self.work += report,
+            Err(NewtonError::Stalled { correction, .. }) if correction <= STALLED_BY_ROUNDING => {}
+            Err(error) => {
+                self.work.rejected += 1;
+                return Err(error);
+            }
+        }
+        self.work.steps += 1;
+        Ok(())
+    }
+
+    /// Newton on the mesh of `y`; where it fails, on that of halved intervals, and by a homotopy from the guess.
+    fn on_this_mesh_or_a_finer(&mut self, mut start: Solution) -> Result<Solution, SolveError> {
+        let limit = self.settings.max_intervals;
+        let mut failures = 0;
         loop {
             let mut y = start.clone();
-            match newton.solve(&mut self.system, &mut self.scratch, self.problem, &mut y, &[], false) {
-                Ok(report) => {
-                    self.work.steps += 1;
-                    self.work += report;
-                    return Ok(y);
-                }
-                Err(source) => {
-                    self.work.rejected += 1;
-                    failures += 1;
-                    let intervals = start.intervals();
-                    if failures == FAILURES || 2 * intervals > settings.max_intervals {
-                        return Err(SolveError::Newton { intervals, source, best: self.best.take() });
-                    }
-                    start = start.on_mesh(&self.system.gauss, &mesh::halved(&start.mesh));
-                    self.work.remeshings += 1;
+            let Err(source) = self.newton(&mut y) else { return Ok(y) };
+            failures += 1;
+            let intervals = start.intervals();
+            let last = 2 * intervals > limit;
+            if (failures == FAILURES || last) && !std::mem::replace(&mut self.deformed, true) {
+                let Run { problem, system, scratch, work, guess, .. } = self;
+                if let Some(y) = homotopy::solve(*problem, guess, limit, system, scratch, work) {
+                    start = y;
+                    continue;
                 }
             }
+            if last {
+                // Stalled with the factors of the last iterate, which has the mesh of `start`.
+                let stalled = matches!(source, NewtonError::Stalled { .. });
+                let condition = if stalled { condition::estimate(&mut self.system, &start) } else { 0.0 };
+                if condition > SINGULAR {
+                    return Err(SolveError::Singular { condition, intervals });
+                }
+                return Err(SolveError::Newton { intervals, source, best: self.best.take() });
+            }
+            start = start.on_mesh(&self.system.gauss, &mesh::halved(&start.mesh));
+            self.work.remeshings += 1;
         }
     }
 
@@ -246,24 +358,22 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
 
     fn keep(&mut self, y: &Solution, defect: f64) {
         if self.best.as_ref().is_none_or(|best| defect < best.defect) {
-            self.best = Some(Box::new(Solved { solution: y.clone(), defect, work: self.work }));
+            let condition = condition::estimate(&mut self.system, y);
+            self.best = Some(Box::new(Solved { solution: y.clone(), defect, condition, work: self.work }));
         }
     }
 
     /// The best solution, which is that of this mesh if there is no other.
-    fn mesh_limit(&mut self, solution: Solution, defect: f64) -> SolveError {
+    fn best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
         let work = self.work;
-        let mut best = self.best.take().unwrap_or_else(|| Box::new(Solved { solution, defect, work }));
+        let this = || Box::new(Solved { solution, defect, condition: f64::INFINITY, work });
+        let mut best = self.best.take().unwrap_or_else(this);
         best.work = work;
-        SolveError::MeshLimit { limit: self.settings.max_intervals, best }
+        best
     }
 }
 
-/// Intervals of an equidistributing mesh with defects below `tolerance`: a defect is proportional to h^(m+1), so that
-/// Σ defect^(1/(m+1)) does not depend on the mesh. The monitor leaves half of the intervals to regions of small defects.
-pub(crate) fn intervals_for(defects: &[f64], m: usize, tolerance: f64) -> usize {
-    let order = 1.0 / (m as f64 + 1.0);
-    let sum: f64 = defects.iter().map(|d| d.powf(order)).sum();
-    // A float beyond the largest index becomes that one.
-    (2.0 * sum * tolerance.powf(-order)).ceil() as usize
+/// Some interval is as narrow as the spacing of numbers there.
+fn is_degenerate(mesh: &[f64]) -> bool {
+    mesh.windows(2).any(|x| x[1] - x[0] <= LEAST_WIDTH * f64::EPSILON * x[0].abs().max(x[1].abs()))
 }

@@ -6,6 +6,8 @@
 mod antisymmetric;
 #[cfg(feature = "auto")]
 mod auto;
+#[path = "../../examples/problems/cash_mazzia.rs"]
+mod cash_mazzia;
 mod dense;
 mod limits;
 mod linear;

@@ -1,5 +1,6 @@
 //! The driver: layers known in closed form, and errors.
 
+use super::cash_mazzia::{self, largest_difference};
 use super::problems::{bratu, layer, quadratic};
 use super::second_order::SecondOrder;
 use crate::{Gauss, InvalidInput, NewtonError, Settings, Solution, SolveError, Solved, TooLarge, mesh, solve};
@@ -83,8 +84,10 @@ fn a_right_hand_side_that_is_undefined_between_the_stages_is_not_accepted() {
 
 #[test]
 fn a_problem_without_solution_is_an_error() {
-    let outcome = from_line(&mut bratu(5.0), 3, 8, &Settings::default());
-    let Err(SolveError::Newton { intervals: 32, source: NewtonError::Stalled { .. }, best: None }) = outcome else {
+    // Halved as long as the limit allows.
+    let settings = Settings { max_intervals: 200, ..Settings::default() };
+    let outcome = from_line(&mut bratu(5.0), 3, 8, &settings);
+    let Err(SolveError::Newton { intervals: 128, source: NewtonError::Stalled { .. }, best: None }) = outcome else {
         panic!("{outcome:?}")
     };
 }
@@ -101,4 +104,89 @@ fn guesses_of_other_sizes_are_errors() {
     ] {
         assert_eq!(solve(&mut quadratic(), &guess, &Settings::default()), Err(SolveError::Invalid(error)));
     }
+}
+
+/// A problem of Cash and Mazzia from the straight line on ten equal intervals.
+fn test_problem(number: usize, epsilon: f64) -> (cash_mazzia::TestProblem, Result<Solved, SolveError>) {
+    let mut problem = cash_mazzia::problem(number, epsilon).unwrap();
+    let guess = problem.line(4, 10);
+    let outcome = solve(&mut problem, &guess, &Settings::default());
+    (problem, outcome)
+}
+
+#[test]
+fn test_problems_with_known_solutions_are_solved() {
+    for (number, epsilon) in [(2, 1e-4), (4, 1e-4), (6, 1e-3), (7, 1e-4), (9, 1e-3), (12, 1e-4), (17, 1e-4), (21, 1e-4)]
+    {
+        let (problem, outcome) = test_problem(number, epsilon);
+        let solved = outcome.unwrap();
+        let error = problem.error(&solved.solution).unwrap();
+        assert!(error < 1e-6 && solved.defect <= 1e-6, "{number} {epsilon}: {error:.1e}");
+    }
+}
+
+#[test]
+fn a_homotopy_leads_to_layers_that_newton_does_not_find() {
+    // A corner of width ε that starts at an end and ends at 0.745.
+    let (problem, outcome) = test_problem(20, 1e-3);
+    let solved = outcome.unwrap();
+    assert!(problem.error(&solved.solution).unwrap() < 1e-6 && solved.work.rejected >= 3, "{:?}", solved.work);
+    // Layers that reach zero inside; their outer solutions are y = 1 − …, 0 and x − 2/3.
+    let (_, outcome) = test_problem(27, 1e-4);
+    let y = outcome.unwrap().solution;
+    let outer = |x: f64| if x > 0.7 { x - 2.0 / 3.0 } else { f64::NAN };
+    let mut value = [0.0; 2];
+    y.eval(&Gauss::new(4), 0.8, &mut value);
+    assert!((value[0] - outer(0.8)).abs() < 1e-3, "{value:?}");
+}
+
+/// u″ + k²u = 1, u(0) = u(1) = 0, singular for k = π.
+fn resonator(k: f64) -> SecondOrder {
+    SecondOrder { force: Box::new(move |_, [u, _]| [1.0 - k * k * u, -k * k, 0.0]), ends: [0.0; 2] }
+}
+
+#[test]
+fn a_singular_problem_is_said_to_be_singular() {
+    for m in 2..=5 {
+        // No solution at all.
+        let outcome = from_line(&mut resonator(std::f64::consts::PI), m, 10, &Settings::default());
+        let Err(SolveError::Singular { condition, .. }) = outcome else { panic!("{m}: {outcome:?}") };
+        assert!(condition > 1e6, "{condition:.1e}");
+    }
+    // At ε = 1e-2 the seventeenth problem has a second solution that vanishes at both ends, √ε = 0.1 from the middle.
+    let (_, outcome) = test_problem(17, 1e-2);
+    assert!(matches!(outcome, Err(SolveError::Singular { .. })), "{outcome:?}");
+}
+
+#[test]
+fn the_condition_doubles_where_the_distance_to_a_singular_problem_is_halved() {
+    let condition = |distance: f64| {
+        let solved = from_line(&mut resonator(std::f64::consts::PI + distance), 4, 10, &Settings::default());
+        solved.unwrap().condition
+    };
+    let ratio = condition(1e-3) / condition(2e-3);
+    assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
+    assert!(condition(1.0) < 10.0);
+}
+
+#[test]
+fn an_accuracy_beyond_rounding_ends_with_the_best_solution() {
+    let settings = Settings { tolerance: 1e-17, max_intervals: 100_000, ..Settings::default() };
+    let outcome = from_line(&mut layer(0.1, [1.0, 0.0, 0.0], [1.0, 0.0]), 4, 10, &settings);
+    let Err(SolveError::Rounding { best }) = outcome else { panic!("{outcome:?}") };
+    assert!(best.defect < 1e-13 && best.solution.intervals() < 20_000, "{:.1e}", best.defect);
+    // A layer of width exp(−50) next to x = 1, where numbers are 1e-16 apart.
+    let mut troesch = cash_mazzia::problem(23, 1e-2).unwrap();
+    let guess = troesch.line(4, 10);
+    assert!(solve(&mut troesch, &guess, &Settings::default()).is_err());
+}
+
+#[test]
+fn a_mesh_that_is_too_fine_is_coarsened() {
+    let mut problem = layer(0.1, [1.0, 0.0, 0.0], [1.0, 0.0]);
+    let settings = Settings::default();
+    let solved = from_line(&mut problem, 4, 500, &settings).unwrap();
+    assert!(solved.solution.intervals() < 50 && solved.defect <= settings.tolerance, "{}", solved.solution.intervals());
+    let exact = |x: f64| ((1.0 - x) / 0.1f64.sqrt()).sinh() / (1.0 / 0.1f64.sqrt()).sinh();
+    assert!(largest_difference(&solved.solution, exact) < 1e-6);
 }

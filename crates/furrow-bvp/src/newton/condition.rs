@@ -1,0 +1,44 @@
+//! How much a solution moves when its equations are perturbed.
+
+use crate::direction::{Direction, Residual};
+use crate::linear::System;
+use crate::solution::Solution;
+
+/// Perturbations tried. The estimate is a lower bound; signs by chance leave it short by a small factor only.
+const SOLVES: u64 = 3;
+
+/// Estimates the condition of the problem at `y`, with the factors in `system`: the largest change |δ|/(1 + |value|) of the
+/// solution where the right-hand side changes by at most 1 + |value| and the conditions by at most 1. It is the ‖J⁻¹‖ of the
+/// differential equation, which settles as the mesh is refined unless the problem is singular.
+pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
+    let (mut residual, mut change) = (system.zero_residual(), Direction::default());
+    let estimates = (0..SOLVES).map(|k| {
+        perturb(&mut residual, y, k);
+        system.solve(&residual, &mut change);
+        change.norm(y)
+    });
+    // What is not a number comes from a matrix that is singular to rounding.
+    estimates.fold(0.0, |largest: f64, size| if size.is_nan() { f64::INFINITY } else { largest.max(size) })
+}
+
+/// Perturbations of one sign per component on the whole interval, or (from the second on) of a random one per interval.
+fn perturb(residual: &mut Residual, y: &Solution, which: u64) {
+    let mut state = 0x9e37_79b9_7f4a_7c15 ^ which;
+    let mut sign = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        if state >> 63 == 0 { 1.0 } else { -1.0 }
+    };
+    let (n, width) = (y.components, y.m * y.components);
+    let mut signs: Vec<f64> = (0..n).map(|_| sign()).collect();
+    for (i, h) in y.mesh.windows(2).map(|x| x[1] - x[0]).enumerate() {
+        if which > 0 {
+            signs.fill_with(&mut sign);
+        }
+        for k in i * width..(i + 1) * width {
+            residual.stages[k] = h * signs[k % n] * (1.0 + y.stages[k].abs());
+        }
+    }
+    for part in [&mut residual.left, &mut residual.right, &mut residual.border] {
+        part.fill_with(&mut sign);
+    }
+}
