@@ -16,7 +16,7 @@ use crate::division::run::run;
 use crate::division::start::Start;
 use crate::division::{Division, DivisionError, DivisionInput, DivisionOptions, Frame, Outcome};
 use crate::equilibria::{StationaryError, StationaryShape, stationary};
-use crate::stability::{Stability, StabilityError};
+use crate::stability::StabilityError;
 
 /// How long a disturbed shape is watched in the paper, in τ.
 pub const WATCHED: f64 = 40.0;
@@ -116,9 +116,7 @@ pub fn perturb(
         let allowed = "a finite time, in τ, above that of the first step";
         return Err(DivisionError::BadInput { field: "until", value: until, allowed }.into());
     }
-    // Steps follow from this rate: it keeps its last bits, whatever the spectrum of a shape is computed with.
-    let mut stability = Stability::new(start.solution.m);
-    let start_growth_rate = stability.leading(&start.cortex, &start.solution)?.growth_rate();
+    let start_growth_rate = start.spectrum()?.growth_rate();
     let unfolded = (start.cortex.domain == Domain::Half).then(|| unfold(&start.solution));
     let shape = unfolded.as_ref().unwrap_or(&start.solution);
     let longest_step = (until / STEPS).min(GROWTH_PER_STEP / start_growth_rate.max(0.0));

@@ -29,8 +29,8 @@ pub enum Looks {
     /// At dimensions 10, 14, 18 and so on, by a solver for dense matrices of any form.
     #[default]
     Sparse,
-    /// At every dimension from 5 to 16, then at every fourth, by QR sweeps on the Hessenberg matrix as it is: cheaper in small spaces.
-    Early,
+    /// At every dimension from 4, by QR sweeps on the Hessenberg matrix as it is: a fraction of the cost of small spaces.
+    Every,
 }
 
 impl Looks {
@@ -38,7 +38,7 @@ impl Looks {
     fn at(self, dimension: usize) -> bool {
         match self {
             Looks::Sparse => dimension >= 10 && (dimension - 10).is_multiple_of(4),
-            Looks::Early => (5..=16).contains(&dimension) || (dimension > 16 && dimension.is_multiple_of(4)),
+            Looks::Every => dimension >= 4,
         }
     }
 }
@@ -215,7 +215,7 @@ impl Krylov {
                 let rest = if exhausted { 0.0 } else { rest };
                 let values = match looks {
                     Looks::Sparse => self.ritz(dimension, stride, rest)?,
-                    Looks::Early => self.hessenberg_ritz(dimension, stride, rest)?,
+                    Looks::Every => self.hessenberg_ritz(dimension, stride, rest)?,
                 };
                 let found = enough(&values, if last { limit } else { dimension });
                 if last || found.is_some() {
@@ -306,7 +306,7 @@ mod tests {
         for (value, [re, im]) in found.iter().zip(expected) {
             assert!((value.re - re).hypot(value.im - im) < 1e-10, "{value:?}");
         }
-        let often = Arnoldi { wanted: 4, tolerance: 1e-11, looks: Looks::Early, ..Arnoldi::default() };
+        let often = Arnoldi { wanted: 4, tolerance: 1e-11, looks: Looks::Every, ..Arnoldi::default() };
         let found = often.largest(&mut Krylov::default(), &vec![0.5; size], apply).unwrap();
         for (value, [re, im]) in found.iter().zip(expected) {
             assert!((value.re - re).hypot(value.im - im) < 1e-10, "{value:?}");

@@ -129,19 +129,25 @@ fn over(a: Complex, [c, d]: Complex) -> Complex {
     times(a, [c / square, -d / square])
 }
 
+/// Steps of inverse iteration for an eigenvector: the shift is an eigenvalue to rounding.
+const INVERSE_STEPS: usize = 2;
+
 /// Modulus of the last component of the eigenvector of length 1 that belongs to the eigenvalue `value` of the Hessenberg matrix
-/// with the given rows. One step of inverse iteration finds it, as the shift is an eigenvalue to rounding.
+/// with the given rows.
 pub(crate) fn last_component(h: &[f64], stride: usize, n: usize, value: Complex) -> f64 {
     let (mut rows, mut x) = (vec![[0.0; 2]; n * n], vec![[1.0, 0.0]; n]);
     let largest =
         (0..n).flat_map(|i| &h[i * stride..i * stride + n]).fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
-    for i in 0..n {
-        rows[i * n..(i + 1) * n].iter_mut().zip(&h[i * stride..]).for_each(|(to, from)| *to = [*from, 0.0]);
-        rows[i * n + i] = [h[i * stride + i] - value[0], -value[1]];
+    for _ in 0..INVERSE_STEPS {
+        for i in 0..n {
+            rows[i * n..(i + 1) * n].iter_mut().zip(&h[i * stride..]).for_each(|(to, from)| *to = [*from, 0.0]);
+            rows[i * n + i] = [h[i * stride + i] - value[0], -value[1]];
+        }
+        solve(&mut rows, n, &mut x, f64::EPSILON * largest);
+        let size = x.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
+        x.iter_mut().flatten().for_each(|x| *x /= size);
     }
-    solve(&mut rows, n, &mut x, f64::EPSILON * largest);
-    let size = x.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
-    x[n - 1][0].hypot(x[n - 1][1]) / size
+    x[n - 1][0].hypot(x[n - 1][1])
 }
 
 /// Solves a Hessenberg system by elimination with exchanges of neighbouring rows. Pivots below `least` are taken for that.

@@ -132,7 +132,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     let mut branch = switch(pitchfork, cell, &options.settings);
     let mut run = Run { points: vec![pitchfork.point], opening: true, ..Run::default() };
     let gauss = branch.system.gauss.clone();
-    let mut stability = options.growth_rates.then(|| Stability::early(gauss.m));
+    let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);

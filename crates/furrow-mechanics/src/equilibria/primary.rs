@@ -164,7 +164,7 @@ pub fn follow_within(
     let (numerics, refinement) = if options.coarse { coarse(numerics) } else { (*numerics, 1) };
     let mut branch = start(cell, &numerics, &options.settings)?;
     let mut detector = EventDetector { breaking: SymmetryBreaking::default(), refinement, sign: None, stop: None };
-    let mut stability = options.growth_rates.then(|| Stability::early(branch.state.solution.m));
+    let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
     let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);

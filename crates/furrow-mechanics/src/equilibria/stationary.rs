@@ -202,6 +202,6 @@ impl StationaryShape {
     /// # Errors
     /// As [`Stability::leading`].
     pub fn spectrum(&self) -> Result<Spectrum, StabilityError> {
-        Stability::early(self.solution.m).leading(&self.cortex, &self.solution)
+        Stability::new(self.solution.m).leading(&self.cortex, &self.solution)
     }
 }

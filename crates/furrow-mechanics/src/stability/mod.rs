@@ -26,7 +26,7 @@ pub(crate) mod spectrum;
 
 use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, System};
 use furrow_cell::Cell;
-use furrow_spectra::{Arnoldi, Krylov, Looks};
+use furrow_spectra::{Arnoldi, Krylov};
 
 use crate::cortex::equations::{J, LENGTH, PHI, PSI, R, REGULATED, Z};
 use crate::cortex::observables::{carried, positions};
@@ -87,13 +87,6 @@ impl Stability {
             weights: Vec::new(),
             krylov: Krylov::default(),
         }
-    }
-
-    /// The same, which looks early whether its rates are accurate enough: faster, and the same to the tolerance. Divisions do without,
-    /// so that what was computed of them before keeps its last bits.
-    pub fn early(stages: usize) -> Stability {
-        let arnoldi = Arnoldi { looks: Looks::Early, ..Arnoldi::default() };
-        Stability { arnoldi, ..Stability::new(stages) }
     }
 
     /// The rightmost growth rates of the stationary state `y` of `cortex`, from two shifts. Half-domain states give even

@@ -1,7 +1,7 @@
 //! Growth rates, and how they follow from one implicit step.
 
 use furrow_bvp::PivotFailure;
-use furrow_spectra::{Arnoldi, Krylov, Looks, NoEigenvalues, RitzValue};
+use furrow_spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
 
 use super::shifts::REACH;
 
@@ -99,11 +99,8 @@ pub(crate) fn rightmost(
 ) -> Result<Vec<GrowthRate>> {
     let limit = arnoldi.max_dimension.min(weights.len() - 1);
     let tolerance = arnoldi.tolerance;
-    let result = krylov.run_with(arnoldi.looks, weights, limit, step, |values, dimension| {
+    let result = krylov.run(weights, limit, step, |values, dimension| {
         let mut rates = growth_rates(values, shift, parity);
-        if arnoldi.looks == Looks::Early && dimension >= EARLIEST_NONE && out_of_reach(values) {
-            return Some(Ok(Vec::new()));
-        }
         rates.truncate(wanted.max(1));
         let allowed = |r: &GrowthRate| tolerance * (r.re.hypot(r.im) + shift);
         match rates.iter().find(|r| r.error > allowed(r)) {
@@ -118,16 +115,6 @@ pub(crate) fn rightmost(
     });
     let projected = |NoEigenvalues { dimension }| StabilityError::Projected { dimension };
     result.map_err(projected)?.unwrap_or_else(|| Ok(Vec::new()))
-}
-
-/// Krylov dimension from which Ritz values that are all out of reach show that no mode is within reach.
-const EARLIEST_NONE: usize = 8;
-
-/// Whether all Ritz values, with what the largest is uncertain by, are of modes too far from the shift.
-fn out_of_reach(values: &[RitzValue]) -> bool {
-    let modulus = |mu: &RitzValue| mu.re.hypot(mu.im);
-    let largest = values.iter().max_by(|a, b| modulus(a).total_cmp(&modulus(b)));
-    largest.is_some_and(|mu| (modulus(mu) + 10.0 * mu.residual) * REACH < 1.0)
 }
 
 /// N.12 for the Ritz values within reach of the shift, sorted by falling real part.
