@@ -8,8 +8,6 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
 use faer::{Mat, Par};
 
-use crate::hessenberg;
-
 /// Settings of the Arnoldi iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arnoldi {
@@ -19,33 +17,11 @@ pub struct Arnoldi {
     pub max_dimension: usize,
     /// Allowed error of an eigenvalue, in the caller's scale.
     pub tolerance: f64,
-    /// When Ritz values are computed.
-    pub looks: Looks,
-}
-
-/// When, and how, Ritz values are computed on the way. Both find the same, up to rounding and to what a larger space adds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Looks {
-    /// At dimensions 10, 14, 18 and so on, by a solver for dense matrices of any form.
-    #[default]
-    Sparse,
-    /// At every dimension from 4, by QR sweeps on the Hessenberg matrix as it is: a fraction of the cost of small spaces.
-    Every,
-}
-
-impl Looks {
-    /// Whether there is one at this dimension.
-    fn at(self, dimension: usize) -> bool {
-        match self {
-            Looks::Sparse => dimension >= 10 && (dimension - 10).is_multiple_of(4),
-            Looks::Every => dimension >= 4,
-        }
-    }
 }
 
 impl Default for Arnoldi {
     fn default() -> Self {
-        Arnoldi { wanted: 3, max_dimension: 48, tolerance: 1e-9, looks: Looks::Sparse }
+        Arnoldi { wanted: 3, max_dimension: 48, tolerance: 1e-9 }
     }
 }
 
@@ -94,7 +70,7 @@ impl Arnoldi {
     ) -> Result<Vec<RitzValue>, EigenError> {
         let limit = self.max_dimension.min(weights.len());
         let mut worst = f64::INFINITY;
-        let found = krylov.run_with(self.looks, weights, limit, apply, |values, dimension| {
+        let found = krylov.run(weights, limit, apply, |values, dimension| {
             let mut values = values.to_vec();
             let modulus = |v: &RitzValue| v.re.hypot(v.im);
             values.sort_by(|a, b| modulus(b).total_cmp(&modulus(a)).then(b.im.total_cmp(&a.im)));
@@ -130,9 +106,10 @@ pub struct NoEigenvalues {
 pub struct Krylov {
     basis: Vec<Vec<f64>>,
     hessenberg: Vec<f64>,
-    /// A copy of it for a solver that destroys it.
-    worn: Vec<f64>,
 }
+
+/// Krylov dimension at which Ritz values are first computed, and the increment to the next.
+const LOOKS: [usize; 2] = [10, 4];
 
 impl Krylov {
     /// Iterates `apply` (from, to) in the inner product Σ w a b until `enough` returns a result; `None` if it never does. It gets
@@ -155,21 +132,6 @@ impl Krylov {
     /// ```
     pub fn run<T>(
         &mut self,
-        weights: &[f64],
-        limit: usize,
-        apply: impl FnMut(&[f64], &mut [f64]),
-        enough: impl FnMut(&[RitzValue], usize) -> Option<T>,
-    ) -> Result<Option<T>, NoEigenvalues> {
-        self.run_with(Looks::Sparse, weights, limit, apply, enough)
-    }
-
-    /// As [`run`](Self::run), with Ritz values as often as `looks` says.
-    ///
-    /// # Errors
-    /// [`NoEigenvalues`] if those of the small projected matrix cannot be computed.
-    pub fn run_with<T>(
-        &mut self,
-        looks: Looks,
         weights: &[f64],
         limit: usize,
         mut apply: impl FnMut(&[f64], &mut [f64]),
@@ -211,12 +173,8 @@ impl Krylov {
             }
             let dimension = k + 1;
             let last = exhausted || dimension == limit;
-            if last || looks.at(dimension) {
-                let rest = if exhausted { 0.0 } else { rest };
-                let values = match looks {
-                    Looks::Sparse => self.ritz(dimension, stride, rest)?,
-                    Looks::Every => self.hessenberg_ritz(dimension, stride, rest)?,
-                };
+            if last || (dimension >= LOOKS[0] && (dimension - LOOKS[0]).is_multiple_of(LOOKS[1])) {
+                let values = self.ritz(dimension, stride, if exhausted { 0.0 } else { rest })?;
                 let found = enough(&values, if last { limit } else { dimension });
                 if last || found.is_some() {
                     return Ok(found);
@@ -224,13 +182,6 @@ impl Krylov {
             }
         }
         Ok(None)
-    }
-
-    fn hessenberg_ritz(&mut self, k: usize, stride: usize, rest: f64) -> Result<Vec<RitzValue>, NoEigenvalues> {
-        self.worn.clone_from(&self.hessenberg);
-        let values = hessenberg::eigenvalues(&mut self.worn, stride, k).ok_or(NoEigenvalues { dimension: k })?;
-        let residual = |value| rest * hessenberg::last_component(&self.hessenberg, stride, k, value);
-        Ok(values.into_iter().map(|[re, im]| RitzValue { re, im, residual: residual([re, im]) }).collect())
     }
 
     fn ritz(&self, k: usize, stride: usize, rest: f64) -> Result<Vec<RitzValue>, NoEigenvalues> {
@@ -302,13 +253,7 @@ mod tests {
             })
             .unwrap()
             .unwrap();
-        let expected = [[0.9, 0.4], [0.9, -0.4], [0.175, 0.0], [0.7 / 9.0, 0.0]];
-        for (value, [re, im]) in found.iter().zip(expected) {
-            assert!((value.re - re).hypot(value.im - im) < 1e-10, "{value:?}");
-        }
-        let often = Arnoldi { wanted: 4, tolerance: 1e-11, looks: Looks::Every, ..Arnoldi::default() };
-        let found = often.largest(&mut Krylov::default(), &vec![0.5; size], apply).unwrap();
-        for (value, [re, im]) in found.iter().zip(expected) {
+        for (value, [re, im]) in found.iter().zip([[0.9, 0.4], [0.9, -0.4], [0.175, 0.0], [0.7 / 9.0, 0.0]]) {
             assert!((value.re - re).hypot(value.im - im) < 1e-10, "{value:?}");
         }
     }
