@@ -100,6 +100,9 @@ pub(crate) fn rightmost(
     let limit = arnoldi.max_dimension.min(weights.len() - 1);
     let tolerance = arnoldi.tolerance;
     let result = krylov.run(weights, limit, step, |values, dimension| {
+        if out_of_reach(values) {
+            return Some(Ok(Vec::new()));
+        }
         let mut rates = growth_rates(values, shift, parity);
         rates.truncate(wanted.max(1));
         let allowed = |r: &GrowthRate| tolerance * (r.re.hypot(r.im) + shift);
@@ -115,6 +118,14 @@ pub(crate) fn rightmost(
     });
     let projected = |NoEigenvalues { dimension }| StabilityError::Projected { dimension };
     result.map_err(projected)?.unwrap_or_else(|| Ok(Vec::new()))
+}
+
+/// Whether all modes are too far from the shift to be seen: the largest Ritz value is too small even with ten times its residual.
+/// Larger spaces would show no more.
+fn out_of_reach(values: &[RitzValue]) -> bool {
+    let modulus = |mu: &RitzValue| mu.re.hypot(mu.im);
+    let largest = values.iter().max_by(|a, b| modulus(a).total_cmp(&modulus(b)));
+    largest.is_some_and(|mu| (modulus(mu) + 10.0 * mu.residual) * REACH < 1.0)
 }
 
 /// N.12 for the Ritz values within reach of the shift, sorted by falling real part.
@@ -133,4 +144,30 @@ fn growth_rates(values: &[RitzValue], shift: f64, parity: Parity) -> Vec<GrowthR
 
 pub(crate) fn sort(values: &mut [GrowthRate]) {
     values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Modes that all decay too fast for the shift end the iteration at the first look, not in the largest space allowed.
+    #[test]
+    fn modes_out_of_reach_are_given_up_early() {
+        let rates_at = |slowest: f64| {
+            let mut applied = 0;
+            let step = |from: &[f64], to: &mut [f64]| {
+                applied += 1;
+                let mode = |k: usize| 1.0 / (1.0 + slowest * 3f64.powi(k as i32));
+                to.iter_mut().zip(from).enumerate().for_each(|(k, (to, from))| *to = mode(k) * from);
+            };
+            let (arnoldi, mut krylov) = (Arnoldi::default(), Krylov::default());
+            let found = rightmost(&arnoldi, &mut krylov, &[1.0; 60], step, (Parity::Mixed, 1.0, 1)).unwrap();
+            (found, applied)
+        };
+        let (found, applied) = rates_at(80.0);
+        assert!(found.is_empty() && applied <= 14, "{found:?} {applied}");
+        // One that is barely within reach is found.
+        let (found, _) = rates_at(45.0);
+        assert!((found[0].re + 45.0).abs() < 1e-6, "{found:?}");
+    }
 }
