@@ -25,8 +25,8 @@ impl VectorField for VanDerPol {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let circle = |x: f64, y: &mut [f64]| y.copy_from_slice(&[2.0 * (TAU * x).cos(), -2.0 * (TAU * x).sin()]);
-    let (gauss, grid) = (Gauss::new(4), mesh::uniform(0.0, 1.0, 60));
-    let (problem, guess) = PeriodicOrbit::near(VanDerPol, &gauss, &grid, TAU, &[0.1], circle);
+    let (gauss, grid) = (Gauss::new(4)?, mesh::uniform(0.0, 1.0, 60));
+    let (problem, guess) = PeriodicOrbit::near(VanDerPol, &gauss, &grid, TAU, &[0.1], circle)?;
     // c and T follow from the orbit and need no weight of their own.
     let metric = Metric { components: vec![1.0; 2], scalars: vec![0.0, 0.0, 0.0, 1.0] };
     let mut cycle = Continuation::start(problem, guess, metric, ContinuationSettings::default(), true)?;

@@ -22,7 +22,8 @@ impl AutoBvp {
     /// u = q at λ, with the slope 0 for u′, which a start corrects.
     pub fn guess(&self, intervals: usize, lambda: f64) -> Solution {
         let profile = |x: f64, y: &mut [f64]| y.copy_from_slice(&[(self.profile)(x)[0], 0.0]);
-        Solution::from_fn(&Gauss::new(4), &mesh::uniform(0.0, 1.0, intervals), 2, &[lambda], profile)
+        Solution::from_fn(&Gauss::default(), &mesh::uniform(0.0, 1.0, intervals), 2, &[lambda], profile)
+            .expect("a mesh")
     }
 }
 
@@ -58,21 +59,9 @@ impl BoundaryValueProblem for AutoBvp {
 }
 
 impl Directional for AutoBvp {
-    type Second = ();
-    type Third = ();
-
-    fn prepare_second(&self, _: &[f64], _: &[f64], _: &[f64]) {}
-
-    fn second(&self, _: &(), point: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
+    fn second(&self, point: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
         let v = point.y[0] - (self.profile)(point.at.x)[0];
         let mixed = a.p[0] * b.y[0] + b.p[0] * a.y[0];
         f[1] = 2.0 * a.y[0] * b.y[0] - 2.0 * squared(1.0) * (point.p[0] * mixed + v * a.p[0] * b.p[0]);
-    }
-
-    fn prepare_third(&self, _: &[f64], _: &[f64]) {}
-
-    fn third(&self, _: &(), _: PointValues, a: PointDirection, [f2, _, _]: [&mut [f64]; 3]) {
-        // Along u alone.
-        f2[1] = 2.0 * a.y[0] * a.y[0];
     }
 }

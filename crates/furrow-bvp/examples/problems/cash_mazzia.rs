@@ -42,7 +42,14 @@ impl TestProblem {
                 y[1] = slope;
             }
         };
-        Solution::from_fn(&Gauss::new(stages), &mesh::uniform(a, b, intervals), self.components, &[], line)
+        Solution::from_fn(
+            &Gauss::new(stages).expect("stages from 1 to 5"),
+            &mesh::uniform(a, b, intervals),
+            self.components,
+            &[],
+            line,
+        )
+        .expect("a mesh")
     }
 
     /// Largest difference of the first component from the exact one over 1 + |value|, sampled between the nodes too.
@@ -54,7 +61,7 @@ impl TestProblem {
 
 /// Largest difference of the first component from a function over 1 + |value|, at nine points of every interval.
 pub fn largest_difference(y: &Solution, mut exact: impl FnMut(f64) -> f64) -> f64 {
-    let (gauss, mut value, mut largest) = (Gauss::new(y.m), vec![0.0; y.components], 0.0f64);
+    let (gauss, mut value, mut largest) = (y.gauss(), vec![0.0; y.components], 0.0f64);
     for i in 0..y.intervals() {
         for k in 0..=8 {
             let theta = k as f64 / 8.0;

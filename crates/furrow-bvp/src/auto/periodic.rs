@@ -2,6 +2,7 @@
 
 use crate::dimensions::Dimensions;
 use crate::gauss::Gauss;
+use crate::invalid::InvalidInput;
 use crate::solution::Solution;
 
 use super::numbers::Number;
@@ -52,13 +53,13 @@ pub trait VectorField {
 ///
 /// // For μ → 0 the cycle is a circle of radius 2.
 /// let circle = |x: f64, y: &mut [f64]| y.copy_from_slice(&[2.0 * (TAU * x).cos(), -2.0 * (TAU * x).sin()]);
-/// let (gauss, grid) = (Gauss::new(4), mesh::uniform(0.0, 1.0, 30));
-/// let (problem, guess) = PeriodicOrbit::near(VanDerPol, &gauss, &grid, TAU, &[0.1], circle);
+/// let (gauss, grid) = (Gauss::new(4)?, mesh::uniform(0.0, 1.0, 30));
+/// let (problem, guess) = PeriodicOrbit::near(VanDerPol, &gauss, &grid, TAU, &[0.1], circle)?;
 /// let mut cycle = Continuation::start(problem, guess, Metric::unit(2, 4), Default::default(), true)?;
 /// cycle.follow([0.0, 1.0], 100, |_, _| true)?;
 /// let period = PeriodicOrbit::<VanDerPol>::period(&cycle.state.solution);
 /// assert!((period - 6.6632868593).abs() < 1e-6);
-/// # Ok::<(), furrow_bvp::ContinuationError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct PeriodicOrbit<V> {
@@ -71,6 +72,9 @@ pub struct PeriodicOrbit<V> {
 impl<V: VectorField> PeriodicOrbit<V> {
     /// The problem with a reference orbit given on \[0, 1\] as `orbit`, which writes y at x, and this orbit as a guess: with its
     /// period and the parameters p.
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if the mesh is none.
     pub fn near(
         field: V,
         gauss: &Gauss,
@@ -78,11 +82,11 @@ impl<V: VectorField> PeriodicOrbit<V> {
         period: f64,
         parameters: &[f64],
         orbit: impl FnMut(f64, &mut [f64]),
-    ) -> (Auto<PeriodicOrbit<V>>, Solution) {
-        let reference = Solution::from_fn(gauss, mesh, field.components(), &[], orbit);
+    ) -> Result<(Auto<PeriodicOrbit<V>>, Solution), InvalidInput> {
+        let reference = Solution::from_fn(gauss, mesh, field.components(), &[], orbit)?;
         let scalars = [reference.node(0), &[period], parameters].concat();
         let guess = Solution { scalars, ..reference.clone() };
-        (Auto(PeriodicOrbit { field, reference, gauss: gauss.clone() }), guess)
+        Ok((Auto(PeriodicOrbit { field, reference, gauss: gauss.clone() }), guess))
     }
 
     /// The period T of an orbit found; NaN of what is no solution of such a problem.

@@ -1,8 +1,8 @@
 //! Continuation to an accuracy: the mesh is refined where the defect of a point is above the tolerance, and coarsened again.
 
 use crate::mesh;
+use crate::mesh::intervals_for;
 use crate::metric;
-use crate::newton::intervals_for;
 use crate::problem::BoundaryValueProblem;
 
 use super::branch::{Advance, Continuation, ContinuationError, SHORTER, patient};

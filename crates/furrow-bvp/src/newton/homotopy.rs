@@ -83,7 +83,7 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
         let at_left = at(left, &|out| problem.left(origin.node(0), p, out));
         let at_right = at(right, &|out| problem.right(origin.node(origin.intervals()), p, out));
         let offsets = (0..integrals).map(|k| problem.integral_offset(k, p, &mut vec![0.0; np])).collect();
-        let (gauss, x, f, g) = (Gauss::new(origin.m), Vec::new(), Vec::new(), Vec::new());
+        let (gauss, x, f, g) = (origin.gauss(), Vec::new(), Vec::new(), Vec::new());
         Deformed { problem, origin, gauss, rest: 1.0, x, f, g, left: at_left, right: at_right, offsets }
     }
 

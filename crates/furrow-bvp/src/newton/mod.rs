@@ -7,6 +7,5 @@ mod solver;
 mod work;
 
 pub use iteration::{Newton, NewtonError, NewtonReport, NewtonScratch};
-pub(crate) use solver::intervals_for;
 pub use solver::{Settings, SolveError, Solved, solve};
 pub use work::Work;

@@ -1,7 +1,6 @@
 //! Compares derivatives written by hand with differences.
 
 use crate::dimensions::{Dimensions, TooLarge};
-use crate::gauss::Gauss;
 use crate::solution::Solution;
 
 use super::differences::{slope, slopes_at_ends, slopes_beside};
@@ -93,9 +92,10 @@ const OF_CHANGE: f64 = 20.0;
 /// }
 ///
 /// let wave = |x: f64, y: &mut [f64]| y.copy_from_slice(&[0.3 + x.sin(), 0.7 * x.cos()]);
-/// let y = Solution::from_fn(&Gauss::new(4), &mesh::uniform(0.0, 2.0, 5), 2, &[], wave);
+/// let y = Solution::from_fn(&Gauss::default(), &mesh::uniform(0.0, 2.0, 5), 2, &[], wave)?;
 /// let error = check_derivatives(&mut Pendulum, &y).unwrap_err().to_string();
 /// assert!(error.starts_with("1 wrong derivatives; the first: ∂f[1]/∂y[0] at x = "), "{error}");
+/// # Ok::<(), furrow_bvp::InvalidInput>(())
 /// ```
 pub fn check_derivatives<P: BoundaryValueProblem>(problem: &mut P, y: &Solution) -> Result<(), CheckError> {
     let places = Places::of(problem, y)?;
@@ -150,7 +150,7 @@ impl<'a> Places<'a> {
         if !fits || y.scalars.len() != dims.scalars || points == 0 {
             return Err(CheckError::Guess { components: y.components, scalars: y.scalars.len() });
         }
-        let gauss = Gauss::new(y.m);
+        let gauss = y.gauss();
         let x: Vec<f64> = (0..points).map(|i| y.stage_x(&gauss, i / y.m, i % y.m)).collect();
         let count = POINTS.min(points);
         Ok(Places { dims, y, x, chosen: (0..count).map(|k| k * points / count).collect() })

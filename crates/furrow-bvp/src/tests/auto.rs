@@ -129,7 +129,7 @@ impl<E: MirrorSymmetric> MirrorSymmetric for ByHand<E> {
 /// Values without a pattern.
 fn somewhere() -> Solution {
     let wave = |x: f64, y: &mut [f64]| y.copy_from_slice(&[0.4 + x.sin(), 0.9 - x * x]);
-    Solution::from_fn(&Gauss::new(2), &mesh::uniform(0.1, 1.0, 5), 2, &[0.7, -0.4], wave)
+    Solution::from_fn(&Gauss::new(2).unwrap(), &mesh::uniform(0.1, 1.0, 5), 2, &[0.7, -0.4], wave).unwrap()
 }
 
 /// First derivatives, D² along two directions, D² and D³ along the first, of f and g and of the conditions.
@@ -228,7 +228,7 @@ fn nonlinear_boundary_conditions_enter_the_normal_form() {
         let metric = Metric::unit(2, 1);
         let branch = Continuation::start(problem.clone(), y.clone(), metric.clone(), Default::default(), true).unwrap();
         let breaking = SymmetryBreaking::default();
-        let mut point = MinimallyAugmented::new(problem, breaking, 4, metric, &branch.state.tangent);
+        let mut point = MinimallyAugmented::new(problem, breaking, 4, metric, &branch.state.tangent).unwrap();
         point.solve(&mut y, None).unwrap();
         assert!((y.scalars[0] / (PI * PI) - 1.0).abs() < 1e-10);
         // φ has φ′(½) = 1 where that of cos πx is −π.

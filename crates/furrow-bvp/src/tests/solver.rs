@@ -136,7 +136,7 @@ fn a_homotopy_leads_to_layers_that_newton_does_not_find() {
     let y = outcome.unwrap().solution;
     let outer = |x: f64| if x > 0.7 { x - 2.0 / 3.0 } else { f64::NAN };
     let mut value = [0.0; 2];
-    y.eval(&Gauss::new(4), 0.8, &mut value);
+    y.eval(&Gauss::default(), 0.8, &mut value);
     assert!((value[0] - outer(0.8)).abs() < 1e-3, "{value:?}");
 }
 

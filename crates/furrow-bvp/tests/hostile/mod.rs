@@ -139,25 +139,13 @@ fn condition(y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
 }
 
 impl Directional for Hostile {
-    type Second = ();
-    type Third = ();
-
-    fn prepare_second(&self, _: &[f64], _: &[f64], _: &[f64]) {}
-
-    fn second(&self, _: &(), point: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
+    fn second(&self, point: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
         let n = point.y.len();
         for (k, f) in f.iter_mut().enumerate() {
             let c = (k + 1) % n;
             let along = |d: PointDirection| d.p.last().copied().unwrap_or(0.0);
             *f = 2.0 * self.terms[1] * a.y[c] * b.y[c] + self.terms[2] * (a.y[c] * along(b) + b.y[c] * along(a));
         }
-    }
-
-    fn prepare_third(&self, _: &[f64], _: &[f64]) {}
-
-    fn third(&self, (): &(), point: PointValues, a: PointDirection, [f2, _, _]: [&mut [f64]; 3]) {
-        let n = point.y.len();
-        f2.iter_mut().enumerate().for_each(|(k, f)| *f = 2.0 * self.terms[1] * a.y[(k + 1) % n] * a.y[(k + 1) % n]);
     }
 }
 

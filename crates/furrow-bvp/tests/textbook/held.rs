@@ -14,8 +14,8 @@ pub struct Held;
 impl Held {
     /// u = 0, μ = 0.
     pub fn guess(intervals: usize, lambda: f64) -> Solution {
-        let (gauss, mesh) = (Gauss::new(4), mesh::uniform(0.0, 1.0, intervals));
-        Solution::from_fn(&gauss, &mesh, 2, &[0.0, lambda], |_, y| y.fill(0.0))
+        let (gauss, mesh) = (Gauss::default(), mesh::uniform(0.0, 1.0, intervals));
+        Solution::from_fn(&gauss, &mesh, 2, &[0.0, lambda], |_, y| y.fill(0.0)).unwrap()
     }
 }
 
@@ -51,21 +51,8 @@ impl BoundaryValueProblem for Held {
 }
 
 impl Directional for Held {
-    type Second = ();
-    type Third = ();
-
-    fn prepare_second(&self, _: &[f64], _: &[f64], _: &[f64]) {}
-
-    fn second(&self, _: &(), at: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
+    fn second(&self, at: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
         let (sine, cosine) = at.y[0].sin_cos();
         f[1] = at.p[1] * sine * a.y[0] * b.y[0] - cosine * (a.p[1] * b.y[0] + b.p[1] * a.y[0]);
-    }
-
-    fn prepare_third(&self, _: &[f64], _: &[f64]) {}
-
-    fn third(&self, _: &(), at: PointValues, a: PointDirection, [f2, _, f3]: [&mut [f64]; 3]) {
-        // Along u alone.
-        f2[1] = at.p[1] * at.y[0].sin() * a.y[0].powi(2);
-        f3[1] = at.p[1] * at.y[0].cos() * a.y[0].powi(3);
     }
 }
