@@ -73,11 +73,14 @@ impl Drawing {
         Drawing(Picture::Written { svg, png })
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Drawing>) -> Result<(Bound<'py, PyAny>, (String, Bound<'py, PyBytes>)), Error> {
+    fn __reduce__<'py>(slf: &Bound<'py, Drawing>) -> Result<Pickled<'py>, Error> {
         let drawing = slf.get();
         Ok((slf.get_type().getattr("_written")?, (drawing.svg(), drawing.png(slf.py())?)))
     }
 }
+
+/// What reads a pickled drawing, with its SVG and PNG.
+type Pickled<'py> = (Bound<'py, PyAny>, (String, Bound<'py, PyBytes>));
 
 /// Writes a file whole or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {

@@ -152,6 +152,9 @@ pub fn perturb(
     })
 }
 
+/// The name of a cell, and u, A and P along its contour.
+type Profile = (String, Vec<[f64; 3]>);
+
 /// PAR polarity of one cell, or of the germline of a lineage: the result, and for each polarised cell u, A and P along its contour.
 #[pyfunction]
 #[pyo3(signature = (given, lineage, one, par, length_um, profile, amplitude))]
@@ -164,7 +167,7 @@ pub fn polarity(
     length_um: Option<f64>,
     profile: &str,
     amplitude: f64,
-) -> Result<(Document, Vec<(String, Vec<[f64; 3]>)>), Error> {
+) -> Result<(Document, Vec<Profile>), Error> {
     let follows = one_of("profile", profile, Follows::NAMED)?;
     if !(amplitude.is_finite() && amplitude > -1.0) {
         let allowed = "a finite number above -1: kappa stays positive";

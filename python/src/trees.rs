@@ -227,7 +227,7 @@ impl GrownTree {
 
     /// The founders' table.
     fn founders(&self) -> Result<Document, Error> {
-        Document::of(&founder_rows(&self.tree))
+        Document::of(founder_rows(&self.tree))
     }
 
     /// The founders' table with the growth by generation, as `furrow tree` prints it.

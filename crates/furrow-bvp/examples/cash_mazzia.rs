@@ -77,7 +77,7 @@ impl Reference {
                 .inspect_err(|error| eprintln!("reference of {} at {}: {error}", self.number, self.epsilon))
                 .ok()?;
         }
-        let (gauss, reference) = (Gauss::new(STAGES), self.solution.as_ref()?);
+        let (gauss, reference) = (Gauss::default(), self.solution.as_ref()?);
         let mut value = vec![0.0; reference.components];
         let at = |x: f64| {
             reference.eval(&gauss, x, &mut value);

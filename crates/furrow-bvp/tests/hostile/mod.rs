@@ -202,7 +202,7 @@ fn guess(from: &mut Bytes, dims: Dimensions) -> Solution {
     let scalars = from.near(dims.scalars.min(8));
     let scalars = from.numbers(scalars);
     if let Ok(gauss) = Gauss::new(stages)
-        && from.byte() % 4 > 0
+        && !from.byte().is_multiple_of(4)
         && let Ok(y) = Solution::from_fn(&gauss, &mesh, components, &scalars, |_, y| y.fill(from.number()))
     {
         return y;
