@@ -144,7 +144,7 @@ fn second_difference<P: BoundaryValueProblem>(
         let mut moved = y.clone();
         a.apply(signs[0] * steps[0], &mut moved);
         b.apply(signs[1] * steps[1], &mut moved);
-        system.evaluate(&mut unfolded, &moved, &conditions, false);
+        system.evaluate_checked(&mut unfolded, &moved, &conditions, false);
         if count == 0 {
             out.clone_from(&system.residual);
             out.add(-1.0, &system.residual);

@@ -162,7 +162,8 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         }
         work.factorisations += 1;
         work.iterations += 1;
-        system.evaluate(&mut Unfolded { inner: problem, beta: *beta, weights }, y, conditions, true);
+        // The problem keeps β to itself.
+        system.evaluate_checked(&mut Unfolded { inner: problem, beta: *beta, weights }, y, conditions, true);
         system.condense()?;
         system.factor_blocks(conditions)
     }

@@ -139,6 +139,17 @@ impl System {
             (self.evaluated, self.stage) = (false, Progress::Nothing);
             return;
         }
+        self.evaluate_checked(problem, y, conditions, derivatives);
+    }
+
+    /// [`evaluate`](Self::evaluate) of sizes that are known to fit, but for scalar unknowns that the problem keeps to itself.
+    pub(crate) fn evaluate_checked<P: BoundaryValueProblem>(
+        &mut self,
+        problem: &mut P,
+        y: &Solution,
+        conditions: &[LinearCondition],
+        derivatives: bool,
+    ) {
         problem.prepare(&y.scalars);
         self.kernels = problem.kernels(self.gauss.m).suited_to(self.condensed.dims, self.gauss.m);
         if derivatives {

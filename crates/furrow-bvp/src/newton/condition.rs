@@ -12,6 +12,10 @@ const SOLVES: u64 = 3;
 /// differential equation, which settles as the mesh is refined unless the problem is singular.
 pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
     let (mut residual, mut change) = (system.zero_residual(), Direction::default());
+    if residual.stages.len() != y.stages.len() {
+        // Newton has failed before it had factors on this mesh: nothing is known.
+        return 0.0;
+    }
     let estimates = (0..SOLVES).map(|k| {
         perturb(&mut residual, y, k);
         system.solve(&residual, &mut change);

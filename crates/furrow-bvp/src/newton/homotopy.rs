@@ -23,8 +23,8 @@ const FIRST_STEP: f64 = 0.1;
 /// A smaller step has met a fold of the path, or a problem without solution.
 const MIN_STEP: f64 = 1e-6;
 
-/// Most steps, accepted or not.
-const MAX_STEPS: usize = 4000;
+/// Most times the corrector runs, so that no problem keeps it for ever.
+const MAX_CORRECTIONS: usize = 1500;
 
 /// Bound on the defect on the way.
 const BOUND: f64 = 1e-4;
@@ -193,6 +193,7 @@ struct Path<'a, P> {
     scratch: &'a mut NewtonScratch,
     work: &'a mut Work,
     max_intervals: usize,
+    corrections: usize,
 }
 
 /// A solution of `problem` with a defect below [`BOUND`], along the path of the guess `origin`; none if the path does
@@ -206,7 +207,7 @@ pub(super) fn solve<P: BoundaryValueProblem>(
     work: &mut Work,
 ) -> Option<Solution> {
     let deformed = Deformed::new(problem, origin);
-    Path { deformed, system, scratch, work, max_intervals }.run(origin.clone())
+    Path { deformed, system, scratch, work, max_intervals, corrections: 0 }.run(origin.clone())
 }
 
 impl<P: BoundaryValueProblem> Path<'_, P> {
@@ -214,7 +215,7 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
     fn run(&mut self, mut y: Solution) -> Option<Solution> {
         let (mut s, mut step) = (0.0, FIRST_STEP);
         let mut before: Option<(f64, Solution)> = None;
-        for _ in 0..MAX_STEPS {
+        while self.corrections < MAX_CORRECTIONS {
             let next = if s + step > 1.0 - 0.01 * step { 1.0 } else { s + step };
             self.deformed.rest = 1.0 - next;
             let guess = match &before {
@@ -243,6 +244,7 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
 
     /// Newton, and whether it was fast.
     fn corrected(&mut self, mut y: Solution) -> Option<(Solution, bool)> {
+        self.corrections += 1;
         let report = CORRECTOR.solve(self.system, self.scratch, &mut self.deformed, &mut y, &[], false);
         let Ok(report) = report else {
             self.work.rejected += 1;
@@ -269,7 +271,7 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
                 return Some(y);
             }
             let mut grid = Vec::new();
-            mesh::equidistribute(&y.mesh, &weight, needed.clamp(1, self.max_intervals), &mut grid);
+            mesh::equidistribute(&y.mesh, &weight, needed.min(self.max_intervals).max(1), &mut grid);
             self.work.remeshings += 1;
             y = self.corrected(y.on_mesh(&self.system.gauss, &grid))?.0;
         }
