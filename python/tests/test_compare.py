@@ -188,7 +188,7 @@ def test_a_clock_is_fitted_as_by_the_command_line(cli, memo):
     assert ours.to_pandas()["founder"].tolist()[-1] == "all"
     # The tree takes it.
     fitted = furrow.tree(ours.ron, memo=memo)
-    assert fitted["division_min"][0] == 0 and len(fitted) == 253
+    assert fitted.cells["division_min"][0] == 0 and len(fitted) == 253
     with pytest.raises(furrow.InputError):
         furrow.fit.clock({"cell": ["AB"], "lifetime_min": [15.0]})
 
