@@ -144,6 +144,55 @@ pub(crate) fn intervals_for(defects: &[f64], m: usize, tolerance: f64) -> usize 
     (2.0 * sum * tolerance.powf(-order)).ceil() as usize
 }
 
+/// The mesh of `intervals` that have equal shares of the defects.
+pub(crate) fn redistributed(mesh: &[f64], defects: &[f64], m: usize, intervals: usize) -> Vec<f64> {
+    let (mut weight, mut grid) = (Vec::new(), Vec::new());
+    if defects.iter().all(|defect| defect.is_finite()) {
+        defect_monitor(mesh, defects, m, &mut weight);
+    } else {
+        // The right-hand side is not defined somewhere between the stages: that says nothing of a better mesh.
+        weight.extend(mesh.windows(2).map(|x| 1.0 / (x[1] - x[0])));
+    }
+    equidistribute(mesh, &weight, intervals, &mut grid);
+    grid
+}
+
+/// A redistributed mesh is worth another try with as many intervals if the last one brought the defect down to this
+/// fraction.
+const PROGRESS: f64 = 0.5;
+
+/// Most intervals from one mesh to the next, in those of the first: what a coarse mesh says of a finer one is a rough
+/// guess.
+const GROWTH: usize = 2;
+
+/// Numbers of intervals from mesh to mesh, until the defect is below a tolerance.
+pub(crate) struct Refinement {
+    tolerance: f64,
+    limit: usize,
+    /// The defect on the last mesh, if that had as many intervals.
+    before: f64,
+}
+
+impl Refinement {
+    pub fn new(tolerance: f64, limit: usize) -> Refinement {
+        Refinement { tolerance, limit, before: f64::INFINITY }
+    }
+
+    /// Intervals of the next mesh after one with these defects; none if more are not allowed and as many do not help.
+    pub fn next(&mut self, defects: &[f64], m: usize) -> Option<usize> {
+        let (intervals, defect) = (defects.len(), defects.iter().copied().fold(0.0, f64::max));
+        let settled = defect > PROGRESS * self.before;
+        if intervals >= self.limit && settled {
+            return None;
+        }
+        let needed = if settled { usize::MAX } else { intervals_for(defects, m, self.tolerance) };
+        let next = needed.clamp(intervals, GROWTH * intervals).min(self.limit.max(intervals));
+        // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
+        self.before = if next > intervals { f64::INFINITY } else { defect };
+        Some(next)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,26 +1,19 @@
 //! Continuation to an accuracy: the mesh is refined where the defect of a point is above the tolerance, and coarsened again.
 
 use crate::mesh;
-use crate::mesh::intervals_for;
 use crate::metric;
+use crate::newton::NEWTON_SHARE;
 use crate::problem::BoundaryValueProblem;
 
-use super::branch::{Advance, Continuation, ContinuationError, SHORTER, patient};
-
-/// A defect tolerance is worth this many of Newton's.
-const NEWTON_SHARE: f64 = 1e-2;
+use super::branch::{Continuation, SHORTER, patient};
+use super::settings::ContinuationError;
+use super::state::Advance;
 
 /// The mesh is made coarser once this fraction of its intervals will do.
 const TOO_MANY: f64 = 0.6;
 
 /// Fewest intervals of a coarsened mesh.
 const FEWEST: usize = 8;
-
-/// A redistributed mesh is worth another try with as many intervals if the last one brought the defect down to this fraction.
-const PROGRESS: f64 = 0.5;
-
-/// Most intervals from one mesh to the next, in those of the first.
-const GROWTH: usize = 2;
 
 /// What else is held while a point is moved to another mesh.
 #[derive(Clone, Copy)]
@@ -65,7 +58,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Moves the newest point to finer meshes until its defect, which is returned, is below `tolerance`.
     pub(super) fn refine(&mut self, tolerance: f64, held: Held) -> Result<f64, ContinuationError> {
-        let mut before = f64::INFINITY;
+        let limit = self.settings.max_intervals;
+        let mut refinement = mesh::Refinement::new(tolerance, limit);
         loop {
             let defects = self.defects();
             let defect = defects.iter().copied().fold(0.0, f64::max);
@@ -73,16 +67,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 return Ok(defect);
             }
             let y = &self.state.solution;
-            let (intervals, limit) = (y.intervals(), self.settings.max_intervals);
-            let settled = defect > PROGRESS * before;
-            let needed = if settled { usize::MAX } else { intervals_for(&defects, y.m, tolerance) };
-            let next = needed.clamp(intervals, GROWTH * intervals).min(limit.max(intervals));
-            before = if next > intervals { f64::INFINITY } else { defect };
-            let grid = self.shared(&defects, next);
-            if intervals >= limit && settled || mesh::check(&grid).is_err() {
+            let grid = refinement.next(&defects, y.m).map(|next| mesh::redistributed(&y.mesh, &defects, y.m, next));
+            let Some(grid) = grid.filter(|grid| mesh::check(grid).is_ok()) else {
                 let parameter = self.state.parameter();
                 return Err(ContinuationError::MeshLimit { limit, parameter, defect, tolerance });
-            }
+            };
             self.move_to(&grid);
             self.correct_newest(held)?;
         }
@@ -93,28 +82,13 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let defects = self.defects();
         let y = &self.state.solution;
         let intervals = y.intervals();
-        let needed = intervals_for(&defects, y.m, tolerance).max(FEWEST);
+        let needed = mesh::intervals_for(&defects, y.m, tolerance).max(FEWEST);
         if (needed as f64) < TOO_MANY * intervals as f64 {
-            let grid = self.shared(&defects, needed);
+            let grid = mesh::redistributed(&y.mesh, &defects, y.m, needed);
             if mesh::check(&grid).is_ok() {
                 self.move_to(&grid);
             }
         }
-    }
-
-    /// The mesh of `intervals` that have equal shares of the defect.
-    fn shared(&mut self, defects: &[f64], intervals: usize) -> Vec<f64> {
-        let y = &self.state.solution;
-        if defects.iter().all(|defect| defect.is_finite()) {
-            mesh::defect_monitor(&y.mesh, defects, y.m, &mut self.weight);
-        } else {
-            // The right-hand side is not defined somewhere between the stages: that says nothing of a better mesh.
-            self.weight.clear();
-            self.weight.extend(y.mesh.windows(2).map(|x| 1.0 / (x[1] - x[0])));
-        }
-        let mut grid = Vec::new();
-        mesh::equidistribute(&y.mesh, &self.weight, intervals, &mut grid);
-        grid
     }
 
     /// Solves for the newest point again, after a change of mesh.

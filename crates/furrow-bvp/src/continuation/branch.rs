@@ -7,150 +7,21 @@
 //! # References
 //! Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (pseudo-arclength).
 
-use serde::{Deserialize, Serialize};
-
 use crate::dense::{Determinant, PivotFailure};
-use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition};
-use crate::invalid::{self, InvalidInput};
+use crate::invalid::InvalidInput;
 use crate::linear::System;
 use crate::mesh;
 use crate::metric::{self, Metric};
-use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work};
+use crate::newton::{Newton, NewtonReport, NewtonScratch, Work};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
 use super::accuracy::{Held, newton_tolerance};
 use super::passing::{self, Passage, Passed};
 use super::predictor::History;
-
-/// Settings of a continuation.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ContinuationSettings {
-    /// The corrector. Few factorisations: a step that needs more is too long.
-    pub newton: Newton,
-    /// First step, in arclength.
-    pub first_step: f64,
-    /// Smallest step before giving up.
-    pub min_step: f64,
-    /// Largest step.
-    pub max_step: f64,
-    /// Smallest cosine between the tangents of neighbouring points.
-    pub min_cosine: f64,
-    /// Move the mesh when the largest interval carries this many times its share of the monitor.
-    pub remesh_above: f64,
-    /// Bound on the largest defect of every point, see [`mesh::defect`]: the mesh is refined where it is exceeded, and coarsened
-    /// where fewer intervals do. Newton's tolerance is tightened where this one asks for it. None leaves the number of
-    /// intervals as it is.
-    pub tolerance: Option<f64>,
-    /// Most intervals of a refined mesh.
-    pub max_intervals: usize,
-}
-
-impl Default for ContinuationSettings {
-    fn default() -> Self {
-        ContinuationSettings {
-            newton: Newton { max_factorisations: 3, max_iterations: 8, min_damping: 0.2, ..Newton::default() },
-            first_step: 0.05,
-            min_step: 1e-8,
-            max_step: 1.0,
-            min_cosine: 0.9,
-            remesh_above: 1.8,
-            tolerance: None,
-            max_intervals: 2000,
-        }
-    }
-}
-
-impl ContinuationSettings {
-    /// Checks the settings.
-    ///
-    /// # Errors
-    /// [`InvalidInput::Setting`].
-    pub fn check(&self) -> Result<(), InvalidInput> {
-        let ContinuationSettings { first_step, min_step, max_step, min_cosine, remesh_above, .. } = *self;
-        self.newton.check()?;
-        invalid::positive("first_step", first_step)?;
-        invalid::positive("min_step", min_step)?;
-        invalid::setting("max_step", max_step, max_step > 0.0, "a number above 0")?;
-        invalid::setting("min_cosine", min_cosine, (-1.0..1.0).contains(&min_cosine), "a number from −1, below 1")?;
-        invalid::setting("remesh_above", remesh_above, remesh_above >= 1.0, "a number from 1")?;
-        self.tolerance.map_or(Ok(()), |tolerance| invalid::positive("the tolerance", tolerance))
-    }
-}
-
-/// Checks that a problem lacks one condition, for its last scalar unknown, and that guess and metric fit it.
-fn check_problem(dims: Dimensions, y: &Solution, metric: &Metric) -> Result<(), InvalidInput> {
-    y.fits(dims)?;
-    if dims.missing_conditions() != 1 {
-        return Err(InvalidInput::NotSquare { missing: dims.missing_conditions(), allowed: "1" });
-    }
-    invalid::index("scalar unknown", 0, dims.scalars)?;
-    metric.check(y)
-}
-
-/// Why a step along a branch failed.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StepFailure {
-    /// The corrector does not converge.
-    #[error(transparent)]
-    Newton(#[from] NewtonError),
-    /// The tangents at both ends of the step are too far apart.
-    #[error("the branch turns too sharply (cosine {cosine:.3})")]
-    Turn {
-        /// Cosine of the angle between the tangents.
-        cosine: f64,
-    },
-    /// The point found is not on the branch the step set out from.
-    #[error("the step leads to another branch")]
-    OtherBranch,
-    /// There is no tangent: the system bordered by the plane condition is singular.
-    #[error("the Jacobian is singular (pivot {})", .0.column)]
-    Singular(#[from] PivotFailure),
-}
-
-/// Why a continuation failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ContinuationError {
-    /// The problem, the point to start from, the metric or the settings are refused.
-    #[error(transparent)]
-    Invalid(#[from] InvalidInput),
-    /// No first point.
-    #[error("no first point at parameter {parameter}: {source}")]
-    Start {
-        /// Value of λ.
-        parameter: f64,
-        /// Error of the solver.
-        source: NewtonError,
-    },
-    /// The corrector fails for the smallest step.
-    #[error("the branch is lost at parameter {parameter} after arclength {arclength}: {source}")]
-    Lost {
-        /// Value of λ at the last point.
-        parameter: f64,
-        /// Arclength of the last point.
-        arclength: f64,
-        /// The last failure.
-        source: StepFailure,
-    },
-    /// The accuracy asked for would need more intervals than allowed.
-    #[error(
-        "the limit of {limit} intervals is reached at parameter {parameter} with a defect of {defect:.3e}, \
-         the tolerance is {tolerance:.3e}"
-    )]
-    MeshLimit {
-        /// Most intervals allowed.
-        limit: usize,
-        /// Value of λ at the point that is not accurate enough.
-        parameter: f64,
-        /// Its defect.
-        defect: f64,
-        /// What was asked for.
-        tolerance: f64,
-    },
-}
+use super::settings::{ContinuationError, ContinuationSettings, StepFailure, check_problem};
+use super::state::{Advance, State, Termination};
 
 /// Branches nearer to each other than a step of this length do meet, as far as rounding can tell: the branch goes
 /// straight on.
@@ -170,70 +41,6 @@ const CHORD_CONTRACTION: f64 = 0.5;
 /// After so many rejections the tangent they start from is in doubt.
 const DOUBTFUL: usize = 2;
 
-/// State of a run, sufficient to resume it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// The newest point.
-    pub solution: Solution,
-    /// Its unit tangent.
-    pub tangent: Direction,
-    /// Arclength from the first point.
-    pub arclength: f64,
-    /// The step to try next.
-    pub step: f64,
-    /// Points accepted, the first included.
-    pub points: usize,
-    /// Sign of dλ/ds as last confirmed with exact factors; 0 if not known.
-    pub direction: f64,
-    /// Sign of the determinant bordered by the tangent: the same all along a branch; 0 if not known.
-    #[serde(default)]
-    pub orientation: f64,
-    /// The last points, for the predictor.
-    pub history: History,
-}
-
-impl State {
-    /// Checks that tangent and history belong to the solution, and that there is a step to go on with.
-    ///
-    /// # Errors
-    /// [`InvalidInput`].
-    pub fn check(&self) -> Result<(), InvalidInput> {
-        self.solution.check()?;
-        self.tangent.check(&self.solution)?;
-        self.history.check(&self.solution)?;
-        invalid::setting("the arclength", self.arclength, self.arclength.is_finite(), "a finite number")?;
-        invalid::setting("the step", self.step, self.step > 0.0, "a number above 0")
-    }
-
-    /// Value of λ.
-    pub fn parameter(&self) -> f64 {
-        self.solution.scalars.last().copied().unwrap_or(f64::NAN)
-    }
-
-    /// dλ/ds.
-    pub fn parameter_slope(&self) -> f64 {
-        self.tangent.scalars.last().copied().unwrap_or(f64::NAN)
-    }
-}
-
-/// What one accepted step did.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Advance {
-    /// dλ/ds changed sign: a fold lies between the last two points.
-    pub passed_fold: bool,
-    /// Another branch crosses between the last two points, and this one goes straight on:
-    /// [`locate::branch_point`](crate::locate::branch_point) finds where. A step past two of them shows neither.
-    /// Where λ has an extremum there, as on the branch that bends at a pitchfork, `passed_fold` is true as well.
-    pub passed_branch_point: bool,
-    /// Work of the corrector.
-    pub report: NewtonReport,
-    /// Steps rejected before.
-    pub rejected: usize,
-    /// Largest defect of the point, where a [`tolerance`](ContinuationSettings::tolerance) is set; see also
-    /// [`Continuation::defect`].
-    pub defect: Option<f64>,
-}
-
 /// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.
 struct Attempt {
     report: NewtonReport,
@@ -244,18 +51,6 @@ struct Attempt {
     /// The factors are those of the point itself.
     exact: bool,
     passed_branch_point: bool,
-}
-
-/// Why following a branch ended.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Termination {
-    /// λ left its range; the last point lies on the bound.
-    ParameterBound(f64),
-    /// The largest number of points is reached.
-    PointLimit(usize),
-    /// The visitor returned false.
-    Stopped,
 }
 
 /// Weights of a mesh monitor, one per interval.
@@ -302,7 +97,7 @@ pub struct Continuation<P> {
     pub(super) conditions: Vec<LinearCondition>,
     pub(super) trial: Solution,
     tangent: Direction,
-    pub(super) weight: Vec<f64>,
+    weight: Vec<f64>,
     /// The branch point that the last step has passed, from its detection.
     pub(crate) passed: Option<Passed>,
     /// The flip of orientation in the step that is tried leads to another branch, however it is shortened.

@@ -4,12 +4,14 @@ mod accuracy;
 mod branch;
 mod passing;
 pub mod predictor;
+mod settings;
+mod state;
 mod unfolded;
 mod unfolding;
 
 pub(crate) use branch::SHORTER;
-pub use branch::{
-    Advance, Continuation, ContinuationError, ContinuationSettings, MeshMonitor, State, StepFailure, Termination,
-};
+pub use branch::{Continuation, MeshMonitor};
 pub(crate) use passing::{belongs, distances};
+pub use settings::{ContinuationError, ContinuationSettings, StepFailure};
+pub use state::{Advance, State, Termination};
 pub(crate) use unfolding::Unfolding;

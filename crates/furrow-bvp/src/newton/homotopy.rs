@@ -11,7 +11,9 @@ use crate::gauss::Gauss;
 use crate::kernels::Kernels;
 use crate::linear::System;
 use crate::mesh;
-use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian};
+use crate::problem::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, End, PointJacobian, conditions_at,
+};
 use crate::solution::Solution;
 
 use super::iteration::{Newton, NewtonScratch};
@@ -72,16 +74,11 @@ struct Deformed<'a, P> {
 
 impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
     fn new(problem: &'a mut P, origin: &'a Solution) -> Self {
-        let Dimensions { components: n, scalars: np, left, right, integrals, .. } = problem.dimensions();
+        let Dimensions { scalars: np, integrals, .. } = problem.dimensions();
         problem.prepare(&origin.scalars);
         let p = &origin.scalars[..];
-        let at = |conditions: usize, evaluate: &dyn Fn(&mut BoundaryJacobian<'_>)| {
-            let [mut r, mut ry, mut rp] = [1, n, np].map(|width| vec![0.0; conditions * width]);
-            evaluate(&mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp });
-            r
-        };
-        let at_left = at(left, &|out| problem.left(origin.node(0), p, out));
-        let at_right = at(right, &|out| problem.right(origin.node(origin.intervals()), p, out));
+        let [at_left, ..] = conditions_at(problem, End::Left, origin.node(0), p);
+        let [at_right, ..] = conditions_at(problem, End::Right, origin.node(origin.intervals()), p);
         let offsets = (0..integrals).map(|k| problem.integral_offset(k, p, &mut vec![0.0; np])).collect();
         let (gauss, x, f, g) = (origin.gauss(), Vec::new(), Vec::new(), Vec::new());
         Deformed { problem, origin, gauss, rest: 1.0, x, f, g, left: at_left, right: at_right, offsets }

@@ -7,5 +7,6 @@ mod solver;
 mod work;
 
 pub use iteration::{Newton, NewtonError, NewtonReport, NewtonScratch};
+pub(crate) use solver::NEWTON_SHARE;
 pub use solver::{Settings, SolveError, Solved, solve};
 pub use work::Work;

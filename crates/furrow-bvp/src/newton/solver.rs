@@ -128,16 +128,11 @@ const LEAST_TOLERANCE: f64 = 1e-14;
 /// A solution on this many times the intervals it needs is tried again on those it needs.
 const WASTEFUL: usize = 2;
 
-/// A redistributed mesh is worth another try with as many intervals if the last one brought the defect down to this
-/// fraction.
+/// More intervals are worth it if they bring the defect down to this fraction.
 const PROGRESS: f64 = 0.5;
 
-/// Most intervals from one mesh to the next, in those of the first: what a coarse mesh says of a finer one is a rough
-/// guess.
-const GROWTH: usize = 2;
-
 /// A defect tolerance is worth this many of Newton's.
-const NEWTON_SHARE: f64 = 1e-2;
+pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 
 /// Solves a square problem to a defect below a tolerance, from a guess on any mesh; its stages are those of the guess.
 ///
@@ -226,39 +221,25 @@ struct Run<'a, P> {
 
 impl<P: BoundaryValueProblem> Run<'_, P> {
     fn solve(&mut self, mut y: Solution) -> Result<Solved, SolveError> {
-        let tolerance = self.settings.tolerance;
-        let mut before = f64::INFINITY;
-        let mut weight = Vec::new();
+        let Settings { tolerance, max_intervals: limit, .. } = *self.settings;
+        let mut refinement = mesh::Refinement::new(tolerance, limit);
         loop {
             y = self.on_this_mesh_or_a_finer(y)?;
             let defects = mesh::defect(&self.system.gauss, self.problem, &y);
             let defect = defects.iter().copied().fold(0.0, f64::max);
+            let condition = condition::estimate(&mut self.system, &y);
             let halved = self.best.as_ref().is_some_and(|best| WASTEFUL * best.solution.intervals() <= y.intervals());
             if halved && defect <= ROUNDING && self.best.as_ref().is_some_and(|best| defect >= PROGRESS * best.defect) {
                 return Err(SolveError::Rounding { best: self.best_or(y, defect) });
             }
-            self.keep(&y, defect);
-            let (intervals, limit) = (y.intervals(), self.settings.max_intervals);
-            let needed = mesh::intervals_for(&defects, y.m, tolerance);
-            if defect.is_finite() {
-                mesh::defect_monitor(&y.mesh, &defects, y.m, &mut weight);
-            } else {
-                // The right-hand side is not defined somewhere between the stages: that says nothing of a better mesh.
-                weight.clear();
-                weight.extend(y.mesh.windows(2).map(|x| 1.0 / (x[1] - x[0])));
-            }
+            self.keep(&y, defect, condition);
             if defect <= tolerance {
-                return self.accepted(y, defect, needed, &weight);
+                return self.accepted(y, &defects, condition);
             }
-            let settled = defect > PROGRESS * before;
-            if intervals >= limit && settled {
+            let Some(intervals) = refinement.next(&defects, y.m) else {
                 return Err(SolveError::MeshLimit { limit, best: self.best_or(y, defect) });
-            }
-            let next = if settled { GROWTH * intervals } else { needed.clamp(intervals, GROWTH * intervals) };
-            let next = next.min(limit.max(intervals));
-            // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
-            before = if next > intervals { f64::INFINITY } else { defect };
-            let moved = self.moved(&y, next, &weight);
+            };
+            let moved = self.moved(&y, &defects, intervals);
             if is_degenerate(&moved.mesh) {
                 return Err(SolveError::Rounding { best: self.best_or(y, defect) });
             }
@@ -267,14 +248,9 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     }
 
     /// The solution, on a coarser mesh if that is fine enough; an error if the problem is singular.
-    fn accepted(
-        &mut self,
-        mut y: Solution,
-        mut defect: f64,
-        needed: usize,
-        weight: &[f64],
-    ) -> Result<Solved, SolveError> {
-        let mut condition = condition::estimate(&mut self.system, &y);
+    fn accepted(&mut self, mut y: Solution, defects: &[f64], mut condition: f64) -> Result<Solved, SolveError> {
+        let mut defect = defects.iter().copied().fold(0.0, f64::max);
+        let needed = mesh::intervals_for(defects, y.m, self.settings.tolerance);
         if condition * defect > DOUBTFUL {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
             let on_finer = match self.newton(&mut finer) {
@@ -286,7 +262,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             }
         } else if WASTEFUL * needed.max(2) <= y.intervals() {
             // Half as many again: the mesh is not yet that of its own defects.
-            let mut coarser = self.moved(&y, needed.max(2).div_ceil(2) * 3, weight);
+            let mut coarser = self.moved(&y, defects, needed.max(2).div_ceil(2) * 3);
             let largest = self.newton(&mut coarser).map_or(f64::INFINITY, |()| self.defect(&coarser));
             if largest <= self.settings.tolerance {
                 (y, defect) = (coarser, largest);
@@ -348,17 +324,14 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         }
     }
 
-    /// The solution on a mesh of `intervals` that share the monitor equally.
-    fn moved(&mut self, y: &Solution, intervals: usize, weight: &[f64]) -> Solution {
-        let mut grid = Vec::new();
-        mesh::equidistribute(&y.mesh, weight, intervals, &mut grid);
+    /// The solution on a mesh of `intervals` that share the defects equally.
+    fn moved(&mut self, y: &Solution, defects: &[f64], intervals: usize) -> Solution {
         self.work.remeshings += 1;
-        y.on_mesh(&self.system.gauss, &grid)
+        y.on_mesh(&self.system.gauss, &mesh::redistributed(&y.mesh, defects, y.m, intervals))
     }
 
-    fn keep(&mut self, y: &Solution, defect: f64) {
+    fn keep(&mut self, y: &Solution, defect: f64, condition: f64) {
         if self.best.as_ref().is_none_or(|best| defect < best.defect) {
-            let condition = condition::estimate(&mut self.system, y);
             self.best = Some(Box::new(Solved { solution: y.clone(), defect, condition, work: self.work }));
         }
     }

@@ -5,7 +5,7 @@ use crate::solution::Solution;
 
 use super::differences::{slope, slopes_at_ends, slopes_beside};
 use super::directional::{Directional, EndDerivatives, EndValues, PointDirection};
-use super::statement::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, PointJacobian};
+use super::statement::{BoundaryValueProblem, CollocationPoints, End, PointJacobian, conditions_at};
 
 /// A derivative that differs from what the values it belongs to say.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -145,12 +145,10 @@ impl<'a> Places<'a> {
     fn of<P: BoundaryValueProblem>(problem: &P, y: &'a Solution) -> Result<Places<'a>, CheckError> {
         let dims = problem.dimensions();
         dims.check(y.m)?;
-        let (n, points) = (dims.components, y.mesh.len().saturating_sub(1) * y.m);
-        let fits = y.components == n && y.nodes.len() == y.mesh.len() * n && y.stages.len() == points * n;
-        if !fits || y.scalars.len() != dims.scalars || points == 0 {
+        if y.fits(dims).is_err() {
             return Err(CheckError::Guess { components: y.components, scalars: y.scalars.len() });
         }
-        let gauss = y.gauss();
+        let (gauss, points) = (y.gauss(), y.intervals() * y.m);
         let x: Vec<f64> = (0..points).map(|i| y.stage_x(&gauss, i / y.m, i % y.m)).collect();
         let count = POINTS.min(points);
         Ok(Places { dims, y, x, chosen: (0..count).map(|k| k * points / count).collect() })
@@ -295,18 +293,12 @@ fn check_point<P: BoundaryValueProblem>(problem: &mut P, places: &Places, i: usi
 /// Residuals of the conditions and h(p), in one vector.
 fn conditions<P: BoundaryValueProblem>(problem: &mut P, dims: Dimensions, at: EndValues) -> Vec<f64> {
     problem.prepare(at.p);
-    let Dimensions { components: n, scalars: np, left, right, integrals, .. } = dims;
-    let mut residuals = Vec::new();
-    for (is_left, count) in [(true, left), (false, right)] {
-        let (mut r, mut ry, mut rp) = (vec![0.0; count], vec![0.0; count * n], vec![0.0; count * np]);
-        let out = &mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp };
-        if is_left {
-            problem.left(at.left, at.p, out)
-        } else {
-            problem.right(at.right, at.p, out)
-        }
-        residuals.extend(r);
-    }
+    let Dimensions { scalars: np, integrals, .. } = dims;
+    let [mut residuals, right] = [(End::Left, at.left), (End::Right, at.right)].map(|(end, y)| {
+        let [r, ..] = conditions_at(problem, end, y, at.p);
+        r
+    });
+    residuals.extend(right);
     residuals.extend((0..integrals).map(|k| problem.integral_offset(k, at.p, &mut vec![0.0; np])));
     residuals
 }

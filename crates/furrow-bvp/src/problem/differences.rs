@@ -3,7 +3,7 @@
 use crate::dimensions::Dimensions;
 
 use super::directional::{Directional, EndDerivatives, EndValues, PointDirection};
-use super::statement::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints};
+use super::statement::{BoundaryValueProblem, CollocationPoints, End, conditions_at};
 
 /// Steps relative to the unknowns, of first differences and of second ones: rounding and truncation are about alike.
 const FIRST: f64 = 3e-4;
@@ -75,18 +75,10 @@ pub(super) fn slopes_at_ends<P: BoundaryValueProblem + ?Sized>(problem: &P, at: 
     let Dimensions { components: n, scalars: np, left, right, integrals, .. } = problem.dimensions();
     let product = |row: &[f64], d: &[f64]| row.iter().zip(d).map(|(r, d)| r * d).sum::<f64>();
     let mut slopes = Vec::with_capacity(left + right + integrals);
-    for (is_left, count) in [(true, left), (false, right)] {
-        let (mut r, mut ry, mut rp) = (vec![0.0; count], vec![0.0; count * n], vec![0.0; count * np]);
-        let out = &mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp };
-        let along = if is_left {
-            problem.left(at.left, at.p, out);
-            b.left
-        } else {
-            problem.right(at.right, at.p, out);
-            b.right
-        };
+    for (end, y, along) in [(End::Left, at.left, b.left), (End::Right, at.right, b.right)] {
+        let [r, ry, rp] = conditions_at(problem, end, y, at.p);
         let by_y = |k: usize| product(&ry[k * n..(k + 1) * n], along);
-        slopes.extend((0..count).map(|k| by_y(k) + product(&rp[k * np..(k + 1) * np], b.p)));
+        slopes.extend((0..r.len()).map(|k| by_y(k) + product(&rp[k * np..(k + 1) * np], b.p)));
     }
     let mut hp = vec![0.0; np];
     for k in 0..integrals {

@@ -10,4 +10,5 @@ mod symmetry;
 pub use check::{CheckError, Mismatch, check_derivatives, check_directional};
 pub use directional::{Directional, EndDerivatives, EndValues, PointDirection, PointValues};
 pub use statement::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian};
+pub(crate) use statement::{End, conditions_at};
 pub use symmetry::MirrorSymmetric;

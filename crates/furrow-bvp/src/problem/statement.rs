@@ -64,6 +64,34 @@ pub struct BoundaryJacobian<'a> {
     pub rp: &'a mut [f64],
 }
 
+/// One of the two ends.
+#[derive(Clone, Copy)]
+pub(crate) enum End {
+    Left,
+    Right,
+}
+
+/// Residuals of the conditions at an end, and their derivatives by y and by p, row-major.
+pub(crate) fn conditions_at<P: BoundaryValueProblem + ?Sized>(
+    problem: &P,
+    end: End,
+    y: &[f64],
+    p: &[f64],
+) -> [Vec<f64>; 3] {
+    let Dimensions { components: n, scalars: np, left, right, .. } = problem.dimensions();
+    let count = match end {
+        End::Left => left,
+        End::Right => right,
+    };
+    let [mut r, mut ry, mut rp] = [1, n, np].map(|width| vec![0.0; count * width]);
+    let out = &mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp };
+    match end {
+        End::Left => problem.left(y, p, out),
+        End::Right => problem.right(y, p, out),
+    }
+    [r, ry, rp]
+}
+
 /// y′ = f(x, y, p) with separated boundary conditions, integral conditions and scalar unknowns.
 ///
 /// # Examples
