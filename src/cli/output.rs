@@ -1,27 +1,13 @@
 //! The two streams of the command, its files, and numbers of its options. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
 
 use super::error::CliError;
+pub use furrow_analysis::json::{filled, merged};
 pub use furrow_analysis::table::records_csv;
 use furrow_formats::files::{WriteError, check_file, check_folder};
 use furrow_input::InputError;
 use serde::Serialize;
-use serde_json::Value;
 use std::io::{self, Write};
 use std::path::Path;
-
-/// An object without its fields that are null.
-pub fn filled(mut object: Value) -> Value {
-    object.as_object_mut().into_iter().for_each(|fields| fields.retain(|_, value| !value.is_null()));
-    object
-}
-
-/// An object with the fields of another behind its own.
-pub fn merged(mut object: Value, other: Value) -> Value {
-    if let (Some(fields), Value::Object(other)) = (object.as_object_mut(), other) {
-        fields.extend(other);
-    }
-    object
-}
 
 /// A document as indented JSON, with a final newline.
 pub fn to_json(document: &impl Serialize) -> Result<String, CliError> {

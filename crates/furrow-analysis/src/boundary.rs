@@ -1,6 +1,7 @@
 //! What bounds division over a parameter: curves of pitchforks and folds, and where they lie at a cell's own activity.
 
 use crate::diagram::Edges;
+use crate::json::filled;
 use furrow_cell::{Cell, Numerics, Parameter, Settings};
 use furrow_input::InputError;
 use furrow_lineage::batch::PhasePlane;
@@ -191,12 +192,10 @@ fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
 
 /// A point of a curve, which is named if there are several; `value` is that of the parameter that varies.
 pub fn point_document(curve: impl Into<Value>, p: &CurvePoint) -> Value {
-    let mut point = json!({
+    filled(json!({
         "curve": curve.into(), "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation,
         "criticality": p.criticality(), "coefficient": p.coefficient,
-    });
-    point.as_object_mut().into_iter().for_each(|fields| fields.retain(|_, value| !value.is_null()));
-    point
+    }))
 }
 
 impl BoundaryStudy {

@@ -29,6 +29,7 @@ pub mod fit;
 pub mod front;
 pub mod growth;
 pub mod journal;
+pub mod json;
 mod parse;
 pub mod points;
 #[cfg(not(target_family = "wasm"))]

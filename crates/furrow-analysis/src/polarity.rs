@@ -1,5 +1,6 @@
 //! PAR polarity along the germline: at which sizes it exists, what cue follows from it, and how the cells then divide.
 
+use crate::json::{filled, merged};
 use furrow_cell::cue::{Field, Term};
 use furrow_cell::{Cell, Cue, CueError, Settings};
 use furrow_input::InputError;
@@ -186,14 +187,6 @@ pub fn polarity(
     })
 }
 
-/// An object with the fields of another behind its own.
-fn merged(mut object: Value, other: Value) -> Value {
-    if let (Some(fields), Value::Object(other)) = (object.as_object_mut(), other) {
-        fields.extend(other);
-    }
-    object
-}
-
 impl PolarityStudy {
     /// What ends first as cells shrink.
     fn ends_first(&self) -> Option<&'static str> {
@@ -246,8 +239,6 @@ impl PolarisedCell {
             "u_furrow": division.and_then(|division| division.u_furrow()),
             "measured": measured,
         });
-        let mut row = merged(merged(own, self.polarity.map_or(json!({}), |found| json!(found))), divided);
-        row.as_object_mut().into_iter().for_each(|fields| fields.retain(|_, value| !value.is_null()));
-        row
+        filled(merged(merged(own, self.polarity.map_or(json!({}), |found| json!(found))), divided))
     }
 }
