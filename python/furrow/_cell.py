@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, optional_path, path_of, refused, seed_of, text_of, threads_of, whole
 from ._errors import InputError
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
@@ -46,7 +46,7 @@ _ODD = ("z", "v", "active_t")
 
 
 def _lineage(lineage: str | os.PathLike[str] | None) -> str | None:
-    return None if lineage is None else path_of("lineage", lineage)
+    return optional_path("lineage", lineage)
 
 
 class Cell:

@@ -59,6 +59,18 @@ def path_of(field: str, value: str | os.PathLike[str]) -> str:
     return path
 
 
+def optional_path(field: str, value: str | os.PathLike[str] | None) -> str | None:
+    """A path as text, if one is given."""
+    return None if value is None else path_of(field, value)
+
+
+def text_or_path(field: str, value: str | os.PathLike[str], struct: str) -> tuple[str | None, str | None]:
+    """The text of a document in RON, whose struct may be named, or the path of its file."""
+    if isinstance(value, str) and (value.lstrip().startswith("(") or f"{struct}(" in value):
+        return value, None
+    return None, path_of(field, value)
+
+
 def text_of(field: str, value: object) -> str:
     """A string."""
     if not isinstance(value, str):
@@ -66,6 +78,7 @@ def text_of(field: str, value: object) -> str:
     return value
 
 
-def given_of(parameters: Mapping[str, Any], preset: str, config: str | os.PathLike[str] | None) -> Given:
-    """Parameters with a preset and a configuration file."""
-    return dict(parameters), text_of("preset", preset), None if config is None else path_of("config", config)
+def given_of(parameters: Mapping[str, Any], preset: str, config: str | os.PathLike[str] | None, r0: Any | None = None) -> Given:
+    """Parameters, the radius among them if there is one, with a preset and a configuration file."""
+    given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
+    return given, text_of("preset", preset), optional_path("config", config)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of
+from ._checks import given_of, optional_path, path_of, refused, seed_of, text_of, threads_of
 from ._grow import _labelled
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
@@ -65,11 +65,11 @@ def reproduce(
     with shown(progress, "figures") as tell:
         found, markdown = _furrow.reproduce(
             [text_of("figures", figure) for figure in figures],
-            None if data is None else path_of("data", data),
+            optional_path("data", data),
             given_of(parameters, preset, config),
             known,
             threads_of(threads),
-            None if out is None else path_of("out", out),
+            optional_path("out", out),
             text_of("format", format),
             tell,
         )
@@ -91,7 +91,7 @@ def explore(
 ) -> int:
     """Writes a web page that computes divisions in the browser, in one file that works offline. Returns its length in bytes."""
     known = shared_memo() if memo is None else memo
-    given = given_of(dict(parameters) if r0 is None else {"r0": r0, **parameters}, preset, config)
+    given = given_of(parameters, preset, config, r0)
     return _furrow.explore(_labelled(lineage), given, known, seed_of(seed), path_of("path", path))
 
 

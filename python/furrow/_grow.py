@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from . import _furrow
 from ._cell import Cell
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, path_of, refused, seed_of, text_of, text_or_path, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Division, division
@@ -106,7 +106,7 @@ def tree(
     cells get their parameters from a function.
     """
     known = shared_memo() if memo is None else memo
-    given = given_of(dict(parameters) if r0 is None else {"r0": r0, **parameters}, preset, config)
+    given = given_of(parameters, preset, config, r0)
     cues = [] if cue is None else [text_of("cue", cue)]
     with shown(progress, "divisions") as tell:
         named, work = _furrow.grow(
@@ -139,7 +139,7 @@ def scenarios(
     {'c_elegans-germline': 253, 'c_elegans-none': 319}
     """
     known = shared_memo() if memo is None else memo
-    given = given_of(dict(parameters) if r0 is None else {"r0": r0, **parameters}, preset, config)
+    given = given_of(parameters, preset, config, r0)
     if isinstance(cues, str):
         raise refused("cues", cues, "a list of cues")
     listed = [lineages] if lineages is None or isinstance(lineages, (str, os.PathLike)) else list(lineages)
@@ -176,7 +176,7 @@ def tree_ensemble(
     """Grows a lineage many times: with every set of ``constants``, a table written by ``furrow calibrate --ensemble`` or the
     result of :func:`ensemble`, or with ``replicates`` seeds of the noise. Gives the range of every count."""
     known = shared_memo() if memo is None else memo
-    given = given_of(dict(parameters) if r0 is None else {"r0": r0, **parameters}, preset, config)
+    given = given_of(parameters, preset, config, r0)
     cues = [] if cue is None else [text_of("cue", cue)]
     if (constants is None) == (replicates is None):
         raise refused("constants", constants, "given, or replicates in its place")
@@ -275,7 +275,5 @@ def _labelled(lineage: str | os.PathLike[str] | None) -> tuple[str, str | None]:
     """The name of a lineage, and its file or text."""
     if lineage is None:
         return "c_elegans", None
-    if isinstance(lineage, str) and (lineage.lstrip().startswith("(") or "Lineage(" in lineage):
-        return "lineage", lineage
-    path = path_of("lineage", lineage)
-    return Path(path).stem or "lineage", path
+    text, path = text_or_path("lineage", lineage, "Lineage")
+    return ("lineage", text) if path is None else (Path(path).stem or "lineage", path)

@@ -37,9 +37,9 @@ def use_store(folder: str | None, r0_step: float | None = None) -> Memo:
 
     Returns the memo that all calls share from now on. ``furrow --cache`` uses the same folder.
     """
-    from ._checks import path_of
+    from ._checks import optional_path
 
-    fresh = Memo(None if folder is None else path_of("store", folder), r0_step)
+    fresh = Memo(optional_path("store", folder), r0_step)
     with _Shared.lock:
         _Shared.memo = fresh
     return fresh

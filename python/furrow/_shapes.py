@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, SupportsFloat, overload
 
 from . import _furrow
-from ._checks import given_of, path_of, text_of
+from ._checks import given_of, optional_path, path_of, text_of
 from ._results import Array, Division, Result
 from ._tables import Found, frame, positive
 
@@ -143,10 +143,9 @@ def polarity(
     ``par`` sets constants of the chemistry, such as ``{"d_p": 0.1, "psi": 0.174}``; ``length_um`` is L_h in µm. κ follows P as a
     ``profile``, ``step`` or ``band``, of this ``amplitude``.
     """
-    given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
     found, profiles = _furrow.polarity(
-        given_of(given, preset, config),
-        None if lineage is None else path_of("lineage", lineage),
+        given_of(parameters, preset, config, r0),
+        optional_path("lineage", lineage),
         r0 is not None,
         [f"{name}={value}" for name, value in (par or {}).items()],
         None if length_um is None else positive("length_um", length_um),

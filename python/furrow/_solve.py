@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, optional_path, refused, seed_of, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 
@@ -62,7 +62,7 @@ def solve(
     ends = None if range is None else [_number("range", end) for end in range]
     if ends is not None and len(ends) != 2:
         raise refused("range", range, "a first and a last value")
-    place = None if lineage is None else path_of("lineage", lineage)
+    place = optional_path("lineage", lineage)
     inputs = _furrow.Inputs(given_of(parameters, preset, config), text_of("cue", cue), place)
     known = shared_memo() if memo is None else memo
     asked = (name, _number(name, value))

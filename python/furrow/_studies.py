@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex
 import numpy as np
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, path_of, refused, seed_of, text_of, text_or_path, threads_of, whole
 from ._results import Array, Result
 from ._tables import Found, frame
 
@@ -151,11 +151,9 @@ def table_of(constants: str | os.PathLike[str] | Constants) -> tuple[str | None,
 
 
 def _targets(targets: str | os.PathLike[str]) -> tuple[str | None, str | None]:
-    if isinstance(targets, str) and (targets.lstrip().startswith("(") or "Targets(" in targets):
-        return targets, None
     if targets is None:
         raise refused("targets", targets, "a file of targets, or its text")
-    return None, path_of("targets", targets)
+    return text_or_path("targets", targets, "Targets")
 
 
 def calibrate(

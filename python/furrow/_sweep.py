@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex
 import numpy as np
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, optional_path, refused, seed_of, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._tables import frame
@@ -151,14 +151,14 @@ def sweep(
             raise refused("axes", None, "given if there is no file")
         if kind not in KINDS:
             raise refused("kind", kind, f"one of {', '.join(KINDS)}")
-        place = None if lineage is None else path_of("lineage", lineage)
+        place = optional_path("lineage", lineage)
         most = 1_000_000
         text = _text(kind, axes, cue, whole("replicates", replicates, 1, most), seed_of(seed), place)
     elif axes is not None or cue is not None or lineage is not None or replicates != 1 or seed != 0 or kind != "division":
         raise refused("file", file, "given without axes, kind, cue, replicates, seed and lineage, which it says itself")
-    where = None if file is None else path_of("file", file)
+    where = optional_path("file", file)
     given = given_of(parameters, preset, config)
-    folder = None if out is None else path_of("out", out)
+    folder = optional_path("out", out)
     part = None if shard is None else (whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000))
     with shown(progress, "points") as tell:
         columns, why, csv, (solved, reused) = _furrow.sweep((text, where), given, known, folder, part, threads_of(threads), tell)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
 from ._cell import _number
-from ._checks import given_of, path_of, refused, text_of, threads_of
+from ._checks import given_of, optional_path, refused, text_of, threads_of
 from ._grow import tree as grow
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
@@ -58,7 +58,7 @@ def counts(tree: Tree, *, measured: str | os.PathLike[str] | None = None) -> Cou
     """
     if not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
-    file = None if measured is None else path_of("measured", measured)
+    file = optional_path("measured", measured)
     return Counts(_furrow.compare_counts(tree._grown, file))
 
 
@@ -130,14 +130,13 @@ def dose(
     radius ``r0``, has the whole ``cue`` at dose 1 and none at 0. ``bins`` are rising edges of the dose, 0.2 apart by default.
     """
     known = shared_memo() if memo is None else memo
-    given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
     with shown(progress, "divisions") as tell:
         found = _furrow.compare_dose(
             source_of(table),
             None if bins is None else _edges(bins),
             text_of("cue", cue),
-            None if lineage is None else path_of("lineage", lineage),
-            given_of(given, preset, config),
+            optional_path("lineage", lineage),
+            given_of(parameters, preset, config, r0),
             known,
             threads_of(threads),
             tell,
@@ -243,7 +242,7 @@ def volumes(
         "published": published,
         "bins": None if bins is None else _edges(bins),
         "regress": None if regress is None else (text_of("regress", regress[0]), text_of("regress", regress[1])),
-        "lineage": None if lineage is None else path_of("lineage", lineage),
+        "lineage": optional_path("lineage", lineage),
         "constants": None if constants is None else table_of(constants),
         "length_scale": length_scale
         if length_scale is None or isinstance(length_scale, str)

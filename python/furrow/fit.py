@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, optional_path, refused, seed_of, text_of, text_or_path, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
@@ -59,9 +59,7 @@ class Cue(Drawn):
 
 
 def _targets(targets: str | os.PathLike[str] | None) -> tuple[str | None, str | None]:
-    if isinstance(targets, str) and (targets.lstrip().startswith("(") or "Fit(" in targets):
-        return targets, None
-    return None, None if targets is None else path_of("targets", targets)
+    return (None, None) if targets is None else text_or_path("targets", targets, "Fit")
 
 
 def _search(particles: SupportsIndex, moves: SupportsIndex, seed: SupportsIndex) -> tuple[int, int, int]:
@@ -92,7 +90,7 @@ def constants(
     with shown(progress, "sets of constants") as tell:
         found, drawing, ron = _furrow.fit_constants(
             _targets(targets),
-            None if lineage is None else path_of("lineage", lineage),
+            optional_path("lineage", lineage),
             given_of(parameters, preset, config),
             known,
             _search(particles, moves, seed),
@@ -120,7 +118,7 @@ def activity(
         raise refused("range", range, "a first and a last value")
     with shown(progress, "trees") as tell:
         found, drawing = _furrow.fit_activity(
-            None if lineage is None else path_of("lineage", lineage),
+            optional_path("lineage", lineage),
             given_of(parameters, preset, config),
             known,
             text_of("rounds", rounds),
@@ -153,7 +151,7 @@ def cue(
         found, drawing = _furrow.fit_cue(
             text_of("cue", cue),
             _targets(targets),
-            None if lineage is None else path_of("lineage", lineage),
+            optional_path("lineage", lineage),
             given_of(parameters, preset, config),
             known,
             _search(particles, moves, seed),
@@ -198,7 +196,7 @@ def clock(
     found = _furrow.fit_clock(
         source_of(table),
         tables_of(volumes),
-        None if lineage is None else path_of("lineage", lineage),
+        optional_path("lineage", lineage),
         None if frame_minutes is None else positive("frame_minutes", frame_minutes),
     )
     return Clock(found)

@@ -57,7 +57,7 @@ pub fn calibrate(
     })
 }
 
-/// Sets of constants that agree with the targets, ; `csv` is the table that `furrow tree --constants` reads.
+/// Sets of constants that agree with the targets; `csv` is the table that `furrow tree --constants` reads.
 #[pyfunction]
 pub fn ensemble(
     py: Python<'_>,
