@@ -3,10 +3,7 @@
 //! # References
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
-use faer::{Mat, Par};
+use nalgebra::{Complex, DMatrix, Schur};
 
 /// Settings of the Arnoldi iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,6 +103,9 @@ pub struct NoEigenvalues {
 pub struct Krylov {
     basis: Vec<Vec<f64>>,
     hessenberg: Vec<f64>,
+    /// Coefficients in the basis of the Ritz vectors found last, of complex ones the real part.
+    vectors: Vec<Vec<f64>>,
+    start: Vec<f64>,
 }
 
 /// Krylov dimension at which Ritz values are first computed, and the increment to the next.
@@ -184,47 +184,80 @@ impl Krylov {
         Ok(None)
     }
 
-    fn ritz(&self, k: usize, stride: usize, rest: f64) -> Result<Vec<RitzValue>, NoEigenvalues> {
+    /// The Ritz values of the first k vectors, of which the next one would have length `rest`. Their vectors are kept.
+    fn ritz(&mut self, k: usize, stride: usize, rest: f64) -> Result<Vec<RitzValue>, NoEigenvalues> {
         let failed = NoEigenvalues { dimension: k };
-        let h = Mat::<f64>::from_fn(k, k, |i, j| self.hessenberg[i * stride + j]);
-        let (mut re, mut im, mut vectors) = (Diag::<f64>::zeros(k), Diag::<f64>::zeros(k), Mat::<f64>::zeros(k, k));
-        let (no, yes) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
-        let mut memory = MemBuffer::new(evd_scratch::<f64>(k, no, yes, Par::Seq, Default::default()));
-        let stack = MemStack::new(&mut memory);
-        evd_real(
-            h.as_ref(),
-            re.as_mut(),
-            im.as_mut(),
-            None,
-            Some(vectors.as_mut()),
-            Par::Seq,
-            stack,
-            Default::default(),
-        )
-        .map_err(|_| failed)?;
+        let projected = DMatrix::<f64>::from_fn(k, k, |i, j| self.hessenberg[i * stride + j]);
+        if projected.iter().any(|entry| !entry.is_finite()) {
+            return Err(failed);
+        }
+        let (q, t) = Schur::try_new(projected, f64::EPSILON, MOST_ITERATIONS * k).ok_or(failed)?.unpack();
         let mut out = Vec::with_capacity(k);
-        let mut i = 0;
-        while i < k {
-            let (a, b) = (re[i], im[i]);
-            // A complex pair shares two columns, the real and the imaginary part.
-            let width = if b != 0.0 && i + 1 < k { 2 } else { 1 };
-            let (mut norm, mut tail) = (0.0f64, 0.0f64);
-            for c in i..i + width {
-                norm += (0..k).map(|r| vectors[(r, c)].powi(2)).sum::<f64>();
-                tail += vectors[(k - 1, c)].powi(2);
-            }
-            if !(a.is_finite() && b.is_finite() && norm.is_finite()) {
+        self.vectors.clear();
+        let mut end = 0;
+        while end < k {
+            end += width_from(&t, end);
+            let (value, vector) = eigenpair(&t, end);
+            let norm = vector.iter().map(Complex::norm_sqr).sum::<f64>();
+            if !(value.re.is_finite() && value.im.is_finite() && norm.is_finite()) {
                 return Err(failed);
             }
-            let residual = rest * (tail / norm).sqrt();
-            out.push(RitzValue { re: a, im: b, residual });
-            if width == 2 {
-                out.push(RitzValue { re: a, im: -b, residual });
+            let entry = |row: usize| (0..end).map(|c| vector[c] * q[(row, c)]).sum::<Complex<f64>>();
+            let residual = rest * (entry(k - 1).norm_sqr() / norm).sqrt();
+            let signs: &[f64] = if value.im == 0.0 { &[1.0] } else { &[1.0, -1.0] };
+            for sign in signs {
+                out.push(RitzValue { re: value.re, im: sign * value.im, residual });
+                self.vectors.push((0..k).map(|row| entry(row).re / norm.sqrt()).collect());
             }
-            i += width;
         }
         Ok(out)
     }
+}
+
+/// Most iterations for one eigenvalue of a projected matrix.
+const MOST_ITERATIONS: usize = 60;
+
+/// Size of the diagonal block of a real Schur form T that begins at `i`: 2 if it holds a complex pair.
+fn width_from(t: &DMatrix<f64>, i: usize) -> usize {
+    1 + usize::from(i + 1 < t.nrows() && t[(i + 1, i)] != 0.0)
+}
+
+/// The eigenvalue of the diagonal block of a real Schur form T that ends before `end`, with Im λ ≥ 0, and its eigenvector, whose entries
+/// from `end` on are zero: (T − λ) x = 0, solved upwards block by block.
+fn eigenpair(t: &DMatrix<f64>, end: usize) -> (Complex<f64>, Vec<Complex<f64>>) {
+    let real = |value: f64| Complex::new(value, 0.0);
+    let last = end - 1;
+    let mut x = vec![real(0.0); end];
+    let mut row = last;
+    let value = if last > 0 && t[(last, last - 1)] != 0.0 {
+        row = last - 1;
+        let (half, mean) = (0.5 * (t[(row, row)] - t[(last, last)]), 0.5 * (t[(row, row)] + t[(last, last)]));
+        let value = Complex::new(mean, (-(half * half + t[(row, last)] * t[(last, row)])).max(0.0).sqrt());
+        (x[row], x[last]) = (real(t[(row, last)]), value - t[(row, row)]);
+        value
+    } else {
+        x[last] = real(1.0);
+        real(t[(last, last)])
+    };
+    // Equal eigenvalues are taken to be this far apart.
+    let least = f64::EPSILON * t.amax().max(f64::MIN_POSITIVE);
+    let away = |d: Complex<f64>, least: f64| if d.norm_sqr() < least * least { real(least) } else { d };
+    while row > 0 {
+        let below = row;
+        let rest = |i: usize, x: &[Complex<f64>]| -(below..end).map(|c| x[c] * t[(i, c)]).sum::<Complex<f64>>();
+        if row > 1 && t[(row - 1, row - 2)] != 0.0 {
+            row -= 2;
+            let (b, c) = (t[(row, row + 1)], t[(row + 1, row)]);
+            let (a, d) = (t[(row, row)] - value, t[(row + 1, row + 1)] - value);
+            let (first, second) = (rest(row, &x), rest(row + 1, &x));
+            let determinant = away(a * d - b * c, least * least.sqrt());
+            (x[row], x[row + 1]) = ((first * d - second * b) / determinant, (a * second - first * c) / determinant);
+        } else {
+            row -= 1;
+            x[row] = rest(row, &x) / away(t[(row, row)] - value, least);
+        }
+    }
+    (value, x)
 }
 
 fn weighted_dot(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {

@@ -4,14 +4,14 @@
 //! # References
 //! Golub & Van Loan, *Matrix Computations*, 4th ed., Johns Hopkins 2013, § 2.4.
 
-use faer::Mat;
+use nalgebra::DMatrix;
 
 /// A = Σ σ u vᵀ, singular values σ from large to small.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Svd {
     /// σ, as many as the smaller side of the matrix.
     pub values: Vec<f64>,
-    /// Left vectors u, one per value.
+    /// Left vectors u, one per value; of no meaning where σ = 0.
     pub left: Vec<Vec<f64>>,
     /// Right vectors v, one per column of the matrix; those beyond the values span its kernel.
     pub right: Vec<Vec<f64>>,
@@ -21,6 +21,9 @@ pub struct Svd {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the matrix contains NaN or infinity")]
 pub struct NoSingularValues;
+
+/// Most iterations for a row.
+const MOST_ITERATIONS: usize = 100;
 
 impl Svd {
     /// Decomposes the matrix with these rows, all of the same length.
@@ -43,17 +46,19 @@ impl Svd {
         if rows.iter().flatten().any(|x| !x.is_finite()) {
             return Err(NoSingularValues);
         }
-        let svd = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]).svd().map_err(|_| NoSingularValues)?;
-        let (u, s, v) = (svd.U(), svd.S().column_vector(), svd.V());
-        let count = rows.len().min(columns);
-        let values: Vec<f64> = (0..count).map(|k| s[k]).collect();
+        // Rows of zeros make it at least square: what is thin otherwise then has all right vectors.
+        let (count, height) = (rows.len().min(columns), rows.len().max(columns));
+        let filled = DMatrix::from_fn(height, columns, |i, j| rows.get(i).map_or(0.0, |row| row[j]));
+        let svd = filled.try_svd(true, true, f64::EPSILON, MOST_ITERATIONS * height).ok_or(NoSingularValues)?;
+        let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Err(NoSingularValues) };
+        let values: Vec<f64> = svd.singular_values.iter().take(count).copied().collect();
         if values.iter().any(|value| !value.is_finite()) {
             return Err(NoSingularValues);
         }
         Ok(Svd {
             values,
             left: (0..count).map(|k| (0..rows.len()).map(|i| u[(i, k)]).collect()).collect(),
-            right: (0..columns).map(|k| (0..columns).map(|i| v[(i, k)]).collect()).collect(),
+            right: (0..columns).map(|k| v.row(k).iter().copied().collect()).collect(),
         })
     }
 }
