@@ -105,11 +105,17 @@ pub struct Krylov {
     hessenberg: Vec<f64>,
     /// Coefficients in the basis of the Ritz vectors found last, of complex ones the real part.
     vectors: Vec<Vec<f64>>,
+    /// Where the next run starts; anywhere if empty.
     start: Vec<f64>,
 }
 
 /// Krylov dimension at which Ritz values are first computed, and the increment to the next.
 const LOOKS: [usize; 2] = [10, 4];
+/// The same where the start is near the vectors sought.
+const NEAR_LOOKS: [usize; 2] = [5, 2];
+
+/// Share of the usual start in one near known vectors: other modes have a part in it too.
+const ELSEWHERE: f64 = 1e-3;
 
 impl Krylov {
     /// Iterates `apply` (from, to) in the inner product Σ w a b until `enough` returns a result; `None` if it never does. It gets
@@ -143,14 +149,7 @@ impl Krylov {
         self.basis.iter_mut().for_each(|v| v.resize(points, 0.0));
         self.hessenberg.clear();
         self.hessenberg.resize(stride * stride, 0.0);
-        // The start vector needs a part in every smooth mode, and must be the same in every run.
-        let mut seed = 0x9e37_79b9_7f4a_7c15u64;
-        for w in self.basis[0].iter_mut() {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            *w = (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
-        }
-        let norm = weighted_dot(weights, &self.basis[0], &self.basis[0]).sqrt();
-        self.basis[0].iter_mut().for_each(|w| *w /= norm);
+        let looks = self.set_start(weights);
         for k in 0..limit {
             let (known, new) = self.basis.split_at_mut(k + 1);
             let new = &mut new[0];
@@ -173,7 +172,7 @@ impl Krylov {
             }
             let dimension = k + 1;
             let last = exhausted || dimension == limit;
-            if last || (dimension >= LOOKS[0] && (dimension - LOOKS[0]).is_multiple_of(LOOKS[1])) {
+            if last || (dimension >= looks[0] && (dimension - looks[0]).is_multiple_of(looks[1])) {
                 let values = self.ritz(dimension, stride, if exhausted { 0.0 } else { rest })?;
                 let found = enough(&values, if last { limit } else { dimension });
                 if last || found.is_some() {
@@ -182,6 +181,38 @@ impl Krylov {
             }
         }
         Ok(None)
+    }
+
+    /// Lets the next run, and only that, start near Ritz vectors of the last one, which are named by their places among its values. It
+    /// then needs fewer dimensions if its map is nearly the same. A run over vectors of another length starts as usual.
+    pub fn start_near(&mut self, which: &[usize]) {
+        self.start.clear();
+        self.start.resize(self.basis.first().map_or(0, Vec::len), 0.0);
+        for coefficients in which.iter().filter_map(|&place| self.vectors.get(place)) {
+            for (coefficient, v) in coefficients.iter().zip(&self.basis) {
+                self.start.iter_mut().zip(v).for_each(|(to, v)| *to += coefficient * v);
+            }
+        }
+    }
+
+    /// The first vector of the basis, of length 1; returns at which dimensions Ritz values are computed.
+    fn set_start(&mut self, weights: &[f64]) -> [usize; 2] {
+        let (near, first) = (std::mem::take(&mut self.start), &mut self.basis[0]);
+        // The start vector needs a part in every smooth mode, and must be the same in every run.
+        let mut seed = 0x9e37_79b9_7f4a_7c15u64;
+        for w in first.iter_mut() {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            *w = (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+        }
+        let length = |v: &[f64]| weighted_dot(weights, v, v).sqrt();
+        let near = Some(near).filter(|near| near.len() == weights.len() && length(near) > 0.0);
+        if let Some(near) = &near {
+            let share = ELSEWHERE * length(near) / length(first);
+            first.iter_mut().zip(near).for_each(|(w, near)| *w = near + share * *w);
+        }
+        let norm = length(first);
+        first.iter_mut().for_each(|w| *w /= norm);
+        if near.is_some() { NEAR_LOOKS } else { LOOKS }
     }
 
     /// The Ritz values of the first k vectors, of which the next one would have length `rest`. Their vectors are kept.

@@ -14,7 +14,7 @@ use super::point::ShapePoint;
 use crate::cortex::equations::{R, REGULATED, Z};
 use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain, observables};
-use crate::stability::Stability;
+use crate::stability::following::FollowedRates;
 use furrow_cell::{Cell, Parameter};
 
 /// Switches onto the asymmetric branch at a pitchfork of a cell, towards u_f < ½ (its mirror image is the other half of
@@ -132,7 +132,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     let mut branch = switch(pitchfork, cell, &options.settings);
     let mut run = Run { points: vec![pitchfork.point], opening: true, ..Run::default() };
     let gauss = branch.system.gauss.clone();
-    let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
+    let mut rates = options.growth_rates.then(|| FollowedRates::new(gauss.m));
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);
@@ -146,7 +146,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
             Some(Err(source)) => run.stop = Some(not_located(branch, PointKind::Fold, source)),
             None => {}
         }
-        let point = ShapePoint::newest(branch, run.events.len(), &mut stability);
+        let point = ShapePoint::newest(branch, run.events.len(), &mut rates);
         contours.extend(options.contours.then(|| newest_contour(branch)));
         azimuthal.take_in(branch);
         run.take_in(branch, point, pitchfork.point.xi_s)

@@ -19,6 +19,7 @@ use crate::cortex::observables::{self, PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
+use crate::stability::following::FollowedRates;
 use furrow_cell::{Cell, Numerics};
 
 /// Smallest part of a cue by which it is switched on.
@@ -164,8 +165,8 @@ pub fn follow_within(
     let (numerics, refinement) = if options.coarse { coarse(numerics) } else { (*numerics, 1) };
     let mut branch = start(cell, &numerics, &options.settings)?;
     let mut detector = EventDetector { breaking: SymmetryBreaking::default(), refinement, sign: None, stop: None };
-    let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
-    let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
+    let mut rates = options.growth_rates.then(|| FollowedRates::new(branch.state.solution.m));
+    let (mut points, mut events) = (vec![ShapePoint::newest(&mut branch, 0, &mut rates)], Vec::new());
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);
@@ -177,7 +178,7 @@ pub fn follow_within(
             new.extend(detector.fold(branch));
         }
         new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
-        points.push(ShapePoint::newest(branch, events.len() + new.len(), &mut stability));
+        points.push(ShapePoint::newest(branch, events.len() + new.len(), &mut rates));
         let enough = new.iter().any(|event| !wanted(event));
         events.extend(new);
         if detector.stop.is_none() {

@@ -21,6 +21,8 @@
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
 //! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
 
+mod disturbances;
+pub(crate) mod following;
 mod shifts;
 pub(crate) mod spectrum;
 
@@ -28,11 +30,12 @@ use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure
 use furrow_cell::Cell;
 use furrow_spectra::{Arnoldi, Krylov};
 
-use crate::cortex::equations::{J, LENGTH, PHI, PSI, R, REGULATED, Z};
+use crate::cortex::equations::{R, Z};
 use crate::cortex::observables::{carried, positions};
-use crate::cortex::problem::{MotionResponse, SHAPE_SCALARS};
+use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::symmetry::even;
 use crate::cortex::{Cortex, Domain};
+use disturbances::Disturbances;
 pub use spectrum::{GrowthRate, Parity, Spectrum, StabilityError};
 use spectrum::{Result, sort};
 pub(crate) use {shifts::Shifts, spectrum::rightmost};
@@ -64,12 +67,7 @@ pub struct Stability {
     antisymmetric: AntisymmetricEnd,
     right_hand_side: Residual,
     update: Direction,
-    /// h s times what a motion adds to the equations, at every collocation point.
-    response: Vec<MotionResponse>,
-    /// (sinψ, cosψ), and j of a regulator.
-    normal: Vec<[f64; 3]>,
-    /// Quadrature weights of the inner product ∫ w² du; behind them those of the regulator, ∫ (R0 φ)² du.
-    weights: Vec<f64>,
+    disturbances: Disturbances,
     krylov: Krylov,
 }
 
@@ -82,9 +80,7 @@ impl Stability {
             antisymmetric: AntisymmetricEnd::default(),
             right_hand_side: Residual::default(),
             update: Direction::default(),
-            response: Vec::new(),
-            normal: Vec::new(),
-            weights: Vec::new(),
+            disturbances: Disturbances::default(),
             krylov: Krylov::default(),
         }
     }
@@ -123,7 +119,7 @@ impl Stability {
         self.linearise(&mut fixed, &state, shift).map_err(&failed)?;
         self.system.factor_blocks(&[]).map_err(&failed)?;
         self.right_hand_side = self.system.zero_residual();
-        let mut mode: Vec<f64> = (0..self.weights.len()).map(|k| 1.0 + k as f64).collect();
+        let mut mode: Vec<f64> = (0..self.disturbances.weights.len()).map(|k| 1.0 + k as f64).collect();
         let mut next = mode.clone();
         for _ in 0..DIRECTION_STEPS {
             self.apply(Parity::Mixed, &mode, &mut next);
@@ -134,7 +130,7 @@ impl Stability {
             mode.iter_mut().zip(&next).for_each(|(mode, next)| *mode = next / largest);
         }
         let mut out = self.update.clone();
-        let size: f64 = (out.stages.chunks_exact(y.components).zip(&self.weights))
+        let size: f64 = (out.stages.chunks_exact(y.components).zip(&self.disturbances.weights))
             .map(|(s, weight)| weight * (s[R] * s[R] + s[Z] * s[Z]))
             .sum();
         let scale = 1.0 / size.sqrt();
@@ -165,11 +161,11 @@ impl Stability {
             } else {
                 self.system.factor_blocks(&[]).map_err(&failed)?;
             }
-            let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
+            let (mut krylov, weights) = (std::mem::take(&mut self.krylov), self.disturbances.weights.clone());
             let arnoldi = self.arnoldi;
             let step = |from: &[f64], to: &mut [f64]| self.apply(parity, from, to);
             let found = rightmost(&arnoldi, &mut krylov, &weights, step, (parity, shift, wanted));
-            (self.krylov, self.weights) = (krylov, weights);
+            self.krylov = krylov;
             out.values.extend(found?);
         }
         sort(&mut out.values);
@@ -188,51 +184,19 @@ impl Stability {
         }
         self.system.evaluate(cortex, y, &[], true);
         self.system.condense()?;
-        let gauss = &self.system.gauss;
-        self.response.clear();
-        self.normal.clear();
-        self.weights.clear();
-        for i in 0..y.intervals() {
-            let h = y.mesh[i + 1] - y.mesh[i];
-            for j in 0..y.m {
-                let state = y.stage(i, j);
-                let response = cortex.response_to_motion(y.stage_x(gauss, i, j), state, y.scalars[LENGTH]);
-                self.response.push(response.scaled(h * shift));
-                let (sin, cos) = state[PSI].sin_cos();
-                self.normal.push([sin, cos, state.get(J).copied().unwrap_or(0.0)]);
-                self.weights.push(h * gauss.b[j]);
-            }
-        }
-        if y.components == REGULATED {
-            let scale = cortex.cell.r0 * cortex.cell.r0;
-            self.weights.extend_from_within(..);
-            self.weights[self.normal.len()..].iter_mut().for_each(|weight| *weight *= scale);
-        }
+        self.disturbances.set(cortex, y, &self.system.gauss, shift);
         Ok(())
     }
 
     /// w ↦ P_s w.
     fn apply(&mut self, parity: Parity, from: &[f64], to: &mut [f64]) {
-        let (rhs, points) = (&mut self.right_hand_side, self.normal.len());
-        let components = rhs.stages.len() / points;
-        rhs.stages.fill(0.0);
-        let (displaced, changed) = from.split_at(points);
-        for (i, (row, response)) in rhs.stages.chunks_exact_mut(components).zip(&self.response).enumerate() {
-            // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
-            response.add(1.0, displaced[i], changed.get(i).copied().unwrap_or(0.0), row);
-        }
+        let Stability { system, antisymmetric, right_hand_side, update, disturbances, .. } = self;
+        disturbances.load(from, right_hand_side);
         match parity {
-            Parity::Odd => self.system.solve_antisymmetric(&self.antisymmetric, rhs, &mut self.update),
-            _ => self.system.solve(rhs, &mut self.update),
+            Parity::Odd => system.solve_antisymmetric(antisymmetric, right_hand_side, update),
+            _ => system.solve(right_hand_side, update),
         }
-        let (displaced, changed) = to.split_at_mut(points);
-        let states = self.update.stages.chunks_exact(components);
-        for (i, (y, [sin, cos, gradient])) in states.zip(&self.normal).enumerate() {
-            displaced[i] = sin * y[R] + cos * y[Z];
-            if let Some(changed) = changed.get_mut(i) {
-                *changed = y[PHI] - gradient * (cos * y[R] - sin * y[Z]);
-            }
-        }
+        disturbances.read(update, to);
     }
 }
 

@@ -114,7 +114,7 @@ impl Shifts {
 
 /// A positive rate of the order of the fastest slow mode: bending over the size of the cell against viscosity, plus what
 /// the activity can add.
-fn shift_scale(cortex: &Cortex) -> f64 {
+pub(super) fn shift_scale(cortex: &Cortex) -> f64 {
     let (cell, material) = (&cortex.cell, &cortex.cell.material);
     let viscosity = material.eta_b + material.eta_s;
     let activity = material.gain * cell.xi_s;

@@ -1,0 +1,174 @@
+//! The largest growth rate at every point of a branch, with the factors that continuation has left there.
+//!
+//! For s → 0 the implicit step P_s of N.12, divided by s, becomes w ↦ K w = (−J)⁻¹ M w with the eigenvalues κ = −1/σ. Its factors are those
+//! of the branch itself, at fixed ξ_s, and modes near zero are the first that an Arnoldi iteration finds. But modes that grow fast are
+//! among the last. How many grow is known: their number changes only at folds and pitchforks, which the branch locates, and behind each of
+//! them the spectrum is computed anew. The iteration ends when it has found as many. If it finds another number, as where a pair of complex
+//! rates begins to grow, the spectrum is computed anew too.
+
+use furrow_bvp::{AntisymmetricEnd, Continuation, Direction, Residual};
+use furrow_spectra::{Krylov, RitzValue};
+
+use super::disturbances::Disturbances;
+use super::shifts::{REACH, shift_scale};
+use super::{Parity, Stability};
+use crate::cortex::symmetry::even;
+use crate::cortex::{Cortex, Domain};
+use crate::cortex::problem::SHAPE_SCALARS;
+
+/// Largest Krylov dimension before the spectrum is computed anew.
+const MOST_DIMENSIONS: usize = 24;
+
+/// Ritz vectors near which the next point begins.
+const KEPT: usize = 3;
+
+/// Growth rates along one branch.
+///
+/// # Examples
+/// ```ignore
+/// let mut rates = FollowedRates::new(branch.state.solution.m);
+/// let rate = rates.at_newest(&mut branch, 0);
+/// ```
+#[derive(Clone, Debug)]
+pub(crate) struct FollowedRates {
+    stability: Stability,
+    /// Folds and pitchforks before the point at which modes were counted, and how many then grew: even or of a full contour, odd.
+    counted: Option<(usize, [usize; 2])>,
+    krylov: [Krylov; 2],
+    disturbances: Disturbances,
+    antisymmetric: AntisymmetricEnd,
+    right_hand_side: Residual,
+    update: Direction,
+    /// The tangent of the branch.
+    null: Direction,
+}
+
+impl FollowedRates {
+    /// For solutions with m stages per interval.
+    pub(crate) fn new(stages: usize) -> FollowedRates {
+        FollowedRates {
+            stability: Stability::new(stages),
+            counted: None,
+            krylov: Default::default(),
+            disturbances: Disturbances::default(),
+            antisymmetric: AntisymmetricEnd::default(),
+            right_hand_side: Residual::default(),
+            update: Direction::default(),
+            null: Direction::default(),
+        }
+    }
+
+    /// The largest growth rate at the newest point of a branch, after so many folds and pitchforks; none if it cannot be computed.
+    pub(crate) fn at_newest(&mut self, branch: &mut Continuation<Cortex>, passed: usize) -> Option<f64> {
+        match self.counted.filter(|(then, _)| *then == passed) {
+            Some((_, growing)) => self.near_zero(branch, growing),
+            None => None,
+        }
+        .or_else(|| self.anew(branch, passed))
+    }
+
+    /// From the whole spectrum, whose growing modes are counted.
+    fn anew(&mut self, branch: &Continuation<Cortex>, passed: usize) -> Option<f64> {
+        let (cortex, y) = (&branch.problem, &branch.state.solution);
+        self.counted = None;
+        if cortex.is_regulated() {
+            // Its fast modes may grow at complex rates.
+            return self.stability.growth_rate(cortex, y).ok();
+        }
+        let spectrum = self.stability.leading(cortex, y).ok()?;
+        let growing = |odd: bool| spectrum.values.iter().filter(|v| v.re > 0.0 && odd == (v.parity == Parity::Odd)).count();
+        let growing = [growing(false), growing(true)];
+        // Where there are as many as were asked for, there may be more.
+        self.counted = growing.iter().all(|&count| count < self.stability.arnoldi.wanted).then_some((passed, growing));
+        Some(spectrum.growth_rate())
+    }
+
+    /// From the modes nearest to zero, if as many grow as have before.
+    fn near_zero(&mut self, branch: &mut Continuation<Cortex>, growing: [usize; 2]) -> Option<f64> {
+        branch.factorise_newest().ok()?;
+        let scale = shift_scale(&branch.problem);
+        let Continuation { system, problem, state, .. } = branch;
+        let y = &state.solution;
+        system.null_direction(0, &mut self.null);
+        self.disturbances.set(problem, y, &system.gauss, 1.0);
+        let parities: &[Parity] = match problem.domain {
+            Domain::Full => &[Parity::Mixed],
+            Domain::Half => &[Parity::Even, Parity::Odd],
+        };
+        let FollowedRates { stability, krylov, disturbances, antisymmetric, right_hand_side, update, null, .. } = self;
+        let mut largest = f64::NEG_INFINITY;
+        for (krylov, (&parity, growing)) in krylov.iter_mut().zip(parities.iter().zip(growing)) {
+            system.zero_residual_into(right_hand_side);
+            if parity == Parity::Odd {
+                system.factor_antisymmetric(even(y.components), antisymmetric).ok().filter(|det| det.sign != 0.0)?;
+                right_hand_side.right.truncate(even(y.components).len());
+            }
+            let step = |from: &[f64], to: &mut [f64]| {
+                disturbances.load(from, right_hand_side);
+                if parity == Parity::Odd {
+                    system.solve_antisymmetric(antisymmetric, right_hand_side, update);
+                } else {
+                    system.solve(right_hand_side, update);
+                    // Along the branch, back to the same ξ_s.
+                    update.add(-update.scalars[SHAPE_SCALARS] / null.scalars[SHAPE_SCALARS], null);
+                }
+                disturbances.read(update, to);
+            };
+            let tolerance = stability.arnoldi.tolerance;
+            let found = krylov.run(&disturbances.weights, MOST_DIMENSIONS, step, |values, _| {
+                let modes = Modes::of(values, scale, tolerance);
+                modes.are_all(growing).then(|| (modes.values[0].rate, modes.nearest()))
+            });
+            let (rate, nearest) = found.ok()??;
+            krylov.start_near(&nearest);
+            largest = largest.max(rate);
+        }
+        Some(largest)
+    }
+}
+
+/// A growth rate that a Ritz value stands for.
+#[derive(Clone, Copy, Debug)]
+struct Mode {
+    /// Re σ.
+    rate: f64,
+    /// |σ|.
+    size: f64,
+    /// Whether σ is accurate.
+    settled: bool,
+    /// Its place among the Ritz values.
+    place: usize,
+}
+
+/// The modes that Ritz values stand for, the rightmost first.
+struct Modes {
+    values: Vec<Mode>,
+}
+
+impl Modes {
+    /// Those that are accurate, or so slow that they ought to be.
+    fn of(ritz: &[RitzValue], scale: f64, tolerance: f64) -> Modes {
+        let mode = |(place, value): (usize, &RitzValue)| {
+            let square = value.re * value.re + value.im * value.im;
+            let size = 1.0 / square.sqrt();
+            let settled = value.residual / square <= tolerance * (size + scale);
+            (settled || size <= REACH * scale).then(|| Mode { rate: -value.re / square, size, settled, place })
+        };
+        let mut values: Vec<Mode> = ritz.iter().enumerate().filter_map(mode).collect();
+        values.sort_by(|a, b| b.rate.total_cmp(&a.rate));
+        Modes { values }
+    }
+
+    /// Whether so many grow, and the rightmost of all is accurate.
+    fn are_all(&self, growing: usize) -> bool {
+        let grow = self.values.iter().filter(|mode| mode.rate > 0.0).count();
+        grow == growing && self.values.first().is_some_and(|mode| mode.settled)
+    }
+
+    /// The places of those that the next point's iteration begins near: the rightmost, then the slowest.
+    fn nearest(&self) -> Vec<usize> {
+        let mut others = self.values[1..].to_vec();
+        others.sort_by(|a, b| a.size.total_cmp(&b.size));
+        self.values[..1].iter().chain(&others).take(KEPT).map(|mode| mode.place).collect()
+    }
+}
