@@ -80,7 +80,7 @@ fn work_of_branches_and_curves() {
         let curve = curves::pitchfork_curve(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range).unwrap();
         within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);
         let curve =
-            curves::fold_curves(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range).unwrap().remove(0);
+            curves::boundary_and_folds(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range).unwrap().folds.remove(0);
         within("folds", [curve.points.len(), curve.iterations], folds);
     }
 }

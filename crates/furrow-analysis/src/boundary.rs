@@ -8,7 +8,7 @@ use furrow_lineage::batch::PhasePlane;
 use furrow_mechanics::critical;
 use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
-use furrow_mechanics::equilibria::{PointKind, ShapeError, StepBudget};
+use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 use serde_json::{Value, json};
 
 /// The boundary of division over a parameter.
@@ -88,19 +88,19 @@ pub fn boundary(
     range: [f64; 2],
     options: BoundaryOptions,
 ) -> Result<BoundaryStudy, ShapeError> {
-    let (kind, mut found) = curves::boundary_curves(cell, numerics, parameter, range)?;
-    let (pitchfork, folds) = match kind {
-        PointKind::Pitchfork if !options.folds => (found.remove(0), Vec::new()),
-        PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, parameter, range)?),
-        _ => (Curve::default(), found),
+    let found = match options.folds {
+        true => curves::boundary_and_folds(cell, numerics, parameter, range)?,
+        false => curves::boundary_curves(cell, numerics, parameter, range)?,
     };
+    let (symmetric, folds) = (found.pitchfork.is_some(), found.folds);
+    let pitchfork = found.pitchfork.unwrap_or_default();
     let mut warnings = Vec::new();
     let critical =
         options.critical.then(|| critical_point(cell, numerics, parameter, range, &mut warnings)).transpose()?;
     for (k, fold) in folds.iter().enumerate() {
         match &fold.ended {
             CurveEnd::Stopped(error) => warnings.push(format!("fold {k} is followed no further: {error}")),
-            CurveEnd::Cusp(cusp) if kind != PointKind::Pitchfork => {
+            CurveEnd::Cusp(cusp) if !symmetric => {
                 warnings.push(format!("fold {k} ends within the range, in a cusp at {parameter} = {:.6}", cusp.value));
             }
             _ => {}
@@ -120,13 +120,8 @@ pub fn edges(plane: &PhasePlane, azimuthal: usize) -> (Edges, Vec<String>) {
         (Some(&from), Some(&to)) if across.len() > 1 && from != to => [from, to],
         _ => return (Edges::default(), warnings),
     };
-    let found = curves::boundary_curves(cell, numerics, *parameter, range).and_then(|(kind, found)| match kind {
-        PointKind::Pitchfork => {
-            let folds = curves::fold_curves(cell, numerics, *parameter, range)?;
-            Ok(Edges { pitchforks: found, folds, ..Edges::default() })
-        }
-        _ => Ok(Edges { folds: found, ..Edges::default() }),
-    });
+    let found = curves::boundary_and_folds(cell, numerics, *parameter, range)
+        .map(|found| Edges { pitchforks: Vec::from_iter(found.pitchfork), folds: found.folds, ..Edges::default() });
     let found = found.unwrap_or_else(|error| {
         warnings.push(format!("the picture shows the edges at each value, without curves: {error}"));
         Edges::default()

@@ -27,7 +27,7 @@ pub struct CurveSettings {
     pub max_step: f64,
     /// Smallest cosine between neighbouring tangents.
     pub min_cosine: f64,
-    /// First Newton correction aimed at: small enough for a single iteration, and for its factors to serve the point itself.
+    /// First Newton correction aimed at: small enough for a single iteration.
     pub target_correction: f64,
     /// Accuracy of the points on the way; a point asked for by value is found to rounding.
     pub tolerance: f64,
@@ -42,7 +42,7 @@ impl Default for CurveSettings {
             min_step: 1e-7,
             max_step: 0.2,
             min_cosine: 0.8,
-            target_correction: 1e-10,
+            target_correction: 1e-7,
             tolerance: 1e-10,
             remesh_above: 1.8,
         }
@@ -73,6 +73,10 @@ impl CurveSettings {
 
 /// Points a prediction goes through: what a curve costs is its points, one factorisation each, and curves are smooth.
 const ORDER: usize = 7;
+
+/// Most iterations for a turning point, and the accuracy of its arclength.
+const MOST_TURNS: usize = 60;
+const TURN: f64 = 1e-9;
 
 /// Tolerance of points asked for by value.
 const ROUNDING: f64 = 1e-12;
@@ -346,24 +350,43 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         if next < shortest { shortest.min(2.0 * step) } else { next }
     }
 
-    /// The point between the last two at which the curve turns in scalar unknown `index`, and its arclength, by
-    /// bisection on the tangent; `None` if a corrector fails on the way. The curve itself stays where it is.
+    /// The point between the last two at which the curve turns in scalar unknown `index`, by the Illinois method on the
+    /// tangent; `None` if a corrector fails on the way. The curve itself stays where it is.
     pub fn turning_point(&mut self, index: usize) -> Option<Solution> {
         invalid::index("scalar unknown", index, self.tangent.scalars.len()).and_then(|()| self.check()).ok()?;
-        let (mut low, _) = self.history.back(1)?;
-        let mut high = self.arclength;
-        let side = self.tangent.scalars[index].signum();
-        let mut y = self.solution.clone();
-        // Both parameters are quadratic about a cusp: half the digits of arclength give all digits of theirs.
-        while high - low > 1e-9 * (1.0 + high.abs()) {
-            let middle = 0.5 * (low + high);
-            self.history.extrapolate(middle, &mut y);
-            self.augmented.metric.plane_through(&y, &self.tangent, &mut self.closing);
-            self.work += self.augmented.solve(&mut y, Some(&self.closing)).ok()?;
-            let (tangent, _) = self.tangent_at(&y);
-            if tangent.scalars[index] * side > 0.0 { high = middle } else { low = middle }
+        let (before, _) = self.history.back(1)?;
+        let (_, at_start) = self.turning_at(index, before)?;
+        let mut ends = [[before, at_start], [self.arclength, self.tangent.scalars[index]]];
+        let mut last = f64::INFINITY;
+        let mut last_side = None;
+        for _ in 0..MOST_TURNS {
+            let [[a, at_a], [b, at_b]] = ends;
+            // Without a change of sign, which an inexact tangent at the first point can hide, the middle.
+            let share = if at_a * at_b < 0.0 { at_a / (at_a - at_b) } else { 0.5 };
+            let here = a + share * (b - a);
+            let (y, slope) = self.turning_at(index, here)?;
+            // Both parameters are quadratic about a cusp: half the digits of arclength give all digits of theirs.
+            if (here - last).abs() <= TURN * (1.0 + here.abs()) || slope == 0.0 {
+                return Some(y);
+            }
+            last = here;
+            let side = usize::from(slope * ends[1][1] > 0.0);
+            ends[side] = [here, slope];
+            if last_side.replace(side) == Some(side) {
+                ends[1 - side][1] *= 0.5;
+            }
         }
-        Some(y)
+        None
+    }
+
+    /// The point at an arclength between the last two, and scalar `index` of the tangent there.
+    fn turning_at(&mut self, index: usize, arclength: f64) -> Option<(Solution, f64)> {
+        let mut y = self.solution.clone();
+        self.history.extrapolate(arclength, &mut y);
+        self.augmented.metric.plane_through(&y, &self.tangent, &mut self.closing);
+        self.work += self.augmented.solve(&mut y, Some(&self.closing)).ok()?;
+        let slope = self.tangent_at(&y).0.scalars[index];
+        Some((y, slope))
     }
 
     /// Solves for the point near the newest where scalar unknown `index` has a value; the curve itself stays where it

@@ -63,9 +63,11 @@ pub struct MinimallyAugmented<P, S> {
     /// Iterations stop when a correction is below this.
     pub tolerance: f64,
     /// Iterations also stop when, from the convergence seen so far, the next correction would be below the tolerance:
-    /// one iteration less, with directions and slopes that are less exact than the point.
+    /// one iteration less, with directions and slopes that are less exact than the point. They give up where corrections
+    /// shrink slowly.
     pub trusting: bool,
-    /// Largest ratio seen of a correction to the square of the one before; 0 if none was seen.
+    /// Ratio of a correction to the square of the one before, as seen last, or half of what it was before if that is larger; 0 if none
+    /// was seen.
     contraction: f64,
     conditions: Vec<LinearCondition>,
     reference: Direction,
@@ -99,6 +101,9 @@ const SMALL: f64 = 1e-6;
 
 /// Most iterations.
 const MOST_ITERATIONS: usize = 15;
+
+/// On the way along a curve, corrections that shrink no faster than this end the iteration.
+const CONTRACTION: f64 = 0.5;
 
 /// Largest correction applied in full.
 const FARTHEST: f64 = 0.5;
@@ -231,6 +236,10 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
                 self.problem.prepare(&y.scalars);
                 return Ok(report);
             }
+            // A curve can take a shorter step.
+            if self.trusting && report.correction > CONTRACTION * before {
+                break;
+            }
         }
         Err(SingularError::Stalled { iterations: report.iterations, correction: report.correction })
     }
@@ -289,7 +298,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// Whether a correction of norm `size` after one of norm `before` was the last.
     fn is_converged(&mut self, before: f64, size: f64) -> bool {
         if RATES.contains(&before) {
-            self.contraction = self.contraction.max(size / (before * before));
+            self.contraction = (0.5 * self.contraction).max(size / (before * before));
         }
         // Quadratic convergence: what is left after a step of size δ is of order δ².
         let expected =

@@ -21,6 +21,8 @@ pub struct BranchOptions {
     pub points: usize,
     /// Continuation settings.
     pub settings: ContinuationSettings,
+    /// Most pitchforks that are looked for; folds are all located.
+    pub pitchforks: usize,
     /// Whether growth rates are computed at every point.
     pub growth_rates: bool,
     /// Whether the contour of every point is kept.
@@ -38,6 +40,7 @@ impl Default for BranchOptions {
             xi: [0.0, 100.0],
             points: 400,
             settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
+            pitchforks: usize::MAX,
             growth_rates: false,
             contours: false,
             azimuthal: 0,

@@ -6,7 +6,7 @@ use furrow_bvp::{
     SymmetryBreaking,
 };
 
-use super::branch::{BranchOptions, Criticality, FoldPoint, Pitchfork, mesh_monitor, metric};
+use super::branch::{Branch, BranchOptions, Criticality, FoldPoint, Pitchfork, mesh_monitor, metric};
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError};
 use super::locate::furrow_shift;
@@ -231,9 +231,13 @@ pub(crate) fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn
 /// [`ShapeError`]; `Curve` if the curve ends on the way, `NoPitchfork` if the cell's cue breaks the symmetry.
 pub fn pitchfork_curve(cell: &Cell, numerics: &Numerics, parameter: Parameter, [from, to]: [f64; 2]) -> Result<Curve> {
     let cell = at_value(cell, parameter, from);
-    let first = pitchfork::first(&cell, numerics, &BranchOptions::default())?;
+    follow_pitchfork(&cell, &pitchfork::first(&cell, numerics, &BranchOptions::default())?, parameter, to)
+}
+
+/// Follows the curve through a pitchfork of a cell until the parameter reaches `to`.
+fn follow_pitchfork(cell: &Cell, first: &Pitchfork, parameter: Parameter, to: f64) -> Result<Curve> {
     let lost = lost(PointKind::Pitchfork, parameter, to);
-    let mut curve = through_pitchfork(&cell, &first, parameter, to > from).map_err(&lost)?;
+    let mut curve = through_pitchfork(cell, first, parameter, to > parameter.get(cell)).map_err(&lost)?;
     let mut found = Curve { points: vec![curve_point(&curve, Some(first.coefficient))], ..Curve::default() };
     let mut before = [found.points[0].value, first.coefficient];
     let mut failure = None;
@@ -326,18 +330,13 @@ fn fold_curve(cell: &Cell, fold: &FoldPoint, parameter: Parameter, to: f64) -> R
     Ok(follow_fold(&mut curve.map_err(lost(PointKind::Fold, parameter, to))?, parameter, to))
 }
 
-/// All folds of the primary branch of a mirror-symmetric cell at parameter value `from`, each followed towards `to`, and
-/// those at `to` that no curve has led to, followed towards `from`. A curve that cannot be followed to its end keeps what
-/// there is of it, and why in [`Curve::ended`].
-///
-/// # Errors
-/// [`ShapeError`] of the primary branches at both ends.
-pub fn fold_curves(cell: &Cell, numerics: &Numerics, parameter: Parameter, range: [f64; 2]) -> Result<Vec<Curve>> {
-    refuse_par(cell, PointKind::Fold)?;
+/// The folds of primary branches of a mirror-symmetric cell at both ends of a range of a parameter, each followed over the range: those of
+/// the first that no curve has led to are followed to the end, those of the second to the beginning. A curve that cannot be followed to its
+/// end keeps what there is of it, and why in [`Curve::ended`].
+fn fold_curves(cell: &Cell, branches: [&Branch; 2], parameter: Parameter, range: [f64; 2]) -> Result<Vec<Curve>> {
     let mut curves: Vec<Curve> = Vec::new();
-    for [start, end] in [range, [range[1], range[0]]] {
+    for (branch, [start, end]) in branches.into_iter().zip([range, [range[1], range[0]]]) {
         let cell = at_value(cell, parameter, start);
-        let branch = primary::follow(&cell, numerics, &BranchOptions::default(), |_| true)?;
         for fold in branch.folds() {
             let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + b.abs());
             let known = curves.iter().filter_map(|curve| curve.points.last()).any(|p| {
@@ -349,6 +348,43 @@ pub fn fold_curves(cell: &Cell, numerics: &Numerics, parameter: Parameter, range
         }
     }
     Ok(curves)
+}
+
+/// What bounds outcomes over a range of a parameter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoundaryCurves {
+    /// The curve of the first pitchfork of a cell that is mirror-symmetric whatever the parameter's value.
+    pub pitchfork: Option<Curve>,
+    /// All folds of the primary branches of such a cell; of others, that which ends the stable shapes.
+    pub folds: Vec<Curve>,
+}
+
+/// What bounds the division of a cell over a range of a parameter, as [`boundary_curves`], with all folds of mirror-symmetric shapes.
+///
+/// # Errors
+/// [`ShapeError`] as from the first end.
+pub fn boundary_and_folds(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    range: [f64; 2],
+) -> Result<BoundaryCurves> {
+    refuse_par(cell, PointKind::Fold)?;
+    if domain_along(cell, parameter) == Domain::Full {
+        return boundary_curves(cell, numerics, parameter, range);
+    }
+    let branch = |value: f64, pitchforks: usize| {
+        let options = BranchOptions { pitchforks, ..BranchOptions::default() };
+        primary::follow(&at_value(cell, parameter, value), numerics, &options, |_| true)
+    };
+    let [from, to] = range;
+    let first = branch(from, 1)?;
+    let forwards = first.pitchforks().next().map(|at| follow_pitchfork(&at_value(cell, parameter, from), at, parameter, to));
+    let pitchfork = match forwards {
+        Some(Ok(curve)) => Some(curve),
+        _ => boundary_curves(cell, numerics, parameter, range)?.pitchfork,
+    };
+    Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &branch(to, 0)?], parameter, range)? })
 }
 
 /// What bounds the division of a cell over a range of a parameter: the curve of its first pitchfork if it is
@@ -363,7 +399,7 @@ pub fn boundary_curves(
     numerics: &Numerics,
     parameter: Parameter,
     [from, to]: [f64; 2],
-) -> Result<(PointKind, Vec<Curve>)> {
+) -> Result<BoundaryCurves> {
     refuse_par(cell, PointKind::Fold)?;
     if domain_along(cell, parameter) == Domain::Half {
         let forwards = pitchfork_curve(cell, numerics, parameter, [from, to]);
@@ -372,7 +408,7 @@ pub fn boundary_curves(
             curve.points.reverse();
             Ok(curve)
         })?;
-        return Ok((PointKind::Pitchfork, vec![curve]));
+        return Ok(BoundaryCurves { pitchfork: Some(curve), folds: Vec::new() });
     }
     let curve = |from: f64, to: f64| {
         let cell = at_value(cell, parameter, from);
@@ -380,10 +416,12 @@ pub fn boundary_curves(
     };
     let forwards = curve(from, to);
     if let Ok(Curve { ended: CurveEnd::Reached, .. }) = forwards {
-        return Ok((PointKind::Fold, vec![forwards?]));
+        return Ok(BoundaryCurves { pitchfork: None, folds: vec![forwards?] });
     }
     match (forwards, curve(to, from)) {
         (Err(error), Err(_)) => Err(error),
-        (forwards, backwards) => Ok((PointKind::Fold, forwards.into_iter().chain(backwards).collect())),
+        (forwards, backwards) => {
+            Ok(BoundaryCurves { pitchfork: None, folds: forwards.into_iter().chain(backwards).collect() })
+        }
     }
 }

@@ -74,6 +74,8 @@ struct EventDetector {
     breaking: SymmetryBreaking,
     /// Parts that intervals of the mesh are cut into before a point is located.
     refinement: usize,
+    /// Pitchforks still to be found.
+    pitchforks: usize,
     /// Passive shapes have no antisymmetric null vector; their sign is the first one seen.
     sign: Option<f64>,
     stop: Option<BranchEnd>,
@@ -85,7 +87,7 @@ impl EventDetector {
     /// It is judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the neck's
     /// radius, can lie on the other side of a pitchfork for several points. A failed pivot has no sign; the next point has.
     fn pitchfork(&mut self, branch: &mut Continuation<Cortex>) -> Option<BranchEvent> {
-        if branch.problem.domain == Domain::Full || branch.factorise_newest().is_err() {
+        if branch.problem.domain == Domain::Full || self.pitchforks == 0 || branch.factorise_newest().is_err() {
             return None;
         }
         let (now, _) = self.breaking.test(&branch.system, &branch.problem).ok()?;
@@ -97,6 +99,7 @@ impl EventDetector {
             return None;
         }
         self.refine(branch);
+        self.pitchforks -= 1;
         let found = pitchfork_near(branch, [before, now]).map(|found| BranchEvent::Pitchfork(Box::new(found)));
         self.located(branch, PointKind::Pitchfork, found)
     }
@@ -164,7 +167,8 @@ pub fn follow_within(
     let cell = &*resolved(cell)?;
     let (numerics, refinement) = if options.coarse { coarse(numerics) } else { (*numerics, 1) };
     let mut branch = start(cell, &numerics, &options.settings)?;
-    let mut detector = EventDetector { breaking: SymmetryBreaking::default(), refinement, sign: None, stop: None };
+    let (breaking, pitchforks) = (SymmetryBreaking::default(), options.pitchforks);
+    let mut detector = EventDetector { breaking, refinement, pitchforks, sign: None, stop: None };
     let mut rates = options.growth_rates.then(|| FollowedRates::new(branch.state.solution.m));
     let (mut points, mut events) = (vec![ShapePoint::newest(&mut branch, 0, &mut rates)], Vec::new());
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
@@ -225,7 +229,7 @@ const MARGINAL: f64 = 1e-3;
 /// Those of [`follow_within`]; `NotFound` if no stable shape ends in a fold in the range.
 pub fn failure_fold(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<FoldPoint> {
     let cell = &*resolved(cell)?;
-    let options = BranchOptions::default();
+    let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
     let Branch { events, ended, .. } = follow_within(cell, numerics, &options, budget, &mut |_| true)?;
     let cortex = Cortex::new(cell, Domain::of(cell), &[furrow_cell::Parameter::XiS]);
     let mut stability = Stability::new(numerics.stages);
