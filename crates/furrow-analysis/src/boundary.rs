@@ -120,8 +120,11 @@ pub fn edges(plane: &PhasePlane, azimuthal: usize) -> (Edges, Vec<String>) {
         (Some(&from), Some(&to)) if across.len() > 1 && from != to => [from, to],
         _ => return (Edges::default(), warnings),
     };
-    let found = curves::boundary_and_folds(cell, numerics, *parameter, range)
-        .map(|found| Edges { pitchforks: Vec::from_iter(found.pitchfork), folds: found.folds, ..Edges::default() });
+    let found = curves::boundary_and_folds(cell, numerics, *parameter, range).map(|found| Edges {
+        pitchforks: Vec::from_iter(found.pitchfork),
+        folds: found.folds,
+        ..Edges::default()
+    });
     let found = found.unwrap_or_else(|error| {
         warnings.push(format!("the picture shows the edges at each value, without curves: {error}"));
         Edges::default()

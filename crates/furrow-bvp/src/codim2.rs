@@ -345,7 +345,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         self.last = Some([step, correction]);
         let target = self.settings.target_correction.max(self.roundings);
         let shortest = 0.25 * self.settings.first_step;
-        let ratio = (target / correction.max(1e-300)).powf(1.0 / order).clamp(0.3, 2.0);
+        let ratio = (target / correction.max(1e-300)).powf(1.0 / order).clamp(0.3, 3.0);
         let next = step * if correction < 10.0 * target { ratio.max(1.0) } else { ratio };
         if next < shortest { shortest.min(2.0 * step) } else { next }
     }

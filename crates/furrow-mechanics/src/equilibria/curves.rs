@@ -379,7 +379,8 @@ pub fn boundary_and_folds(
     };
     let [from, to] = range;
     let first = branch(from, 1)?;
-    let forwards = first.pitchforks().next().map(|at| follow_pitchfork(&at_value(cell, parameter, from), at, parameter, to));
+    let forwards =
+        first.pitchforks().next().map(|at| follow_pitchfork(&at_value(cell, parameter, from), at, parameter, to));
     let pitchfork = match forwards {
         Some(Ok(curve)) => Some(curve),
         _ => boundary_curves(cell, numerics, parameter, range)?.pitchfork,

@@ -50,7 +50,11 @@ impl ShapePoint {
 
     /// The newest point of a branch, after so many folds and pitchforks; with its growth rate if there is a workspace for
     /// it.
-    pub(super) fn newest(of: &mut Continuation<Cortex>, passed: usize, rates: &mut Option<FollowedRates>) -> ShapePoint {
+    pub(super) fn newest(
+        of: &mut Continuation<Cortex>,
+        passed: usize,
+        rates: &mut Option<FollowedRates>,
+    ) -> ShapePoint {
         let growth_rate = rates.as_mut().and_then(|rates| rates.at_newest(of, passed));
         let (y, cortex) = (&of.state.solution, &of.problem);
         ShapePoint { arclength: of.state.arclength, passed, growth_rate, ..ShapePoint::of(y, cortex, &of.system.gauss) }

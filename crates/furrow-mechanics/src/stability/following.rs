@@ -12,9 +12,9 @@ use furrow_spectra::{Krylov, RitzValue};
 use super::disturbances::Disturbances;
 use super::shifts::{REACH, shift_scale};
 use super::{Parity, Stability};
+use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::symmetry::even;
 use crate::cortex::{Cortex, Domain};
-use crate::cortex::problem::SHAPE_SCALARS;
 
 /// Largest Krylov dimension before the spectrum is computed anew.
 const MOST_DIMENSIONS: usize = 24;
@@ -23,12 +23,6 @@ const MOST_DIMENSIONS: usize = 24;
 const KEPT: usize = 3;
 
 /// Growth rates along one branch.
-///
-/// # Examples
-/// ```ignore
-/// let mut rates = FollowedRates::new(branch.state.solution.m);
-/// let rate = rates.at_newest(&mut branch, 0);
-/// ```
 #[derive(Clone, Debug)]
 pub(crate) struct FollowedRates {
     stability: Stability,
@@ -76,7 +70,8 @@ impl FollowedRates {
             return self.stability.growth_rate(cortex, y).ok();
         }
         let spectrum = self.stability.leading(cortex, y).ok()?;
-        let growing = |odd: bool| spectrum.values.iter().filter(|v| v.re > 0.0 && odd == (v.parity == Parity::Odd)).count();
+        let growing =
+            |odd: bool| spectrum.values.iter().filter(|v| v.re > 0.0 && odd == (v.parity == Parity::Odd)).count();
         let growing = [growing(false), growing(true)];
         // Where there are as many as were asked for, there may be more.
         self.counted = growing.iter().all(|&count| count < self.stability.arnoldi.wanted).then_some((passed, growing));
@@ -170,5 +165,37 @@ impl Modes {
         let mut others = self.values[1..].to_vec();
         others.sort_by(|a, b| a.size.total_cmp(&b.size));
         self.values[..1].iter().chain(&others).take(KEPT).map(|mode| mode.place).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::equilibria::{BranchOptions, primary};
+    use furrow_cell::{Cell, Numerics};
+
+    /// Along branches, over a pitchfork and a fold that the caller does not tell of, and with a cue on the whole contour.
+    #[test]
+    fn agrees_with_the_spectrum_at_every_point() {
+        let cued = |r0, cue: &str| Cell::new(r0).with_cue(cue.parse().unwrap());
+        let cells = [(Cell::new(2.0), 60), (cued(2.2, "tension:gradient,amplitude=0.1"), 40)];
+        for (cell, points) in cells {
+            let settings = BranchOptions::default().settings;
+            let mut branch = primary::start(&cell, &Numerics::default(), &settings).unwrap();
+            let stages = branch.state.solution.m;
+            let (mut rates, mut alone) = (FollowedRates::new(stages), Stability::new(stages));
+            let (mut followed, mut least, mut most) = (0, f64::INFINITY, f64::NEG_INFINITY);
+            let ended = branch.follow([0.0, 40.0], points, |branch, _| {
+                let rate = rates.at_newest(branch, 0).unwrap();
+                let expected = alone.growth_rate(&branch.problem, &branch.state.solution).unwrap();
+                let xi_s = branch.state.parameter();
+                assert!((rate - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{xi_s}: {rate} {expected}");
+                followed += usize::from(rates.counted.is_some());
+                (least, most) = (least.min(rate), most.max(rate));
+                true
+            });
+            ended.unwrap();
+            assert!(followed > 10 && least < -0.5 && most > 0.1, "{followed} {least} {most}");
+        }
     }
 }
