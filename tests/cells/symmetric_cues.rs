@@ -11,7 +11,7 @@ use furrow_mechanics::critical::BoundaryKind;
 use furrow_mechanics::critical::{CriticalRadii, critical_radius};
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::at_rest::Edge;
-use furrow_mechanics::equilibria::{BranchOptions, PointKind, StepBudget, curves, primary, rest_shapes};
+use furrow_mechanics::equilibria::{BranchOptions, StepBudget, curves, primary, rest_shapes};
 use furrow_mechanics::stability::{Parity, Stability};
 
 /// Cues of amplitude 0, on the field of the equations' highest derivatives, with a width that the contour's length enters,
