@@ -1,6 +1,10 @@
 //! The 33 test problems of J. R. Cash and F. Mazzia for ε = 1e-1 … 1e-4, from a straight line on ten equal intervals, to a
 //! tolerance of 1e-6. Where no exact solution is known, the error is the difference from a solution that was followed from
-//! large ε to a tolerance of 1e-9.
+//! large ε to a tolerance of 1e-9. With the name of a file, writes the time of every solution and values of the reference to it, for
+//! `comparison/compare.py`.
+
+use std::fmt::Write;
+use std::time::Instant;
 
 use furrow_bvp::{Gauss, Settings, Solution, SolveError, Solved, solve};
 
@@ -21,7 +25,11 @@ const INTERVALS: usize = 10;
 /// A solution this far from the exact one, over 1 + |value|, is wrong.
 const WRONG: f64 = 1e-3;
 
-fn main() {
+/// Places at which values are compared with those of other solvers.
+const PLACES: usize = 201;
+
+fn main() -> std::io::Result<()> {
+    let mut rows = String::from("problem,epsilon,seconds,values\n");
     let [mut tried, mut solved, mut wrong] = [0; 3];
     println!("problem  ε      intervals  meshes  factorisations  defect   error    condition");
     for number in 1..=33 {
@@ -41,12 +49,37 @@ fn main() {
                     print_row(found, error);
                     solved += 1;
                     wrong += usize::from(error.is_some_and(|error| error > WRONG));
+                    let seconds = fastest(|| drop(solve(&mut problem, &guess, &settings)));
+                    let values = values(&problem, reference.solution.as_ref().unwrap_or(&found.solution));
+                    let _ = writeln!(rows, "{number},{epsilon:e},{seconds:e},{values}");
                 }
                 Err(error) => println!("{error}"),
             }
         }
     }
     println!("solved {solved} of {tried}, wrong {wrong}");
+    std::env::args().nth(1).map_or(Ok(()), |file| std::fs::write(file, rows))
+}
+
+/// The shortest of several runs, in seconds.
+fn fastest(mut run: impl FnMut()) -> f64 {
+    let mut time = || {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    };
+    (0..5).map(|_| time()).fold(f64::INFINITY, f64::min)
+}
+
+/// Values of the first component at evenly spaced places, the exact ones where they are known.
+fn values(problem: &TestProblem, y: &Solution) -> String {
+    let ([a, b], gauss, mut value) = (problem.range, y.gauss(), vec![0.0; y.components]);
+    let mut at = |k: usize| {
+        let x = a + (b - a) * k as f64 / (PLACES - 1) as f64;
+        y.eval(&gauss, x, &mut value);
+        problem.exact.map_or(value[0], |exact| exact(x, problem.epsilon))
+    };
+    (0..PLACES).map(|k| format!("{:e}", at(k))).collect::<Vec<_>>().join(" ")
 }
 
 fn print_row(found: &Solved, error: Option<f64>) {
