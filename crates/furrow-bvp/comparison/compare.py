@@ -1,7 +1,10 @@
-"""The test problems of Cash and Mazzia by scipy's solve_bvp, beside furrow-bvp.
+"""The test problems of Cash and Mazzia by scipy's solve_bvp and by COLNEW, beside furrow-bvp.
 
     cargo run --release --example cash_mazzia reference.csv
-    python comparison/compare.py reference.csv
+    python comparison/compare.py reference.csv [colnew.f]
+
+COLNEW is left out unless its source is named, with right-hand sides that are called as f(n, x, z, f, rpar, ipar); it needs gcc, gfortran and
+BLAS, and has exact derivatives and four collocation points.
 
 Both start from the same line on ten equal intervals. scipy has a tolerance of 1e-6, 20,000 nodes at most, and Jacobians by differences,
 which is what it does unless told otherwise. A solution is wrong if it is off by more than 1e-3 (1 + |value|) at any of the places of the
@@ -9,8 +12,11 @@ reference. Times are the shortest of several runs.
 """
 
 import csv
+import os
 import statistics
+import subprocess
 import sys
+import tempfile
 import time
 import warnings
 
@@ -20,6 +26,8 @@ from scipy.integrate import solve_bvp
 from scipy.special import erf
 
 NODES = 20_000
+RUNS = 3
+PLACES = 201
 WRONG = 1e-3
 cos = np.cos
 
@@ -121,52 +129,77 @@ def statement(number, e):
     return second(w), ends(left, right), x, np.vstack([left + slope * (x - a), np.full(11, slope)])
 
 
-def main():
-    warnings.filterwarnings("ignore")
-    np.seterr(all="ignore")
-    reference = {}
-    with open(sys.argv[1], newline="") as file:
-        for row in csv.DictReader(file):
-            key = int(row["problem"]), float(row["epsilon"])
-            reference[key] = float(row["seconds"]), np.array(row["values"].split(), dtype=float)
+def by_scipy(number, e):
+    """Seconds and the first component as a function; the message of a failure instead."""
+    rhs, conditions, x, y = statement(number, e)
+    seconds = []
+    for _ in range(RUNS):
+        start = time.perf_counter()
+        found = solve_bvp(rhs, conditions, x, y, tol=1e-6, max_nodes=NODES)
+        seconds.append(time.perf_counter() - start)
+        if found.status != 0:
+            return found.message
+    return min(seconds), found.sol(np.linspace(x[0], x[-1], PLACES))[0]
+
+
+def by_colnew(folder, source, tolerance):
+    """All cases by COLNEW, as `by_scipy`."""
+    objects = [os.path.join(folder, name) for name in ("colnew.o", "problems.o")]
+    subprocess.run(["gfortran", "-O3", "-march=native", "-std=legacy", "-w", "-c", source, "-o", objects[0]], check=True)
+    problems = os.path.join(os.path.dirname(os.path.abspath(__file__)), "colnew.c")
+    subprocess.run(["gcc", "-O3", "-march=native", "-c", problems, "-o", objects[1]], check=True)
+    program = os.path.join(folder, "colnew")
+    subprocess.run(["gfortran", *objects, "-lblas", "-lm", "-o", program], check=True)
+    found = {}
+    for line in subprocess.run([program, tolerance], check=True, capture_output=True, text=True).stdout.splitlines():
+        number, e, flag, _, seconds, values = line.split(",")
+        values = np.array(values.split(), dtype=float)
+        found[int(number), float(e)] = (float(seconds), values) if flag == "1" else f"flag {flag}"
+    return found
+
+
+def report(name, solve, reference):
+    """How many cases are solved, and how long they take beside furrow."""
     solved = wrong = tried = 0
-    ratios, totals = [], np.zeros(2)
+    ratios, errors = [], []
     for number in range(1, 34):
         for e in (1e-1, 1e-2, 1e-3, 1e-4):
             if number == 23 and e < 1e-2:
                 continue
             tried += 1
-            rhs, conditions, x, y = statement(number, e)
-            start = time.perf_counter()
-            found = solve_bvp(rhs, conditions, x, y, tol=1e-6, max_nodes=NODES)
-            seconds = time.perf_counter() - start
-            known = reference.get((number, e))
-            if found.status != 0:
-                print(f"{number:3} {e:.0e} {found.message}")
+            found, known = solve(number, e), reference.get((number, e))
+            if isinstance(found, str):
+                print(f"{name}: {number} at {e:.0e}: {found}", file=sys.stderr)
                 continue
-            off = float("nan")
-            if known:
-                at = np.linspace(x[0], x[-1], len(known[1]))
-                off = np.max(np.abs(found.sol(at)[0] - known[1]) / (1 + np.abs(known[1])))
-            if off > WRONG:
-                wrong += 1
-                print(f"{number:3} {e:.0e} wrong by {off:.1e}")
-                continue
+            seconds, values = found
+            off = np.max(np.abs(values - known[1]) / (1 + np.abs(known[1]))) if known else 0.0
+            wrong += not off <= WRONG
             solved += 1
             if known:
-                seconds = min(seconds, *(timed(rhs, conditions, x, y) for _ in range(2)))
                 ratios.append(seconds / known[0])
-                totals += seconds, known[0]
-            print(f"{number:3} {e:.0e} {seconds * 1e3:9.2f} ms, furrow {known[0] * 1e3 if known else float('nan'):8.3f} ms, off {off:.1e}, {found.x.size} nodes")
-    print(f"scipy: solved {solved} of {tried}, wrong {wrong}")
-    print(f"furrow is faster by {statistics.median(ratios):.0f} in the median of {len(ratios)}, {min(ratios):.1f} to {max(ratios):.0f}")
-    print(f"together: scipy {totals[0]:.2f} s, furrow {totals[1]:.3f} s")
+                errors.append(off)
+    print(f"{name}: solved {solved} of {tried}, wrong {wrong}, median error {statistics.median(errors):.1e}")
+    spread = f"{min(ratios):.2f} to {max(ratios):.0f}"
+    print(f"  time over that of furrow: median {statistics.median(ratios):.2f} ({spread}, {len(ratios)} cases)")
 
 
-def timed(rhs, conditions, x, y):
-    start = time.perf_counter()
-    solve_bvp(rhs, conditions, x, y, tol=1e-6, max_nodes=NODES)
-    return time.perf_counter() - start
+def main():
+    warnings.filterwarnings("ignore")
+    np.seterr(all="ignore")
+    csv.field_size_limit(10**9)
+    reference = {}
+    with open(sys.argv[1], newline="") as file:
+        for row in csv.DictReader(file):
+            key = int(row["problem"]), float(row["epsilon"])
+            reference[key] = float(row["seconds"]), np.array(row["values"].split(), dtype=float)
+    report("scipy", by_scipy, reference)
+    if len(sys.argv) < 3:
+        print("COLNEW: left out, since its source is not named")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        for tolerance in ("1e-6", "1e-8"):
+            found = by_colnew(folder, sys.argv[2], tolerance)
+            report(f"COLNEW at {tolerance}", lambda number, e: found[number, e], reference)
 
 
 if __name__ == "__main__":
