@@ -16,6 +16,7 @@ from ._progress import Progress, shown
 from ._results import (
     Branch,
     Contour,
+    Crossing,
     Curve,
     Division,
     Event,
@@ -440,9 +441,21 @@ class Cell:
         """
         return Pitchfork(cell=self, **_furrow.pitchfork(self._inputs, _number("xi_max", xi_max)))
 
-    def branch(self, xi_max: SupportsFloat = 100.0, max_step: SupportsFloat = 1.0) -> Branch:
-        """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks."""
-        found, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step))
+    def branch(
+        self,
+        xi_max: SupportsFloat = 100.0,
+        max_step: SupportsFloat = 1.0,
+        *,
+        azimuthal: SupportsIndex | None = None,
+    ) -> Branch:
+        """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks. ``max_step`` is the
+        largest step along a branch, in arclength.
+
+        ``azimuthal=M`` also computes growth rates of disturbances cos mφ, m = 1 to M, at every point, and where they change
+        sign.
+        """
+        most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
+        found, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step), most)
         ends = {end["branch"]: end["why"] for end in found["ends"]}
         scaling = found["scaling"] or (None, None)
         return Branch(
@@ -451,6 +464,8 @@ class Cell:
             events=tuple(Event(**event) for event in found["events"]),
             exponent=scaling[0],
             prefactor=scaling[1],
+            crossings=None if most is None else tuple(Crossing(**crossing) for crossing in found["crossings"]),
+            warnings=tuple(found["warnings"]),
         )
 
 

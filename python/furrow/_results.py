@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, overload
@@ -211,7 +212,7 @@ class Division(Result):
         """Whether the cell divided."""
         return self.outcome != "failed"
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Contours, asymmetry and the balance of forces; needs matplotlib and frames."""
         from . import plot
 
@@ -350,6 +351,17 @@ class Event(Result):
     maximum: bool | None = None  #: For a fold: whether ξ_s has a maximum there along the branch.
 
 
+@dataclass(frozen=True)
+class Crossing(Result):
+    """A shape of a branch where disturbances cos mφ begin or cease to grow."""
+
+    m: int  #: The azimuthal number m.
+    branch: str  #: Name of the branch.
+    xi_s: float  #: Activity ξ_s.
+    H: float  #: Elongation.
+    grows_beyond: bool  #: Whether they grow beyond it, along the branch.
+
+
 @dataclass(frozen=True, eq=False)
 class Curve(Result):
     """A branch of stationary shapes, point by point."""
@@ -363,6 +375,9 @@ class Curve(Result):
     growth_rate: Array = field(repr=False)  #: Largest growth rate, in 1/τ; NaN if not found.
     delta_u: Array = field(repr=False)  #: Furrow position u_furrow − ½.
     ended: str  #: Why the continuation stopped.
+    #: Growth rates of disturbances cos mφ, in 1/τ: one row per shape, column k for m = k + 1; NaN if not found. None unless
+    #: asked for.
+    azimuthal: Array | None = field(default=None, repr=False)
 
     @property
     def stable(self) -> NDArray[np.bool_]:
@@ -376,7 +391,9 @@ class Curve(Result):
         """One row per shape."""
         names = ("xi_s", "H", "L", "p", "r_eq", "growth_rate", "delta_u")
         columns: dict[str, Any] = {name: getattr(self, name) for name in names}
-        return frame({"branch": [self.name] * len(self), **columns, "stable": self.stable})
+        modes = () if self.azimuthal is None else self.azimuthal.T
+        rates = {f"growth_rate_m{m}": rate for m, rate in enumerate(modes, 1)}
+        return frame({"branch": [self.name] * len(self), **columns, "stable": self.stable, **rates})
 
     def __repr__(self) -> str:
         return f"<Curve {self.name}: {len(self)} shapes, ξ_s from {self.xi_s.min():.4g} to {self.xi_s.max():.4g}>"
@@ -392,6 +409,9 @@ class Branch(Result):
     events: tuple[Event, ...]  #: Their folds and pitchforks.
     exponent: float | None = None  #: Exponent in |Δu| = prefactor |ξ_s − ξ_s*|^exponent near the pitchfork.
     prefactor: float | None = None  #: Its prefactor.
+    #: Where growth rates of disturbances cos mφ change sign; None unless asked for.
+    crossings: tuple[Crossing, ...] | None = None
+    warnings: tuple[str, ...] = ()  #: Growth rates of such disturbances that could not be computed.
 
     def __getitem__(self, name: str) -> Curve:
         for curve in self.curves:
@@ -415,7 +435,7 @@ class Branch(Result):
 
         return pd.concat([curve.to_pandas() for curve in self.curves], ignore_index=True)
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """The branches, stable and unstable; needs matplotlib."""
         from . import plot
 
@@ -423,4 +443,5 @@ class Branch(Result):
 
     def _rows(self) -> list[tuple[str, str]]:
         rows = [(curve.name, f"{len(curve)} shapes, {curve.ended}") for curve in self.curves]
-        return rows + [(event.kind, f"{event.branch}, ξ_s = {event.xi_s:.6g}") for event in self.events]
+        rows += [(event.kind, f"{event.branch}, ξ_s = {event.xi_s:.6g}") for event in self.events]
+        return rows + [(f"m = {c.m}", f"{c.branch}, ξ_s = {c.xi_s:.6g}") for c in self.crossings or ()]

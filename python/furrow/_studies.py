@@ -136,7 +136,7 @@ class Ranges:
     def __repr__(self) -> str:
         return f"<furrow.Ranges of {len(self.founders)} founders over {self.members} sets of constants>"
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Rounds of the founders with their ranges; needs matplotlib."""
         from . import plot
 

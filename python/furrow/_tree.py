@@ -315,7 +315,7 @@ class Tree:
             raise refused("path", str(path), f"a file that ends in {', '.join(texts)}")
         file.write_text(texts[file.suffix](), encoding="utf-8")
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Rounds of the founders and the observed rounds; needs matplotlib."""
         from . import plot
 

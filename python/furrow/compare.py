@@ -190,7 +190,7 @@ class VolumesComparison:
         names = list(Mother.__dataclass_fields__)
         return frame({name: [getattr(mother, name) for mother in self.mothers] for name in names})
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Measured and computed χ by mother; needs matplotlib."""
         from . import plot
 
@@ -204,6 +204,7 @@ def volumes(
     group: str | None = None,
     against: Table | None = None,
     regress: tuple[str, str] | None = None,
+    population: str | Sequence[str] | None = None,
     bins: Sequence[SupportsFloat] | None = None,
     voxel: SupportsFloat | None = None,
     length_scale: SupportsFloat | Literal["fit"] | None = None,
@@ -225,7 +226,8 @@ def volumes(
     Mastodon, GEFF. Without it the model is compared with ``published`` means, of C. elegans or of the sea urchin.
 
     ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
-    ``bins`` are rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers.
+    ``population`` names the populations of a table of divisions that are used, one or several; default all. ``bins`` are
+    rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers.
     """
     known = shared_memo() if memo is None else memo
     if published not in PUBLISHED:
@@ -234,6 +236,9 @@ def volumes(
         raise refused("against", against, "given with a table and without group")
     if regress is not None and len(regress) != 2:
         raise refused("regress", regress, "two groups of the tables")
+    if population is not None and table is None:
+        raise refused("population", population, "given with a table")
+    populations = [population] if isinstance(population, str) else population
     asked = {
         "tables": tables_of(table),
         "against": tables_of(against),
@@ -242,6 +247,7 @@ def volumes(
         "published": published,
         "bins": None if bins is None else _edges(bins),
         "regress": None if regress is None else (text_of("regress", regress[0]), text_of("regress", regress[1])),
+        "population": None if populations is None else [text_of("population", name) for name in populations],
         "lineage": optional_path("lineage", lineage),
         "constants": None if constants is None else table_of(constants),
         "length_scale": length_scale
@@ -309,7 +315,7 @@ class ContoursComparison:
         names = ("similarity", "similarity_sd", "length_scale")
         return {**{name: getattr(self, name) for name in names}, "contours": list(self.contours)}
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """The overlaid outlines; needs matplotlib."""
         from . import plot
 

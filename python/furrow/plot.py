@@ -5,6 +5,7 @@ Every function returns a :class:`matplotlib.figure.Figure` that you can change o
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -84,7 +85,7 @@ def _figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def saved(figure: Figure, path: str | None) -> Figure:
+def saved(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
     """The figure, written to ``path`` if given."""
     if path is not None:
         figure.savefig(path, dpi=150)
