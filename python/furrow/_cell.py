@@ -9,23 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
+from ._branches import Branch, Crossing, Curve, Event, Pitchfork, Steady
 from ._checks import given_of, optional_path, path_of, refused, seed_of, text_of, threads_of, whole
 from ._errors import InputError
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
-from ._results import (
-    Branch,
-    Contour,
-    Crossing,
-    Curve,
-    Division,
-    Event,
-    Frames,
-    Pitchfork,
-    Replicates,
-    Steady,
-    division,
-)
+from ._results import Contour, Division, Frames, Replicates, division
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase
 from ._tables import html_table
 from ._tables import shown as shown_value

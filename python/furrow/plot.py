@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from ._branches import Branch
     from ._cell import Cell
-    from ._results import Branch, Division, Frame, Frames
+    from ._results import Division, Frame, Frames
     from ._studies import Ranges
     from ._tree import Tree
     from .compare import ContoursComparison, VolumesComparison

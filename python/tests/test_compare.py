@@ -32,6 +32,14 @@ def test_volumes_are_compared_as_by_the_command_line(cli, tmp_path, known):
     assert ours.to_pandas()["mother"].tolist() == [mother.mother for mother in ours.mothers]
 
 
+def test_numbers_of_tables_keep_their_value(known):
+    short = np.array(TABLE["volume_um3"], dtype=np.float32) / np.float32(3)
+    exact = furrow.compare.volumes({**TABLE, "volume_um3": [float(volume) for volume in short]}, memo=known)
+    assert furrow.compare.volumes({**TABLE, "volume_um3": short}, memo=known).mothers == exact.mothers
+    pandas = pytest.importorskip("pandas")
+    assert furrow.compare.volumes(pandas.DataFrame({**TABLE, "volume_um3": short}), memo=known).mothers == exact.mothers
+
+
 def test_without_a_table_there_are_published_means(cli, known):
     theirs = cli.json("compare", "volumes")
     assert furrow.compare.volumes(memo=known).to_dict()["groups"] == theirs["groups"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import importlib.util
 import inspect
@@ -102,10 +103,18 @@ def test_every_public_name_is_explained():
     importlib.import_module("furrow.plot")
     for module in (furrow, furrow.cache, furrow.compare, furrow.fit, furrow.plot):
         assert module.__doc__
-    for name in furrow.__all__:
-        value = getattr(furrow, name)
-        if callable(value):
-            assert value.__doc__, name
+        # A constant has the help of its type.
+        for name, value in vars(module).items():
+            if not name.startswith("_") and getattr(value, "__module__", "").startswith("furrow"):
+                explained(name, value)
+
+
+def explained(name: str, value) -> None:
+    if inspect.isroutine(value) or isinstance(value, type):
+        assert value.__doc__, name
+    if dataclasses.is_dataclass(value):
+        fields = [field.name for field in dataclasses.fields(value) if not field.name.startswith("_")]
+        assert not [field for field in fields if f"``{field}``: " not in value.__doc__], name
 
 
 def test_style():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -163,6 +164,17 @@ def test_files_are_read_again(worm, tmp_path):
     (tmp_path / "tree.json").write_text(worm.to_json()[:1000])
     with pytest.raises(furrow.InputError, match=r"tree\.json"):
         furrow.read_tree(tmp_path / "tree.json")
+
+
+def test_labels_of_founders_lie_clear_of_cells(worm):
+    drawn = worm.svg()
+    cells = [tuple(map(float, cell)) for cell in re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="([\d.]+)"', drawn)]
+    labels = re.findall(r'<text x="([\d.]+)" y="([\d.]+)" font-size="11" text-anchor="(start|end)"[^>]*>χ', drawn)
+    assert len(cells) > 250 and len(labels) == 10
+    for left, base, anchor in labels:
+        # As wide as "χ 0.76", and as high.
+        middle, y = float(left) + (18 if anchor == "start" else -18), float(base) - 4
+        assert all(abs(cx - middle) > 18 + r or abs(cy - y) > 4 + r for cx, cy, r in cells)
 
 
 def test_what_a_notebook_shows_is_bounded(worm):
