@@ -1,7 +1,7 @@
 //! Sweep files.
 
 use furrow_analysis::Sweep;
-use furrow_cell::settings::Settings;
+use furrow_cell::settings::{Overrides, Settings};
 
 use super::{FILE, accepted, says_where, text};
 
@@ -11,7 +11,7 @@ const LOOKED_AT: usize = 16;
 /// Every point of a valid sweep has a value of each axis, and a valid cell or a reason why not.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data).filter(|text| has_few_points(text) && !names_a_file(text)) else { return };
-    let read = || Sweep::parse(text, FILE, &Settings::default(), &[]);
+    let read = || Sweep::parse(text, FILE, &Settings::default(), &Overrides::default());
     let Some(sweep) = accepted(read()) else { return };
     let points = sweep.points();
     assert!(points > 0);

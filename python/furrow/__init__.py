@@ -14,6 +14,7 @@ and share cached ones.
 from __future__ import annotations
 
 from . import cache, compare, fit
+from ._branches import Branch, Crossing, Curve, Event, Pitchfork, Steady
 from ._cell import Cell, Value
 from ._errors import InputError, Interrupted, NoOutcome
 from ._files import Reproduction, explore, merge, new_lineage, reproduce, tree_schema
@@ -21,19 +22,7 @@ from ._founders import Founder
 from ._furrow import Drawing, Memo, __version__, parameter_names, presets, solver_version
 from ._grow import NewCell, Scenarios, grow, scenarios, tree, tree_ensemble
 from ._memo import memo, use_store
-from ._results import (
-    PLACE_COLUMNS,
-    Branch,
-    Contour,
-    Curve,
-    Division,
-    Event,
-    Frame,
-    Frames,
-    Pitchfork,
-    Replicates,
-    Steady,
-)
+from ._results import PLACE_COLUMNS, Contour, Division, Frame, Frames, Replicates
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase, Polarity, polarity
 from ._solve import solve
 from ._studies import Calibration, Constants, Front, Ranges, calibrate, ensemble, front
@@ -49,6 +38,7 @@ __all__ = [
     "Constants",
     "Contour",
     "CriticalRadius",
+    "Crossing",
     "Curve",
     "Division",
     "Drawing",

@@ -9,22 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
+from ._branches import Branch, Crossing, Curve, Event, Pitchfork, Steady
 from ._checks import given_of, optional_path, path_of, refused, seed_of, text_of, threads_of, whole
 from ._errors import InputError
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
-from ._results import (
-    Branch,
-    Contour,
-    Curve,
-    Division,
-    Event,
-    Frames,
-    Pitchfork,
-    Replicates,
-    Steady,
-    division,
-)
+from ._results import Contour, Division, Frames, Replicates, division
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase
 from ._tables import html_table
 from ._tables import shown as shown_value
@@ -440,9 +430,21 @@ class Cell:
         """
         return Pitchfork(cell=self, **_furrow.pitchfork(self._inputs, _number("xi_max", xi_max)))
 
-    def branch(self, xi_max: SupportsFloat = 100.0, max_step: SupportsFloat = 1.0) -> Branch:
-        """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks."""
-        found, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step))
+    def branch(
+        self,
+        xi_max: SupportsFloat = 100.0,
+        max_step: SupportsFloat = 1.0,
+        *,
+        azimuthal: SupportsIndex | None = None,
+    ) -> Branch:
+        """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks. ``max_step`` is the
+        largest step along a branch, in arclength.
+
+        ``azimuthal=M`` also computes growth rates of disturbances cos mφ, m = 1 to M, at every point, and where they change
+        sign.
+        """
+        most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
+        found, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step), most)
         ends = {end["branch"]: end["why"] for end in found["ends"]}
         scaling = found["scaling"] or (None, None)
         return Branch(
@@ -451,6 +453,8 @@ class Cell:
             events=tuple(Event(**event) for event in found["events"]),
             exponent=scaling[0],
             prefactor=scaling[1],
+            crossings=None if most is None else tuple(Crossing(**crossing) for crossing in found["crossings"]),
+            warnings=tuple(found["warnings"]),
         )
 
 

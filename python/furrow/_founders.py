@@ -9,28 +9,46 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Rounds:
-    """Rounds of division from a founder to its terminal cells. Observed ones that the lineage file does not give are None."""
+    """Rounds of division from a founder to its terminal cells. Observed ones that the lineage file does not give are None.
 
-    min: float | None = None  #: Fewest.
-    mean: float | None = None  #: Mean over terminal cells.
-    max: float | None = None  #: Most.
-    full_doublings: int | None = None  #: Generations in which every cell divided.
-    symmetric_doublings: int | None = None  #: Generations in which every cell divided equally.
-    terminal: int | None = None  #: Terminal cells.
+    ``min``: Fewest.
+    ``mean``: Mean over terminal cells.
+    ``max``: Most.
+    ``full_doublings``: Generations in which every cell divided.
+    ``symmetric_doublings``: Generations in which every cell divided equally.
+    ``terminal``: Terminal cells.
+    """
+
+    min: float | None = None
+    mean: float | None = None
+    max: float | None = None
+    full_doublings: int | None = None
+    symmetric_doublings: int | None = None
+    terminal: int | None = None
 
 
 @dataclass(frozen=True)
 class Founder:
-    """A founder: its cell, its own division, its rounds and the observed rounds."""
+    """A founder: its cell, its own division, its rounds and the observed rounds.
 
-    name: str  #: Name.
-    r0: float | None  #: Radius, in L_h; None if it was not born.
-    cue: str  #: Name of its cue.
-    outcome: str | None  #: Outcome of its own division.
-    chi: float | None  #: Size asymmetry of its division.
-    rounds: Rounds | None  #: Rounds in the model.
-    observed: Rounds | None  #: Rounds observed.
-    last_division_min: float | None = None  #: Its last division, in minutes; None without a clock.
+    ``name``: Name.
+    ``r0``: Radius, in L_h; None if it was not born.
+    ``cue``: Name of its cue.
+    ``outcome``: Outcome of its own division.
+    ``chi``: Size asymmetry of its division.
+    ``rounds``: Rounds in the model.
+    ``observed``: Rounds observed.
+    ``last_division_min``: Its last division, in minutes; None without a clock.
+    """
+
+    name: str
+    r0: float | None
+    cue: str
+    outcome: str | None
+    chi: float | None
+    rounds: Rounds | None
+    observed: Rounds | None
+    last_division_min: float | None = None
 
 
 def _rounds(found: Mapping[str, Any] | None) -> Rounds | None:

@@ -141,7 +141,7 @@ def film(
 def steady(inputs: Inputs, azimuthal: int | None = None) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]: ...
 def pitchfork(inputs: Inputs, xi_max: float) -> dict[str, Any]: ...
 def branch(
-    inputs: Inputs, xi_max: float, max_step: float
+    inputs: Inputs, xi_max: float, max_step: float, azimuthal: int | None = None
 ) -> tuple[dict[str, Any], dict[str, dict[str, NDArray[np.float64]]]]: ...
 def grow(
     lineages: list[tuple[str, str | None]],
@@ -166,7 +166,7 @@ def solve(
 ) -> dict[str, Any]: ...
 def read_tree(file: str) -> GrownTree: ...
 def sweep(
-    source: _Source,
+    asked: Mapping[str, Any],
     given: _Given,
     memo: Memo,
     out: str | None,
@@ -231,7 +231,7 @@ def polarity(
     given: _Given,
     lineage: str | None,
     one: bool,
-    par: list[str],
+    par: Mapping[str, Any],
     length_um: float | None,
     profile: str,
     amplitude: float,

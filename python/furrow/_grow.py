@@ -196,15 +196,24 @@ def tree_ensemble(
 
 @dataclass(frozen=True)
 class NewCell:
-    """A cell that is born, for the function of :func:`grow`."""
+    """A cell that is born, for the function of :func:`grow`.
 
-    name: str  #: Its name.
-    r0: float  #: Its radius R0, in L_h.
-    volume_fraction: float  #: Its volume over that of the first cell.
-    generation: int  #: Divisions from the first cell.
-    side: str | None  #: ``anterior`` or ``posterior``; None for the first cell.
-    mother: Cell | None  #: Its mother's parameters; None for the first cell.
-    division: Division | None  #: Its mother's division; None for the first cell.
+    ``name``: Its name.
+    ``r0``: Its radius R0, in L_h.
+    ``volume_fraction``: Its volume over that of the first cell.
+    ``generation``: Divisions from the first cell.
+    ``side``: ``anterior`` or ``posterior``; None for the first cell.
+    ``mother``: Its mother's parameters; None for the first cell.
+    ``division``: Its mother's division; None for the first cell.
+    """
+
+    name: str
+    r0: float
+    volume_fraction: float
+    generation: int
+    side: str | None
+    mother: Cell | None
+    division: Division | None
 
 
 def grow(

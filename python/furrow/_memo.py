@@ -32,7 +32,7 @@ def memo() -> Memo:
         return _Shared.memo
 
 
-def use_store(folder: str | None, r0_step: float | None = None) -> Memo:
+def use_store(folder: str | os.PathLike[str] | None, r0_step: float | None = None) -> Memo:
     """Stores divisions in a cache folder from now on, or with None only in memory.
 
     Returns the memo that all calls share from now on. ``furrow --cache`` uses the same folder.

@@ -1,7 +1,8 @@
-"""Results for one cell: divisions with their shapes, stationary shapes, thresholds."""
+"""Results for one cell: divisions with their shapes."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, overload
@@ -46,6 +47,8 @@ class Contour:
     """A shape, point by point from pole to pole: ``contour["r"]`` and the other columns of :data:`PLACE_COLUMNS`.
 
     For a cell with a regulator there is also ``contour["phi"]``, the regulator φ.
+
+    ``columns``: All columns by name.
     """
 
     columns: Mapping[str, Array] = field(repr=False)
@@ -81,29 +84,47 @@ class Contour:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A dividing cell at one time."""
+    """A dividing cell at one time.
 
-    t: float  #: Time, in τ.
-    length: float  #: Contour length L, in L_h.
-    pressure: float  #: Pressure p, in κ0/L_h³.
-    neck_radius: float | None  #: Radius of the neck, in L_h; None without a waist.
-    neck_u: float | None  #: Arclength fraction of the neck.
-    chi: float | None  #: |V_above − V_below|/V of the parts above and below the neck.
-    contour: Contour  #: The shape.
+    ``t``: Time, in τ.
+    ``length``: Contour length L, in L_h.
+    ``pressure``: Pressure p, in κ0/L_h³.
+    ``neck_radius``: Radius of the neck, in L_h; None without a waist.
+    ``neck_u``: Arclength fraction of the neck.
+    ``chi``: |V_above − V_below|/V of the parts above and below the neck.
+    ``contour``: The shape.
+    """
+
+    t: float
+    length: float
+    pressure: float
+    neck_radius: float | None
+    neck_u: float | None
+    chi: float | None
+    contour: Contour
 
 
 @dataclass(frozen=True, eq=False)
 class Frames(Sequence[Frame]):
     """The shapes of a dividing cell. Numbers of all frames are arrays; ``frames[k]`` is one frame, whose contour is a
-    view."""
+    view.
 
-    t: Array  #: Times, in τ.
-    length: Array  #: Contour lengths, in L_h.
-    pressure: Array  #: Pressures, in κ0/L_h³.
-    neck_radius: Array  #: Radii of the neck, in L_h; NaN without a waist.
-    neck_u: Array  #: Arclength fractions of the neck.
-    chi: Array  #: Asymmetry of the parts above and below the neck; NaN without a waist.
-    shell: tuple[float, float]  #: Half axes of the shell along z and across, in L_h.
+    ``t``: Times, in τ.
+    ``length``: Contour lengths, in L_h.
+    ``pressure``: Pressures, in κ0/L_h³.
+    ``neck_radius``: Radii of the neck, in L_h; NaN without a waist.
+    ``neck_u``: Arclength fractions of the neck.
+    ``chi``: Asymmetry of the parts above and below the neck; NaN without a waist.
+    ``shell``: Half axes of the shell along z and across, in L_h.
+    """
+
+    t: Array
+    length: Array
+    pressure: Array
+    neck_radius: Array
+    neck_u: Array
+    chi: Array
+    shell: tuple[float, float]
     _places: Mapping[str, Array] = field(repr=False)
     _ends: NDArray[np.int64] = field(repr=False)
 
@@ -185,33 +206,53 @@ class Result:
 
 @dataclass(frozen=True)
 class Division(Result):
-    """The outcome of a division and its cost."""
+    """The outcome of a division and its cost.
 
-    cell: Cell = field(repr=False)  #: The cell that divided.
-    seed: int  #: Seed of the noise in its first step.
-    outcome: str  #: ``symmetric``, ``asymmetric`` or ``failed``.
-    chi: float | None  #: Size asymmetry χ = |V1 − V2|/V; None if it failed.
-    chi_signed: float | None  #: Positive if the daughter at the pole u = 0 is smaller.
-    u_furrow: float | None  #: Furrow position in arclength fraction from the pole u = 0.
-    t_end: float  #: Time of pinch-off or of rest, in τ.
-    daughters: tuple[float, float] | None  #: Radii R0 of the daughters below and above the furrow, in L_h.
-    growth_rate: float | None  #: Leading growth rate of the shape at rest, in 1/τ.
-    slow_growth_rate: float | None  #: For a cell that waits near a stationary shape: the growth rate there, in 1/τ.
-    volume_drift: float  #: Largest relative deviation of the volume.
-    steps: int  #: Time steps.
-    rejected: int  #: Rejected steps.
-    newton_iterations: int  #: Newton iterations.
-    factorisations: int  #: Factorisations of a Jacobian.
-    remeshings: int  #: Changes of the mesh.
-    phi: float | None = None  #: The regulator φ at the furrow at pinch-off, or at u = 0.5 at rest; None without one.
-    frames: Frames | None = field(default=None, repr=False, compare=False)  #: Its shapes, if requested.
+    ``cell``: The cell that divided.
+    ``seed``: Seed of the noise in its first step.
+    ``outcome``: ``symmetric``, ``asymmetric`` or ``failed``.
+    ``chi``: Size asymmetry χ = |V1 − V2|/V; None if it failed.
+    ``chi_signed``: Positive if the daughter at the pole u = 0 is smaller.
+    ``u_furrow``: Furrow position in arclength fraction from the pole u = 0.
+    ``t_end``: Time of pinch-off or of rest, in τ.
+    ``daughters``: Radii R0 of the daughters below and above the furrow, in L_h.
+    ``growth_rate``: Leading growth rate of the shape at rest, in 1/τ.
+    ``slow_growth_rate``: For a cell that waits near a stationary shape: the growth rate there, in 1/τ.
+    ``volume_drift``: Largest relative deviation of the volume.
+    ``steps``: Time steps.
+    ``rejected``: Rejected steps.
+    ``newton_iterations``: Newton iterations.
+    ``factorisations``: Factorisations of a Jacobian.
+    ``remeshings``: Changes of the mesh.
+    ``phi``: The regulator φ at the furrow at pinch-off, or at u = 0.5 at rest; None without one.
+    ``frames``: Its shapes, if requested.
+    """
+
+    cell: Cell = field(repr=False)
+    seed: int
+    outcome: str
+    chi: float | None
+    chi_signed: float | None
+    u_furrow: float | None
+    t_end: float
+    daughters: tuple[float, float] | None
+    growth_rate: float | None
+    slow_growth_rate: float | None
+    volume_drift: float
+    steps: int
+    rejected: int
+    newton_iterations: int
+    factorisations: int
+    remeshings: int
+    phi: float | None = None
+    frames: Frames | None = field(default=None, repr=False, compare=False)
 
     @property
     def divided(self) -> bool:
         """Whether the cell divided."""
         return self.outcome != "failed"
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Contours, asymmetry and the balance of forces; needs matplotlib and frames."""
         from . import plot
 
@@ -245,10 +286,14 @@ def division(cell: Cell, seed: int, record: Mapping[str, Any], frames: Frames | 
 
 @dataclass(frozen=True, eq=False)
 class Replicates(Sequence[Division]):
-    """Divisions of one cell with different noise seeds."""
+    """Divisions of one cell with different noise seeds.
 
-    divisions: tuple[Division, ...]  #: In order of seeds.
-    undecided: Mapping[int, str]  #: Reasons why other seeds could not be computed.
+    ``divisions``: In order of seeds.
+    ``undecided``: Reasons why other seeds could not be computed.
+    """
+
+    divisions: tuple[Division, ...]
+    undecided: Mapping[int, str]
 
     def __len__(self) -> int:
         return len(self.divisions)
@@ -289,138 +334,3 @@ class Replicates(Sequence[Division]):
     def __repr__(self) -> str:
         mean = "" if self.chi_mean is None else f", mean χ = {self.chi_mean:.4f}"
         return f"<Replicates: {len(self)} divisions{mean}>"
-
-
-@dataclass(frozen=True, eq=False)
-class Steady(Result):
-    """A stationary shape and its stability."""
-
-    cell: Cell = field(repr=False)  #: The cell.
-    L: float  #: Contour length, in L_h.
-    p: float  #: Pressure, in κ0/L_h³.
-    H: float  #: Elongation (z(0) − z(1))/R0.
-    r_eq: float  #: Radius at the equator, in L_h.
-    stable: bool  #: Whether every disturbance decays.
-    growth_rate: float  #: Largest real part of the growth rates, in 1/τ.
-    growth_rates: NDArray[np.complex128] = field(repr=False)  #: The rightmost ones, by decreasing real part.
-    parities: tuple[str, ...] = field(repr=False)  #: Whether each mode is ``even``, ``odd`` or ``mixed`` under u → 1 − u.
-    folds_passed: tuple[float, ...]  #: Activities of the folds passed on the branch before this shape.
-    contour: Contour = field(repr=False)  #: The shape, with the forces on it.
-    #: The regulator φ at u = 0.5, ``phi_mid``, and at u = 0, ``phi_pole``; None without a regulator.
-    regulator: Mapping[str, float] | None = None
-    #: Disturbances cos mφ, from ``m`` = 0 on: ``growth_rate``, and for m ≥ 1 the ``parity`` of the leading mode; for m = 1
-    #: also how much of it is a rigid shift or tilt, ``rigid``. None unless asked for.
-    azimuthal: tuple[Mapping[str, Any], ...] | None = field(default=None, repr=False)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The result as numbers, strings and lists; growth rates as pairs of real and imaginary part."""
-        plain = super().to_dict()
-        plain["growth_rates"] = [[rate.real, rate.imag] for rate in self.growth_rates]
-        plain["azimuthal"] = None if self.azimuthal is None else [dict(row) for row in self.azimuthal]
-        plain["contour"] = {name: column.tolist() for name, column in self.contour.columns.items()}
-        return plain
-
-
-@dataclass(frozen=True)
-class Pitchfork(Result):
-    """The threshold at which the mirror-symmetric shape loses its symmetry."""
-
-    cell: Cell = field(repr=False)  #: The cell.
-    xi_s: float  #: Threshold ξ_s*.
-    criticality: str  #: ``supercritical`` or ``subcritical``.
-    coefficient: float  #: c of ξ_s = ξ_s* + c (u_furrow − ½)² along the asymmetric branch.
-    H: float  #: Elongation.
-    L: float  #: Contour length, in L_h.
-    p: float  #: Pressure, in κ0/L_h³.
-    residual: float  #: Size of the last Newton correction.
-    iterations: int  #: Newton iterations.
-
-
-@dataclass(frozen=True)
-class Event(Result):
-    """A fold or a pitchfork of a branch."""
-
-    kind: str  #: ``fold`` or ``pitchfork``.
-    branch: str  #: Name of the branch.
-    xi_s: float  #: Activity ξ_s.
-    H: float  #: Elongation.
-    L: float  #: Contour length, in L_h.
-    criticality: str | None = None  #: For a pitchfork.
-    coefficient: float | None = None  #: For a pitchfork.
-    maximum: bool | None = None  #: For a fold: whether ξ_s has a maximum there along the branch.
-
-
-@dataclass(frozen=True, eq=False)
-class Curve(Result):
-    """A branch of stationary shapes, point by point."""
-
-    name: str  #: ``symmetric``, ``cued`` or ``asymmetric``.
-    xi_s: Array = field(repr=False)  #: Activity.
-    H: Array = field(repr=False)  #: Elongation.
-    L: Array = field(repr=False)  #: Contour length, in L_h.
-    p: Array = field(repr=False)  #: Pressure, in κ0/L_h³.
-    r_eq: Array = field(repr=False)  #: Radius at the equator, in L_h.
-    growth_rate: Array = field(repr=False)  #: Largest growth rate, in 1/τ; NaN if not found.
-    delta_u: Array = field(repr=False)  #: Furrow position u_furrow − ½.
-    ended: str  #: Why the continuation stopped.
-
-    @property
-    def stable(self) -> NDArray[np.bool_]:
-        """Whether each shape is stable; False if its growth rate was not found."""
-        return self.growth_rate < 0.0
-
-    def __len__(self) -> int:
-        return len(self.xi_s)
-
-    def to_pandas(self) -> pd.DataFrame:
-        """One row per shape."""
-        names = ("xi_s", "H", "L", "p", "r_eq", "growth_rate", "delta_u")
-        columns: dict[str, Any] = {name: getattr(self, name) for name in names}
-        return frame({"branch": [self.name] * len(self), **columns, "stable": self.stable})
-
-    def __repr__(self) -> str:
-        return f"<Curve {self.name}: {len(self)} shapes, ξ_s from {self.xi_s.min():.4g} to {self.xi_s.max():.4g}>"
-
-
-@dataclass(frozen=True, eq=False)
-class Branch(Result):
-    """The stationary shapes of a cell over ξ_s: ``branch["symmetric"]``, ``branch["asymmetric"]`` and their folds and
-    pitchforks."""
-
-    cell: Cell = field(repr=False)  #: The cell.
-    curves: tuple[Curve, ...]  #: The branches.
-    events: tuple[Event, ...]  #: Their folds and pitchforks.
-    exponent: float | None = None  #: Exponent in |Δu| = prefactor |ξ_s − ξ_s*|^exponent near the pitchfork.
-    prefactor: float | None = None  #: Its prefactor.
-
-    def __getitem__(self, name: str) -> Curve:
-        for curve in self.curves:
-            if curve.name == name:
-                return curve
-        raise KeyError(name)
-
-    @property
-    def pitchforks(self) -> tuple[Event, ...]:
-        """Its pitchforks."""
-        return tuple(event for event in self.events if event.kind == "pitchfork")
-
-    @property
-    def folds(self) -> tuple[Event, ...]:
-        """Its folds."""
-        return tuple(event for event in self.events if event.kind == "fold")
-
-    def to_pandas(self) -> pd.DataFrame:
-        """One row per shape of any branch."""
-        import pandas as pd
-
-        return pd.concat([curve.to_pandas() for curve in self.curves], ignore_index=True)
-
-    def plot(self, *, path: str | None = None) -> Figure:
-        """The branches, stable and unstable; needs matplotlib."""
-        from . import plot
-
-        return plot.saved(plot.branch(self), path)
-
-    def _rows(self) -> list[tuple[str, str]]:
-        rows = [(curve.name, f"{len(curve)} shapes, {curve.ended}") for curve in self.curves]
-        return rows + [(event.kind, f"{event.branch}, ξ_s = {event.xi_s:.6g}") for event in self.events]

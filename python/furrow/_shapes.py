@@ -66,32 +66,50 @@ class Phase(Drawn):
 
 @dataclass(frozen=True)
 class CriticalRadius(Result):
-    """The radius below which cells do not divide."""
+    """The radius below which cells do not divide.
 
-    cell: Cell = field(repr=False)  #: The cell; its radius plays no part.
-    r0: float  #: The critical radius, in L_h.
-    kind: str  #: ``pitchfork``, or ``cued_fold`` with a cue that tells the poles apart.
-    slope: float  #: Change of ξ_s along the boundary per change of R0.
+    ``cell``: The cell; its radius plays no part.
+    ``r0``: The critical radius, in L_h.
+    ``kind``: ``pitchfork``, or ``cued_fold`` with a cue that tells the poles apart.
+    ``slope``: Change of ξ_s along the boundary per change of R0.
+    """
+
+    cell: Cell = field(repr=False)
+    r0: float
+    kind: str
+    slope: float
 
 
 @dataclass(frozen=True, eq=False)
 class Perturbation(Result):
-    """A stationary shape that was disturbed."""
+    """A stationary shape that was disturbed.
 
-    division: Division  #: How it ended; ``failed`` if it did not divide in the time that it was watched.
-    returned: bool  #: Whether it came back.
-    start_growth_rate: float  #: Leading growth rate of the stationary shape, in 1/τ.
-    t: Array = field(repr=False)  #: Times, in τ.
-    distance: Array = field(repr=False)  #: Distance from the start, ‖r − r0‖ + ‖z − z0‖.
+    ``division``: How it ended; ``failed`` if it did not divide in the time that it was watched.
+    ``returned``: Whether it came back.
+    ``start_growth_rate``: Leading growth rate of the stationary shape, in 1/τ.
+    ``t``: Times, in τ.
+    ``distance``: Distance from the start, ‖r − r0‖ + ‖z − z0‖.
+    """
+
+    division: Division
+    returned: bool
+    start_growth_rate: float
+    t: Array = field(repr=False)
+    distance: Array = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
 class Perturbations(Sequence[Perturbation]):
-    """Disturbances with consecutive seeds."""
+    """Disturbances with consecutive seeds.
 
-    found: tuple[Perturbation, ...]  #: In order of seeds.
-    drawing: Drawing = field(repr=False)  #: Distances over time.
-    undecided: tuple[str, ...] = ()  #: Why other seeds could not be computed.
+    ``found``: In order of seeds.
+    ``drawing``: Distances over time.
+    ``undecided``: Why other seeds could not be computed.
+    """
+
+    found: tuple[Perturbation, ...]
+    drawing: Drawing = field(repr=False)
+    undecided: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.found)
@@ -129,7 +147,7 @@ def polarity(
     *,
     r0: Value | None = None,
     lineage: str | os.PathLike[str] | None = None,
-    par: Mapping[str, float | str] | None = None,
+    par: Mapping[str, Value] | None = None,
     length_um: SupportsFloat | None = None,
     profile: str = "step",
     amplitude: SupportsFloat = 0.1,
@@ -147,7 +165,7 @@ def polarity(
         given_of(parameters, preset, config, r0),
         optional_path("lineage", lineage),
         r0 is not None,
-        [f"{name}={value}" for name, value in (par or {}).items()],
+        dict(par or {}),
         None if length_um is None else positive("length_um", length_um),
         text_of("profile", profile),
         float(amplitude),

@@ -26,16 +26,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Calibration(Result):
-    """The constants that fit thresholds best, and what the thresholds leave open."""
+    """The constants that fit thresholds best, and what the thresholds leave open.
 
-    parameters: dict[str, float]  #: The fitted values.
-    residuals: tuple[
-        dict[str, float], ...
-    ]  #: Each threshold: ``r0``, ``epsilon``, ``xi_s`` given, ``computed``, ``relative`` deviation.
-    rms: float  #: Root mean square of the relative deviations.
-    combinations: tuple[dict[str, Any], ...]  #: Combinations of constants, by how well the thresholds determine them.
-    iterations: int  #: Steps of the search.
-    excluded: tuple[dict[str, str], ...]  #: Statements of the targets that these constants violate.
+    ``parameters``: The fitted values.
+    ``residuals``: Each threshold: ``r0``, ``epsilon``, ``xi_s`` given, ``computed``, ``relative`` deviation.
+    ``rms``: Root mean square of the relative deviations.
+    ``combinations``: Combinations of constants, by how well the thresholds determine them.
+    ``iterations``: Steps of the search.
+    ``excluded``: Statements of the targets that these constants violate.
+    """
+
+    parameters: dict[str, float]
+    residuals: tuple[dict[str, float], ...]
+    rms: float
+    combinations: tuple[dict[str, Any], ...]
+    iterations: int
+    excluded: tuple[dict[str, str], ...]
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists."""
@@ -48,15 +54,24 @@ class Calibration(Result):
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """Weighted sets of constants that agree with the targets, for :func:`furrow.tree_ensemble`."""
+    """Weighted sets of constants that agree with the targets, for :func:`furrow.tree_ensemble`.
 
-    parameters: tuple[str, ...]  #: Names of the constants.
-    values: Array = field(repr=False)  #: One row per set.
-    weights: Array = field(repr=False)  #: Weights that sum to 1.
-    effective_sample_size: float  #: The equivalent number of independent sets.
-    draws: int  #: Sets that were tried.
-    excluded: Mapping[str, int]  #: The number of sets that each statement excluded.
-    csv: str = field(repr=False)  #: The table, as ``furrow tree --constants`` reads it.
+    ``parameters``: Names of the constants.
+    ``values``: One row per set.
+    ``weights``: Weights that sum to 1.
+    ``effective_sample_size``: The equivalent number of independent sets.
+    ``draws``: Sets that were tried.
+    ``excluded``: The number of sets that each statement excluded.
+    ``csv``: The table, as ``furrow tree --constants`` reads it.
+    """
+
+    parameters: tuple[str, ...]
+    values: Array = field(repr=False)
+    weights: Array = field(repr=False)
+    effective_sample_size: float
+    draws: int
+    excluded: Mapping[str, int]
+    csv: str = field(repr=False)
 
     @property
     def acceptance(self) -> float:
@@ -136,7 +151,7 @@ class Ranges:
     def __repr__(self) -> str:
         return f"<furrow.Ranges of {len(self.founders)} founders over {self.members} sets of constants>"
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Rounds of the founders with their ranges; needs matplotlib."""
         from . import plot
 

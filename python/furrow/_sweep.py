@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
@@ -78,11 +78,10 @@ def _cell(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _ron(value: object) -> str:
-    """A value of an axis in the syntax of a sweep file."""
+def _value(value: object) -> float | str:
+    """A value of an axis."""
     if isinstance(value, str):
-        plain = "".join(c if c.isprintable() and c not in '"\\' else f"\\u{{{ord(c):x}}}" for c in value)
-        return f'"{plain}"'
+        return value
     if isinstance(value, (bool, np.bool_)):
         raise refused("axes", value, "numbers or words")
     try:
@@ -91,27 +90,16 @@ def _ron(value: object) -> str:
         raise refused("axes", value, "numbers or words") from None
     if not np.isfinite(number):
         raise refused("axes", value, "finite numbers or words")
-    return repr(number)
+    return number
 
 
-def _text(kind: str, axes: Mapping[str, Iterable[Any]], cue: str | None, replicates: int, seed: int, lineage: str | None) -> str:
+def _axes(axes: Mapping[str, Iterable[Any]]) -> list[tuple[str, list[float | str]]]:
     if not isinstance(axes, Mapping):
         raise refused("axes", axes, "names of parameters with their values, as {'r0': [1.6, 2.0]}")
-    written = []
     for name, values in axes.items():
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise refused(f"axes[{name!r}]", values, "a list of values")
-        written.append(f"(parameter: {_ron(text_of('axes', name))}, list: [{', '.join(_ron(v) for v in values)}])")
-    parts = [f"kind: {kind}", f"axes: [{', '.join(written)}]", f"replicates: {replicates}", f"seed: {seed}"]
-    if cue is not None:
-        parts.append(f"cue: Some({_ron(text_of('cue', cue))})")
-    if lineage is not None:
-        parts.append(f"lineage: Some({_ron(lineage)})")
-    return f"Sweep({', '.join(parts)})"
-
-
-#: What a sweep can compute at its points.
-KINDS: Sequence[str] = ("division", "tree", "pitchfork", "critical")
+    return [(text_of("axes", name), [_value(value) for value in values]) for name, values in axes.items()]
 
 
 def sweep(
@@ -145,21 +133,23 @@ def sweep(
     ['failed', 'asymmetric', 'symmetric']
     """
     known = shared_memo() if memo is None else memo
-    text = None
     if file is None:
         if axes is None:
             raise refused("axes", None, "given if there is no file")
-        if kind not in KINDS:
-            raise refused("kind", kind, f"one of {', '.join(KINDS)}")
-        place = optional_path("lineage", lineage)
-        most = 1_000_000
-        text = _text(kind, axes, cue, whole("replicates", replicates, 1, most), seed_of(seed), place)
     elif axes is not None or cue is not None or lineage is not None or replicates != 1 or seed != 0 or kind != "division":
         raise refused("file", file, "given without axes, kind, cue, replicates, seed and lineage, which it says itself")
-    where = optional_path("file", file)
+    asked = {
+        "file": optional_path("file", file),
+        "kind": text_of("kind", kind),
+        "axes": [] if axes is None else _axes(axes),
+        "cue": None if cue is None else text_of("cue", cue),
+        "replicates": whole("replicates", replicates, 1, 1_000_000),
+        "seed": seed_of(seed),
+        "lineage": optional_path("lineage", lineage),
+    }
     given = given_of(parameters, preset, config)
     folder = optional_path("out", out)
     part = None if shard is None else (whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000))
     with shown(progress, "points") as tell:
-        columns, why, csv, (solved, reused) = _furrow.sweep((text, where), given, known, folder, part, threads_of(threads), tell)
+        columns, why, csv, (solved, reused) = _furrow.sweep(asked, given, known, folder, part, threads_of(threads), tell)
     return Sweep(columns, dict(why), csv, solved, reused)

@@ -28,20 +28,28 @@ def tables_of(table: Table | None) -> tuple[list[str], str | None]:
     if isinstance(table, (str, os.PathLike)):
         return [path_of("table", table)], None
     if hasattr(table, "to_csv") and hasattr(table, "columns"):
-        return [], str(table.to_csv(index=False))
+        given: Any = table
+        # Short floats would be written with the digits that tell them apart, which are too few for long ones.
+        given = given.astype(dict.fromkeys(given.select_dtypes("float32"), "float64"))
+        return [], str(given.to_csv(index=False))
     if isinstance(table, Mapping):
-        columns = {text_of("table", name): list(values) for name, values in table.items()}
+        columns = {text_of("table", name): [_plain(value) for value in values] for name, values in table.items()}
         if len({len(values) for values in columns.values()}) > 1:
             raise refused("table", {name: len(values) for name, values in columns.items()}, "columns of equal length")
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(columns)
-        # str of a float has all its digits.
+        # str of a Python float has all its digits.
         writer.writerows(zip(*columns.values(), strict=True))
         return [], out.getvalue()
     if isinstance(table, Iterable):
         return [path_of("table", one) for one in table], None
     raise refused("table", table, "a file, several files, a DataFrame or columns by name")
+
+
+def _plain(value: object) -> object:
+    """A number of numpy as one of Python, of the same value."""
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def source_of(table: Table | None) -> tuple[str | None, str | None]:

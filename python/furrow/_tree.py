@@ -32,25 +32,44 @@ MOST_DRAWN = 1000
 
 @dataclass(frozen=True)
 class TreeCell(Result):
-    """A cell of a tree."""
+    """A cell of a tree.
 
-    name: str  #: Name.
-    mother: str | None  #: Name of its mother; None for the first cell.
-    daughters: tuple[str, ...]  #: Names of its daughters, the anterior one first; none if it did not divide.
-    founder: str  #: The founder that it is or descends from.
-    generation: int  #: Divisions from the first cell.
-    r0: float  #: Radius R0, in L_h.
-    volume_fraction: float  #: Its volume over that of the first cell.
-    cue: str  #: Its cue.
-    outcome: str | None  #: ``symmetric``, ``asymmetric`` or ``failed``; None if a limit stopped it.
-    ended: str | None  #: Why it has no daughters.
-    chi: float | None  #: Size asymmetry χ.
-    chi_signed: float | None  #: Positive if the daughter at the pole u = 0 is smaller.
-    u_furrow: float | None  #: Furrow position.
-    t_end: float | None  #: Time of pinch-off or of rest, in τ.
-    phi: float | None = None  #: The regulator φ at the furrow.
-    birth_min: float | None = None  #: Its birth, in minutes; None without a clock.
-    division_min: float | None = None  #: Its division, in minutes.
+    ``name``: Name.
+    ``mother``: Name of its mother; None for the first cell.
+    ``daughters``: Names of its daughters, the anterior one first; none if it did not divide.
+    ``founder``: The founder that it is or descends from.
+    ``generation``: Divisions from the first cell.
+    ``r0``: Radius R0, in L_h.
+    ``volume_fraction``: Its volume over that of the first cell.
+    ``cue``: Its cue.
+    ``outcome``: ``symmetric``, ``asymmetric`` or ``failed``; None if a limit stopped it.
+    ``ended``: Why it has no daughters.
+    ``chi``: Size asymmetry χ.
+    ``chi_signed``: Positive if the daughter at the pole u = 0 is smaller.
+    ``u_furrow``: Furrow position.
+    ``t_end``: Time of pinch-off or of rest, in τ.
+    ``phi``: The regulator φ at the furrow.
+    ``birth_min``: Its birth, in minutes; None without a clock.
+    ``division_min``: Its division, in minutes.
+    """
+
+    name: str
+    mother: str | None
+    daughters: tuple[str, ...]
+    founder: str
+    generation: int
+    r0: float
+    volume_fraction: float
+    cue: str
+    outcome: str | None
+    ended: str | None
+    chi: float | None
+    chi_signed: float | None
+    u_furrow: float | None
+    t_end: float | None
+    phi: float | None = None
+    birth_min: float | None = None
+    division_min: float | None = None
 
 
 class Tree:
@@ -315,7 +334,7 @@ class Tree:
             raise refused("path", str(path), f"a file that ends in {', '.join(texts)}")
         file.write_text(texts[file.suffix](), encoding="utf-8")
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Rounds of the founders and the observed rounds; needs matplotlib."""
         from . import plot
 

@@ -146,38 +146,59 @@ def dose(
 
 @dataclass(frozen=True)
 class Mother:
-    """Divisions of one mother in the embryos of a group, and in the model."""
+    """Divisions of one mother in the embryos of a group, and in the model.
 
-    group: str  #: The group.
-    mother: str  #: The mother.
-    n: int  #: Divisions measured.
-    measured: float  #: Mean of |χ|.
-    sd: float | None  #: Its standard deviation.
-    measured_signed: float  #: Mean of χ as first minus second named daughter.
-    model: float | None  #: χ in the tree grown from the zygote; None if it does not divide there.
-    model_outcome: str | None  #: Its outcome there.
-    given_first: float | None  #: χ in the tree with the measured sizes of AB and P1.
-    band: tuple[float, float, float] | None = None  #: χ over sets of constants: 5 %, median, 95 %.
+    ``group``: The group.
+    ``mother``: The mother.
+    ``n``: Divisions measured.
+    ``measured``: Mean of |χ|.
+    ``sd``: Its standard deviation.
+    ``measured_signed``: Mean of χ as first minus second named daughter.
+    ``model``: χ in the tree grown from the zygote; None if it does not divide there.
+    ``model_outcome``: Its outcome there.
+    ``given_first``: χ in the tree with the measured sizes of AB and P1.
+    ``band``: χ over sets of constants: 5 %, median, 95 %.
+    """
+
+    group: str
+    mother: str
+    n: int
+    measured: float
+    sd: float | None
+    measured_signed: float
+    model: float | None
+    model_outcome: str | None
+    given_first: float | None
+    band: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class VolumesComparison:
-    """Size asymmetries of measured divisions and of the model."""
+    """Size asymmetries of measured divisions and of the model.
 
-    mothers: tuple[Mother, ...] = field(repr=False)  #: By group and mother.
-    used: int  #: Number of volumes used.
-    skipped: tuple[dict[str, Any], ...] = field(repr=False)  #: Volumes that could not be used, with reasons.
-    length_scale: float | None  #: One L_h, in the cube root of the tables' unit.
-    of_nuclei: bool  #: Whether volumes are those of nuclei, as in files of AceTree: χ is theirs then, not the cells'.
-    #: χ over log₁₀ of the mother's volume: ``line`` (``slope`` per decade, ``slope_error``, …), ``spearman``, and the ``line``
-    #: of each of the ``embryos``.
+    ``mothers``: By group and mother.
+    ``used``: Number of volumes used.
+    ``skipped``: Volumes that could not be used, with reasons.
+    ``length_scale``: One L_h, in the cube root of the tables' unit.
+    ``of_nuclei``: Whether volumes are those of nuclei, as in files of AceTree: χ is theirs then, not the cells'.
+    ``trend``: χ over log₁₀ of the mother's volume: ``line`` (``slope`` per decade, ``slope_error``, …), ``spearman``, and the
+        ``line`` of each of the ``embryos``.
+    ``noise``: What noise of the measurement makes of equal divisions: its size by ``groups``, ``null_slope``, and ``share``,
+        its share of the trend. None unless twenty mothers were measured themselves.
+    ``bins``: χ by the mother's volume, largest first.
+    ``tests``: Rank-sum tests of adjacent bins.
+    ``regressions``: Of two groups: ``through_origin`` and ``with_intercept`` with the errors of both numbers.
+    """
+
+    mothers: tuple[Mother, ...] = field(repr=False)
+    used: int
+    skipped: tuple[dict[str, Any], ...] = field(repr=False)
+    length_scale: float | None
+    of_nuclei: bool
     trend: Mapping[str, Any] = field(repr=False)
-    #: What noise of the measurement makes of equal divisions: its size by ``groups``, ``null_slope``, and ``share``, its share
-    #: of the trend. None unless twenty mothers were measured themselves.
     noise: Mapping[str, Any] | None = field(repr=False)
-    bins: tuple[Mapping[str, Any], ...] = field(repr=False)  #: χ by the mother's volume, largest first.
-    tests: tuple[Mapping[str, Any], ...] = field(repr=False)  #: Rank-sum tests of adjacent bins.
-    #: Of two groups: ``through_origin`` and ``with_intercept`` with the errors of both numbers.
+    bins: tuple[Mapping[str, Any], ...] = field(repr=False)
+    tests: tuple[Mapping[str, Any], ...] = field(repr=False)
     regressions: tuple[Mapping[str, Any], ...] = field(repr=False)
     _found: Mapping[str, Any] = field(repr=False)
 
@@ -190,7 +211,7 @@ class VolumesComparison:
         names = list(Mother.__dataclass_fields__)
         return frame({name: [getattr(mother, name) for mother in self.mothers] for name in names})
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Measured and computed χ by mother; needs matplotlib."""
         from . import plot
 
@@ -204,6 +225,7 @@ def volumes(
     group: str | None = None,
     against: Table | None = None,
     regress: tuple[str, str] | None = None,
+    population: str | Sequence[str] | None = None,
     bins: Sequence[SupportsFloat] | None = None,
     voxel: SupportsFloat | None = None,
     length_scale: SupportsFloat | Literal["fit"] | None = None,
@@ -225,7 +247,8 @@ def volumes(
     Mastodon, GEFF. Without it the model is compared with ``published`` means, of C. elegans or of the sea urchin.
 
     ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
-    ``bins`` are rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers.
+    ``population`` names the populations of a table of divisions that are used, one or several; default all. ``bins`` are
+    rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers.
     """
     known = shared_memo() if memo is None else memo
     if published not in PUBLISHED:
@@ -234,6 +257,9 @@ def volumes(
         raise refused("against", against, "given with a table and without group")
     if regress is not None and len(regress) != 2:
         raise refused("regress", regress, "two groups of the tables")
+    if population is not None and table is None:
+        raise refused("population", population, "given with a table")
+    populations = [population] if isinstance(population, str) else population
     asked = {
         "tables": tables_of(table),
         "against": tables_of(against),
@@ -242,6 +268,7 @@ def volumes(
         "published": published,
         "bins": None if bins is None else _edges(bins),
         "regress": None if regress is None else (text_of("regress", regress[0]), text_of("regress", regress[1])),
+        "population": None if populations is None else [text_of("population", name) for name in populations],
         "lineage": optional_path("lineage", lineage),
         "constants": None if constants is None else table_of(constants),
         "length_scale": length_scale
@@ -293,23 +320,27 @@ def _mother(group: str, event: Mapping[str, Any]) -> Mother:
 
 @dataclass(frozen=True, eq=False)
 class ContoursComparison:
-    """Measured outlines and those of a division."""
+    """Measured outlines and those of a division.
 
-    similarity: float  #: Mean of |A∩B|/|A|, A the measured.
-    similarity_sd: float | None  #: Its standard deviation.
-    length_scale: float  #: One L_h, in the unit of the outlines.
-    contours: tuple[dict[str, Any], ...] = field(
-        repr=False
-    )  #: Each outline: the model's time ``t``, ``frame``, ``overlap`` and more.
+    ``similarity``: Mean of |A∩B|/|A|, A the measured.
+    ``similarity_sd``: Its standard deviation.
+    ``length_scale``: One L_h, in the unit of the outlines.
+    ``contours``: Each outline: the model's time ``t``, ``frame``, ``overlap`` and more.
+    ``laid``: Both outlines of each pair, overlaid, in L_h, with the long axis along the second coordinate.
+    """
+
+    similarity: float
+    similarity_sd: float | None
+    length_scale: float
+    contours: tuple[dict[str, Any], ...] = field(repr=False)
     laid: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...] = field(repr=False)
-    """Both outlines of each pair, overlaid, in L_h, with the long axis along the second coordinate."""
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists, without the outlines."""
         names = ("similarity", "similarity_sd", "length_scale")
         return {**{name: getattr(self, name) for name in names}, "contours": list(self.contours)}
 
-    def plot(self, *, path: str | None = None) -> Figure:
+    def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """The overlaid outlines; needs matplotlib."""
         from . import plot
 

@@ -5,6 +5,7 @@ Every function returns a :class:`matplotlib.figure.Figure` that you can change o
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -16,8 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from ._branches import Branch
     from ._cell import Cell
-    from ._results import Branch, Division, Frame, Frames
+    from ._results import Division, Frame, Frames
     from ._studies import Ranges
     from ._tree import Tree
     from .compare import ContoursComparison, VolumesComparison
@@ -84,7 +86,7 @@ def _figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def saved(figure: Figure, path: str | None) -> Figure:
+def saved(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
     """The figure, written to ``path`` if given."""
     if path is not None:
         figure.savefig(path, dpi=150)

@@ -6,8 +6,8 @@ use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
-use furrow_report::{azimuthal_report, event_report, stationary_report, threshold_report};
-use numpy::PyArray1;
+use furrow_report::{azimuthal_report, crossing_report, event_report, stationary_report, threshold_report};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
@@ -171,16 +171,20 @@ pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<Documen
     })
 }
 
-/// The branches of a cell: its events and ends, and the points of each by its name.
+/// The branches of a cell: its events and ends, and the points of each by its name; with `azimuthal` also the growth rates of
+/// disturbances cos mφ up to this m, one row a point, and where they change sign.
 #[pyfunction]
+#[pyo3(signature = (inputs, xi_max, max_step, azimuthal=None))]
 pub fn branch<'py>(
     py: Python<'py>,
     inputs: &Inputs,
     xi_max: f64,
     max_step: f64,
+    azimuthal: Option<usize>,
 ) -> Result<(Document, Bound<'py, PyDict>), Error> {
     let xi = [0.0, positive("xi_max", xi_max)?];
-    let options = BranchOptions { xi, growth_rates: true, ..BranchOptions::default() };
+    let azimuthal = azimuthal.unwrap_or(0);
+    let options = BranchOptions { xi, growth_rates: true, azimuthal, ..BranchOptions::default() };
     let options = options.with_max_step(positive("max_step", max_step)?);
     let Inputs { cell, numerics } = inputs.clone();
     let found = supervised(py, Interrupt::Abandons, None, move |_| {
@@ -198,12 +202,18 @@ pub fn branch<'py>(
             ("growth_rate", column(|p| p.growth_rate.unwrap_or(f64::NAN))),
             ("delta_u", column(|p| p.delta_u)),
         ];
-        points.set_item(name, arrays(py, of)?)?;
+        let columns = arrays(py, of)?;
+        if azimuthal > 0 {
+            let rates = branch.azimuthal.rates.iter().flatten().map(|rate| rate.unwrap_or(f64::NAN)).collect();
+            let rows = PyArray1::from_vec(py, rates).reshape([branch.azimuthal.rates.len(), azimuthal])?;
+            columns.set_item("azimuthal", rows)?;
+        }
+        points.set_item(name, columns)?;
     }
     Ok((described(&found), points))
 }
 
-/// Events and ends of branches, and the exponent, prefactor, coefficient and number of points of
+/// Events, crossings and ends of branches, what is not known of them, and the exponent, prefactor, coefficient and number of points of
 /// |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
 fn described(found: &Diagram) -> Document {
     let branches = || found.branches.iter();
@@ -212,9 +222,14 @@ fn described(found: &Diagram) -> Document {
         let neck = if let BranchEnd::Pinched(neck) = branch.ended { Some(neck) } else { None };
         json!({ "branch": name, "reason": branch.ended.name(), "why": branch.ended.to_string(), "neck": neck })
     });
+    let crossings = branches().flat_map(|(name, branch)| {
+        branch.azimuthal.crossings.iter().map(move |crossing| crossing_report(name, crossing))
+    });
     let scaling = found.scaling.as_ref().map(|s| (s.exponent, s.prefactor, s.coefficient, s.points));
     json!({
         "events": events.collect::<Vec<_>>(),
+        "crossings": crossings.collect::<Vec<_>>(),
+        "warnings": found.unknown_rates(),
         "scaling": scaling,
         "ends": ends.collect::<Vec<_>>(),
     })

@@ -25,7 +25,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::document::Document;
-use crate::errors::Error;
+use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
@@ -58,6 +58,7 @@ pub struct VolumesAsked {
     published: String,
     bins: Option<Vec<f64>>,
     regress: Option<(String, String)>,
+    population: Option<Vec<String>>,
     lineage: Option<String>,
     constants: Option<Source>,
     length_scale: Option<Length>,
@@ -106,7 +107,10 @@ impl VolumesAsked {
         self.read_into(&mut volumes, &self.tables, &first)?;
         self.read_into(&mut volumes, &self.against, &second)?;
         volumes.require_used("volumes")?;
-        let found = divisions(&volumes);
+        let mut found = divisions(&volumes);
+        if let Some(wanted) = &self.population {
+            found.keep_populations(ARGUMENTS, wanted)?;
+        }
         let groups = summaries(&found.divisions);
         Ok(MeasuredVolumes { source: None, volumes, found, groups })
     }

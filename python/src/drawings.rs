@@ -15,7 +15,7 @@ use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::Inputs;
 use crate::supervise::{Interrupt, supervised};
 
-/// A picture.
+/// A picture, as the command line draws it. Notebooks show it.
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Drawing(Picture);
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use furrow_cell::settings::{self, Settings, canonical_name};
+use furrow_cell::settings::{self, Overrides, Settings, Value, canonical_name};
 use furrow_cell::{Cell, CueError, Numerics};
 use furrow_input::{InputError, read_text, shown};
 use furrow_lineage::{Length, Lineage};
@@ -45,12 +45,45 @@ pub fn arrays(py: Python<'_>, columns: Columns) -> PyResult<Bound<'_, PyDict>> {
     Ok(dict)
 }
 
-/// What a computation is given: parameters by the names of `--set` with their values as text, which override a configuration file,
-/// which overrides a preset.
+/// Numbers and words by name, from a dict.
+#[derive(Clone)]
+pub struct Named(pub Vec<(String, Value)>);
+
+impl<'py> FromPyObject<'_, 'py> for Named {
+    type Error = PyErr;
+
+    fn extract(dict: Borrowed<'_, 'py, PyAny>) -> PyResult<Named> {
+        let dict: Bound<'py, PyDict> = dict.extract()?;
+        let pair = |(name, value): (Bound<'py, PyAny>, Bound<'py, PyAny>)| {
+            let name: String = name.extract()?;
+            let value = value_of(&name, &value)?;
+            Ok((name, value))
+        };
+        Ok(Named(dict.iter().map(pair).collect::<PyResult<_>>()?))
+    }
+}
+
+/// A number, which keeps every bit, or a word. InputError for what is neither.
+pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(Value::Text(text.to_str()?.trim().to_owned()));
+    }
+    let refused = |_| refused(name, value, "a number, or a word where the parameter has words");
+    if value.is_instance_of::<PyBool>() {
+        return Err(refused(()));
+    }
+    // A whole number of more than 308 digits is no f64.
+    if value.is_instance_of::<PyInt>() {
+        return Ok(Value::Number(value.extract().unwrap_or(f64::INFINITY)));
+    }
+    Ok(Value::Number(value.extract().map_err(|_| refused(()))?))
+}
+
+/// What a computation is given: parameters by the names of `--set`, which override a configuration file, which overrides a preset.
 #[derive(Clone)]
 pub struct Given {
     /// The parameters.
-    pub pairs: Vec<(String, String)>,
+    pub parameters: Named,
     /// The preset.
     pub preset: String,
     /// The configuration file.
@@ -61,30 +94,8 @@ impl<'py> FromPyObject<'_, 'py> for Given {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Given> {
-        let (parameters, preset, config): (Bound<'py, PyDict>, _, _) = given.extract()?;
-        let pair = |(name, value): (Bound<'py, PyAny>, Bound<'py, PyAny>)| {
-            let name: String = name.extract()?;
-            let text = value_text(&name, &value)?;
-            Ok((name, text))
-        };
-        Ok(Given { pairs: parameters.iter().map(pair).collect::<PyResult<_>>()?, preset, config })
-    }
-}
-
-/// A value as the text that a parameter is set by. InputError for what is neither a number nor a word.
-fn value_text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
-    if let Ok(text) = value.cast::<PyString>() {
-        return Ok(text.to_str()?.trim().to_owned());
-    }
-    let refused = || refused(name, value, "a number, or a word where the parameter has words");
-    if value.is_instance_of::<PyBool>() {
-        return Err(refused());
-    }
-    // Numbers of numpy are whole where they have an index.
-    let whole = if value.is_instance_of::<PyInt>() { Ok(value.clone()) } else { value.call_method0("__index__") };
-    match whole {
-        Ok(whole) => Ok(whole.str()?.to_str()?.to_owned()),
-        Err(_) => Ok(value.extract::<f64>().map_err(|_| refused())?.to_string()),
+        let (parameters, preset, config) = given.extract()?;
+        Ok(Given { parameters, preset, config })
     }
 }
 
@@ -92,18 +103,29 @@ impl Given {
     /// A name for the constants: the preset, and what differs from it.
     pub fn named(&self) -> String {
         let file = self.config.iter().map(|_| "a configuration file".to_owned());
-        let set = self.pairs.iter().map(|(name, value)| format!("{name}={value}"));
+        let set = self.parameters.0.iter().map(|(name, value)| format!("{name}={value}"));
         [self.preset.clone()].into_iter().chain(file).chain(set).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The preset and the configuration file, without the parameters.
+    pub fn base(&self) -> Result<Settings, InputError> {
+        Settings::load(&self.preset, self.config.as_deref(), &[])
+    }
+
+    /// The parameters.
+    pub fn overrides(&self) -> Result<Overrides, InputError> {
+        let unknown = |name: &str, allowed| InputError::not_allowed(ARGUMENTS, "parameter", shown(name), allowed);
+        let named = |(name, value): &(String, Value)| {
+            Ok((canonical_name(name).map_err(|allowed| unknown(name, allowed))?, value.clone()))
+        };
+        let pairs = self.parameters.0.iter().map(named).collect::<Result<_, InputError>>()?;
+        Ok(Overrides { source_name: ARGUMENTS, pairs })
     }
 
     /// The settings, checked.
     pub fn settings(&self) -> Result<Settings, InputError> {
-        let mut settings = Settings::load(&self.preset, self.config.as_deref(), &[])?;
-        let unknown = |name: &str, allowed| InputError::not_allowed(ARGUMENTS, "parameter", shown(name), allowed);
-        let named = |(name, value): &(String, String)| {
-            Ok((canonical_name(name).map_err(|allowed| unknown(name, allowed))?, value.clone()))
-        };
-        settings.assign(ARGUMENTS, &self.pairs.iter().map(named).collect::<Result<Vec<_>, InputError>>()?)?;
+        let mut settings = self.base()?;
+        settings.assign(ARGUMENTS, &self.overrides()?.pairs)?;
         settings.check(ARGUMENTS)?;
         Ok(settings)
     }
@@ -118,12 +140,16 @@ impl Given {
 
     /// Turns a radius in µm into one in L_h by the units of a lineage. Whether there is a radius.
     pub fn scale_radius(&mut self, lineage: &Lineage) -> Result<bool, InputError> {
-        let Some((_, text)) = self.pairs.iter_mut().find(|(name, _)| name == "r0" || name == "R0") else {
+        let mut given = self.parameters.0.iter_mut();
+        let Some((_, value)) = given.find(|(name, _)| name == "r0" || name == "R0") else {
             return Ok(false);
         };
-        let length = text.parse::<Length>().map_err(|_| "a number of L_h, as 5.4, or of µm, as '17um'".to_owned());
-        let radius = length.and_then(|length| length.in_units(&lineage.units()));
-        *text = radius.map_err(|allowed| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed))?.to_string();
+        if let Value::Text(text) = value {
+            let length = text.parse::<Length>().map_err(|_| "a number of L_h, as 5.4, or of µm, as '17um'".to_owned());
+            let radius = length.and_then(|length| length.in_units(&lineage.units()));
+            let refuse = |allowed| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed);
+            *value = Value::Number(radius.map_err(refuse)?);
+        }
         Ok(true)
     }
 }
@@ -184,11 +210,11 @@ impl Inputs {
     /// Every parameter by its name, and the cue.
     fn parameters(&self) -> Result<Document, Error> {
         let mut map = serde_json::Map::new();
-        for (_, name, text) in settings::listing(&self.settings()) {
-            let value = match (name, text.parse::<f64>()) {
-                ("stages" | "intervals", Ok(number)) => (number as u64).into(),
-                (_, Ok(number)) => number.into(),
-                (_, Err(_)) => text.into(),
+        for (_, name, value) in settings::listing(&self.settings()) {
+            let value = match (name, value) {
+                ("stages" | "intervals", Value::Number(number)) => (number as u64).into(),
+                (_, Value::Number(number)) => number.into(),
+                (_, Value::Text(text)) => text.into(),
             };
             map.insert(name.to_owned(), value);
         }

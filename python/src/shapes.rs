@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use crate::document::Document;
 use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, Inputs, lineage_of};
+use crate::inputs::{Given, Inputs, Named, lineage_of};
 use crate::memo::Memo;
 use crate::solve::parameter;
 use crate::supervise::{Interrupt, supervised};
@@ -163,7 +163,7 @@ pub fn polarity(
     mut given: Given,
     lineage: Option<String>,
     one: bool,
-    par: Vec<String>,
+    par: Named,
     length_um: Option<f64>,
     profile: &str,
     amplitude: f64,
@@ -174,7 +174,7 @@ pub fn polarity(
         return Err(Error::not_allowed("amplitude", amplitude, allowed));
     }
     let mut constants = ParConstants::GOEHRING2011;
-    par.iter().try_for_each(|text| constants.set(ARGUMENTS, text))?;
+    par.0.iter().try_for_each(|(name, value)| constants.assign(ARGUMENTS, name, value))?;
     let lineage = lineage_of(lineage.as_deref())?;
     let length_um = length_um.or(lineage.units().length_um).unwrap_or(LENGTH_UM);
     given.scale_radius(&lineage)?;

@@ -4,28 +4,71 @@ use std::path::PathBuf;
 
 use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
-use furrow_analysis::{Kind, Row, Run, Shard, Sweep, SweepProgress, SweepResult};
-use furrow_cell::settings::Settings;
+use furrow_analysis::{AxisValue, Kind, Lists, Row, Run, Shard, Sweep, SweepProgress, SweepResult};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, Source};
+use crate::inputs::Given;
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
+use crate::trees::one_of;
 
 /// A table: columns by name (numbers as arrays, words as lists), reasons of undecided points by row, the text of the CSV, and the
 /// numbers of points solved and reused.
 type Table<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, String, (usize, usize));
 
-/// Solves a sweep given as a file or as text. With `out` its files are written there; `shard` is the part (k, n) that is solved.
+/// A sweep: its file, or lists of values. Python gives it as a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Asked {
+    file: Option<PathBuf>,
+    kind: String,
+    axes: Vec<(String, Vec<AxisGiven>)>,
+    cue: Option<String>,
+    replicates: u32,
+    seed: u64,
+    lineage: Option<PathBuf>,
+}
+
+/// A value of an axis; Python has told numbers from words.
+#[derive(FromPyObject)]
+enum AxisGiven {
+    Word(String),
+    Number(f64),
+}
+
+impl From<AxisGiven> for AxisValue {
+    fn from(given: AxisGiven) -> AxisValue {
+        match given {
+            AxisGiven::Word(word) => AxisValue::Text(word),
+            AxisGiven::Number(number) => AxisValue::Number(number),
+        }
+    }
+}
+
+impl Asked {
+    fn read(self, given: &Given) -> Result<Sweep, Error> {
+        let (base, set) = (given.base()?, given.overrides()?);
+        if let Some(file) = &self.file {
+            return Ok(Sweep::read(file, &base, &set)?);
+        }
+        let kind = one_of("kind", &self.kind, Kind::NAMED)?;
+        let values = |list: Vec<AxisGiven>| list.into_iter().map(AxisValue::from).collect();
+        let axes = self.axes.into_iter().map(|(name, list)| (name, values(list))).collect();
+        let Asked { cue, replicates, seed, lineage, .. } = self;
+        Ok(Sweep::over(Lists { kind, axes, cue, replicates, seed, lineage }, ARGUMENTS, &base, &set)?)
+    }
+}
+
+/// Solves a sweep given as a file or as lists of values. With `out` its files are written there; `shard` is the part (k, n) that is solved.
 #[pyfunction]
-#[pyo3(signature = (source, given, memo, out, shard, threads, progress=None))]
+#[pyo3(signature = (asked, given, memo, out, shard, threads, progress=None))]
 pub fn sweep<'py>(
     py: Python<'py>,
-    source: Source,
+    asked: Asked,
     given: Given,
     memo: &Memo,
     out: Option<PathBuf>,
@@ -34,18 +77,12 @@ pub fn sweep<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Table<'py>, Error> {
     let shard = shard.map(|(number, of)| {
-        let text = format!("{number}/{of}");
-        text.parse::<Shard>().map_err(|allowed| Error::not_allowed("shard", text, allowed))
+        let refused = |allowed| Error::not_allowed("shard", format!("({number}, {of})"), allowed);
+        Shard::new(number, of).map_err(refused)
     });
     let (shard, memo) = (shard.transpose()?, memo.solved()?);
     let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let base = Settings::load(&given.preset, given.config.as_deref(), &[])?;
-        let overrides: Vec<String> = given.pairs.iter().map(|(name, value)| format!("{name}={value}")).collect();
-        let sweep = match &source {
-            (Some(text), _) => Sweep::parse(text, ARGUMENTS, &base, &overrides)?,
-            (None, Some(file)) => Sweep::read(file, &base, &overrides)?,
-            (None, None) => return Err(Error::not_allowed("sweep", "None", "a file, or axes")),
-        };
+        let sweep = asked.read(&given)?;
         // Divisions are stored when they are finished, shapes are not.
         let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
         let show = |SweepProgress { done, of }| watch.set([if kept { done } else { 0 }, done, of]);

@@ -26,12 +26,13 @@ def _program() -> Path | None:
 class CommandLine:
     """The program ``furrow``."""
 
-    def __init__(self, program: Path, folder: Path) -> None:
+    def __init__(self, program: Path, folder: Path, store: Path) -> None:
         self.program = program
         self.folder = folder
+        self.store = store
 
     def text(self, *arguments: str) -> str:
-        command = [str(self.program), *arguments, "--no-cache", "--quiet"]
+        command = [str(self.program), *arguments, "--cache", str(self.store), "--quiet"]
         return subprocess.run(command, cwd=self.folder, check=True, capture_output=True, text=True).stdout
 
     def json(self, *arguments: str) -> dict:
@@ -43,14 +44,27 @@ def without_commit(text: str) -> str:
     return re.sub(r'"git_commit": [^\n]*', '"git_commit"', text)
 
 
+@pytest.fixture(scope="session")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Divisions of the command line alone, so that it solves each once; Python never reads it."""
+    return tmp_path_factory.mktemp("store")
+
+
 @pytest.fixture
-def cli(tmp_path: Path) -> CommandLine:
+def cli(tmp_path: Path, store: Path) -> CommandLine:
     program = _program()
     if program is None:
         pytest.skip("the program furrow is not built: cargo build --release, or name it in FURROW_PROGRAM")
-    return CommandLine(program, tmp_path)
+    return CommandLine(program, tmp_path, store)
 
 
 @pytest.fixture
 def memo() -> furrow.Memo:
+    """A memo that knows nothing."""
     return furrow.Memo()
+
+
+@pytest.fixture
+def known() -> furrow.Memo:
+    """The memo of all tests, for those that are not about what is solved."""
+    return furrow.memo()

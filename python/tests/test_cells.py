@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -154,6 +155,55 @@ def test_branches_are_those_of_the_command_line(cli):
     assert len(ours.pitchforks) == 1 and len(ours.folds) == 2
     with pytest.raises(KeyError):
         ours["cued"]
+
+
+def test_branches_have_growth_rates_beyond_axial_symmetry(cli):
+    theirs = cli.json("branch", "--r0", "2", "--xi-max", "24", "--azimuthal", "2", "--set", "intervals=32")
+    ours = furrow.Cell(r0=2, intervals=32).branch(24, azimuthal=2)
+    for curve in ours.curves:
+        points = [point["stability"]["azimuthal"] for point in theirs["points"] if point["branch"] == curve.name]
+        assert curve.azimuthal.tolist() == [[row["growth_rate"] for row in rows] for rows in points]
+    assert [crossing.to_dict() for crossing in ours.crossings] == theirs["azimuthal"]
+    assert {(c.m, c.branch, c.grows_beyond) for c in ours.crossings} == {(1, "symmetric", True), (1, "asymmetric", False)}
+    # The rate changes sign between the shapes on both sides of a crossing.
+    (begin,) = (crossing for crossing in ours.crossings if crossing.grows_beyond)
+    symmetric = ours[begin.branch]
+    after = int(np.flatnonzero(symmetric.azimuthal[:, 0] > 0)[0])
+    assert symmetric.xi_s[after - 1] < begin.xi_s < symmetric.xi_s[after]
+    assert ours.warnings == () and "m = 1" in ours._repr_html_()
+    assert ours.to_pandas()["growth_rate_m2"].tolist() == [row[1] for curve in ours.curves for row in curve.azimuthal]
+    plain = furrow.Cell(r0=2, intervals=32).branch(5)
+    assert plain.crossings is None and plain["symmetric"].azimuthal is None
+    for bad in (0, 17, 1.5):
+        with pytest.raises(furrow.InputError) as refused:
+            furrow.Cell(r0=2).branch(azimuthal=bad)
+        assert refused.value.field == "azimuthal"
+
+
+def test_numbers_arrive_to_the_last_bit():
+    digits = np.random.default_rng(1)
+    numbers = np.ldexp(digits.random(200), digits.integers(-20, 4, 200)) + 1e-6
+    numbers = [float(number) for number in numbers] + [1 / 3, np.nextafter(2, 3), np.float32(0.1), 5e-324 + 1e-6]
+    for number in numbers:
+        cell = furrow.Cell(number, eta_s=number)
+        assert cell.r0.hex() == cell.eta_s.hex() == float(number).hex()
+        assert furrow.Cell(1.0).replace(r0=number).r0.hex() == cell.r0.hex()
+        assert pickle.loads(pickle.dumps(cell)).r0.hex() == cell.r0.hex()
+    for number in (5e-324, 1.7976931348623157e308):
+        assert furrow.Cell(2, eta_s=number).eta_s.hex() == number.hex()
+    radii = digits.uniform(1.0, 1.4, 10)
+    swept = furrow.sweep(axes={"r0": radii, "cue.u0": [0.1 + 0.2]}, cue="germline", t_max=0.01, memo=furrow.Memo(r0_step=0))
+    assert swept["r0"].tolist() == radii.tolist() and set(swept["cue.u0"]) == {0.1 + 0.2}
+    found = furrow.polarity(r0=5.4, par={"k_ap": np.float32(0.19), "psi": 0.1 + 0.2})
+    assert (found["constants"]["k_ap"], found["cells"][0]["psi"]) == (float(np.float32(0.19)), 0.1 + 0.2)
+
+
+def test_whole_numbers_and_words_are_told_apart():
+    assert furrow.Cell(2, intervals=64.0).intervals == furrow.Cell(2, intervals="64").intervals == 64
+    for name, value in (("intervals", 64.5), ("stages", "two"), ("scheme", 1), ("rigidity_gradient", 0.5)):
+        with pytest.raises(furrow.InputError) as refused:
+            furrow.Cell(2, **{name: value})
+        assert (refused.value.field, refused.value.value) == (name, value)
 
 
 def test_parameters_go_by_the_names_of_the_command_line():

@@ -92,7 +92,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
             RESTING,
             xi_max="furrow.Cell.branch(xi_max)",
             max_step="furrow.Cell.branch(max_step)",
-            azimuthal="furrow.Cell.boundary(azimuthal) has the thresholds, furrow.Cell.steady(azimuthal) the growth rates",
+            azimuthal="furrow.Cell.branch(azimuthal)",
             points="the curves have all points",
             csv="furrow.Branch.to_pandas",
             plot="furrow.Branch.plot(path)",
@@ -200,10 +200,10 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "compare volumes": (
         "furrow.compare.volumes",
         {"[FILE]": "furrow.compare.volumes(table)", "--plot": "furrow.compare.VolumesComparison.plot(path)"}
-        | {"--population": "rows of a DataFrame are chosen by pandas", "--out": "furrow.compare.VolumesComparison.to_pandas"}
+        | {"--out": "furrow.compare.VolumesComparison.to_pandas"}
         | {
             f"--{name}": f"furrow.compare.volumes({name.replace('-', '_')})"
-            for name in ("published", "against", "voxel", "regress", "bins", "length-scale", "constants", "lineage")
+            for name in ("published", "against", "voxel", "regress", "population", "bins", "length-scale", "constants", "lineage")
         },
     ),
     "compare lifetimes": (

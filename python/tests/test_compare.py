@@ -17,38 +17,46 @@ TABLE = {
 }
 
 
-def test_volumes_are_compared_as_by_the_command_line(cli, tmp_path, memo):
+def test_volumes_are_compared_as_by_the_command_line(cli, tmp_path, known):
     lines = [",".join(TABLE), *(f"{e},{c},{v!r}" for e, c, v in zip(*TABLE.values(), strict=True))]
     (tmp_path / "volumes.csv").write_text("\n".join(lines) + "\n")
     theirs = cli.json("compare", "volumes", "volumes.csv")
-    ours = furrow.compare.volumes(tmp_path / "volumes.csv", memo=memo)
+    ours = furrow.compare.volumes(tmp_path / "volumes.csv", memo=known)
     assert ours.to_dict()["groups"] == theirs["groups"] and ours.used == theirs["used"]
     assert ours.length_scale == theirs["length_scale"]["length"]
-    assert furrow.compare.volumes(TABLE, memo=memo).mothers == ours.mothers
+    assert furrow.compare.volumes(TABLE, memo=known).mothers == ours.mothers
     pandas = pytest.importorskip("pandas")
-    assert furrow.compare.volumes(pandas.DataFrame(TABLE), memo=memo).mothers == ours.mothers
+    assert furrow.compare.volumes(pandas.DataFrame(TABLE), memo=known).mothers == ours.mothers
     p0 = next(mother for mother in ours.mothers if mother.mother == "P0")
     assert (p0.n, p0.model_outcome) == (2, "asymmetric") and 0.15 < p0.measured < 0.2
     assert ours.to_pandas()["mother"].tolist() == [mother.mother for mother in ours.mothers]
 
 
-def test_without_a_table_there_are_published_means(cli, memo):
+def test_numbers_of_tables_keep_their_value(known):
+    short = np.array(TABLE["volume_um3"], dtype=np.float32) / np.float32(3)
+    exact = furrow.compare.volumes({**TABLE, "volume_um3": [float(volume) for volume in short]}, memo=known)
+    assert furrow.compare.volumes({**TABLE, "volume_um3": short}, memo=known).mothers == exact.mothers
+    pandas = pytest.importorskip("pandas")
+    assert furrow.compare.volumes(pandas.DataFrame({**TABLE, "volume_um3": short}), memo=known).mothers == exact.mothers
+
+
+def test_without_a_table_there_are_published_means(cli, known):
     theirs = cli.json("compare", "volumes")
-    assert furrow.compare.volumes(memo=memo).to_dict()["groups"] == theirs["groups"]
+    assert furrow.compare.volumes(memo=known).to_dict()["groups"] == theirs["groups"]
 
 
-def test_volumes_that_cannot_be_used(memo):
+def test_volumes_that_cannot_be_used(known):
     with pytest.raises(furrow.InputError):
-        furrow.compare.volumes({"embryo": ["1"], "cell": ["AB", "P1"]}, memo=memo)
+        furrow.compare.volumes({"embryo": ["1"], "cell": ["AB", "P1"]}, memo=known)
     with pytest.raises(furrow.InputError):
-        furrow.compare.volumes({"colour": ["red"]}, memo=memo)
-    some = furrow.compare.volumes({**TABLE, "volume_um3": [*TABLE["volume_um3"][:-1], float("nan")]}, memo=memo)
+        furrow.compare.volumes({"colour": ["red"]}, memo=known)
+    some = furrow.compare.volumes({**TABLE, "volume_um3": [*TABLE["volume_um3"][:-1], float("nan")]}, memo=known)
     assert len(some.skipped) == 1 and some.used == 7
 
 
-def test_counts_are_compared_as_by_the_command_line(cli, memo):
+def test_counts_are_compared_as_by_the_command_line(cli, known):
     theirs = cli.json("compare", "counts")
-    ours = furrow.compare.counts(furrow.tree(memo=memo))
+    ours = furrow.compare.counts(furrow.tree(memo=known))
     assert ours.to_dict() == theirs
     assert set(ours.to_pandas()["founder"]) >= {"AB", "P4"}
 
@@ -60,7 +68,7 @@ def same(ours, theirs, *, without=()):
         assert ours[name] == theirs[name], name
 
 
-def test_a_trend_and_its_noise_are_those_of_the_command_line(cli, memo):
+def test_a_trend_and_its_noise_are_those_of_the_command_line(cli, known):
     rows = ["embryo,mother,mother_um3,larger_um3,smaller_um3"]
     for k in range(60):
         volume, chi = 9000.0 * 0.93**k, 0.05 + 0.002 * k
@@ -68,39 +76,61 @@ def test_a_trend_and_its_noise_are_those_of_the_command_line(cli, memo):
         rows.append(f"{k % 2},m{k},{seen!r},{volume * (1 + chi) / 2!r},{volume * (1 - chi) / 2!r}")
     (cli.folder / "divisions.csv").write_text("\n".join(rows) + "\n")
     theirs = cli.json("compare", "volumes", "divisions.csv", "--length-scale", "3", "--bins", "10,1000,20000")
-    ours = furrow.compare.volumes(cli.folder / "divisions.csv", length_scale=3, bins=[10, 1000, 20000], memo=memo)
+    ours = furrow.compare.volumes(cli.folder / "divisions.csv", length_scale=3, bins=[10, 1000, 20000], memo=known)
     same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members"])
     assert len(ours.to_dict()["divisions"]) == theirs["divisions"] == 60
     assert ours.trend["line"]["slope"] < 0 and len(ours.trend["embryos"]) == 2
     assert 0 < ours.noise["share"] < 1 and len(ours.bins) == len(ours.to_dict()["model_by_bin"]) == 2
     for bad in ([1000], [1000, 10], ["a", "b"]):
         with pytest.raises(furrow.InputError) as refused:
-            furrow.compare.volumes(cli.folder / "divisions.csv", bins=bad, memo=memo)
+            furrow.compare.volumes(cli.folder / "divisions.csv", bins=bad, memo=known)
         assert refused.value.field == "bins"
 
 
-def test_two_conditions_are_regressed(cli, memo):
+def test_populations_are_those_of_the_command_line(cli, known):
+    table = {
+        "embryo": ["1"] * 6,
+        "mother": [f"m{k}" for k in range(6)],
+        "larger_um3": [600.0, 610.0, 620.0, 310.0, 320.0, 90.5],
+        "smaller_um3": [400.0, 410.0, 405.0, 300.0, 290.0, 10.5],
+        "population": ["Mac", "Mac", "Mac", "Mes", "Mes", "Mic"],
+    }
+    lines = [",".join(table), *(",".join(map(str, row)) for row in zip(*table.values(), strict=True))]
+    (cli.folder / "divisions.csv").write_text("\n".join(lines) + "\n")
+    for wanted, argument, count in ((["Mac", "Mes"], "Mac,Mes", 5), ("Mic", "Mic", 1)):
+        theirs = cli.json("compare", "volumes", "divisions.csv", "--population", argument)
+        ours = furrow.compare.volumes(table, population=wanted, memo=known)
+        same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members"])
+        assert len(ours.to_dict()["divisions"]) == theirs["divisions"] == count
+    assert {group["group"] for group in furrow.compare.volumes(table, memo=known).to_dict()["groups"]} == {"Mac", "Mes", "Mic"}
+    for table_given, bad in ((table, "Meso"), (table, [3]), (None, "Mac")):
+        with pytest.raises(furrow.InputError) as refused:
+            furrow.compare.volumes(table_given, population=bad, memo=known)
+        assert refused.value.field == "population"
+
+
+def test_two_conditions_are_regressed(cli, known):
     second = {**TABLE, "volume_um3": [1.1 * volume if k % 2 else volume for k, volume in enumerate(TABLE["volume_um3"])]}
     for name, table in (("a.csv", TABLE), ("b.csv", second)):
         lines = [",".join(table), *(f"{e},{c},{v!r}" for e, c, v in zip(*table.values(), strict=True))]
         (cli.folder / name).write_text("\n".join(lines) + "\n")
     theirs = cli.json("compare", "volumes", "a.csv", "--against", "b.csv")
-    ours = furrow.compare.volumes(TABLE, against=second, memo=memo)
+    ours = furrow.compare.volumes(TABLE, against=second, memo=known)
     same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members"])
     assert [(one["x"], len(one["mothers"])) for one in ours.regressions] == [("measured", 3)]
-    turned = furrow.compare.volumes(TABLE, against=second, regress=("against", "measured"), memo=memo)
+    turned = furrow.compare.volumes(TABLE, against=second, regress=("against", "measured"), memo=known)
     assert turned.regressions[0]["x"] == "against"
     with pytest.raises(furrow.InputError) as refused:
-        furrow.compare.volumes(TABLE, regress=("wt", "ctrl"), memo=memo)
+        furrow.compare.volumes(TABLE, regress=("wt", "ctrl"), memo=known)
     assert refused.value.field == "regress"
 
 
-def test_published_means_of_the_sea_urchin(cli, memo):
+def test_published_means_of_the_sea_urchin(cli, known):
     theirs = cli.json("compare", "volumes", "--published", "villoutreix2016")
-    ours = furrow.compare.volumes(published="villoutreix2016", memo=memo)
+    ours = furrow.compare.volumes(published="villoutreix2016", memo=known)
     same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members"])
     with pytest.raises(furrow.InputError):
-        furrow.compare.volumes(published="villoutreix", memo=memo)
+        furrow.compare.volumes(published="villoutreix", memo=known)
 
 
 def cd_table(folder):
@@ -122,13 +152,13 @@ def cd_table(folder):
     return file
 
 
-def test_embryos_of_other_programs(cli, tmp_path, memo):
+def test_embryos_of_other_programs(cli, tmp_path, known):
     embryo = cd_table(tmp_path)
     theirs = cli.json("compare", "volumes", embryo.name, "--voxel", "0.1")
-    ours = furrow.compare.volumes(embryo, voxel=0.1, memo=memo)
+    ours = furrow.compare.volumes(embryo, voxel=0.1, memo=known)
     same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members", "skipped"])
     assert ours.of_nuclei and ours.used == sum(1 for _ in embryo.open()) - 1
-    worm = furrow.tree(memo=memo)
+    worm = furrow.tree(memo=known)
     theirs = cli.json("compare", "counts", "--measured", embryo.name)
     assert furrow.compare.counts(worm, measured=embryo).to_dict() == theirs
     theirs = cli.json("compare", "lifetimes", embryo.name, "--frame-minutes", "2")
@@ -141,9 +171,9 @@ def test_embryos_of_other_programs(cli, tmp_path, memo):
         furrow.compare.counts(worm, measured=tmp_path / "other.csv")
 
 
-def test_geff_with_compressed_arrays_is_read(tmp_path, memo):
+def test_geff_with_compressed_arrays_is_read(tmp_path, known):
     """Python's package geff compresses with Blosc."""
-    worm = furrow.tree(memo=memo)
+    worm = furrow.tree(memo=known)
     worm.export("geff", "minutes", path=tmp_path / "tree.geff")
     plain = furrow.compare.counts(worm, measured=tmp_path / "tree.geff")
     ids = tmp_path / "tree.geff" / "nodes" / "ids"
@@ -166,8 +196,8 @@ LIFETIMES = {
 }
 
 
-def test_lifetimes_are_compared_as_by_the_command_line(cli, memo):
-    worm = furrow.tree(memo=memo)
+def test_lifetimes_are_compared_as_by_the_command_line(cli, known):
+    worm = furrow.tree(memo=known)
     assert furrow.compare.lifetimes(tree=worm).to_dict() == cli.json("compare", "lifetimes")
     lines = [",".join(LIFETIMES), *(",".join(map(str, row)) for row in zip(*LIFETIMES.values(), strict=True))]
     (cli.folder / "lifetimes.csv").write_text("\n".join(lines) + "\n")
@@ -180,32 +210,32 @@ def test_lifetimes_are_compared_as_by_the_command_line(cli, memo):
         furrow.compare.lifetimes(["a.csv", "b.csv"], tree=worm)
 
 
-def test_a_clock_is_fitted_as_by_the_command_line(cli, memo):
+def test_a_clock_is_fitted_as_by_the_command_line(cli, known):
     theirs = cli.json("fit", "clock")
     theirs.pop("volumes")
     ours = furrow.fit.clock()
     assert ours.to_dict() == theirs
     assert ours.to_pandas()["founder"].tolist()[-1] == "all"
     # The tree takes it.
-    fitted = furrow.tree(ours.ron, memo=memo)
+    fitted = furrow.tree(ours.ron, memo=known)
     assert fitted.cells["division_min"][0] == 0 and len(fitted) == 253
     with pytest.raises(furrow.InputError):
         furrow.fit.clock({"cell": ["AB"], "lifetime_min": [15.0]})
 
 
-def test_doses_are_compared_as_by_the_command_line(cli, memo):
-    same(furrow.compare.dose(memo=memo), theirs := cli.json("compare", "dose"))
+def test_doses_are_compared_as_by_the_command_line(cli, known):
+    same(furrow.compare.dose(memo=known), theirs := cli.json("compare", "dose"))
     assert theirs["model"]["points"][0]["chi"] < 2e-3
     table = {"dose": [0.1, 0.4, 0.5, 0.9, 1.0, 1.1], "larger_share": [0.51, 0.53, 0.55, 0.58, 0.6, 0.59]}
     lines = [",".join(table), *(",".join(map(str, row)) for row in zip(*table.values(), strict=True))]
     (cli.folder / "doses.csv").write_text("\n".join(lines) + "\n")
     theirs = cli.json("compare", "dose", "doses.csv", "--bins", "0,0.5,1,1.5", "--r0", "5")
-    ours = furrow.compare.dose(table, bins=[0, 0.5, 1, 1.5], r0=5, memo=memo)
+    ours = furrow.compare.dose(table, bins=[0, 0.5, 1, 1.5], r0=5, memo=known)
     assert ours.to_dict() == theirs
     frame = ours.to_pandas()
     assert frame["n"].tolist() == [2, 2, 2] and frame["model"].tolist() == [row["model"]["chi"] for row in ours["bins"]]
     with pytest.raises(furrow.InputError):
-        furrow.compare.dose({"dose": [1.0]}, memo=memo)
+        furrow.compare.dose({"dose": [1.0]}, memo=known)
 
 
 def test_an_outline_of_the_model_is_found_again():

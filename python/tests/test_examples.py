@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
 import importlib.util
+import inspect
 import subprocess
 import sys
 from pathlib import Path
@@ -65,21 +68,56 @@ def test_joblib_spreads_cells():
     assert [division.chi for division in found] == [cell.divide().chi for cell in cells]
 
 
-def run(*arguments: str, folder: Path) -> None:
-    done = subprocess.run([sys.executable, "-m", *arguments], cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+def start(*arguments: str, folder: Path) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", *arguments]
+    return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def finish(done: subprocess.Popen[str]) -> None:
+    out, _ = done.communicate()
+    assert done.returncode == 0, out
 
 
 def test_types_are_right(tmp_path):
     pytest.importorskip("mypy")
     examples = (str(path.relative_to(PYTHON)) for path in EXAMPLES)
-    run("mypy", "--strict", "furrow", *examples, "benches/cost.py", folder=PYTHON)
     # From elsewhere, so that what is looked at is the package that is installed.
     settings = ("--mypy-config-file", str(PYTHON / "pyproject.toml"))
-    run("mypy.stubtest", "--ignore-disjoint-bases", *settings, "furrow._furrow", folder=tmp_path)
+    stubs = start("mypy.stubtest", "--ignore-disjoint-bases", *settings, "furrow._furrow", folder=tmp_path)
+    finish(start("mypy", "--strict", "furrow", *examples, "benches/cost.py", "tests/typed_calls.py", folder=PYTHON))
+    finish(stubs)
+
+
+def test_every_public_function_is_called_with_types():
+    importlib.import_module("furrow.plot")
+    functions = {f"furrow.{name}": getattr(furrow, name) for name in furrow.__all__}
+    for module in (furrow.cache, furrow.compare, furrow.fit, furrow.plot):
+        mine = {name: value for name, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__}
+        functions |= {f"{module.__name__}.{name}": value for name, value in mine.items() if not name.startswith("_")}
+    text = (PYTHON / "tests" / "typed_calls.py").read_text(encoding="utf-8").replace("plot.", "furrow.plot.")
+    names = [name for name, value in functions.items() if inspect.isroutine(value)]
+    assert len(names) > 40 and not [name for name in names if f"{name}(" not in text]
+
+
+def test_every_public_name_is_explained():
+    importlib.import_module("furrow.plot")
+    for module in (furrow, furrow.cache, furrow.compare, furrow.fit, furrow.plot):
+        assert module.__doc__
+        # A constant has the help of its type.
+        for name, value in vars(module).items():
+            if not name.startswith("_") and getattr(value, "__module__", "").startswith("furrow"):
+                explained(name, value)
+
+
+def explained(name: str, value) -> None:
+    if inspect.isroutine(value) or isinstance(value, type):
+        assert value.__doc__, name
+    if dataclasses.is_dataclass(value):
+        fields = [field.name for field in dataclasses.fields(value) if not field.name.startswith("_")]
+        assert not [field for field in fields if f"``{field}``: " not in value.__doc__], name
 
 
 def test_style():
     pytest.importorskip("ruff")
-    run("ruff", "check", ".", folder=PYTHON)
-    run("ruff", "format", "--check", ".", folder=PYTHON)
+    finish(start("ruff", "check", ".", folder=PYTHON))
+    finish(start("ruff", "format", "--check", ".", folder=PYTHON))

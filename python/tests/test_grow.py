@@ -44,8 +44,8 @@ def test_cells_get_what_the_function_gives_them(tmp_path, memo):
         furrow.grow(furrow.Cell(2.4), lambda born: 1 / 0, memo=memo)
 
 
-def test_cells_have_names(memo):
-    worm = furrow.tree(memo=memo)
+def test_cells_have_names(known):
+    worm = furrow.tree(memo=known)
     assert worm["AB"].r0 == worm.r0[worm.names.index("AB")] and worm["AB"].daughters == ("ABa", "ABp")
     assert worm["P0"].mother is None and worm["P0"].chi == worm.founders[0].chi
     with pytest.raises(KeyError, match="did you mean"):

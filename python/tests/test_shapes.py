@@ -1,4 +1,4 @@
-"""Boundaries, phase diagrams, disturbed shapes, polarity and fits, beside those of the command line."""
+"""Boundaries, phase diagrams, disturbed shapes and polarity, beside those of the command line."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 
 import furrow
-
-#: A lineage that is fitted fast.
-SMALL = '(name: "S", founders: [(name: "S", r0: 2.2, observed: (mean: 1, terminal: 2))], limits: (max_depth: 2))'
 
 
 def test_boundaries_are_those_of_the_command_line(cli):
@@ -62,13 +59,6 @@ def test_movies_and_frames_are_those_of_the_command_line(cli, tmp_path):
     names = sorted(path.name for path in (tmp_path / "ours").iterdir())
     assert names == sorted(path.name for path in (tmp_path / "theirs").iterdir()) and len(names) > 3
     assert all((tmp_path / "ours" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes() for name in names)
-
-
-def test_activities_are_fitted(memo):
-    found = furrow.fit.activity(lineage=SMALL, range=(20, 30), rounds="mean", memo=memo)
-    (founder,) = found["founders"]
-    assert founder["observed"] == 1 and founder["searched"] == [20, 30]
-    assert found.to_pandas()["name"].tolist() == ["S"] and "<svg" in found.drawing.svg()
 
 
 @pytest.mark.parametrize(

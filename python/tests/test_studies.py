@@ -19,6 +19,25 @@ def test_constants_are_those_of_the_command_line(cli):
     assert furrow.calibrate(targets.read_text(), intervals=32) == ours
 
 
+def test_a_front_is_that_of_the_command_line(cli, tmp_path):
+    targets = """Targets(
+        unknowns: [(parameter: aspect, start: 1.5), (parameter: p0, start: 0.123)],
+        thresholds: [(r0: 2.0, epsilon: 0.87, xi_s: 22.006), (r0: 2.22, epsilon: 0.88, xi_s: 21.94)],
+        divisions: [(r0: 1.64, outcome: failed)],
+        criticalities: [(r0: 2.22, epsilon: 0.88, kind: subcritical)],
+    )"""
+    (tmp_path / "targets.ron").write_text(targets)
+    theirs = cli.json("calibrate", "targets.ron", "--front", "6", "--seed", "3", "--set", "intervals=32")
+    found = furrow.front(targets, 6, seed=3, intervals=32)
+    assert found.to_dict() == theirs
+    rows = found.to_pandas()
+    assert rows["met"].tolist() == [member["met"] for member in found["members"]] and found["statements"] == 2
+    # The thresholds of a set are those of cells with its constants.
+    first = found["members"][0]
+    cell = furrow.Cell(2.0, epsilon=0.87, intervals=32, **dict(zip(found["parameters"], first["values"], strict=True)))
+    assert cell.pitchfork().xi_s == pytest.approx(first["thresholds"][0], rel=1e-9)
+
+
 def test_an_ensemble_is_that_of_the_command_line(cli, tmp_path):
     targets = """Targets(
         unknowns: [(parameter: aspect, start: 1.5), (parameter: p0, start: 0.123)],

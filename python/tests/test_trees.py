@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ import furrow
 
 @pytest.fixture(scope="module")
 def worm() -> furrow.Tree:
-    return furrow.tree(memo=furrow.Memo())
+    return furrow.tree()
 
 
 def test_the_tree_is_that_of_the_command_line(cli, worm, tmp_path):
@@ -42,16 +43,16 @@ def test_columns_are_of_all_cells(worm):
     assert np.isnan(worm.chi[[outcome == "failed" for outcome in worm.cells["outcome"]]]).all()
 
 
-def test_scenarios_are_those_of_the_command_line(cli, tmp_path, memo):
+def test_scenarios_are_those_of_the_command_line(cli, tmp_path, known):
     cues = ["none", "tension:gradient,amplitude=0.3"]
     cli.text("tree", "--cue", cues[0], "--cue", cues[1], "--out", "out")
-    found = furrow.scenarios(cues=cues, memo=memo)
+    found = furrow.scenarios(cues=cues, memo=known)
     assert list(found) == ["c_elegans-none", "c_elegans-cue-2"]
     assert found.cues == dict(zip(found, cues, strict=True))
     for name, tree in found.items():
         theirs = (tmp_path / "out" / name / "tree.json").read_text()
         assert without_commit(theirs) == without_commit(tree.to_json())
-    assert found["c_elegans-none"] == furrow.tree(cue="none", memo=memo)
+    assert found["c_elegans-none"] == furrow.tree(cue="none", memo=known)
     assert "c_elegans-cue-2: " in found._repr_html_()
 
 
@@ -165,11 +166,24 @@ def test_files_are_read_again(worm, tmp_path):
         furrow.read_tree(tmp_path / "tree.json")
 
 
-def test_what_a_notebook_shows_is_bounded(worm, memo):
+def test_labels_of_founders_lie_clear_of_cells(worm):
+    drawn = worm.svg()
+    cells = [tuple(map(float, cell)) for cell in re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="([\d.]+)"', drawn)]
+    labels = re.findall(r'<text x="([\d.]+)" y="([\d.]+)" font-size="11" text-anchor="(start|end)"[^>]*>χ', drawn)
+    assert len(cells) > 250 and len(labels) == 10
+    for left, base, anchor in labels:
+        # As wide as "χ 0.76", and as high.
+        middle, y = float(left) + (18 if anchor == "start" else -18), float(base) - 4
+        assert all(abs(cx - middle) > 18 + r or abs(cy - y) > 4 + r for cx, cy, r in cells)
+
+
+def test_what_a_notebook_shows_is_bounded(worm):
     drawing = worm._repr_svg_()
     assert drawing.startswith("<svg") and "ABa" in drawing
     assert drawing[5:] in worm._repr_html_() and len(worm._repr_html_()) < 300_000
-    large = furrow.tree('(name: "large", founders: [(name: "S", r0: 20)], limits: (max_cells: 1001, max_depth: 40))', memo=memo)
+    many = '(name: "large", founders: [(name: "S", r0: 20)], limits: (max_cells: 1001, max_depth: 40))'
+    # Radii are rounded, so that few divisions are solved.
+    large = furrow.tree(many, memo=furrow.Memo(r0_step=0.02))
     assert len(large) > 1000
     assert large._repr_svg_() is None
     shown = large._repr_html_()

@@ -11,9 +11,9 @@ use furrow_analysis::{Diagram, diagram};
 use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
-use furrow_mechanics::equilibria::azimuthal_scan::{AzimuthalScan, Crossing};
+use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
-use furrow_report::event_report;
+use furrow_report::{crossing_report, event_report};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -85,9 +85,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let found = diagram(&cell, &context.settings.numerics, &options)?;
-    for (name, branch) in &found.branches {
-        unknown(name, &branch.points, &branch.azimuthal).iter().for_each(|warning| tracing::warn!("{warning}"));
-    }
+    found.unknown_rates().iter().for_each(|warning| tracing::warn!("{warning}"));
     let document = document(&cell, &found);
     if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
         write_atomically(file, &records_csv(HEADER, points)?)?;
@@ -110,29 +108,9 @@ fn points(name: &'static str, branch: &Branch) -> Vec<Value> {
 fn azimuthal(found: &Diagram) -> Option<Vec<Value>> {
     let scanned = found.branches.iter().any(|(_, branch)| !branch.azimuthal.rates.is_empty());
     let crossings = found.branches.iter().flat_map(|(name, branch)| {
-        branch.azimuthal.crossings.iter().map(move |crossing| {
-            let Crossing { m, point, grows } = crossing;
-            json!({ "branch": name, "m": m, "xi_s": point.xi_s, "H": point.elongation, "grows_beyond": grows })
-        })
+        branch.azimuthal.crossings.iter().map(move |crossing| crossing_report(name, crossing))
     });
     scanned.then(|| crossings.collect())
-}
-
-/// Warnings of growth rates beyond axial symmetry that are not known, and of crossings that are not.
-fn unknown(name: &str, points: &[ShapePoint], scan: &AzimuthalScan) -> Vec<String> {
-    let xi = |index: usize| points.get(index).map_or(f64::NAN, |point| point.xi_s);
-    let missing = scan.missing().into_iter().map(|(m, at)| {
-        let (count, first) = (at.len(), xi(at[0]));
-        let of = if count == 1 { "1 point".to_owned() } else { format!("{count} points") };
-        format!("no growth rate for m = {m} at {of} of the {name} branch, first at ξ_s = {first:.6}: a sign change may be missing")
-    });
-    let not_located = scan.not_located.iter().map(|(m, index)| {
-        format!(
-            "the growth rate for m = {m} changes sign on the {name} branch behind ξ_s = {:.6}, where is not located",
-            xi(*index)
-        )
-    });
-    missing.chain(not_located).collect()
 }
 
 /// What `--json` prints.
@@ -197,25 +175,4 @@ fn text(cell: &Cell, found: &Diagram, points: bool) -> String {
         let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rates_that_are_not_known_are_named() {
-        let points = [1.0, 2.0, 3.0].map(|xi_s| ShapePoint { xi_s, ..ShapePoint::default() });
-        let mut scan = AzimuthalScan::default();
-        assert_eq!(unknown("symmetric", &points, &scan), [""; 0]);
-        scan.rates = vec![vec![Some(-1.0), Some(-1.0)], vec![Some(-1.0), None], vec![Some(1.0), None]];
-        scan.not_located = vec![(1, 1)];
-        assert_eq!(
-            unknown("symmetric", &points, &scan),
-            [
-                "no growth rate for m = 2 at 2 points of the symmetric branch, first at ξ_s = 2.000000: a sign change may be missing",
-                "the growth rate for m = 1 changes sign on the symmetric branch behind ξ_s = 2.000000, where is not located",
-            ]
-        );
-    }
 }

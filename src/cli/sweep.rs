@@ -9,7 +9,7 @@ use super::progress::ProgressLine;
 use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
-use furrow_cell::settings::Settings;
+use furrow_cell::settings::{Overrides, Settings};
 use furrow_figures::plot;
 use furrow_formats::files::WriteError;
 use serde_json::json;
@@ -41,7 +41,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     // The sweep file overrides --config; --set overrides the sweep file.
     let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
-    let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
+    let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
     sweep.lineage.doubtful_radii().iter().for_each(|doubt| tracing::warn!("{doubt}"));
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use furrow_analysis::Sweep;
 use furrow_cell::Cell;
-use furrow_cell::settings::Settings;
+use furrow_cell::settings::{Overrides, Settings};
 use furrow_lineage::Lineage;
 use furrow_lineage::parse_cue;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome, divide};
@@ -28,7 +28,7 @@ fn cells_inside_the_range_of_the_paper_divide_or_rest() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/robustness");
     let mut solved = 0;
     for name in ["inside-none.ron", "inside-gradient.ron", "inside-local.ron"] {
-        let sweep = Sweep::read(&folder.join(name), &Settings::default(), &[]).unwrap();
+        let sweep = Sweep::read(&folder.join(name), &Settings::default(), &Overrides::default()).unwrap();
         for index in (0..sweep.points()).step_by(15) {
             let point = sweep.point(index);
             assert_eq!(point.refused, None);

@@ -2,8 +2,9 @@
 
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::equilibria::asymmetric::{self, Scaling};
+use furrow_mechanics::equilibria::azimuthal_scan::AzimuthalScan;
 use furrow_mechanics::equilibria::curves::Curve;
-use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapeError, primary};
+use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapeError, ShapePoint, primary};
 
 /// The curves that bound the outcomes over a plane, as far as they could be followed.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +24,13 @@ pub struct Diagram {
     pub branches: Vec<(&'static str, Branch)>,
     /// How Δu opens at the pitchfork, if there is one and points enough near it.
     pub scaling: Option<Scaling>,
+}
+
+impl Diagram {
+    /// Warnings of growth rates beyond axial symmetry that are not known, and of sign changes that are not located.
+    pub fn unknown_rates(&self) -> Vec<String> {
+        self.branches.iter().flat_map(|(name, branch)| unknown(name, &branch.points, &branch.azimuthal)).collect()
+    }
 }
 
 /// The branch that grows out of the passive shape and, of a mirror-symmetric cell, the asymmetric one of its first pitchfork.
@@ -51,4 +59,41 @@ pub fn diagram(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Res
         scaling = found.scaling;
     }
     Ok(Diagram { branches, scaling })
+}
+
+fn unknown(name: &str, points: &[ShapePoint], scan: &AzimuthalScan) -> Vec<String> {
+    let xi = |index: usize| points.get(index).map_or(f64::NAN, |point| point.xi_s);
+    let missing = scan.missing().into_iter().map(|(m, at)| {
+        let (count, first) = (at.len(), xi(at[0]));
+        let of = if count == 1 { "1 point".to_owned() } else { format!("{count} points") };
+        format!("no growth rate for m = {m} at {of} of the {name} branch, first at ξ_s = {first:.6}: a sign change may be missing")
+    });
+    let not_located = scan.not_located.iter().map(|(m, index)| {
+        format!(
+            "the growth rate for m = {m} changes sign on the {name} branch behind ξ_s = {:.6}, where is not located",
+            xi(*index)
+        )
+    });
+    missing.chain(not_located).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_that_are_not_known_are_named() {
+        let points = [1.0, 2.0, 3.0].map(|xi_s| ShapePoint { xi_s, ..ShapePoint::default() });
+        let mut scan = AzimuthalScan::default();
+        assert_eq!(unknown("symmetric", &points, &scan), [""; 0]);
+        scan.rates = vec![vec![Some(-1.0), Some(-1.0)], vec![Some(-1.0), None], vec![Some(1.0), None]];
+        scan.not_located = vec![(1, 1)];
+        assert_eq!(
+            unknown("symmetric", &points, &scan),
+            [
+                "no growth rate for m = 2 at 2 points of the symmetric branch, first at ξ_s = 2.000000: a sign change may be missing",
+                "the growth rate for m = 1 changes sign on the symmetric branch behind ξ_s = 2.000000, where is not located",
+            ]
+        );
+    }
 }

@@ -55,6 +55,7 @@ pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
 pub use front::{Front, FrontMember, front};
 pub use growth::{Grown, grown, grown_replicates, scenarios_of, tree_settings};
 pub use journal::Journal;
+pub use parse::Lists;
 pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{FounderRange, LineageRanges, Range, ranges};
 pub use run::{Run, SweepProgress, SweepResult};

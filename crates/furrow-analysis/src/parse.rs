@@ -3,7 +3,7 @@
 use super::points::{Axes, Axis, AxisValue, Target};
 use super::sample::{MOST_AXES, halton};
 use super::sweep::{Kind, Sweep};
-use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, Settings, canonical_name};
+use furrow_cell::settings::{self, NumericsOverrides, Overrides, PhysicsOverrides, Settings, canonical_name};
 use furrow_cell::{Cue, Parameter};
 use furrow_input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
 use furrow_lineage::Lineage;
@@ -58,13 +58,30 @@ struct Interval {
     count: usize,
 }
 
+/// A sweep over lists of values.
+#[derive(Clone, Debug)]
+pub struct Lists {
+    /// What is computed.
+    pub kind: Kind,
+    /// Parameters with their values; the first varies slowest.
+    pub axes: Vec<(String, Vec<AxisValue>)>,
+    /// The cue, as users write it.
+    pub cue: Option<String>,
+    /// Divisions at each point.
+    pub replicates: u32,
+    /// Seed of the first of them.
+    pub seed: u64,
+    /// The file of the lineage of trees, which also names cues; the built-in one by default.
+    pub lineage: Option<PathBuf>,
+}
+
 impl Sweep {
-    /// Reads and checks a sweep file. `base` is what the file does not name; `overrides` of the form `key=value` come after
-    /// what it names, and before its axes. A lineage is looked for from the file's own folder.
+    /// Reads and checks a sweep file. `base` is what the file does not name; `overrides` come after what it names, and before
+    /// its axes. A lineage is looked for from the file's own folder.
     ///
     /// # Errors
     /// Names the file, the field, its value and what is allowed.
-    pub fn read(path: &Path, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
+    pub fn read(path: &Path, base: &Settings, overrides: &Overrides) -> Result<Sweep, InputError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         Sweep::parse_in(folder, &read_text(path)?, &path.display().to_string(), base, overrides)
     }
@@ -73,12 +90,35 @@ impl Sweep {
     ///
     /// # Errors
     /// Those of [`read`](Self::read).
-    pub fn parse(text: &str, file: &str, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
+    pub fn parse(text: &str, file: &str, base: &Settings, overrides: &Overrides) -> Result<Sweep, InputError> {
         Sweep::parse_in(Path::new(""), text, file, base, overrides)
     }
 
-    fn parse_in(folder: &Path, text: &str, file: &str, base: &Settings, set: &[String]) -> Result<Sweep, InputError> {
-        let mut document: Document = parse_document(text, file, "a sweep file", "Sweep")?;
+    /// A sweep over lists of values, as a file that has no ranges and samples says it; errors call it `source_name`.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub fn over(lists: Lists, source_name: &str, base: &Settings, set: &Overrides) -> Result<Sweep, InputError> {
+        let Lists { kind, axes, cue, replicates, seed, lineage } = lists;
+        let listed = |(parameter, list)| AxisDocument { parameter, list: Some(list), range: None, sample: None };
+        let axes = axes.into_iter().map(listed).collect();
+        let (physics, numerics) = Default::default();
+        let document = Document { kind, axes, cue, replicates, seed, physics, numerics, lineage };
+        Sweep::of(document, Path::new(""), source_name, base, set)
+    }
+
+    fn parse_in(folder: &Path, text: &str, file: &str, base: &Settings, set: &Overrides) -> Result<Sweep, InputError> {
+        let document: Document = parse_document(text, file, "a sweep file", "Sweep")?;
+        Sweep::of(document, folder, file, base, set)
+    }
+
+    fn of(
+        mut document: Document,
+        folder: &Path,
+        file: &str,
+        base: &Settings,
+        set: &Overrides,
+    ) -> Result<Sweep, InputError> {
         let mut settings = base.clone();
         std::mem::take(&mut document.physics).apply(&mut settings);
         std::mem::take(&mut document.numerics).apply(&mut settings);
@@ -255,7 +295,7 @@ impl Check<'_> {
         let quoted = matches!(value, AxisValue::Text(text) if text.parse::<f64>().is_ok());
         self.require(!quoted, place, &written, "a number without quotes")?;
         let mut trial = self.settings.clone();
-        let refused = match trial.assign(self.file, &[(name, value.text())]) {
+        let refused = match trial.assign(self.file, &[(name, value.clone())]) {
             Err(InputError::NotAllowed { allowed, .. }) => Some(allowed),
             Err(other) => return Err(other),
             Ok(()) => trial.validate(name).err().map(str::to_owned),

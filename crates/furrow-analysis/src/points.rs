@@ -1,30 +1,9 @@
 //! Axes, their values, and the points they span.
 
-use std::borrow::Cow;
-
+/// A value of an axis: a number, or a word where the parameter takes words; a cue as users write it.
+pub use furrow_cell::settings::Value as AxisValue;
 use furrow_cell::{Cue, Parameter};
 use furrow_mechanics::division::DivisionInput;
-use serde::{Deserialize, Serialize};
-
-/// A value of an axis: a number, or a word where the parameter takes words.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected a number, or a word in quotes")]
-pub enum AxisValue {
-    /// A number.
-    Number(f64),
-    /// A word, or a cue as users write it.
-    Text(String),
-}
-
-impl AxisValue {
-    /// As it is set by name.
-    pub fn text(&self) -> Cow<'_, str> {
-        match self {
-            AxisValue::Number(value) => Cow::Owned(value.to_string()),
-            AxisValue::Text(text) => Cow::Borrowed(text),
-        }
-    }
-}
 
 /// What an axis sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

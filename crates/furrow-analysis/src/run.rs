@@ -38,12 +38,12 @@ pub struct SweepProgress {
 /// use std::sync::atomic::AtomicBool;
 ///
 /// use furrow_lineage::batch::{Memo, Quantisation};
-/// use furrow_cell::settings::Settings;
+/// use furrow_cell::settings::{Overrides, Settings};
 /// use furrow_analysis::table::csv_text;
 /// use furrow_analysis::{Run, Sweep};
 ///
 /// let text = r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5, 1.6])])"#;
-/// let sweep = Sweep::parse(text, "small.ron", &Settings::default(), &[])?;
+/// let sweep = Sweep::parse(text, "small.ron", &Settings::default(), &Overrides::default())?;
 /// let (memo, cancel) = (Memo::new(Quantisation::DEFAULT), AtomicBool::new(false));
 /// let solved = Run::new(&sweep, &memo, &cancel).solve()?;
 /// let csv = csv_text(&sweep.columns(), &solved.rows);

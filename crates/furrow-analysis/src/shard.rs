@@ -30,6 +30,17 @@ pub struct Shard {
 }
 
 impl Shard {
+    /// Part `number` of `of`.
+    ///
+    /// # Errors
+    /// What is allowed.
+    pub fn new(number: u64, of: u64) -> Result<Shard, String> {
+        match (1..=of).contains(&number) && of <= MOST {
+            true => Ok(Shard { number, of }),
+            false => Err(allowed()),
+        }
+    }
+
     /// Whether a point belongs to this part.
     pub fn has(self, point: &Point, quantisation: Quantisation) -> bool {
         let mut canonical = point.input.clone();
@@ -42,13 +53,18 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Shard, String> {
-        let read = || {
+        let numbers = || {
             let (number, of) = text.split_once('/')?;
-            let shard = Shard { number: number.trim().parse().ok()?, of: of.trim().parse().ok()? };
-            ((1..=shard.of).contains(&shard.number) && shard.of <= MOST).then_some(shard)
+            Some((number.trim().parse().ok()?, of.trim().parse().ok()?))
         };
-        read().ok_or_else(|| format!("must be K/N with 1 ≤ K ≤ N ≤ {MOST}, as 2/4"))
+        let (number, of) = numbers().ok_or_else(allowed)?;
+        Shard::new(number, of)
     }
+}
+
+/// What a part may be.
+fn allowed() -> String {
+    format!("must be K/N with 1 ≤ K ≤ N ≤ {MOST}, as 2/4")
 }
 
 impl std::fmt::Display for Shard {

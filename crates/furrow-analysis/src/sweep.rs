@@ -22,17 +22,27 @@ pub enum Kind {
     Critical,
 }
 
+impl Kind {
+    /// Every kind by its name.
+    pub const NAMED: [(&str, Kind); 4] = [
+        ("division", Kind::Division),
+        ("tree", Kind::Tree),
+        ("pitchfork", Kind::Pitchfork),
+        ("critical", Kind::Critical),
+    ];
+}
+
 /// A sweep as its file gives it, checked: [`Sweep::parse`] has found every value allowed by itself.
 ///
 /// ```
-/// use furrow_cell::settings::Settings;
+/// use furrow_cell::settings::{Overrides, Settings};
 /// use furrow_analysis::Sweep;
 ///
 /// let text = r#"Sweep(kind: division, axes: [
 ///     (parameter: "r0", range: (from: 2, to: 3, count: 5)),
 ///     (parameter: "scheme", list: ["converged", "published"]),
 /// ])"#;
-/// let sweep = Sweep::parse(text, "sizes.ron", &Settings::default(), &[])?;
+/// let sweep = Sweep::parse(text, "sizes.ron", &Settings::default(), &Overrides::default())?;
 /// assert_eq!(sweep.points(), 10);
 /// assert_eq!(sweep.point(2).input.cell.r0, 2.25);
 /// # Ok::<(), furrow_input::InputError>(())
@@ -92,11 +102,11 @@ impl Sweep {
         let (mut pairs, mut seed) = (Vec::new(), self.seed);
         for (axis, place) in places.clone() {
             match axis.target {
-                Target::Field(name) => pairs.push((name, axis.values[place].text())),
+                Target::Field(name) => pairs.push((name, axis.values[place].clone())),
                 Target::Cue => cue = axis.cues[place].clone(),
                 Target::CueNumber(_) => {}
                 // A whole number: the file was checked.
-                Target::Seed => seed = axis.values[place].text().parse().unwrap_or(seed),
+                Target::Seed => seed = axis.values[place].number().map_or(seed, |number| number as u64),
             }
         }
         let set = settings.assign(&self.file, &pairs);

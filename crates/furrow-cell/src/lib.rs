@@ -14,6 +14,7 @@ pub mod material;
 pub mod numerics;
 pub mod parameter;
 pub mod settings;
+mod value;
 
 pub use cue::{Cue, CueError};
 pub use material::{Material, RigidityGradient, Shell};

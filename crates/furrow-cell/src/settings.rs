@@ -4,6 +4,8 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use crate::value::Kind;
+pub use crate::value::Value;
 use crate::{Cell, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ZYGOTE};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 
@@ -35,8 +37,8 @@ pub fn presets() -> impl Iterator<Item = &'static str> {
     PRESETS.into_iter().map(|(name, _)| name)
 }
 
-/// A setter takes the text of a value and says what is allowed if it cannot be read.
-type Set = fn(&mut Settings, &str) -> Result<(), &'static str>;
+/// A setter says what is allowed if a value is of another kind.
+type Set = fn(&mut Settings, &Value) -> Result<(), &'static str>;
 /// A check gives the offending value and what is allowed.
 type Valid = fn(&Settings) -> Option<(String, &'static str)>;
 
@@ -46,7 +48,7 @@ struct Field {
     aliases: &'static [&'static str],
     set: Set,
     valid: Valid,
-    show: fn(&Settings) -> String,
+    get: fn(&Settings) -> Value,
     /// The [`Parameter`] of this field, if it has one.
     parameter: &'static [Number],
 }
@@ -94,9 +96,9 @@ macro_rules! fields {
                 section: stringify!($section),
                 name: stringify!($name),
                 aliases: &[$($($alias),*)?],
-                set: |settings, text| {
+                set: |settings, value| {
                     let $part = &mut settings.$part;
-                    $place = text.parse::<$kind>().map_err(|_| $allowed)?;
+                    $place = <$kind as Kind>::of(value).ok_or($allowed)?;
                     Ok(())
                 },
                 valid: |settings| {
@@ -105,9 +107,9 @@ macro_rules! fields {
                     let ok: bool = $ok;
                     (!ok).then(|| ($v.to_string(), $allowed))
                 },
-                show: |settings| {
+                get: |settings| {
                     let $part = &settings.$part;
-                    $place.to_string()
+                    Kind::value($place)
                 },
                 parameter: &[$(Number {
                     parameter: Parameter::$parameter,
@@ -213,36 +215,34 @@ impl Settings {
     }
 
     /// Applies and checks `key=value` settings, in order; `xi_b` last.
+    ///
+    /// # Errors
+    /// Names the key, its value and what is allowed.
     pub fn apply_overrides(&mut self, overrides: &[String]) -> Result<(), InputError> {
-        self.override_fields(overrides)?;
+        self.override_fields(&Overrides::read(overrides)?)?;
         self.check(OVERRIDES)
     }
 
-    /// Applies `key=value` settings and checks each field by itself: of what is varied afterwards not all is known yet.
-    pub fn override_fields(&mut self, overrides: &[String]) -> Result<(), InputError> {
-        let mut pairs = Vec::new();
-        for entry in overrides {
-            let bare = || InputError::not_allowed(OVERRIDES, "setting", format!("{entry:?}"), "of the form key=value");
-            let (key, value) = entry.split_once('=').ok_or_else(bare)?;
-            let refuse = |allowed| InputError::not_allowed(OVERRIDES, "key", shown(key.trim()), allowed);
-            pairs.push((canonical_name(key.trim()).map_err(refuse)?, value.trim()));
-        }
-        self.assign(OVERRIDES, &pairs)?;
-        self.check_fields(OVERRIDES)
-    }
-
-    /// Sets fields by their [canonical names](canonical_name) to values given as text, in order; `xi_b` last, from the ξ_s that
-    /// is then in force. Whether the values are allowed is left to [`check`](Self::check).
+    /// Applies settings and checks each field by itself: of what is varied afterwards not all is known yet.
     ///
     /// # Errors
-    /// A text that is no value of its field; errors say it came from `source_name`.
-    pub fn assign<T: AsRef<str>>(&mut self, source_name: &str, pairs: &[(&str, T)]) -> Result<(), InputError> {
+    /// Names the key, its value and what is allowed.
+    pub fn override_fields(&mut self, Overrides { source_name, pairs }: &Overrides) -> Result<(), InputError> {
+        self.assign(source_name, pairs)?;
+        self.check_fields(source_name)
+    }
+
+    /// Sets fields by their [canonical names](canonical_name), in order; `xi_b` last, from the ξ_s that is then in force.
+    /// Whether the values are allowed is left to [`check`](Self::check).
+    ///
+    /// # Errors
+    /// A value of another kind than its field; errors say it came from `source_name`.
+    pub fn assign(&mut self, source_name: &str, pairs: &[(&str, Value)]) -> Result<(), InputError> {
         let mut xi_b = None;
         for (name, value) in pairs {
-            let value = value.as_ref();
             let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
             if *name == XI_B {
-                let read = value.parse::<f64>().ok().filter(|v| v.is_finite());
+                let read = value.number().filter(|v| v.is_finite());
                 xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
             } else if let Some(field) = Field::named(name) {
                 (field.set)(self, value).map_err(refuse)?;
@@ -261,7 +261,7 @@ impl Settings {
 
     /// Sets one number by the name of its field and checks it; errors say it came from `source_name`.
     pub fn set_number(&mut self, source_name: &str, name: &str, value: f64) -> Result<(), InputError> {
-        let set = Field::named(name).map_or(Ok(()), |field| (field.set)(self, &value.to_string()));
+        let set = Field::named(name).map_or(Ok(()), |field| (field.set)(self, &Value::Number(value)));
         let checked = set.and_then(|()| self.validate(name));
         checked.map_err(|allowed| InputError::not_allowed(source_name, name, value, allowed))
     }
@@ -363,6 +363,31 @@ fn four_digits(value: f64) -> f64 {
 /// What errors call settings of the form `key=value`.
 const OVERRIDES: &str = "--set";
 
+/// Parameters that come after those of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// What errors call their source.
+    pub source_name: &'static str,
+    /// Their [canonical names](canonical_name) and values, in the order in which they are set.
+    pub pairs: Vec<(&'static str, Value)>,
+}
+
+impl Overrides {
+    /// Those of `--set`, each of the form `key=value`.
+    ///
+    /// # Errors
+    /// An entry of another form, or an unknown key.
+    pub fn read(entries: &[String]) -> Result<Overrides, InputError> {
+        let pair = |entry: &String| {
+            let bare = || InputError::not_allowed(OVERRIDES, "setting", format!("{entry:?}"), "of the form key=value");
+            let (key, value) = entry.split_once('=').ok_or_else(bare)?;
+            let refuse = |allowed| InputError::not_allowed(OVERRIDES, "key", shown(key.trim()), allowed);
+            Ok((canonical_name(key.trim()).map_err(refuse)?, Value::Text(value.trim().to_owned())))
+        };
+        Ok(Overrides { source_name: OVERRIDES, pairs: entries.iter().map(pair).collect::<Result<_, InputError>>()? })
+    }
+}
+
 /// The rows of the table that are parameters, each with its name and aliases.
 pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static str, &'static [&'static str])> {
     FIELDS.iter().flat_map(|field| field.parameter.iter().map(|number| (number, field.name, field.aliases)))
@@ -418,8 +443,8 @@ const MOST_INTERVALS: usize = 4096;
 const STRESS: [f64; 2] = [-150.0, 75.0];
 
 /// Every parameter by its name and value, by section: for reports.
-pub fn listing(settings: &Settings) -> Vec<(&'static str, &'static str, String)> {
-    FIELDS.iter().map(|field| (field.section, field.name, (field.show)(settings))).collect()
+pub fn listing(settings: &Settings) -> Vec<(&'static str, &'static str, Value)> {
+    FIELDS.iter().map(|field| (field.section, field.name, (field.get)(settings))).collect()
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use furrow_input::InputError;
 use serde::Serialize;
 
 use crate::names::{birth, generation};
@@ -64,6 +65,22 @@ pub struct Divisions {
     pub divisions: Vec<Division>,
     /// Those with only one.
     pub half_seen: Vec<HalfSeen>,
+}
+
+impl Divisions {
+    /// Leaves the divisions with both daughters of these populations, which are the groups of a table of divisions.
+    ///
+    /// # Errors
+    /// A population that has no such division; errors say the name came from `source_name`.
+    pub fn keep_populations(&mut self, source_name: &str, wanted: &[String]) -> Result<(), InputError> {
+        let known: BTreeSet<&str> = self.divisions.iter().map(|division| division.group.as_str()).collect();
+        if let Some(name) = wanted.iter().find(|name| !known.contains(name.trim())) {
+            let allowed = format!("populations of the tables: {}", Vec::from_iter(known).join(", "));
+            return Err(InputError::not_allowed(source_name, "population", name, allowed));
+        }
+        self.divisions.retain(|division| wanted.iter().any(|name| name.trim() == division.group));
+        Ok(())
+    }
 }
 
 /// All divisions of all embryos.

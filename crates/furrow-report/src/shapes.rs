@@ -6,6 +6,7 @@
 use serde_json::{Value, json};
 
 use furrow_mechanics::azimuthal::mode::Mode;
+use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
 use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
 use furrow_mechanics::stability::{GrowthRate, Spectrum};
 
@@ -73,4 +74,10 @@ pub fn event_report(branch: &str, event: &BranchEvent) -> Value {
         report["maximum"] = json!(fold.maximum);
     }
     report
+}
+
+/// Where the growth rate of disturbances cos mφ changes sign on the branch of this name, and whether they grow beyond, along the
+/// branch.
+pub fn crossing_report(branch: &str, Crossing { m, point, grows }: &Crossing) -> Value {
+    json!({ "branch": branch, "m": m, "xi_s": point.xi_s, "H": point.elongation, "grows_beyond": grows })
 }

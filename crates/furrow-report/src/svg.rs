@@ -329,12 +329,28 @@ fn times_text(CellTimes { birth_min, division_min }: CellTimes) -> String {
     format!("; born at {birth_min:.1} min{divides}")
 }
 
-/// A founder's name beside its disc, on the side away from its mother, with the asymmetry of its division.
+/// Widest line of a founder's label.
+const LABEL: f64 = 40.0;
+
+/// The side of a founder's label, 1 for the right: away from its mother, unless the next cell is in its way there alone.
+fn label_side(tree: &Tree, node: CellId, layout: &Layout, x: f64, wanted: f64) -> f64 {
+    let y = y_of(node, layout);
+    let beside = |other: &CellId| *other != node && (y_of(*other, layout) - y).abs() < LINE;
+    let room = |side: f64| {
+        let others = tree.cells().filter(beside).filter_map(|other| layout.x[other.index()]);
+        others.map(|other| side * (other - x)).filter(|gap| *gap > 0.0).fold(f64::INFINITY, f64::min)
+    };
+    let mother = tree.mother(node).and_then(|mother| layout.x[mother.index()]);
+    let side = if mother.is_some_and(|mother| x < mother) { -1.0 } else { 1.0 };
+    if room(side) < wanted && room(-side) >= wanted { -side } else { side }
+}
+
+/// A founder's name beside its disc, with the asymmetry of its division.
 fn label(tree: &Tree, node: CellId, layout: &Layout, colour: &str) -> Option<String> {
     let (cell, x) = (tree.cell(node), layout.x[node.index()]?);
-    let mother = tree.mother(node).and_then(|m| layout.x[m.index()]);
     let away = disc_radius(tree, cell.r0, layout) + 5.0;
-    let (x, anchor) = if mother.is_some_and(|m| x < m) { (x - away, "end") } else { (x + away, "start") };
+    let side = label_side(tree, node, layout, x, away + LABEL);
+    let (x, anchor) = (x + side * away, if side < 0.0 { "end" } else { "start" });
     let y = y_of(node, layout) - 5.0;
     // A white copy underneath keeps the text clear of lines.
     let halo = r##"fill="#fff" stroke="#fff" stroke-width="4" stroke-linejoin="round""##.to_owned();

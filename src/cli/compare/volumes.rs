@@ -27,7 +27,6 @@ use furrow_input::{InputError, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 use plot::comparison::{self, Comparison};
 use serde_json::json;
-use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -276,26 +275,10 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     }
     let mut found = divisions(&volumes);
     if let Some(wanted) = &args.population {
-        keep_populations(&mut found.divisions, wanted)?;
+        found.keep_populations("--population", wanted)?;
     }
     let groups = summaries(&found.divisions);
     Ok(Measured { source: None, volumes, found, groups })
-}
-
-/// Leaves the divisions of the populations asked for.
-fn keep_populations(divisions: &mut Vec<Division>, wanted: &[String]) -> Result<(), InputError> {
-    let known: BTreeSet<String> = divisions.iter().map(|division| division.group.clone()).collect();
-    let unknown = wanted.iter().find(|name| !known.contains(name.trim()));
-    let allowed = format!("populations of the tables: {}", Vec::from_iter(known.clone()).join(", "));
-    InputError::require(
-        unknown.is_none(),
-        "--population",
-        "population",
-        unknown.cloned().unwrap_or_default(),
-        allowed,
-    )?;
-    divisions.retain(|division| wanted.iter().any(|name| name.trim() == division.group));
-    Ok(())
 }
 
 /// The regressions asked for: of named groups, or of two conditions.

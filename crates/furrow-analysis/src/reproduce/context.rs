@@ -3,7 +3,7 @@
 use super::paper::Statement;
 use crate::diagram::Edges;
 use crate::{Row, Run, Sweep};
-use furrow_cell::settings::Settings;
+use furrow_cell::settings::{Overrides, Settings};
 use furrow_cell::{Cell, Cue, Numerics, Scheme, ZYGOTE};
 use furrow_input::InputError;
 use furrow_lineage::batch::{
@@ -237,7 +237,7 @@ impl<'a> Figure<'a> {
         let context = self.context;
         // Keys that the sweep does not set keep the values of the paper's zygote.
         let base = Settings { cell: context.cell(ZYGOTE, PUBLISHED_CONFINEMENT), ..context.settings.clone() };
-        let sweep = Sweep::parse(text, file, &base, &[])?;
+        let sweep = Sweep::parse(text, file, &base, &Overrides::default())?;
         let solved = Run { threads: context.threads, ..Run::new(&sweep, context.memo, context.cancel) }.solve()?;
         self.warnings.extend(solved.warnings);
         if solved.interrupted {

@@ -1,5 +1,6 @@
 //! The constants of the chemistry, by name, and its uniform states.
 
+use furrow_cell::settings::Value;
 use furrow_input::{InputError, did_you_mean};
 use serde::{Deserialize, Serialize};
 
@@ -108,12 +109,19 @@ impl ParConstants {
         let Some((name, value)) = text.split_once('=') else {
             return Err(InputError::not_allowed(place, "par", text, "KEY=VALUE, as in k_ap=0.19"));
         };
-        let (name, value) = (name.trim(), value.trim());
-        if name == PSI && value == "shape" {
+        self.assign(place, name.trim(), &Value::Text(value.trim().to_owned()))
+    }
+
+    /// Sets one constant by its name; `place` is what errors call the value's source.
+    ///
+    /// # Errors
+    /// Names the constant, its value and what is allowed.
+    pub fn assign(&mut self, place: &str, name: &str, value: &Value) -> Result<(), InputError> {
+        if name == PSI && value.text() == "shape" {
             self.surface_to_volume = SurfaceToVolume::Shape;
             return Ok(());
         }
-        let number = value.parse().ok().filter(|number: &f64| number.is_finite());
+        let number = value.number().filter(|number| number.is_finite());
         if name == PSI {
             let allowed = "shape, or a finite number above 0";
             let refused = || InputError::not_allowed(place, name, value, allowed);

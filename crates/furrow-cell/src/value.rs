@@ -1,0 +1,115 @@
+//! The value of a parameter as users give it.
+
+use std::borrow::Cow;
+use std::fmt::{Display, Formatter};
+
+use serde::{Deserialize, Serialize};
+
+use crate::{RigidityGradient, Scheme};
+
+/// A number, or a text: a word where the parameter takes words, or what `--set` has after the `=`, which may be a number too.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected a number, or a word in quotes")]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+}
+
+impl Value {
+    /// As it is written.
+    pub fn text(&self) -> Cow<'_, str> {
+        match self {
+            Value::Number(number) => Cow::Owned(number.to_string()),
+            Value::Text(text) => Cow::Borrowed(text),
+        }
+    }
+
+    /// The number that it is, or that its text says.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Value::Number(number) => Some(*number),
+            Value::Text(text) => text.parse().ok(),
+        }
+    }
+}
+
+impl Display for Value {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text())
+    }
+}
+
+/// A kind of parameter.
+pub(crate) trait Kind: Sized {
+    /// What a value means, if it is of this kind.
+    fn of(value: &Value) -> Option<Self>;
+    /// As a value.
+    fn value(self) -> Value;
+}
+
+impl Kind for f64 {
+    fn of(value: &Value) -> Option<f64> {
+        value.number()
+    }
+
+    fn value(self) -> Value {
+        Value::Number(self)
+    }
+}
+
+impl Kind for usize {
+    fn of(value: &Value) -> Option<usize> {
+        match value {
+            Value::Number(number) => {
+                let whole = number.fract() == 0.0 && (0.0..=2f64.powi(53)).contains(number);
+                whole.then_some(*number as usize)
+            }
+            Value::Text(text) => text.parse().ok(),
+        }
+    }
+
+    fn value(self) -> Value {
+        Value::Number(self as f64)
+    }
+}
+
+/// Kinds whose values are words.
+macro_rules! words {
+    ($($kind:ty),*) => {$(
+        impl Kind for $kind {
+            fn of(value: &Value) -> Option<$kind> {
+                match value {
+                    Value::Number(_) => None,
+                    Value::Text(word) => word.parse().ok(),
+                }
+            }
+
+            fn value(self) -> Value {
+                Value::Text(self.to_string())
+            }
+        }
+    )*};
+}
+
+words!(RigidityGradient, Scheme);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_take_numbers_as_they_are_and_words_as_text() {
+        let third = Value::Number(1.0 / 3.0);
+        assert_eq!(f64::of(&third), Some(1.0 / 3.0));
+        assert_eq!(f64::of(&Value::Text("0.1".to_owned())), Some(0.1));
+        assert_eq!(usize::of(&Value::Number(64.0)), Some(64));
+        for number in [0.5, -1.0, f64::NAN, f64::INFINITY, 1e300] {
+            assert_eq!(usize::of(&Value::Number(number)), None, "{number}");
+        }
+        assert_eq!(Scheme::of(&Value::Text("published".to_owned())), Some(Scheme::Published));
+        assert_eq!(Scheme::of(&third), None);
+        assert_eq!(RigidityGradient::Full.value(), Value::Text("full".to_owned()));
+    }
+}
