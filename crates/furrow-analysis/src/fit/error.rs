@@ -17,6 +17,9 @@ pub enum FitError {
         /// Advice.
         advice: &'static str,
     },
+    /// There is nothing that a cue would change.
+    #[error("no cell of the lineage has a cue: name one for a founder, as in `cue: \"germline\"`")]
+    NoCue,
     /// It was stopped.
     #[error("interrupted after {tried} {what}")]
     Interrupted {

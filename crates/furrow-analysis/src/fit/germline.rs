@@ -375,6 +375,10 @@ pub fn fit_cue(
     cancel: &AtomicBool,
     progress: Option<ShowProgress<'_>>,
 ) -> Result<FittedCue, FitError> {
+    let by_rules = lineage.cue_rules.iter().any(|rule| rule.cue != "none");
+    if !by_rules && !(0..lineage.founders.len()).any(|founder| lineage.gives_cue(founder)) {
+        return Err(FitError::NoCue);
+    }
     let (unknowns, tried, least) = (unknowns(template), AtomicUsize::new(0), Mutex::new(f64::INFINITY));
     // A simplex asks for its corners and, in most steps, for one or two places.
     let of = effort.evaluations() + unknowns.len() + 1 + 2 * DESCENT as usize;
