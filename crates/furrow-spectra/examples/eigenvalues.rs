@@ -3,21 +3,41 @@
 
 use std::f64::consts::PI;
 
-use furrow_bvp::{Direction, LinearCondition, System, metric};
+use furrow_bvp::{
+    Auto, BoundaryValueProblem, Dimensions, Direction, Equations, LinearCondition, Number, Solution, System, mesh,
+    metric,
+};
 use furrow_spectra::{Arnoldi, Krylov};
 
-#[path = "../../furrow-bvp/examples/problems/oscillator.rs"]
-mod oscillator;
+/// u″ + λu = 0, u(0) = u(1) = 0 as y = (u, u′), p = λ.
+#[derive(Clone)]
+struct Oscillation;
 
-use oscillator::{Force, Oscillator};
+impl Equations for Oscillation {
+    fn dimensions(&self) -> Dimensions {
+        Dimensions { components: 2, scalars: 1, left: 1, right: 1, ..Dimensions::default() }
+    }
+
+    fn rhs<D: Number>(&self, _x: f64, y: &[D], p: &[D], f: &mut [D]) {
+        (f[0], f[1]) = (y[1], -p[0] * y[0]);
+    }
+
+    fn left<D: Number>(&self, y: &[D], _p: &[D], r: &mut [D]) {
+        r[0] = y[0];
+    }
+
+    fn right<D: Number>(&self, y: &[D], _p: &[D], r: &mut [D]) {
+        r[0] = y[0];
+    }
+}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // u″ + λu = 0 about λ = 0, held there by a linear condition.
-    let mut problem = Oscillator { force: Force::Of(|u| [u, 1.0, 0.0, 0.0]), right: 0 };
-    let y = problem.zero(1.0, 20, 4, 0.0);
+    // About λ = 0, held there by a linear condition.
+    let mut problem = Auto(Oscillation);
+    let y = Solution::constant(4, &mesh::uniform(0.0, 1.0, 20), &[0.0, 0.0], &[0.0]);
     let mut fixed = vec![LinearCondition::default()];
     metric::scalar_condition(&y, 0, 0.0, &mut fixed[0]);
-    let mut system = System::new(furrow_bvp::BoundaryValueProblem::dimensions(&problem), y.m);
+    let mut system = System::new(problem.dimensions(), y.m);
     system.evaluate(&mut problem, &y, &fixed, true);
     system.condense()?;
     system.factor_blocks(&fixed)?;
