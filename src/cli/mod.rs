@@ -30,7 +30,7 @@ mod sweep;
 mod tree;
 mod vary;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{Args as _, CommandFactory, FromArgMatches, Parser, Subcommand};
 use context::{Context, Globals};
 pub use error::CliError;
 use std::process::ExitCode;
@@ -144,7 +144,7 @@ pub fn command() -> clap::Command {
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
 pub fn main() -> ExitCode {
     survive_full_disks();
-    let done = match Cli::try_parse() {
+    let done = match parse() {
         Ok(cli) => run(cli),
         Err(error) => output::print_usage(&error),
     };
@@ -159,6 +159,22 @@ pub fn main() -> ExitCode {
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// Reads the arguments. clap copies the options of all commands into each command it knows: where the first argument names one,
+/// it gets to know that one alone.
+fn parse() -> Result<Cli, clap::Error> {
+    let whole = Cli::command();
+    let chosen = std::env::args_os().nth(1).and_then(|name| whole.find_subcommand(name).cloned());
+    let mut command = match chosen {
+        Some(chosen) => Globals::augment_args(clap::Command::new("furrow").version(env!("CARGO_PKG_VERSION")))
+            .propagate_version(true)
+            .subcommand_required(true)
+            .subcommand(chosen),
+        None => whole,
+    };
+    let mut matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    Cli::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
 }
 
 /// Makes a write beyond the limit on file sizes fail like one to a full disk. Without a handler the signal would kill the process,

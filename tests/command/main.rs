@@ -1,4 +1,4 @@
-//! The command line: sessions, errors, what Ctrl-C does, hostile files, readers of exports, and the page.
+//! The command line: sessions, help, errors, what Ctrl-C does, hostile files, readers of exports, and the page.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -11,3 +11,4 @@ mod page;
 mod readers;
 mod sessions;
 mod stored_boundary;
+mod usage;
