@@ -4,6 +4,7 @@ use super::cell::set;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt::write_deferred;
+use super::messages;
 use super::output::{number, print_as, records_csv, to_json, writable_file};
 use super::picture::PlotArgs;
 use super::steady::MOST_AZIMUTHAL;
@@ -72,7 +73,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     let options =
         BoundaryOptions { folds: !args.no_folds, critical: args.critical, azimuthal: args.azimuthal.map(usize::from) };
     let found = boundary(cell, numerics, *parameter, *range, options)?;
-    found.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    found.warnings.iter().for_each(|warning| messages::warning!("{warning}"));
     let named = found.named();
     if let Some(file) = &args.csv {
         let rows = named.iter().map(|(name, p)| point_document(name.as_str(), p));

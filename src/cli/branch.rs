@@ -3,6 +3,7 @@
 use super::cell::{CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
+use super::messages;
 use super::output::{filled, number, print_as, records_csv, writable_file};
 use super::picture::PlotArgs;
 use super::steady::MOST_AZIMUTHAL;
@@ -85,7 +86,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let found = diagram(&cell, &context.settings.numerics, &options)?;
-    found.unknown_rates().iter().for_each(|warning| tracing::warn!("{warning}"));
+    found.unknown_rates().iter().for_each(|warning| messages::warning!("{warning}"));
     let document = document(&cell, &found);
     if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
         write_atomically(file, &records_csv(HEADER, points)?)?;
@@ -120,7 +121,7 @@ fn document(cell: &Cell, found: &Diagram) -> Value {
     }
     let stopped = |name: &'static str, branch: &Branch| {
         let reason = branch.ended.error();
-        reason.iter().for_each(|reason| tracing::warn!("the {name} branch is followed no further: {reason}"));
+        reason.iter().for_each(|reason| messages::warning!("the {name} branch is followed no further: {reason}"));
         Vec::from_iter(reason.map(|reason| reason.to_string().into()))
     };
     let mut document = json!({

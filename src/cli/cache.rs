@@ -1,7 +1,8 @@
 //! `furrow cache`: inspects, verifies and clears the cache of solved divisions.
 
-use super::context::{Globals, cache_folder, start_logs};
+use super::context::{Globals, cache_folder};
 use super::error::CliError;
+use super::messages;
 use super::output::print_as;
 use clap::{Args, Subcommand};
 use furrow_lineage::batch::store::maintenance;
@@ -33,7 +34,7 @@ enum Action {
 }
 
 pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
-    start_logs(globals);
+    messages::set_level(globals);
     let folder = cache_folder(globals)?;
     let report = match args.action {
         Action::Verify { repair: true } => maintenance::repair(&folder)?,

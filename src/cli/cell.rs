@@ -1,5 +1,6 @@
 //! Options that name one cell.
 
+use super::messages;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -67,7 +68,7 @@ impl CueArgs {
 pub fn load_lineage(file: Option<&Path>) -> Result<Lineage, InputError> {
     let lineage = Lineage::load(file)?;
     let place = || file.map_or(String::new(), |file| format!("{}: ", file.display()));
-    lineage.doubtful_radii().iter().for_each(|doubt| tracing::warn!("{}{doubt}", place()));
+    lineage.doubtful_radii().iter().for_each(|doubt| messages::warning!("{}{doubt}", place()));
     Ok(lineage)
 }
 

@@ -2,7 +2,8 @@
 
 use super::error::CliError;
 use super::interrupt;
-use super::output::{Stderr, number};
+use super::messages;
+use super::output::number;
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use furrow_cell::settings::{self, Settings};
@@ -92,7 +93,7 @@ pub struct Context {
 impl Context {
     /// Reads and checks the global options.
     pub fn new(globals: &Globals) -> Result<Context, CliError> {
-        start_logs(globals);
+        messages::set_level(globals);
         let settings = Settings::load(&globals.preset, globals.config.as_deref(), &globals.set)?;
         let quantisation = match globals.r0_step {
             None => Quantisation::DEFAULT,
@@ -124,7 +125,7 @@ impl Context {
             // A folder the user named must work.
             Err(error) if self.globals.cache.is_some() => Err(error),
             Err(error) => {
-                tracing::warn!("the cache is disabled, solved divisions are not kept: {error}");
+                messages::warning!("the cache is disabled, solved divisions are not kept: {error}");
                 Ok(memo)
             }
         }
@@ -143,7 +144,7 @@ impl Context {
 
 /// Logs warnings of the cache.
 pub fn warn_of_store(warnings: &[StoreWarning]) {
-    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    warnings.iter().for_each(|warning| messages::warning!("{warning}"));
 }
 
 /// The cache folder in force: the one named, else `cache` in the working folder if there is one, else the user's.
@@ -158,23 +159,4 @@ pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
             Err(error) => Err(CliError::NoCacheFolder(error.to_string())),
         },
     }
-}
-
-/// Sends logs to stderr, by default warnings and errors.
-pub fn start_logs(globals: &Globals) {
-    use tracing::level_filters::LevelFilter;
-    let level = match (globals.quiet, globals.verbose) {
-        (true, _) => LevelFilter::ERROR,
-        (_, 0) => LevelFilter::WARN,
-        (_, 1) => LevelFilter::INFO,
-        _ => LevelFilter::DEBUG,
-    };
-    let subscriber = tracing_subscriber::fmt()
-        .with_max_level(level)
-        .with_writer(|| Stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .without_time()
-        .with_target(false);
-    // Set before by whoever uses the library in-process: theirs stays.
-    let _ = subscriber.try_init();
 }

@@ -4,6 +4,7 @@ use super::cell::{ActiveCellArgs, positive};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
+use super::messages;
 use super::output::{filled, merged, number, print_as, writable_folder};
 use super::picture::{DENSE, MovieArgs, PlotArgs};
 use super::progress::ProgressLine;
@@ -252,7 +253,7 @@ fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result
         return Err(error);
     }
     for (seed, error) in &failed {
-        tracing::warn!("the replicate of seed {seed} is left out: {error}");
+        messages::warning!("the replicate of seed {seed} is left out: {error}");
     }
     Ok((solved, failed.len()))
 }

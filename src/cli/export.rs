@@ -1,8 +1,9 @@
 //! `furrow export`: a tree for other programs.
 
 use super::cell::one_of;
-use super::context::{Globals, start_logs};
+use super::context::Globals;
 use super::error::CliError;
+use super::messages;
 use super::output::{print, print_as, writable_file, writable_folder};
 use clap::Args;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, check_tree, export};
@@ -41,7 +42,7 @@ pub struct ExportArgs {
 }
 
 pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
-    start_logs(globals);
+    messages::set_level(globals);
     let (Some(file), Some(format)) = (&args.tree, args.to) else { return print(TREE_SCHEMA) };
     check(args, format, globals)?;
     let tree = read_tree(file)?;

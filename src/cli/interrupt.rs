@@ -1,6 +1,7 @@
 //! What Ctrl-C does: it stops the command at once, unless the command finishes divisions that have begun.
 
 use super::error::CliError;
+use super::messages::{self, Level};
 use super::output::eprint;
 use furrow_formats::write_atomically;
 use std::path::Path;
@@ -28,7 +29,7 @@ pub fn listen() {
 
 fn set_handler() {
     if let Err(error) = on_interrupt(interrupt) {
-        tracing::debug!("Ctrl-C will stop without a message: {error}");
+        messages::write(Level::Debug, format_args!("Ctrl-C will stop without a message: {error}"));
     }
 }
 

@@ -1,7 +1,8 @@
 //! `furrow merge`: the parts of a sweep put together.
 
-use super::context::{Globals, start_logs};
+use super::context::Globals;
 use super::error::CliError;
+use super::messages;
 use super::output::{print_as, writable_folder};
 use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
@@ -24,7 +25,7 @@ pub struct MergeArgs {
 }
 
 pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
-    start_logs(globals);
+    messages::set_level(globals);
     // The merged files would overwrite the part.
     let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
     for part in &args.parts {

@@ -16,6 +16,7 @@ mod export;
 mod fit;
 mod interrupt;
 mod merge;
+mod messages;
 mod new_lineage;
 mod output;
 mod phase;

@@ -29,22 +29,12 @@ pub fn print(text: &str) -> Result<(), CliError> {
 
 /// Writes a message to stderr. `eprintln!` panics where stderr is full or closed, before the run has written its files.
 pub fn eprint(text: &str) {
-    let _ = Stderr.write_all(format!("furrow: {text}\n").as_bytes());
+    write_error(&format!("furrow: {text}\n"));
 }
 
-/// Stderr for logs; writing always succeeds.
-pub struct Stderr;
-
-impl Write for Stderr {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // In one call, so that lines of several threads do not mix.
-        let _ = io::stderr().lock().write_all(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+/// Writes to stderr in one call, so that lines of several threads do not mix.
+pub fn write_error(text: &str) {
+    let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Prints what clap reports: help and version go to stdout, usage errors are bad input.

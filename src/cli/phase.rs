@@ -3,6 +3,7 @@
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
+use super::messages;
 use super::output::{number, print_as};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
@@ -71,7 +72,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     let azimuthal = args.azimuthal.map_or(0, usize::from);
     picture.write(|| {
         let (edges, warnings) = edges(&plane, azimuthal);
-        warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+        warnings.iter().for_each(|warning| messages::warning!("{warning}"));
         plot::phase::draw(&plane, &diagram, &edges)
     })?;
     let (vary, cue) = (parameter.to_string(), &plane.cell.cue);
@@ -95,11 +96,11 @@ fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError
     warn_of_store(&diagram.summary.warnings);
     if let Some((failure, count)) = &diagram.undecided {
         let others = if *count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };
-        tracing::warn!("left undecided: {failure}{others}");
+        messages::warning!("left undecided: {failure}{others}");
     }
     for column in &diagram.columns {
         if let Some(error) = &column.error {
-            tracing::warn!("no edges at {} = {}, left to divisions: {error}", plane.parameter, column.x);
+            messages::warning!("no edges at {} = {}, left to divisions: {error}", plane.parameter, column.x);
         }
     }
     if diagram.summary.interrupted { Err(CliError::Interrupted) } else { Ok(diagram) }

@@ -3,6 +3,7 @@
 use super::cell::{length, load_lineage, natural, one_of, positive, set};
 use super::context::Context;
 use super::error::CliError;
+use super::messages;
 use super::output::{number, print_as, records_csv, writable_file};
 use clap::Args;
 use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
@@ -85,7 +86,7 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     let found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
     for cell in &found.cells {
         if let Err(error) = &cell.division {
-            tracing::warn!("{}: {error}", name(cell));
+            messages::warning!("{}: {error}", name(cell));
         }
     }
     if let Some(file) = &args.out {

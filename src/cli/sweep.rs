@@ -3,6 +3,7 @@
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
+use super::messages;
 use super::output::{filled, print_as, writable_folder};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
@@ -42,7 +43,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
-    sweep.lineage.doubtful_radii().iter().for_each(|doubt| tracing::warn!("{doubt}"));
+    sweep.lineage.doubtful_radii().iter().for_each(|doubt| messages::warning!("{doubt}"));
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;
     let memo = context.memo()?;
@@ -56,20 +57,20 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let mut found = found?;
     warn_of_store(&found.warnings);
     if found.interrupted {
-        tracing::warn!("finished rows are kept in {}; the same command resumes the sweep", args.out.display());
+        messages::warning!("finished rows are kept in {}; the same command resumes the sweep", args.out.display());
         return Err(CliError::Interrupted);
     }
     let undecided = found.undecided().count();
     if let Some(first) = found.undecided().next() {
         let (of, index, why) = (found.rows.len(), first.index, first.why.as_deref().unwrap_or_default());
-        tracing::warn!(
+        messages::warning!(
             "{undecided} of {of} points are undecided, wholly or in part; the first has index {index}: {why}"
         );
     }
     let table = SweepTable::new(&sweep, quantisation, shard, std::mem::take(&mut found.rows));
     interrupt::defer(|| {
         table.write(&args.out)?;
-        journal.finish().unwrap_or_else(|error| tracing::warn!("the file of finished rows: {error}"));
+        journal.finish().unwrap_or_else(|error| messages::warning!("the file of finished rows: {error}"));
         Ok::<_, WriteError>(())
     })?;
     picture.write(|| plot::sweep::draw(&sweep, &table.rows))?;

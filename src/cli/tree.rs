@@ -4,6 +4,7 @@ use super::cell::{FirstCellArgs, load_lineage, one_of};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
+use super::messages::{self, Level};
 use super::output::{filled, merged, print_as, to_json, writable_folder};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
@@ -332,10 +333,14 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
     });
     for (k, (cell, why)) in undecided.enumerate() {
         if k == MOST_WARNINGS {
-            tracing::warn!("{place}further cells are undecided: see tree.json");
+            messages::warning!("{place}further cells are undecided: see tree.json");
             return;
         }
-        tracing::warn!("{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
+        messages::warning!(
+            "{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}",
+            cell.name,
+            cell.r0
+        );
     }
 }
 
@@ -347,7 +352,7 @@ fn warn_of_origin(tree: &Tree, scenario: &str) {
         && *wanted != origin
         && tree.len() > 1
     {
-        tracing::warn!(
+        messages::warning!(
             "{place}the {wanted}, minute 0 of the clock, does not take place: minutes are from the {origin}"
         );
     }
@@ -356,12 +361,15 @@ fn warn_of_origin(tree: &Tree, scenario: &str) {
 /// Logs cues without a critical radius; one warning names those whose search was given up.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     for (cue, error) in unknown {
-        tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
+        messages::write(
+            Level::Info,
+            format_args!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}"),
+        );
     }
     let given_up = unknown.iter().filter(|(_, error)| matches!(error, ShapeError::OutOfBudget { .. }));
     let given_up = given_up.map(|(cue, _)| cue.to_string()).collect::<Vec<_>>().join(" and ");
     if !given_up.is_empty() {
-        tracing::warn!(
+        messages::warning!(
             "the search for a critical radius was given up for cells with the cue {given_up}: all their divisions are computed"
         );
     }

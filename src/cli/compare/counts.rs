@@ -1,5 +1,6 @@
 //! `furrow compare counts`: rounds beside the observed ones.
 
+use super::super::messages;
 use super::trees_of;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -57,7 +58,7 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
 fn read_measured(path: &Path) -> Result<(TrackedLineage, String), InputError> {
     let lineage = read_embryo(path, &TrackOptions::default())?;
     if let Some(first) = lineage.skipped.first() {
-        tracing::warn!("{} values are not used; the first is {first}", lineage.skipped_count);
+        messages::warning!("{} values are not used; the first is {first}", lineage.skipped_count);
     }
     Ok((lineage, path.display().to_string()))
 }

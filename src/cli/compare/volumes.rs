@@ -1,5 +1,6 @@
 //! `furrow compare volumes`: size asymmetries beside the measured ones.
 
+use super::super::messages;
 use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
@@ -271,7 +272,7 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     }
     volumes.require_used(&args.files[0].display().to_string())?;
     if volumes.of_nuclei {
-        tracing::warn!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
+        messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
     }
     let mut found = divisions(&volumes);
     if let Some(wanted) = &args.population {
