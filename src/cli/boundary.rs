@@ -73,7 +73,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     let options =
         BoundaryOptions { folds: !args.no_folds, critical: args.critical, azimuthal: args.azimuthal.map(usize::from) };
     let found = boundary(cell, numerics, *parameter, *range, options)?;
-    found.warnings.iter().for_each(|warning| messages::warning!("{warning}"));
+    messages::warn_of(&found.warnings);
     let named = found.named();
     if let Some(file) = &args.csv {
         let rows = named.iter().map(|(name, p)| point_document(name.as_str(), p));

@@ -86,7 +86,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let found = diagram(&cell, &context.settings.numerics, &options)?;
-    found.unknown_rates().iter().for_each(|warning| messages::warning!("{warning}"));
+    messages::warn_of(found.unknown_rates());
     let document = document(&cell, &found);
     if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
         write_atomically(file, &records_csv(HEADER, points)?)?;

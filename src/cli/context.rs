@@ -9,7 +9,7 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use furrow_cell::settings::{self, Settings};
 use furrow_input::InputError;
 use furrow_lineage::Units;
-use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, StoreWarning};
+use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -140,11 +140,6 @@ impl Context {
             ..SchedulerOptions::default()
         }
     }
-}
-
-/// Logs warnings of the cache.
-pub fn warn_of_store(warnings: &[StoreWarning]) {
-    warnings.iter().for_each(|warning| messages::warning!("{warning}"));
 }
 
 /// The cache folder in force: the one named, else `cache` in the working folder if there is one, else the user's.

@@ -1,7 +1,7 @@
 //! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
 
 use super::cell::{ActiveCellArgs, positive};
-use super::context::{Context, warn_of_store};
+use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
@@ -212,7 +212,7 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
     let found = replicates(input, count, &memo, &context.scheduling(&show));
     drop(line);
     let found = found?;
-    warn_of_store(&found.summary.warnings);
+    messages::warn_of(&found.summary.warnings);
     if found.divisions.len() + found.undecided.len() < count {
         return Err(CliError::Interrupted);
     }

@@ -1,11 +1,20 @@
 //! Messages on stderr besides errors: warnings unless `--quiet`, and more with `-v`.
 
-use std::fmt::Arguments;
+use std::fmt::{Arguments, Display};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU8, Ordering};
 
+use furrow_input::printable;
+
 use super::context::Globals;
 use super::output;
+
+/// Prints a warning.
+macro_rules! warning {
+    ($($message:tt)*) => {
+        $crate::cli::messages::write($crate::cli::messages::Level::Warn, format_args!($($message)*))
+    };
+}
 
 /// What a message is, the most important first.
 #[derive(Clone, Copy)]
@@ -27,7 +36,7 @@ pub fn set_level(globals: &Globals) {
     PRINTED.store(printed, Ordering::Relaxed);
 }
 
-/// Prints a message, if its level is.
+/// Prints a message if its level is to be printed.
 pub fn write(level: Level, message: Arguments<'_>) {
     if level as u8 > PRINTED.load(Ordering::Relaxed) {
         return;
@@ -37,17 +46,17 @@ pub fn write(level: Level, message: Arguments<'_>) {
         Level::Info => (32, " INFO"),
         Level::Debug => (34, "DEBUG"),
     };
+    // Paths and names of files may hold control characters.
+    let message = message.to_string().split('\n').map(printable).collect::<Vec<_>>().join("\n");
     output::write_error(&match std::io::stderr().is_terminal() {
         true => format!("\x1b[{colour}m{name}\x1b[0m {message}\n"),
         false => format!("{name} {message}\n"),
     });
 }
 
-/// Prints a warning.
-macro_rules! warning {
-    ($($message:tt)*) => {
-        $crate::cli::messages::write($crate::cli::messages::Level::Warn, format_args!($($message)*))
-    };
+/// Prints every one of these as a warning.
+pub fn warn_of(warnings: impl IntoIterator<Item = impl Display>) {
+    warnings.into_iter().for_each(|warning| warning!("{warning}"));
 }
 
 pub(super) use warning;

@@ -31,7 +31,7 @@ mod sweep;
 mod tree;
 mod vary;
 
-use clap::{Args as _, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use context::{Context, Globals};
 pub use error::CliError;
 use std::process::ExitCode;
@@ -49,8 +49,6 @@ Examples:
 struct Cli {
     #[command(flatten)]
     globals: Globals,
-    #[command(subcommand)]
-    command: Command,
 }
 
 #[derive(Debug, Subcommand)]
@@ -139,14 +137,14 @@ enum Command {
 
 /// The commands and their arguments.
 pub fn command() -> clap::Command {
-    Cli::command()
+    Command::augment_subcommands(Cli::command()).subcommand_required(true)
 }
 
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
 pub fn main() -> ExitCode {
     survive_full_disks();
     let done = match parse() {
-        Ok(cli) => run(cli),
+        Ok((globals, command)) => run(&globals, command),
         Err(error) => output::print_usage(&error),
     };
     match done {
@@ -164,18 +162,17 @@ pub fn main() -> ExitCode {
 
 /// Reads the arguments. clap copies the options of all commands into each command it knows: where the first argument names one,
 /// it gets to know that one alone.
-fn parse() -> Result<Cli, clap::Error> {
-    let whole = Cli::command();
-    let chosen = std::env::args_os().nth(1).and_then(|name| whole.find_subcommand(name).cloned());
-    let mut command = match chosen {
-        Some(chosen) => Globals::augment_args(clap::Command::new("furrow").version(env!("CARGO_PKG_VERSION")))
-            .propagate_version(true)
-            .subcommand_required(true)
-            .subcommand(chosen),
-        None => whole,
+fn parse() -> Result<(Globals, Command), clap::Error> {
+    let commands = Command::augment_subcommands(clap::Command::default());
+    let named = std::env::args_os().nth(1).and_then(|name| commands.find_subcommand(name).cloned());
+    let mut known = match named {
+        Some(named) => Cli::command().subcommand(named),
+        None => command(),
     };
-    let mut matches = command.try_get_matches_from_mut(std::env::args_os())?;
-    Cli::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
+    let mut matches = known.try_get_matches_from_mut(std::env::args_os())?;
+    Cli::from_arg_matches_mut(&mut matches)
+        .and_then(|cli| Ok((cli.globals, Command::from_arg_matches_mut(&mut matches)?)))
+        .map_err(|error| error.format(&mut known))
 }
 
 /// Makes a write beyond the limit on file sizes fail like one to a full disk. Without a handler the signal would kill the process,
@@ -185,31 +182,31 @@ fn survive_full_disks() {
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
-fn run(cli: Cli) -> Result<(), CliError> {
+fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
     // A known division is answered in less time than it takes to listen to Ctrl-C: `divide` does so itself.
-    if !matches!(cli.command, Command::Divide(_)) {
+    if !matches!(command, Command::Divide(_)) {
         interrupt::listen();
     }
-    match cli.command {
-        Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
-        Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
-        Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),
-        Command::Branch(args) => branch::run(&args, Context::new(&cli.globals)?),
-        Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),
-        Command::Boundary(args) => boundary::run(&args, Context::new(&cli.globals)?),
-        Command::Polarity(args) => polarity::run(&args, Context::new(&cli.globals)?),
-        Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
-        Command::Fit(args) => fit::run(&args, &Context::new(&cli.globals)?),
-        Command::Compare(args) => compare::run(&args, &Context::new(&cli.globals)?),
-        Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
-        Command::Solve(args) => solve::run(&args, Context::new(&cli.globals)?),
-        Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?),
-        Command::Merge(args) => merge::run(&args, &cli.globals),
-        Command::Export(args) => export::run(&args, &cli.globals),
-        Command::Reproduce(args) => reproduce::run(&args, &Context::new(&cli.globals)?),
-        Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
-        Command::NewLineage(args) => new_lineage::run(&args, &cli.globals),
-        Command::Cache(args) => cache::run(&args, &cli.globals),
-        Command::Completions(args) => completions::run(&args, &mut Cli::command()),
+    match command {
+        Command::Tree(args) => tree::run(&args, &Context::new(globals)?),
+        Command::Divide(args) => divide::run(&args, Context::new(globals)?),
+        Command::Steady(args) => steady::run(&args, Context::new(globals)?),
+        Command::Branch(args) => branch::run(&args, Context::new(globals)?),
+        Command::Pitchfork(args) => pitchfork::run(&args, Context::new(globals)?),
+        Command::Boundary(args) => boundary::run(&args, Context::new(globals)?),
+        Command::Polarity(args) => polarity::run(&args, Context::new(globals)?),
+        Command::Calibrate(args) => calibrate::run(&args, &Context::new(globals)?),
+        Command::Fit(args) => fit::run(&args, &Context::new(globals)?),
+        Command::Compare(args) => compare::run(&args, &Context::new(globals)?),
+        Command::Phase(args) => phase::run(&args, Context::new(globals)?),
+        Command::Solve(args) => solve::run(&args, Context::new(globals)?),
+        Command::Sweep(args) => sweep::run(&args, &Context::new(globals)?),
+        Command::Merge(args) => merge::run(&args, globals),
+        Command::Export(args) => export::run(&args, globals),
+        Command::Reproduce(args) => reproduce::run(&args, &Context::new(globals)?),
+        Command::Explore(args) => explore::run(&args, &Context::new(globals)?),
+        Command::NewLineage(args) => new_lineage::run(&args, globals),
+        Command::Cache(args) => cache::run(&args, globals),
+        Command::Completions(args) => completions::run(&args, &mut self::command()),
     }
 }

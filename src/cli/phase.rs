@@ -1,6 +1,6 @@
 //! `furrow phase`: outcomes over a plane of one parameter and activity.
 
-use super::context::{Context, warn_of_store};
+use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
@@ -72,7 +72,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     let azimuthal = args.azimuthal.map_or(0, usize::from);
     picture.write(|| {
         let (edges, warnings) = edges(&plane, azimuthal);
-        warnings.iter().for_each(|warning| messages::warning!("{warning}"));
+        messages::warn_of(warnings);
         plot::phase::draw(&plane, &diagram, &edges)
     })?;
     let (vary, cue) = (parameter.to_string(), &plane.cell.cue);
@@ -93,7 +93,7 @@ fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError
     let diagram = plane.compute_shown(&memo, &context.scheduling(&show), &column);
     drop(line);
     let diagram = diagram?;
-    warn_of_store(&diagram.summary.warnings);
+    messages::warn_of(&diagram.summary.warnings);
     if let Some((failure, count)) = &diagram.undecided {
         let others = if *count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };
         messages::warning!("left undecided: {failure}{others}");

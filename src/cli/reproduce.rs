@@ -1,9 +1,10 @@
 //! `furrow reproduce`: the paper's statements beside computed values.
 
 use super::cell::one_of;
-use super::context::{Context, Globals, warn_of_store};
+use super::context::{Context, Globals};
 use super::error::CliError;
 use super::interrupt::{self, write_deferred};
+use super::messages;
 use super::output::{filled, merged, print, to_json, writable_file, writable_folder};
 use super::progress::ProgressLine;
 use clap::Args;
@@ -74,7 +75,7 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
         ReproduceError::Workers(error) => error.into(),
         _ => CliError::Interrupted,
     })?;
-    warn_of_store(&found.warnings);
+    messages::warn_of(&found.warnings);
     let constants = constants(&context.globals);
     let document = found.document(&constants);
     let run = filled(json!({

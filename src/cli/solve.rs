@@ -2,9 +2,10 @@
 
 use super::cell::CueArgs;
 use super::cell::length;
-use super::context::{Context, warn_of_store};
+use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
+use super::messages;
 use super::output::{filled, merged, number, print_as};
 use super::progress::ProgressLine;
 use super::vary::{Given, parameter};
@@ -110,7 +111,7 @@ pub fn run(args: &SolveArgs, mut context: Context) -> Result<(), CliError> {
     let found = solve(&question, &memo, &context.scheduling(&show));
     drop(line);
     let found = found?;
-    warn_of_store(&found.warnings);
+    messages::warn_of(&found.warnings);
     let found = found.with_roots(&question)?;
     let Question { cell, parameter, range, measure, wanted, .. } = &question;
     let of_cell = json!({

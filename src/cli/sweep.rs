@@ -1,6 +1,6 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
-use super::context::{Context, warn_of_store};
+use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
@@ -43,7 +43,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
-    sweep.lineage.doubtful_radii().iter().for_each(|doubt| messages::warning!("{doubt}"));
+    messages::warn_of(sweep.lineage.doubtful_radii());
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;
     let memo = context.memo()?;
@@ -55,7 +55,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let found = Run { shard, threads, journal: Some(&journal), progress: &show, ..all }.solve();
     drop(line);
     let mut found = found?;
-    warn_of_store(&found.warnings);
+    messages::warn_of(&found.warnings);
     if found.interrupted {
         messages::warning!("finished rows are kept in {}; the same command resumes the sweep", args.out.display());
         return Err(CliError::Interrupted);

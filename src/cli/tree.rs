@@ -1,7 +1,7 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
 use super::cell::{FirstCellArgs, load_lineage, one_of};
-use super::context::{Context, warn_of_store};
+use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages::{self, Level};
@@ -315,7 +315,7 @@ pub fn grown(
     };
     drop(line);
     let (grown, spread) = found?;
-    warn_of_store(&grown.summary.warnings);
+    messages::warn_of(&grown.summary.warnings);
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);

@@ -1,4 +1,4 @@
-//! What the command line says of itself.
+//! What the command line says of itself, and its warnings.
 
 use crate::common::command;
 
@@ -17,4 +17,18 @@ fn help_of_each_command_is_that_among_all() {
             assert_eq!(String::from_utf8(said).unwrap(), expected, "{words:?}");
         }
     }
+}
+
+/// Warnings quote paths, which may hold what moves a terminal's cursor or clears its screen.
+#[cfg(unix)]
+#[test]
+fn warnings_show_control_characters_escaped() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let cache = folder.path().join("file/a\u{1b}[2Jb");
+    let output =
+        command::command(folder.path(), &["divide", "--r0", "2"]).env("XDG_CACHE_HOME", &cache).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.starts_with(" WARN ") && said.ends_with('\n'), "{said:?}");
+    assert!(said.contains("a\\u{1b}[2Jb") && !said.contains('\u{1b}'), "{said:?}");
 }
