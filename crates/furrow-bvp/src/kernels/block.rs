@@ -121,35 +121,42 @@ impl BlockFactor {
     /// # Errors
     /// If a pivot vanishes.
     #[inline(always)]
-    pub(crate) fn eliminate<const N: usize, const LEFT: usize>(
+    pub(crate) fn eliminate<const N: usize, const LEFT: usize, const P: usize>(
         &mut self,
         condensed: &Condensed,
         conditions: &[LinearCondition],
     ) -> Result<(), PivotFailure> {
-        let (n, nl) = self.sizes::<N, LEFT>();
-        let lanes = self.panel_widths().lanes;
+        let [n, nl, _] = self.sizes::<N, LEFT, P>();
+        let lanes = self.panel::<N, LEFT, P>().lanes;
         for i in 0..self.intervals {
-            self.load_interval::<N, LEFT>(condensed, conditions, i);
+            self.load_interval::<N, LEFT, P>(condensed, conditions, i);
             let pivots = i * n..(i + 1) * n;
             let (reciprocal, exchange) = (&mut self.reciprocal[pivots.clone()], &mut self.exchange[pivots]);
             dense::eliminate_in_place(&mut self.panel, lanes, n, nl + n, reciprocal, exchange)?;
-            self.store_interval::<N, LEFT>(i);
+            self.store_interval::<N, LEFT, P>(i);
             if i + 1 < self.intervals {
-                self.carry_on::<N, LEFT>();
+                self.carry_on::<N, LEFT, P>();
             }
         }
         Ok(())
     }
 
-    /// Components and left conditions, known at compile time where the generic parameters are not 0.
+    /// Components, left conditions and scalar unknowns, known at compile time where the generic parameters are not 0.
     #[inline(always)]
-    fn sizes<const N: usize, const LEFT: usize>(&self) -> (usize, usize) {
-        if N > 0 { (N, LEFT) } else { (self.n, self.nl) }
+    fn sizes<const N: usize, const LEFT: usize, const P: usize>(&self) -> [usize; 3] {
+        let (n, nl) = if N > 0 { (N, LEFT) } else { (self.n, self.nl) };
+        [n, nl, if P > 0 { P } else { self.np }]
+    }
+
+    /// As many borders as make the system square.
+    #[inline(always)]
+    fn panel<const N: usize, const LEFT: usize, const P: usize>(&self) -> Panel {
+        let [n, nl, np] = self.sizes::<N, LEFT, P>();
+        Panel { rows: nl + n + self.nb, lanes: dense::lanes_for(2 * n + np) }
     }
 
     fn panel_widths(&self) -> Panel {
-        let rows = self.nl + self.n + self.nb;
-        Panel { rows, lanes: dense::lanes_for(2 * self.n + self.np) }
+        self.panel::<0, 0, 0>()
     }
 
     fn reset(&mut self, condensed: &Condensed, conditions: usize) {
@@ -172,54 +179,41 @@ impl BlockFactor {
 
     /// Adds the rows of interval i to those carried on.
     #[inline(always)]
-    fn load_interval<const N: usize, const LEFT: usize>(
+    fn load_interval<const N: usize, const LEFT: usize, const P: usize>(
         &mut self,
         condensed: &Condensed,
         conditions: &[LinearCondition],
         i: usize,
     ) {
-        let (n, nl) = self.sizes::<N, LEFT>();
-        let (nf, ni) = (n + self.np, self.ni);
-        let (lanes, height) = (self.panel_widths().lanes, dense::lanes_for(n));
-        let transition = &mut self.panel[nl * lanes..(nl + n) * lanes];
+        let ([n, nl, _], ni) = (self.sizes::<N, LEFT, P>(), self.ni);
+        let (lanes, outputs) = (self.panel::<N, LEFT, P>().lanes, condensed.output_lanes());
+        let (transition, borders) = self.panel[nl * lanes..].split_at_mut(n * lanes);
         transition.fill([0.0; LANE]);
-        let columns = condensed.transition(i);
-        for (k, row) in transition.chunks_exact_mut(lanes).enumerate() {
-            let row = row.as_flattened_mut();
-            for c in 0..n {
-                row[c] = -columns[c * height + k / LANE][k % LANE];
+        for k in 0..n {
+            transition[k * lanes..(k + 1) * lanes].as_flattened_mut()[n + k] = 1.0;
+        }
+        for (c, column) in condensed.transition(i).chunks_exact(outputs).enumerate() {
+            let (column, to) = (column.as_flattened(), if c < n { c } else { n + c });
+            for (k, entry) in column[..n].iter().enumerate() {
+                transition[k * lanes..(k + 1) * lanes].as_flattened_mut()[to] = -entry;
             }
-            row[n + k] = 1.0;
-            for c in n..nf {
-                row[n + c] = -columns[c * height + k / LANE][k % LANE];
+            for (row, entry) in borders.chunks_exact_mut(lanes).zip(&column[n..n + ni]) {
+                row.as_flattened_mut()[to] += entry;
             }
         }
-        let integral = condensed.integral(i);
-        for k in 0..self.nb {
-            let at = (nl + n + k) * lanes;
-            let row = self.panel[at..at + lanes].as_flattened_mut();
-            if k < ni {
-                let source = &integral[k * nf..(k + 1) * nf];
-                for c in 0..n {
-                    row[c] += source[c];
-                }
-                for c in n..nf {
-                    row[n + c] += source[c];
-                }
-            } else {
-                for c in 0..n {
-                    row[c] += conditions[k - ni].nodes[i * n + c];
-                }
+        for (row, condition) in borders.chunks_exact_mut(lanes).skip(ni).zip(conditions) {
+            for (entry, weight) in row.as_flattened_mut().iter_mut().zip(&condition.nodes[i * n..(i + 1) * n]) {
+                *entry += weight;
             }
         }
     }
 
     /// Keeps what solves need of the eliminated interval i.
     #[inline(always)]
-    fn store_interval<const N: usize, const LEFT: usize>(&mut self, i: usize) {
-        let (n, _) = self.sizes::<N, LEFT>();
-        let nf = n + self.np;
-        let Panel { rows, lanes } = self.panel_widths();
+    fn store_interval<const N: usize, const LEFT: usize, const P: usize>(&mut self, i: usize) {
+        let [n, _, np] = self.sizes::<N, LEFT, P>();
+        let nf = n + np;
+        let Panel { rows, lanes } = self.panel::<N, LEFT, P>();
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
         let backward = &mut self.backward[i * nf * height..(i + 1) * nf * height];
         let transform = &mut self.transform[i * n * tall..(i + 1) * n * tall];
@@ -240,9 +234,9 @@ impl BlockFactor {
     /// Moves what is left of the carried and border rows on to the next interval: δy_{i+1} takes the place of δy_i.
     /// Carried rows stand right behind the n pivot rows.
     #[inline(always)]
-    fn carry_on<const N: usize, const LEFT: usize>(&mut self) {
-        let (n, nl) = self.sizes::<N, LEFT>();
-        let lanes = self.panel_widths().lanes;
+    fn carry_on<const N: usize, const LEFT: usize, const P: usize>(&mut self) {
+        let [n, nl, _] = self.sizes::<N, LEFT, P>();
+        let lanes = self.panel::<N, LEFT, P>().lanes;
         let panel = &mut self.panel[..];
         for k in 0..nl + self.nb {
             let from = (n + k) * lanes;
@@ -308,6 +302,11 @@ impl BlockFactor {
         end.last.factorise(last, n)
     }
 
+    /// Scalar unknowns.
+    pub(crate) fn scalars(&self) -> usize {
+        self.np
+    }
+
     /// Border conditions: integral and linear ones.
     pub fn borders(&self) -> usize {
         self.nb
@@ -321,13 +320,13 @@ impl BlockFactor {
     /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
     /// conditions and come out as those of the last block.
     #[inline(always)]
-    pub(crate) fn forward<const N: usize, const LEFT: usize>(
+    pub(crate) fn forward<const N: usize, const LEFT: usize, const P: usize>(
         &mut self,
         nodes: &[f64],
         carried: &mut [f64],
         border: &mut [f64],
     ) {
-        let (n, nl) = self.sizes::<N, LEFT>();
+        let [n, nl, _] = self.sizes::<N, LEFT, P>();
         let rows = nl + n + border.len();
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
         let (mut before, mut after) = ([0.0; MAX_ROWS], [[0.0; LANE]; MAX_LANES]);
@@ -343,7 +342,7 @@ impl BlockFactor {
             x[n..n + nl].copy_from_slice(&before[n..n + nl]);
             x[n + nl..rows].copy_from_slice(&before[n + nl..rows]);
             let transform = &self.transform[i * n * tall..(i + 1) * n * tall];
-            dense::add_columns(&mut after[..tall], before[..n].iter().copied(), transform, tall);
+            dense::add_columns(&mut after[..tall], &before[..n], transform, tall);
             self.forward[i * height..(i + 1) * height].copy_from_slice(&after[..height]);
             // Carried rows move to the front; border rows stay behind the next n.
             let x = after.as_flattened();
@@ -376,18 +375,28 @@ impl BlockFactor {
 
     /// Substitution from the last node to the left.
     #[inline(always)]
-    pub(crate) fn backward<const N: usize, const LEFT: usize>(&mut self, nodes: &mut [f64], scalars: &[f64]) {
-        let (n, _) = self.sizes::<N, LEFT>();
+    pub(crate) fn backward<const N: usize, const LEFT: usize, const P: usize>(
+        &mut self,
+        nodes: &mut [f64],
+        scalars: &[f64],
+    ) {
+        let [n, _, np] = self.sizes::<N, LEFT, P>();
         let height = dense::lanes_for(n);
-        let stride = (n + self.np) * height;
+        let stride = (n + np) * height;
+        let mut from = [0.0; MAX_UNKNOWNS];
+        for (x, scalar) in from[n..].iter_mut().zip(scalars) {
+            *x = -scalar;
+        }
         for i in (0..self.intervals).rev() {
             let columns = &self.backward[i * stride..(i + 1) * stride];
-            let (to, from) = nodes[i * n..(i + 2) * n].split_at_mut(n);
+            let (to, next) = nodes[i * n..(i + 2) * n].split_at_mut(n);
+            for (x, next) in from.iter_mut().zip(next.iter()) {
+                *x = -*next;
+            }
             let mut sums = [[0.0; LANE]; MAX_UNKNOWN_LANES];
             let sums = &mut sums[..height];
             sums.copy_from_slice(&self.forward[i * height..(i + 1) * height]);
-            dense::add_columns(sums, from[..n].iter().map(|x| -x), columns, height);
-            dense::add_columns(sums, scalars.iter().map(|x| -x), &columns[n * height..], height);
+            dense::add_columns(sums, &from[..n + scalars.len()], columns, height);
             to.copy_from_slice(&sums.as_flattened()[..n]);
         }
     }

@@ -3,31 +3,30 @@
 //! With E the quadrature components and N the others, linearising N.1 gives on every interval
 //!
 //! * δY_E,j = δy_E + Σ_k a_jk (h F_EN,k δY_N,k + h F_Ep,k δp − R_E,k),
-//! * Σ_j [D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j] δY_N,j
-//!   \[N.3 condensed\] = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
+//! * S δY_N = σ, S_ij = D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j
+//!   \[N.3 condensed\], σ_i = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
 //!
-//! with s_i = Σ_j D_ij and R the stage residual. Eliminating leaves δy₁ = G δy₀ + B δp + c. The matrix is inverted once; a new
-//! residual R, and each column of the map from (δy₀, δp), which is the answer to a residual too, is a product with the inverse.
+//! with s_i = Σ_j D_ij and R the stage residual. The right node and the integrals take from the stages YᵀδY_N, one column of Y for
+//! each of them. That is Xᵀσ with SᵀX = Y, so that δy₁ = G δy₀ + B δp + c follows from X without any stage values. These are solved for
+//! once the nodes are known, with the same factors, those of Sᵀ.
 //!
 //! Everything that a solve runs over is kept by columns padded to whole lanes, so that every product is a sum of scaled
 //! vectors, without reductions.
 
-use crate::dense::{self, Determinant, LANE, Lane, Lanes, PivotFailure, add_scaled};
-use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
-use crate::direction::{Direction, Residual};
+use crate::dense::{self, Determinant, Factors, FactorsMut, LANE, Lane, Lanes, PivotFailure, add_scaled};
+use crate::dimensions::Dimensions;
 use crate::gauss::{Gauss, MAX_STAGES};
 
-/// Most lanes of the stage unknowns of one interval.
-const MAX_STAGE_LANES: usize = dense::MAX_LANES;
+use super::shape::{Any, Shape, Sizes};
 
-/// Lanes of stage values that are summed at a time: those of a cell in one batch.
-const BATCH: usize = 8;
+/// Most lanes of the stage unknowns of one interval.
+pub const MAX_STAGE_LANES: usize = dense::MAX_LANES;
 
 /// Entries of a quad: there are few quadrature components.
-const QUAD: usize = 4;
+pub const QUAD: usize = 4;
 
 /// Up to four quadrature components of one stage.
-type Quad = [f64; QUAD];
+pub type Quad = [f64; QUAD];
 
 /// Derivatives at the stages of all intervals, and the condensed intervals.
 #[derive(Clone, Debug, Default)]
@@ -46,25 +45,25 @@ pub struct Condensed {
     pub gy: Vec<f64>,
     /// ∂g/∂p at the stages; × integrals × scalars.
     pub gp: Vec<f64>,
-    /// Pivots of all intervals, for determinants; intervals × s.
-    reciprocal: Vec<f64>,
+    /// Factors of Sᵀ, see [`Factors`]; per interval s × lanes of s, lanes of s, or s bytes.
+    factors: Lanes,
+    reciprocal: Lanes,
+    order: Vec<u8>,
     exchange: Vec<u8>,
-    /// Residual of one column of the map, as scratch; m × n.
-    column: Vec<f64>,
-    /// h F_NE by columns; per interval and stage e × (n − e).
-    onto: Vec<f64>,
+    /// Sᵀ of one interval, and behind it Y; s × [`panel_lanes`](dense::panel_lanes).
+    panel: Lanes,
+    /// X; per interval s × lanes of outputs.
+    outputs: Lanes,
+    /// σ by columns of δy_E (h F_NE) and of δp; per interval e + scalars × lanes of s.
+    pub(super) onto: Lanes,
     /// h F_EN by columns, of which each is padded to whole quads; per interval quads of e × stage unknowns.
-    from: Vec<Quad>,
-    /// Inverse stage matrices by columns; per interval s × lanes. Newton corrects their rounding.
-    inverse: Lanes,
-    /// δY by columns of (δy₀, δp); per interval columns × lanes of its stage values.
-    map: Lanes,
-    /// [G B] by columns; per interval columns × lanes of a node.
+    pub(super) from: Vec<Quad>,
+    /// h Σ_k a_jk F_Ep,k, padded to quads of e; per interval scalars × quads of e × m.
+    pub(super) sums: Vec<Quad>,
+    /// [G B], and the integrals behind the components of the node, by columns; per interval columns × lanes of outputs.
     transition: Lanes,
-    /// Integrals over the interval by (δy₀, δp); per interval and integral its columns.
-    integral: Vec<f64>,
-    /// h b_j ∂g/∂y; per interval and integral lanes of its stage values.
-    weights: Lanes,
+    /// h b_j ∂g/∂y; per interval integrals × m × n.
+    pub(super) weights: Vec<f64>,
 }
 
 impl Condensed {
@@ -73,14 +72,9 @@ impl Condensed {
         Condensed { dims, m, ..Condensed::default() }
     }
 
-    /// Columns of the map: components and scalar unknowns.
-    fn columns(&self) -> usize {
-        self.dims.components + self.dims.scalars
-    }
-
-    /// Lanes of a node.
-    fn node_lanes(&self) -> usize {
-        dense::lanes_for(self.dims.components)
+    /// Lanes of the outputs of an interval: the components of its right node, then the integrals.
+    pub fn output_lanes(&self) -> usize {
+        self.sizes::<Any>().outputs
     }
 
     /// Number of intervals.
@@ -90,9 +84,9 @@ impl Condensed {
 
     /// Sizes the storage for a mesh and zeroes the derivatives.
     pub fn reset(&mut self, mesh: &[f64]) {
-        let (intervals, columns, node_lanes) = (mesh.len() - 1, self.columns(), self.node_lanes());
-        let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
-        let Sizes { n, e, m, nn, s, lanes, values, .. } = self.sizes::<0, 0, 0, 0>();
+        let sizes = self.sizes::<Any>();
+        let Sizes { n, e, m, s, lanes, quads, np, ni, outputs, stride, .. } = sizes;
+        let intervals = mesh.len() - 1;
         let points = intervals * m;
         self.h.clear();
         self.h.extend(mesh.windows(2).map(|w| w[1] - w[0]));
@@ -104,399 +98,310 @@ impl Condensed {
         ] {
             dense::zeroed(v, size);
         }
-        self.inverse.resize(intervals * s * lanes);
-        self.map.resize(intervals * columns * values);
-        self.transition.resize(intervals * columns * node_lanes);
-        self.weights.resize(intervals * ni * values);
-        self.onto.resize(points * e * nn, 0.0);
-        self.from.resize(intervals * e.div_ceil(QUAD) * s, [0.0; QUAD]);
-        self.reciprocal.resize(intervals * s, 0.0);
+        self.factors.resize(intervals * s * lanes);
+        self.reciprocal.resize(intervals * lanes);
+        self.order.resize(intervals * s, 0);
         self.exchange.resize(intervals * s, 0);
-        self.integral.resize(intervals * ni * columns, 0.0);
-        self.column.resize(m * n, 0.0);
+        self.panel.resize(s * stride);
+        self.outputs.resize(intervals * s * outputs);
+        self.onto.resize(intervals * (e + np) * lanes);
+        self.from.resize(intervals * quads * s, [0.0; QUAD]);
+        self.sums.resize(intervals * np * quads * m, [0.0; QUAD]);
+        self.transition.resize(intervals * sizes.columns() * outputs);
+        self.weights.resize(points * ni * n, 0.0);
     }
 
-    /// [G B] of interval i by columns, each a node's lanes.
+    /// The transition of interval i and its integrals by columns of (δy₀, δp), each the lanes of outputs.
     pub fn transition(&self, i: usize) -> &[Lane] {
-        part(&self.transition, i, self.columns() * self.node_lanes())
-    }
-
-    /// Coefficients of (δy₀, δp) in the integrals over interval i; integrals × columns.
-    pub fn integral(&self, i: usize) -> &[f64] {
-        part(&self.integral, i, self.dims.integrals * self.columns())
+        let sizes = self.sizes::<Any>();
+        part(&self.transition, i, sizes.columns() * sizes.outputs)
     }
 
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn multiply_into(&self, det: &mut Determinant) {
-        let s = self.sizes::<0, 0, 0, 0>().s;
+        let Sizes { s, lanes, .. } = self.sizes::<Any>();
         for i in 0..self.intervals() {
-            det.multiply(part(&self.reciprocal, i, s), part(&self.exchange, i, s));
+            let reciprocal = part(&self.reciprocal, i, lanes).as_flattened();
+            det.multiply(&reciprocal[..s], part(&self.exchange, i, s));
         }
     }
 
-    /// Condenses every interval from the derivatives stored for it. Sizes (components, quadratures, those of them that are
-    /// trailing, stages) are known at
-    /// compile time unless 0, here and below.
+    /// Condenses every interval from the derivatives stored for it.
     ///
     /// # Errors
     /// If a pivot of a stage matrix vanishes.
     #[inline(always)]
-    pub fn condense<const N: usize, const E: usize, const T: usize, const M: usize>(
-        &mut self,
-        gauss: &Gauss,
-    ) -> Result<(), PivotFailure> {
+    pub fn condense<S: Shape>(&mut self, gauss: &Gauss) -> Result<(), PivotFailure> {
         for i in 0..self.intervals() {
-            self.gather::<N, E, T, M>(gauss, i);
-            self.fill_stage_matrix::<N, E, T, M>(gauss, i);
-            self.invert::<N, E, T, M>(i)?;
-            self.map_columns::<N, E, T, M>(gauss, i);
+            self.gather::<S>(gauss, i);
+            self.gather_scalars::<S>(gauss, i);
+            self.fill_stage_matrix::<S>(gauss, i);
+            self.fill_outputs::<S>(gauss, i);
+            self.factorise::<S>(i)?;
+            self.fill_transition::<S>(gauss, i);
         }
         Ok(())
     }
 
     /// The couplings h F_NE and h F_EN and the weights of the integrals of interval i.
     #[inline(always)]
-    fn gather<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
-        let sizes = self.sizes::<N, E, T, M>();
-        let Sizes { n, e, m, nn, s, values, first, .. } = sizes;
-        let (h, ni) = (self.h[i], self.dims.integrals);
+    fn gather<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
+        let sizes = self.sizes::<S>();
+        let Sizes { n, e, m, nn, s, lanes, first, quads, np, ni, .. } = sizes;
+        let h = self.h[i];
         let fy = part(&self.fy, i, m * n * n);
-        let onto = part_mut(&mut self.onto, i, m * e * nn);
-        let from = part_mut(&mut self.from, i, e.div_ceil(QUAD) * s);
+        let onto = &mut part_mut(&mut self.onto, i, (e + np) * lanes)[..e * lanes];
+        let from = part_mut(&mut self.from, i, quads * s);
         for stage in 0..m {
-            let f = &fy[stage * n * n..(stage + 1) * n * n];
+            let f = part(fy, stage, n * n);
             for k in 0..e {
                 let component = sizes.quadrature(k);
+                let column = part_mut(part_mut(onto, k, lanes).as_flattened_mut(), stage, nn);
+                let quad = part_mut(part_mut(from, k / QUAD, s), stage, nn);
                 for beta in 0..nn {
-                    onto[(stage * e + k) * nn + beta] = h * f[(first + beta) * n + component];
-                    from[k / QUAD * s + stage * nn + beta][k % QUAD] = h * f[component * n + first + beta];
+                    column[beta] = h * f[(first + beta) * n + component];
+                    quad[beta][k % QUAD] = h * f[component * n + first + beta];
                 }
             }
         }
-        let weights = part_mut(&mut self.weights, i, ni * values).as_flattened_mut();
+        let gy = part(&self.gy, i, m * ni * n);
+        let weights = part_mut(&mut self.weights, i, ni * m * n);
         for stage in 0..m {
             let weight = h * gauss.b[stage];
             for k in 0..ni {
-                let gy = &self.gy[((i * m + stage) * ni + k) * n..((i * m + stage) * ni + k + 1) * n];
-                let to = &mut weights[k * values * LANE + stage * n..][..n];
-                for (w, g) in to.iter_mut().zip(gy) {
-                    *w = weight * g;
+                let gy = part(part(gy, stage, ni * n), k, n);
+                let weights = part_mut(part_mut(weights, k, m * n), stage, n);
+                for c in 0..n {
+                    weights[c] = weight * gy[c];
                 }
             }
         }
     }
 
-    /// The transpose of the stage matrix of interval i, in the place of its inverse: row (j, β) has the coefficients of
-    /// δY_N,j,β in all equations.
+    /// What the scalar unknowns of interval i bring into σ and into the quadrature components, and into its transition and integrals but
+    /// for what δY_N adds.
     #[inline(always)]
-    fn fill_stage_matrix<const N: usize, const E: usize, const T: usize, const M: usize>(
-        &mut self,
-        gauss: &Gauss,
-        i: usize,
-    ) {
-        let Sizes { n, e, m, nn, s, lanes, first, .. } = self.sizes::<N, E, T, M>();
+    fn gather_scalars<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
+        let sizes = self.sizes::<S>();
+        let Sizes { n, e, m, nn, lanes, first, quads, np, ni, outputs, .. } = sizes;
+        let h = self.h[i];
+        let (fp, gp) = (part(&self.fp, i, m * n * np), part(&self.gp, i, m * ni * np));
+        let (onto, onto_scalars) = part_mut(&mut self.onto, i, (e + np) * lanes).split_at_mut(e * lanes);
+        let sums = part_mut(&mut self.sums, i, np * quads * m);
+        let weights = part(&self.weights, i, ni * m * n);
+        let transition = &mut part_mut(&mut self.transition, i, sizes.columns() * outputs)[n * outputs..];
+        for c in 0..np {
+            let column = part_mut(onto_scalars, c, lanes);
+            let output = part_mut(transition, c, outputs);
+            output.fill([0.0; LANE]);
+            let output = output.as_flattened_mut();
+            for stage in 0..m {
+                let f = part(fp, stage, n * np);
+                let column = part_mut(column.as_flattened_mut(), stage, nn);
+                for beta in 0..nn {
+                    column[beta] = h * f[(first + beta) * np + c];
+                }
+                for k in 0..ni {
+                    output[n + k] += h * gauss.b[stage] * part(gp, stage, ni * np)[k * np + c];
+                }
+            }
+            for quad in 0..quads {
+                let mut slopes = [[0.0; QUAD]; MAX_STAGES];
+                for stage in 0..m {
+                    let f = part(fp, stage, n * np);
+                    for t in 0..sizes.width(quad * QUAD) {
+                        let component = sizes.quadrature(quad * QUAD + t);
+                        slopes[stage][t] = h * f[component * np + c];
+                        output[component] += gauss.b[stage] * slopes[stage][t];
+                    }
+                }
+                let values = integrated(&gauss.a[..m * m], m, &slopes);
+                part_mut(part_mut(sums, c, quads * m), quad, m).copy_from_slice(&values[..m]);
+                add_onto(sizes, onto, quad, &values, column);
+                for k in 0..ni {
+                    output[n + k] += of_quadratures(sizes, part(weights, k, m * n), quad, &values);
+                }
+            }
+        }
+    }
+
+    /// Sᵀ of interval i in the panel: row (j, β) has the coefficients of δY_N,j,β in all equations.
+    #[inline(always)]
+    fn fill_stage_matrix<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
+        let Sizes { n, e, m, nn, s, lanes, first, quads, np, stride, .. } = self.sizes::<S>();
         let h = self.h[i];
         let fy = part(&self.fy, i, m * n * n);
-        let (onto, from) = (part(&self.onto, i, m * e * nn), part(&self.from, i, e.div_ceil(QUAD) * s));
-        let matrix = part_mut(&mut self.inverse, i, s * lanes);
-        matrix.fill([0.0; LANE]);
+        let onto = part(&self.onto, i, (e + np) * lanes);
+        let from = part(&self.from, i, quads * s);
+        let panel = &mut self.panel[..s * stride];
         for j in 0..m {
-            let rows = &mut matrix[j * nn * lanes..(j + 1) * nn * lanes];
+            let rows = part_mut(panel, j, nn * stride);
+            for beta in 0..nn {
+                part_mut(rows, beta, stride)[..lanes].fill([0.0; LANE]);
+            }
             for k in 0..e {
                 // What the slope of component k at stage j does to all equations, through its values at all stages.
                 let mut reach = [[0.0; LANE]; MAX_STAGE_LANES];
+                let column = part(onto, k, lanes).as_flattened();
                 for stage in 0..m {
-                    let onto = &onto[(stage * e + k) * nn..(stage * e + k + 1) * nn];
+                    let to = part_mut(reach.as_flattened_mut(), stage, nn);
                     for alpha in 0..nn {
-                        reach.as_flattened_mut()[stage * nn + alpha] = gauss.a[stage * m + j] * onto[alpha];
+                        to[alpha] = gauss.a[stage * m + j] * part(column, stage, nn)[alpha];
                     }
                 }
+                let from = part(part(from, k / QUAD, s), j, nn);
                 for beta in 0..nn {
-                    let factor = -from[k / QUAD * s + j * nn + beta][k % QUAD];
+                    let row = part_mut(rows, beta, stride);
                     for v in 0..lanes {
-                        add_scaled(&mut rows[beta * lanes + v], factor, &reach[v]);
+                        add_scaled(&mut row[v], -from[beta][k % QUAD], &reach[v]);
                     }
                 }
             }
-            let f = &fy[j * n * n..(j + 1) * n * n];
+            let f = part(fy, j, n * n);
             for beta in 0..nn {
-                let row = rows[beta * lanes..(beta + 1) * lanes].as_flattened_mut();
+                let row = part_mut(rows, beta, stride)[..lanes].as_flattened_mut();
                 for stage in 0..m {
                     row[stage * nn + beta] += gauss.d_matrix[stage * m + j];
                 }
+                let own = part_mut(row, j, nn);
                 for alpha in 0..nn {
-                    row[j * nn + alpha] -= h * f[(first + alpha) * n + first + beta];
+                    own[alpha] -= h * f[(first + alpha) * n + first + beta];
                 }
             }
         }
     }
 
-    /// Inverts the stage matrix of interval i in its place. It stands there by columns, as rows, and so does its inverse.
+    /// Y of interval i in the panel, behind Sᵀ: row (j, β) has what δY_N,j,β adds to the right node and to the integrals.
     #[inline(always)]
-    fn invert<const N: usize, const E: usize, const T: usize, const M: usize>(
-        &mut self,
-        i: usize,
-    ) -> Result<(), PivotFailure> {
-        let Sizes { s, lanes, .. } = self.sizes::<N, E, T, M>();
-        let matrix = part_mut(&mut self.inverse, i, s * lanes);
-        let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));
-        dense::eliminate_square_in_place(matrix, lanes, reciprocal, exchange)?;
-        for k in (0..s).rev() {
-            let other = exchange[k] as usize;
-            if other != k {
-                for row in matrix.chunks_exact_mut(lanes) {
-                    row.as_flattened_mut().swap(k, other);
+    fn fill_outputs<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
+        let sizes = self.sizes::<S>();
+        let Sizes { n, e, m, nn, s, lanes, first, quads, ni, outputs, stride, .. } = sizes;
+        let from = part(&self.from, i, quads * s);
+        let weights = part(&self.weights, i, ni * m * n);
+        let panel = &mut self.panel[..s * stride];
+        for j in 0..m {
+            for beta in 0..nn {
+                let at = j * nn + beta;
+                let row = &mut part_mut(panel, at, stride)[lanes..][..outputs];
+                row.fill([0.0; LANE]);
+                let row = row.as_flattened_mut();
+                row[first + beta] = gauss.d[j];
+                for k in 0..e {
+                    // Σ_i d_i a_ij = b_j.
+                    row[sizes.quadrature(k)] = gauss.b[j] * part(from, k / QUAD, s)[at][k % QUAD];
+                }
+                for k in 0..ni {
+                    row[n + k] = part(part(weights, k, m * n), j, n)[first + beta];
+                }
+            }
+            for integral in 0..ni {
+                let weights = part(weights, integral, m * n);
+                for k in 0..e {
+                    let mut sum = 0.0;
+                    for i in 0..m {
+                        sum += part(weights, i, n)[sizes.quadrature(k)] * gauss.a[i * m + j];
+                    }
+                    for at in j * nn..(j + 1) * nn {
+                        let row = part_mut(panel, at, stride)[lanes..][..outputs].as_flattened_mut();
+                        row[n + integral] += sum * part(from, k / QUAD, s)[at][k % QUAD];
+                    }
                 }
             }
         }
-        Ok(())
     }
 
-    /// The map (δy₀, δp) → δY of interval i, its transition and its integrals: each column answers the residual that a unit of
-    /// δy₀ or δp makes.
+    /// The factors of Sᵀ and X of interval i.
     #[inline(always)]
-    fn map_columns<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
-        let sizes = self.sizes::<N, E, T, M>();
-        let Sizes { n, m, values, .. } = sizes;
-        let (columns, node_lanes) = (self.columns(), self.node_lanes());
-        let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
-        let h = self.h[i];
+    fn factorise<S: Shape>(&mut self, i: usize) -> Result<(), PivotFailure> {
+        let Sizes { s, lanes, outputs, .. } = self.sizes::<S>();
+        let out = FactorsMut {
+            rows: part_mut(&mut self.factors, i, s * lanes),
+            reciprocal: part_mut(&mut self.reciprocal, i, lanes),
+            order: part_mut(&mut self.order, i, s),
+            exchange: part_mut(&mut self.exchange, i, s),
+            solutions: part_mut(&mut self.outputs, i, s * outputs),
+        };
+        dense::factorise(&mut self.panel, out)
+    }
+
+    /// The transition of interval i and its integrals, from X.
+    #[inline(always)]
+    fn fill_transition<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
+        let sizes = self.sizes::<S>();
+        let Sizes { n, e, m, nn, s, lanes, first, np, ni, outputs, .. } = sizes;
+        let x = part(&self.outputs, i, s * outputs);
+        let onto = part(&self.onto, i, (e + np) * lanes);
+        let weights = part(&self.weights, i, ni * m * n);
+        let transition = part_mut(&mut self.transition, i, sizes.columns() * outputs);
         let rest = 1.0 - gauss.d[..m].iter().sum::<f64>();
-        let mut residual = std::mem::take(&mut self.column);
-        let (mut map, mut transitions) = (std::mem::take(&mut self.map), std::mem::take(&mut self.transition));
-        let mut integrals = std::mem::take(&mut self.integral);
-        let stages = self.stages(sizes, gauss, i);
-        let weights = part(&self.weights, i, ni * values);
-        let (fp, gp) = (part(&self.fp, i, m * n * np), part(&self.gp, i, m * ni * np));
-        let integral = part_mut(&mut integrals, i, ni * columns);
-        let r = &mut residual[..m * n];
-        let map_here = part_mut(&mut map, i, columns * values);
-        for (c, column) in map_here.chunks_exact_mut(values).enumerate() {
-            r.fill(0.0);
+        for beta in 0..nn {
+            let sum = part_mut(transition, first + beta, outputs);
+            sum.fill([0.0; LANE]);
+            sum.as_flattened_mut()[first + beta] = rest;
             for stage in 0..m {
-                if c < n {
-                    r[stage * n + c] = -gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
-                } else {
-                    for k in 0..n {
-                        r[stage * n + k] = -h * fp[(stage * n + k) * np + c - n];
-                    }
+                let share = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
+                let row = part(part(x, stage, nn * outputs), beta, outputs);
+                for v in 0..outputs {
+                    add_scaled(&mut sum[v], share, &row[v]);
                 }
             }
-            stages.particular(r, &mut column.as_flattened_mut()[..m * n]);
         }
-        // In a loop of its own: what was just written in parts is waited for if it is read as a whole.
-        let of_nodes = part_mut(&mut transitions, i, columns * node_lanes).chunks_exact_mut(node_lanes);
-        for (c, (column, transition)) in map_here.chunks_exact(values).zip(of_nodes).enumerate() {
-            let y = &column.as_flattened()[..m * n];
-            let transition = &mut transition.as_flattened_mut()[..n];
-            transition.fill(0.0);
-            if c < n {
-                transition[c] = rest;
-            }
-            add_stages(&gauss.d[..m], y, transition);
-            for k in 0..ni {
-                let mut value = dense::dot(&part(weights, k, values).as_flattened()[..m * n], y);
-                if c >= n {
-                    for stage in 0..m {
-                        value += h * gauss.b[stage] * gp[(stage * ni + k) * np + c - n];
-                    }
+        for k in 0..e {
+            let c = sizes.quadrature(k);
+            let sum = part_mut(transition, c, outputs);
+            sum.fill([0.0; LANE]);
+            sum.as_flattened_mut()[c] = 1.0;
+            for integral in 0..ni {
+                let weights = part(weights, integral, m * n);
+                for j in 0..m {
+                    sum.as_flattened_mut()[n + integral] += part(weights, j, n)[c];
                 }
-                integral[k * columns + c] = value;
             }
+            dense::add_columns(sum, &part(onto, k, lanes).as_flattened()[..s], x, outputs);
         }
-        (self.transition, self.integral) = (transitions, integrals);
-        (self.column, self.map) = (residual, map);
-    }
-
-    /// What the stages of interval i are solved with.
-    #[inline(always)]
-    fn stages<'a>(&'a self, sizes: Sizes, gauss: &'a Gauss, i: usize) -> Stages<'a> {
-        let Sizes { e, m, nn, s, lanes, .. } = sizes;
-        Stages {
-            sizes,
-            a: &gauss.a[..m * m],
-            onto: part(&self.onto, i, m * e * nn),
-            from: part(&self.from, i, e.div_ceil(QUAD) * s),
-            inverse: part(&self.inverse, i, s * lanes),
+        for c in 0..np {
+            let sum = part_mut(transition, n + c, outputs);
+            dense::add_columns(sum, &part(onto, e + c, lanes).as_flattened()[..s], x, outputs);
         }
     }
 
-    /// Particular stage values (into `out.stages`) and node constants (into the nodes) of all intervals for a residual; what they
-    /// add to the integrals is taken from `borders`, of which there are as many as integrals or none.
+    /// The factors of interval i.
     #[inline(always)]
-    pub fn particular<const N: usize, const E: usize, const T: usize, const M: usize>(
-        &self,
-        gauss: &Gauss,
-        residual: &Residual,
-        out: &mut Direction,
-        borders: &mut [f64],
-    ) {
-        let sizes = self.sizes::<N, E, T, M>();
-        let Sizes { n, m, values, .. } = sizes;
-        let ni = self.dims.integrals;
-        for i in 0..self.intervals() {
-            let y = part_mut(&mut out.stages, i, m * n);
-            self.stages(sizes, gauss, i).particular(part(&residual.stages, i, m * n), y);
-        }
-        for i in 0..self.intervals() {
-            let y = part(&out.stages, i, m * n);
-            let node = part_mut(&mut out.nodes, i, n);
-            node.copy_from_slice(part(&residual.nodes, i, n));
-            add_stages(&gauss.d[..m], y, node);
-            for (k, border) in borders.iter_mut().enumerate() {
-                *border -= dense::dot(&part(&self.weights, i * ni + k, values).as_flattened()[..m * n], y);
-            }
+    pub(super) fn factors(&self, sizes: Sizes, i: usize) -> Factors<'_> {
+        let Sizes { s, lanes, .. } = sizes;
+        Factors {
+            rows: part(&self.factors, i, s * lanes),
+            reciprocal: part(&self.reciprocal, i, lanes),
+            order: part(&self.order, i, s),
         }
     }
 
-    /// Adds the maps of all intervals, applied to the nodes and scalars of `out`, to its stage values.
+    /// X of interval i.
     #[inline(always)]
-    pub fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(&self, out: &mut Direction) {
-        let Sizes { n, m, values, .. } = self.sizes::<N, E, T, M>();
-        let columns = self.columns();
-        let mut x = [0.0; MAX_UNKNOWNS];
-        x[n..columns].copy_from_slice(&out.scalars);
-        for i in 0..self.intervals() {
-            let map = part(&self.map, i, columns * values);
-            x[..n].copy_from_slice(part(&out.nodes, i, n));
-            let stages = part_mut(&mut out.stages, i, m * n);
-            for (part, y) in stages.chunks_mut(BATCH * LANE).enumerate() {
-                let mut sums = [[0.0; LANE]; BATCH];
-                let lanes = dense::lanes_for(y.len());
-                dense::add_columns(&mut sums[..lanes], x[..columns].iter().copied(), &map[part * BATCH..], values);
-                for (y, sum) in y.iter_mut().zip(sums.as_flattened()) {
-                    *y += sum;
-                }
-            }
-        }
+    pub(super) fn outputs(&self, sizes: Sizes, i: usize) -> &[Lane] {
+        part(&self.outputs, i, sizes.s * sizes.outputs)
     }
 
-    /// Sizes that are known at compile time where the generic parameters are not 0.
+    /// Sizes as a shape knows them.
     #[inline(always)]
-    fn sizes<const N: usize, const E: usize, const T: usize, const M: usize>(&self) -> Sizes {
-        let (n, e, m) = if N > 0 { (N, E, M) } else { (self.dims.components, self.dims.all_quadratures(), self.m) };
-        let s = m * (n - e);
-        let first = if N > 0 { E - T } else { self.dims.quadratures };
-        Sizes { n, e, m, nn: n - e, first, s, lanes: dense::lanes_for(s), values: dense::lanes_for(m * n) }
-    }
-}
-
-/// What the stages of one interval are solved with.
-#[derive(Clone, Copy)]
-struct Stages<'a> {
-    sizes: Sizes,
-    /// Runge–Kutta matrix; m × m.
-    a: &'a [f64],
-    /// See [`Condensed::onto`].
-    onto: &'a [f64],
-    /// See [`Condensed::from`].
-    from: &'a [Quad],
-    /// See [`Condensed::inverse`].
-    inverse: &'a [Lane],
-}
-
-impl Stages<'_> {
-    /// Stage values for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
-    #[inline(always)]
-    fn particular(&self, r: &[f64], y: &mut [f64]) {
-        let Stages { sizes, a, onto, from, inverse } = *self;
-        let Sizes { n, e, m, nn, s, lanes, first: others, .. } = sizes;
-        let (r, y) = (&r[..m * n], &mut y[..m * n]);
-        let mut x = [[0.0; LANE]; MAX_STAGE_LANES];
-        for stage in 0..m {
-            for alpha in 0..nn {
-                x.as_flattened_mut()[stage * nn + alpha] = -r[stage * n + others + alpha];
-            }
-        }
-        for first in (0..e).step_by(QUAD) {
-            let width = (e - first).min(QUAD);
-            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
-            for j in 0..m {
-                for t in 0..width {
-                    slopes[j][t] = -r[j * n + sizes.quadrature(first + t)];
-                }
-            }
-            let values = integrated(a, m, &slopes);
-            for stage in 0..m {
-                for t in 0..width {
-                    let (value, k) = (values[stage][t], first + t);
-                    y[stage * n + sizes.quadrature(k)] = value;
-                    for alpha in 0..nn {
-                        x.as_flattened_mut()[stage * nn + alpha] += onto[(stage * e + k) * nn + alpha] * value;
-                    }
-                }
-            }
-        }
-        let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
-        dense::add_columns(&mut solved[..lanes], x.as_flattened()[..s].iter().copied(), inverse, lanes);
-        let x = solved.as_flattened();
-        for first in (0..e).step_by(QUAD) {
-            let from = part(from, first / QUAD, s);
-            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
-            for j in 0..m {
-                for beta in 0..nn {
-                    for t in 0..QUAD {
-                        slopes[j][t] += x[j * nn + beta] * from[j * nn + beta][t];
-                    }
-                }
-            }
-            let values = integrated(a, m, &slopes);
-            for stage in 0..m {
-                for t in 0..(e - first).min(QUAD) {
-                    y[stage * n + sizes.quadrature(first + t)] += values[stage][t];
-                }
-            }
-        }
-        for stage in 0..m {
-            for alpha in 0..nn {
-                y[stage * n + others + alpha] = x[stage * nn + alpha];
-            }
-        }
-    }
-}
-
-/// Sizes that kernels work with.
-#[derive(Clone, Copy)]
-struct Sizes {
-    /// Components.
-    n: usize,
-    /// Quadrature components.
-    e: usize,
-    /// Stages.
-    m: usize,
-    /// Components that are not quadratures, one behind the other.
-    nn: usize,
-    /// The first of them.
-    first: usize,
-    /// Stage unknowns.
-    s: usize,
-    /// Lanes of the stage unknowns.
-    lanes: usize,
-    /// Lanes of all stage values.
-    values: usize,
-}
-
-impl Sizes {
-    /// Which component the quadrature k is: some stand before the others, some behind.
-    #[inline(always)]
-    fn quadrature(self, k: usize) -> usize {
-        if k < self.first { k } else { self.nn + k }
+    pub(super) fn sizes<S: Shape>(&self) -> Sizes {
+        S::sizes(self.dims, self.m)
     }
 }
 
 #[inline(always)]
-fn part<T>(of: &[T], i: usize, size: usize) -> &[T] {
+pub(super) fn part<T>(of: &[T], i: usize, size: usize) -> &[T] {
     &of[i * size..(i + 1) * size]
 }
 
 #[inline(always)]
-fn part_mut<T>(of: &mut [T], i: usize, size: usize) -> &mut [T] {
+pub(super) fn part_mut<T>(of: &mut [T], i: usize, size: usize) -> &mut [T] {
     &mut of[i * size..(i + 1) * size]
 }
 
 /// Σ_j a_ij q_j at every stage i, of slopes q.
 #[inline(always)]
-fn integrated(a: &[f64], m: usize, slopes: &[Quad; MAX_STAGES]) -> [Quad; MAX_STAGES] {
+pub(super) fn integrated(a: &[f64], m: usize, slopes: &[Quad; MAX_STAGES]) -> [Quad; MAX_STAGES] {
     let mut values = [[0.0; QUAD]; MAX_STAGES];
     for i in 0..m {
         for j in 0..m {
@@ -508,13 +413,29 @@ fn integrated(a: &[f64], m: usize, slopes: &[Quad; MAX_STAGES]) -> [Quad; MAX_ST
     values
 }
 
-/// Adds Σ_j d_j Y_j to the values of a node.
+/// Adds what the values of a quad of quadratures at the stages do to σ.
 #[inline(always)]
-fn add_stages(d: &[f64], y: &[f64], node: &mut [f64]) {
-    let n = node.len();
-    for (j, weight) in d.iter().enumerate() {
-        for (value, y) in node.iter_mut().zip(&y[j * n..(j + 1) * n]) {
-            *value += weight * y;
+pub(super) fn add_onto(sizes: Sizes, onto: &[Lane], quad: usize, values: &[Quad; MAX_STAGES], to: &mut [Lane]) {
+    let Sizes { m, nn, lanes, .. } = sizes;
+    for t in 0..sizes.width(quad * QUAD) {
+        let onto = part(onto, quad * QUAD + t, lanes).as_flattened();
+        for stage in 0..m {
+            let (to, onto) = (part_mut(to.as_flattened_mut(), stage, nn), part(onto, stage, nn));
+            for beta in 0..nn {
+                to[beta] += onto[beta] * values[stage][t];
+            }
         }
     }
+}
+
+/// What the values of a quad of quadratures at the stages add to an integral of such weights.
+#[inline(always)]
+pub(super) fn of_quadratures(sizes: Sizes, weights: &[f64], quad: usize, values: &[Quad; MAX_STAGES]) -> f64 {
+    let mut sum = 0.0;
+    for stage in 0..sizes.m {
+        for t in 0..sizes.width(quad * QUAD) {
+            sum += part(weights, stage, sizes.n)[sizes.quadrature(quad * QUAD + t)] * values[stage][t];
+        }
+    }
+    sum
 }

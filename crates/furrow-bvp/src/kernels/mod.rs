@@ -2,6 +2,8 @@
 
 mod block;
 mod condense;
+mod shape;
+mod stage_values;
 mod stages;
 mod table;
 

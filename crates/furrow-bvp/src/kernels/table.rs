@@ -12,6 +12,7 @@ use crate::gauss::Gauss;
 
 use super::block::BlockFactor;
 use super::condense::Condensed;
+use super::shape::{Any, Known, Partly};
 use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
@@ -24,7 +25,7 @@ pub struct Kernels {
     sizes: Option<[usize; 5]>,
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
-    pub(crate) complete: fn(&Condensed, &mut Direction),
+    pub(crate) complete: fn(&Condensed, &Gauss, &mut Direction),
     pub(crate) differences: fn(&Gauss, Interval<'_>, &mut [f64], &mut [f64]),
     pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearCondition]) -> Result<(), PivotFailure>,
     pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
@@ -73,13 +74,40 @@ impl Kernels {
     }
 }
 
+/// Calls a method of the condensed intervals for the shape they have.
+macro_rules! with_shape {
+    ($condensed:ident, $method:ident($($argument:ident),*)) => {{
+        let Dimensions { scalars, integrals, .. } = $condensed.dims;
+        match (N, scalars, integrals) {
+            (0, ..) => $condensed.$method::<Any>($($argument),*),
+            (_, 2, 1) => $condensed.$method::<Known<N, E, T, M, 2>>($($argument),*),
+            (_, 3, 1) => $condensed.$method::<Known<N, E, T, M, 3>>($($argument),*),
+            (_, 4, 1) => $condensed.$method::<Known<N, E, T, M, 4>>($($argument),*),
+            _ => $condensed.$method::<Partly<N, E, T, M>>($($argument),*),
+        }
+    }};
+}
+
+/// Calls a method of the blocks for the scalar unknowns that there are.
+macro_rules! with_scalars {
+    ($block:ident.$method:ident($($argument:ident),*), $scalars:expr) => {
+        match (N, $scalars) {
+            (0, _) => $block.$method::<0, 0, 0>($($argument),*),
+            (_, 2) => $block.$method::<N, LEFT, 2>($($argument),*),
+            (_, 3) => $block.$method::<N, LEFT, 3>($($argument),*),
+            (_, 4) => $block.$method::<N, LEFT, 4>($($argument),*),
+            _ => $block.$method::<N, LEFT, 0>($($argument),*),
+        }
+    };
+}
+
 // Lanes of four fill half of the registers of AVX-512: kernels for it would take longer to compile than they save.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn condense<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed: &mut Condensed,
     gauss: &Gauss,
 ) -> Result<(), PivotFailure> {
-    condensed.condense::<N, E, T, M>(gauss)
+    with_shape!(condensed, condense(gauss))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
@@ -90,15 +118,16 @@ fn particular<const N: usize, const E: usize, const T: usize, const M: usize>(
     out: &mut Direction,
     borders: &mut [f64],
 ) {
-    condensed.particular::<N, E, T, M>(gauss, residual, out, borders)
+    with_shape!(condensed, particular(gauss, residual, out, borders))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed: &Condensed,
+    gauss: &Gauss,
     out: &mut Direction,
 ) {
-    condensed.complete::<N, E, T, M>(out)
+    with_shape!(condensed, complete(gauss, out))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
@@ -107,7 +136,7 @@ fn eliminate<const N: usize, const LEFT: usize>(
     condensed: &Condensed,
     conditions: &[LinearCondition],
 ) -> Result<(), PivotFailure> {
-    block.eliminate::<N, LEFT>(condensed, conditions)
+    with_scalars!(block.eliminate(condensed, conditions), condensed.dims.scalars)
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
@@ -117,12 +146,12 @@ fn forward<const N: usize, const LEFT: usize>(
     carried: &mut [f64],
     border: &mut [f64],
 ) {
-    block.forward::<N, LEFT>(nodes, carried, border)
+    block.forward::<N, LEFT, 0>(nodes, carried, border)
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn backward<const N: usize, const LEFT: usize>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64]) {
-    block.backward::<N, LEFT>(nodes, scalars)
+    with_scalars!(block.backward(nodes, scalars), block.scalars())
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]

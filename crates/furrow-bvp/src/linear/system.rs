@@ -324,7 +324,7 @@ impl System {
             return;
         }
         self.solve_nodes(None, residual, out, true);
-        (self.kernels.complete)(&self.condensed, out);
+        (self.kernels.complete)(&self.condensed, &self.gauss, out);
     }
 
     /// Solves with the residual of the last evaluation.
@@ -359,7 +359,7 @@ impl System {
         zeroed(&mut out.scalars, scalars);
         self.block.forward_zero();
         self.substitute(end, [&[0.0; MAX_UNKNOWNS][..left], right, border], out, true);
-        (self.kernels.complete)(&self.condensed, out);
+        (self.kernels.complete)(&self.condensed, &self.gauss, out);
     }
 
     /// Nodes (of which only the last if not `everywhere`), scalars and particular stage values for a residual, of the
@@ -498,7 +498,7 @@ impl System {
             return;
         }
         self.solve_nodes(Some(end), residual, out, true);
-        (self.kernels.complete)(&self.condensed, out);
+        (self.kernels.complete)(&self.condensed, &self.gauss, out);
     }
 
     /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.

@@ -5,7 +5,15 @@
 //! vectors without branches or reductions. The kernels are compiled for several instruction sets and chosen at run time.
 //! No fused multiply–add is used and nothing is reordered, so the choice never changes a bit of the result.
 
+mod jordan;
+mod lu;
+mod transposed;
+
 use multiversion::multiversion;
+
+pub use jordan::eliminate_in_place;
+pub use lu::Lu;
+pub use transposed::{Factors, FactorsMut, factorise, panel_lanes, solve_transposed};
 
 /// Four neighbouring columns of one row, or rows of one column.
 pub type Lane = [f64; 4];
@@ -113,206 +121,34 @@ impl Determinant {
     }
 }
 
-/// Triangular factors of a square block.
-#[derive(Clone, Debug, Default)]
-pub struct Lu {
-    /// Multipliers by columns, zero at and above the pivot; n columns × lanes_for(n).
-    lower: Lanes,
-    /// Entries above the diagonal by columns, zero at and below the pivot; n columns × lanes_for(n).
-    upper: Lanes,
-    /// Reciprocal pivots; n.
-    reciprocal: Vec<f64>,
-    /// Row exchanged with row k; n.
-    exchange: Vec<u8>,
-}
-
-impl Lu {
-    /// Rows and columns of the block.
-    pub fn size(&self) -> usize {
-        self.reciprocal.len()
-    }
-
-    /// Factorises the row-major n × n `matrix` (lanes_for(n) lanes a row), which is overwritten.
-    ///
-    /// # Errors
-    /// If a pivot vanishes or is not finite.
-    pub fn factorise(&mut self, matrix: &mut [Lane], n: usize) -> Result<(), PivotFailure> {
-        let lanes = lanes_for(n);
-        self.lower.resize(n * lanes);
-        self.upper.resize(n * lanes);
-        self.reciprocal.resize(n, 0.0);
-        self.exchange.resize(n, 0);
-        eliminate(matrix, lanes, self)
-    }
-
-    /// Solves for one right-hand side in place (n entries, padded to whole lanes).
-    #[inline(always)]
-    pub fn solve(&self, x: &mut [Lane]) {
-        let (n, lanes) = (self.size(), lanes_for(self.size()));
-        for k in 0..n {
-            let flat = x.as_flattened_mut();
-            flat.swap(k, self.exchange[k] as usize);
-            let value = flat[k];
-            subtract_scaled(&mut x[..lanes], value, &self.lower[k * lanes..(k + 1) * lanes]);
-        }
-        for k in (0..n).rev() {
-            let value = x[k / LANE][k % LANE] * self.reciprocal[k];
-            x[k / LANE][k % LANE] = value;
-            subtract_scaled(&mut x[..lanes], value, &self.upper[k * lanes..(k + 1) * lanes]);
-        }
-    }
-
-    /// Multiplies the determinant of the block into `det`.
-    pub fn multiply_into(&self, det: &mut Determinant) {
-        det.multiply(&self.reciprocal, &self.exchange);
-    }
-}
-
+/// The place, from `first` on, of the entry of largest size among `entries`, the earliest of equals: size and place are compared as one
+/// number, since a processor guesses wrong where branches depend on data.
 #[inline(always)]
-fn subtract_scaled(target: &mut [Lane], factor: f64, source: &[Lane]) {
-    for (x, y) in target.iter_mut().zip(source) {
-        for t in 0..LANE {
-            x[t] -= factor * y[t];
-        }
+fn pivot_among<'a>(entries: impl Iterator<Item = &'a f64>, first: usize) -> Result<usize, PivotFailure> {
+    const PLACES: u64 = 0xff;
+    let (mut largest, mut place) = (0, PLACES - first as u64);
+    for entry in entries {
+        largest = u64::max(largest, entry.abs().to_bits() & !PLACES | place);
+        place -= 1;
     }
-}
-
-/// Row operation of the elimination, a whole lane at a time: one flat loop over short rows is unrolled before it can be
-/// vectorised.
-#[inline(always)]
-fn subtract_row<const L: usize>(row: &mut [Lane; L], factor: f64, pivot: &[Lane; L]) {
-    for (x, p) in row.iter_mut().zip(pivot) {
-        let before = *x;
-        *x = std::array::from_fn(|t| before[t] - factor * p[t]);
-    }
-}
-
-/// The row with the largest entry in column k, from row k to before `candidates`.
-#[inline(always)]
-fn pivot_row<const L: usize>(rows: &[[Lane; L]], k: usize, candidates: usize) -> Result<usize, PivotFailure> {
-    let (lane, offset) = (k / LANE, k % LANE);
-    let mut best = k;
-    let mut size = rows[k][lane][offset].abs();
-    for (i, row) in (k + 1..).zip(&rows[k + 1..candidates]) {
-        let candidate = row[lane][offset].abs();
-        if candidate > size {
-            size = candidate;
-            best = i;
-        }
-    }
+    let (size, place) = (f64::from_bits(largest & !PLACES), PLACES - (largest & PLACES));
     if size > 0.0 && size < f64::INFINITY {
-        return Ok(best);
+        return Ok(place as usize);
     }
-    Err(PivotFailure { column: k, non_finite: size.is_nan() || size > 0.0 })
+    Err(PivotFailure { column: first, non_finite: size.is_nan() || size > 0.0 })
 }
 
+/// x times a lane.
 #[inline(always)]
-fn eliminate_rows<const L: usize>(rows: &mut [[Lane; L]], lu: &mut Lu) -> Result<(), PivotFailure> {
-    for k in 0..rows.len() {
-        let (lane, offset) = (k / LANE, k % LANE);
-        let best = pivot_row(rows, k, rows.len())?;
-        lu.exchange[k] = best as u8;
-        rows.swap(k, best);
-        let pivot = rows[k];
-        let reciprocal = 1.0 / pivot[lane][offset];
-        lu.reciprocal[k] = reciprocal;
-        let upper = &mut lu.upper[k * L..(k + 1) * L];
-        upper.fill([0.0; LANE]);
-        for (i, row) in rows.iter().enumerate().take(k) {
-            upper[i / LANE][i % LANE] = row[lane][offset];
-        }
-        let lower = &mut lu.lower[k * L..(k + 1) * L];
-        lower.fill([0.0; LANE]);
-        for (i, row) in rows.iter_mut().enumerate().skip(k + 1) {
-            let factor = row[lane][offset] * reciprocal;
-            lower[i / LANE][i % LANE] = factor;
-            subtract_row(row, factor, &pivot);
-        }
-    }
-    Ok(())
+fn times(x: &Lane, p: &Lane) -> Lane {
+    [x[0] * p[0], x[1] * p[1], x[2] * p[2], x[3] * p[3]]
 }
 
-/// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time.
-macro_rules! with_width {
-    ($matrix:expr, $lanes:expr, $rows:ident => $body:expr, [$($l:literal)*]) => {
-        match $lanes {
-            $($l => { let ($rows, _) = $matrix.as_chunks_mut::<$l>(); $body })*
-            other => panic!("blocks of {other} lanes are wider than the kernels are built for"),
-        }
-    };
-}
-
-/// Gaussian elimination of a square row-major `matrix` (`lanes` lanes a row), whose factors are left in `lu`.
-#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn eliminate(matrix: &mut [Lane], lanes: usize, lu: &mut Lu) -> Result<(), PivotFailure> {
-    with_width!(matrix, lanes, rows => eliminate_rows(rows, lu), [1 2 3 4 5 6 7 8])
-}
-
+/// x − factor · p. Written out: a loop over a short row is unrolled before it can be vectorised.
 #[inline(always)]
-fn eliminate_rows_in_place<const L: usize>(
-    rows: &mut [[Lane; L]],
-    columns: usize,
-    candidates: usize,
-    reciprocal: &mut [f64],
-    exchange: &mut [u8],
-) -> Result<(), PivotFailure> {
-    for k in 0..columns {
-        let (lane, offset) = (k / LANE, k % LANE);
-        let best = pivot_row(rows, k, candidates)?;
-        exchange[k] = best as u8;
-        rows.swap(k, best);
-        let scale = 1.0 / rows[k][lane][offset];
-        reciprocal[k] = scale;
-        let mut pivot = rows[k];
-        pivot.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
-        let (above, rest) = rows.split_at_mut(k);
-        let Some((own, below)) = rest.split_first_mut() else { unreachable!("row k is among the rows") };
-        for row in above.iter_mut().chain(below) {
-            let factor = row[lane][offset];
-            subtract_row(row, factor, &pivot);
-            row[lane][offset] = -factor * scale;
-        }
-        *own = pivot;
-        own[lane][offset] = scale;
-    }
-    Ok(())
-}
-
-/// Gauss–Jordan elimination of the first `columns` columns of the row-major `matrix` (`lanes` lanes a row) from all other rows,
-/// choosing pivots among the first `candidates` rows (rows past them are never pivots: borders). The eliminated columns are
-/// replaced by what elimination does to right-hand sides b: exchange b_k with b_exchange(k) for every k in turn, take the first
-/// `columns` of them by these columns, and keep the other rows' own. A square matrix so becomes its inverse, with columns
-/// exchanged.
-#[inline(always)]
-pub fn eliminate_in_place(
-    matrix: &mut [Lane],
-    lanes: usize,
-    columns: usize,
-    candidates: usize,
-    reciprocal: &mut [f64],
-    exchange: &mut [u8],
-) -> Result<(), PivotFailure> {
-    if columns == 0 {
-        return Ok(());
-    }
-    with_width!(matrix, lanes, rows => eliminate_rows_in_place(rows, columns, candidates, reciprocal, exchange),
-        [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
-}
-
-/// Σ a b, in eight partial sums whatever the machine.
-#[inline(always)]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = [0.0; SUMS];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
-    for (a, b) in a.iter().zip(b) {
-        for t in 0..SUMS {
-            sum[t] += a[t] * b[t];
-        }
-    }
-    for (t, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
-        sum[t] += a * b;
-    }
-    ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]))
+fn subtract_scaled(x: &mut Lane, factor: f64, p: &Lane) {
+    let ([x0, x1, x2, x3], [p0, p1, p2, p3]) = (*x, *p);
+    *x = [x0 - factor * p0, x1 - factor * p1, x2 - factor * p2, x3 - factor * p3];
 }
 
 /// Makes `v` so many zeros. A kilobyte at a time: more are cleared by string instructions, which are slow to begin with.
@@ -324,24 +160,23 @@ pub fn zeroed(v: &mut Vec<f64>, len: usize) {
 /// Adds a scaled lane.
 #[inline(always)]
 pub fn add_scaled(target: &mut Lane, factor: f64, source: &Lane) {
-    for t in 0..LANE {
-        target[t] += factor * source[t];
-    }
+    let ([t0, t1, t2, t3], [s0, s1, s2, s3]) = (*target, *source);
+    *target = [t0 + factor * s0, t1 + factor * s1, t2 + factor * s2, t3 + factor * s3];
 }
 
 /// Adds Σ_k factor_k · column_k to `sums`; column k starts at `columns[k * stride]`. Several lanes at a time: the sums of one alone
 /// would wait for each other.
 #[inline(always)]
-pub fn add_columns(sums: &mut [Lane], factors: impl Iterator<Item = f64> + Clone, columns: &[Lane], stride: usize) {
+pub fn add_columns(sums: &mut [Lane], factors: &[f64], columns: &[Lane], stride: usize) {
     // Without any column there is nothing behind the first lanes either.
     let behind = |from: usize| columns.get(from..).unwrap_or_default();
     let mut from = 0;
     while from + 4 <= sums.len() {
-        add_block::<4>(&mut sums[from..], factors.clone(), behind(from), stride);
+        add_block::<4>(&mut sums[from..], factors, behind(from), stride);
         from += 4;
     }
     if from + 2 <= sums.len() {
-        add_block::<2>(&mut sums[from..], factors.clone(), behind(from), stride);
+        add_block::<2>(&mut sums[from..], factors, behind(from), stride);
         from += 2;
     }
     if from < sums.len() {
@@ -351,12 +186,13 @@ pub fn add_columns(sums: &mut [Lane], factors: impl Iterator<Item = f64> + Clone
 
 /// [`add_columns`] for the first W lanes, whose sums are kept in registers.
 #[inline(always)]
-fn add_block<const W: usize>(sums: &mut [Lane], factors: impl Iterator<Item = f64>, columns: &[Lane], stride: usize) {
+fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane], stride: usize) {
     let Some(sums) = sums.first_chunk_mut::<W>() else { return };
     let mut sum = *sums;
-    for (factor, column) in factors.zip(columns.chunks(stride)) {
-        for (sum, lane) in sum.iter_mut().zip(&column[..W]) {
-            add_scaled(sum, factor, lane);
+    for (k, factor) in factors.iter().enumerate() {
+        let column = &columns[k * stride..][..W];
+        for v in 0..W {
+            add_scaled(&mut sum[v], *factor, &column[v]);
         }
     }
     *sums = sum;
@@ -388,18 +224,6 @@ pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
         poison[0] += e * 0.0;
     }
     if poison.iter().any(|p| p.is_nan()) { f64::NAN } else { largest }
-}
-
-/// [`eliminate_in_place`] of a square matrix, compiled by itself for every instruction set.
-#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-pub fn eliminate_square_in_place(
-    matrix: &mut [Lane],
-    lanes: usize,
-    reciprocal: &mut [f64],
-    exchange: &mut [u8],
-) -> Result<(), PivotFailure> {
-    let size = reciprocal.len();
-    eliminate_in_place(matrix, lanes, size, size, reciprocal, exchange)
 }
 
 #[cfg(test)]

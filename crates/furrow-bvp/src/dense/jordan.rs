@@ -1,0 +1,77 @@
+//! Gauss–Jordan elimination of some columns of a matrix.
+
+use super::{LANE, Lane, PivotFailure, pivot_among, subtract_scaled, times};
+
+/// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time.
+macro_rules! with_width {
+    ($matrix:expr, $lanes:expr, $rows:ident => $body:expr, [$($l:literal)*]) => {
+        match $lanes {
+            $($l => { let ($rows, _) = $matrix.as_chunks_mut::<$l>(); $body })*
+            other => panic!("blocks of {other} lanes are wider than the kernels are built for"),
+        }
+    };
+}
+
+pub(super) use with_width;
+
+/// Subtracts the pivot row from others by their entries in its column, which become what is done to right-hand sides. A loop, since
+/// closures of iterators may be compiled apart, for another instruction set.
+#[inline(always)]
+fn eliminate_from<const L: usize>(rows: &mut [[Lane; L]], pivot: &[Lane; L], [lane, offset]: [usize; 2], scale: f64) {
+    for row in rows {
+        let factor = row[lane][offset];
+        for v in 0..L {
+            subtract_scaled(&mut row[v], factor, &pivot[v]);
+        }
+        row[lane][offset] = -factor * scale;
+    }
+}
+
+#[inline(always)]
+fn eliminate_rows_in_place<const L: usize>(
+    rows: &mut [[Lane; L]],
+    columns: usize,
+    candidates: usize,
+    reciprocal: &mut [f64],
+    exchange: &mut [u8],
+) -> Result<(), PivotFailure> {
+    for k in 0..columns {
+        let (lane, offset) = (k / LANE, k % LANE);
+        let best = pivot_among(rows[k..candidates].iter().map(|row| &row[lane][offset]), k)?;
+        exchange[k] = best as u8;
+        rows.swap(k, best);
+        let scale = 1.0 / rows[k][lane][offset];
+        reciprocal[k] = scale;
+        let mut pivot = rows[k];
+        for v in 0..L {
+            pivot[v] = times(&pivot[v], &[scale; LANE]);
+        }
+        let (above, below) = rows.split_at_mut(k);
+        eliminate_from(above, &pivot, [lane, offset], scale);
+        eliminate_from(&mut below[1..], &pivot, [lane, offset], scale);
+        rows[k] = pivot;
+        rows[k][lane][offset] = scale;
+    }
+    Ok(())
+}
+
+/// Gauss–Jordan elimination of the first `columns` columns of the row-major `matrix` (`lanes` lanes a row) from all other rows,
+/// choosing pivots among the first `candidates` rows (rows past them are never pivots: borders). The eliminated columns are
+/// replaced by what elimination does to right-hand sides b: exchange b_k with b_exchange(k) for every k in turn, take the first
+/// `columns` of them by these columns, and keep the other rows' own. A square matrix so becomes its inverse, with columns
+/// exchanged.
+#[inline(always)]
+pub fn eliminate_in_place(
+    matrix: &mut [Lane],
+    lanes: usize,
+    columns: usize,
+    candidates: usize,
+    reciprocal: &mut [f64],
+    exchange: &mut [u8],
+) -> Result<(), PivotFailure> {
+    if columns == 0 {
+        return Ok(());
+    }
+    with_width!(matrix, lanes, rows => eliminate_rows_in_place(rows, columns, candidates, reciprocal, exchange),
+        [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
+}

@@ -1,0 +1,111 @@
+//! Sizes that kernels work with, known at compile time or not.
+
+use crate::dense;
+use crate::dimensions::Dimensions;
+
+use super::condense::QUAD;
+
+/// Sizes of a problem and its discretisation.
+#[derive(Clone, Copy)]
+pub struct Sizes {
+    /// Components.
+    pub n: usize,
+    /// Quadrature components.
+    pub e: usize,
+    /// Stages.
+    pub m: usize,
+    /// Components that are not quadratures, one behind the other.
+    pub nn: usize,
+    /// The first of them.
+    pub first: usize,
+    /// Stage unknowns.
+    pub s: usize,
+    /// Lanes of the stage unknowns.
+    pub lanes: usize,
+    /// Quads of the quadrature components.
+    pub quads: usize,
+    /// Scalar unknowns.
+    pub np: usize,
+    /// Integral conditions.
+    pub ni: usize,
+    /// Lanes of the outputs of an interval: the components of its right node, then the integrals.
+    pub outputs: usize,
+    /// Lanes of a row of the panel.
+    pub stride: usize,
+}
+
+impl Sizes {
+    /// Those of a problem of `dims` with m stages.
+    #[inline(always)]
+    pub fn of(dims: Dimensions, m: usize) -> Sizes {
+        let Dimensions { components: n, quadratures: first, scalars: np, integrals: ni, .. } = dims;
+        let e = dims.all_quadratures();
+        let nn = n - e;
+        let (lanes, outputs) = (dense::lanes_for(m * nn), dense::lanes_for(n + ni));
+        let stride = dense::panel_lanes(lanes + outputs);
+        Sizes { n, e, m, nn, first, s: m * nn, lanes, quads: e.div_ceil(QUAD), np, ni, outputs, stride }
+    }
+
+    /// Which component the quadrature k is: some stand before the others, some behind.
+    #[inline(always)]
+    pub fn quadrature(self, k: usize) -> usize {
+        if k < self.first { k } else { self.nn + k }
+    }
+
+    /// How many quadratures from this one on make up a quad.
+    #[inline(always)]
+    pub fn width(self, from: usize) -> usize {
+        (self.e - from).min(QUAD)
+    }
+
+    /// Columns of a transition: components and scalar unknowns.
+    #[inline(always)]
+    pub fn columns(self) -> usize {
+        self.n + self.np
+    }
+}
+
+/// Where kernels have their sizes from.
+pub trait Shape {
+    /// The sizes of a problem.
+    fn sizes(dims: Dimensions, m: usize) -> Sizes;
+}
+
+/// Any sizes.
+pub struct Any;
+
+impl Shape for Any {
+    #[inline(always)]
+    fn sizes(dims: Dimensions, m: usize) -> Sizes {
+        Sizes::of(dims, m)
+    }
+}
+
+/// N components, of which E are quadratures, the last T of all among them, M stages, P scalar unknowns and one integral.
+pub struct Known<const N: usize, const E: usize, const T: usize, const M: usize, const P: usize>;
+
+impl<const N: usize, const E: usize, const T: usize, const M: usize, const P: usize> Shape for Known<N, E, T, M, P> {
+    #[inline(always)]
+    fn sizes(_dims: Dimensions, _m: usize) -> Sizes {
+        let dims = Dimensions {
+            components: N,
+            quadratures: E - T,
+            trailing_quadratures: T,
+            scalars: P,
+            left: 0,
+            right: 0,
+            integrals: 1,
+        };
+        Sizes::of(dims, M)
+    }
+}
+
+/// Those of `Known` but for the scalar unknowns and integrals.
+pub struct Partly<const N: usize, const E: usize, const T: usize, const M: usize>;
+
+impl<const N: usize, const E: usize, const T: usize, const M: usize> Shape for Partly<N, E, T, M> {
+    #[inline(always)]
+    fn sizes(dims: Dimensions, _m: usize) -> Sizes {
+        Sizes::of(Dimensions { components: N, quadratures: E - T, trailing_quadratures: T, ..dims }, M)
+    }
+}
