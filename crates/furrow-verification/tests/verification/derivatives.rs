@@ -119,6 +119,7 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
 /// The function to differentiate, and the columns of the hand-written Jacobian: by y, then by the scalars.
 fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
     cortex.prepare(p);
+    cortex.prepare_points(&[AT.x], p);
     let (n, np) = (y.len(), p.len());
     let (mut f, mut fy, mut fp) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
     let (mut g, mut gy, mut gp) = (vec![0.0], vec![0.0; n], vec![0.0; np]);
@@ -151,7 +152,7 @@ fn the_response_to_a_motion_is_that_to_an_earlier_past() {
                 }
                 let mut response = vec![0.0; y.len()];
                 let change = change - along * y.get(J).unwrap_or(&0.0);
-                cortex.response_to_motion(AT.x, &y, p[0]).add(1.0, normal, change, &mut response);
+                cortex.response_to_motion(AT, &y, p[0]).add(1.0, normal, change, &mut response);
                 for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
                     largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
                 }
@@ -165,7 +166,7 @@ fn the_response_to_a_motion_is_that_to_an_earlier_past() {
                 let parts = carried.parts();
                 cortex.carried_past[0] = std::array::from_fn(|i| parts[i] + change.parts()[i]).into();
                 let normal = cortex.rate * (sin * place[0] + cos * place[1]);
-                let strain = cortex.response_to_motion(AT.x, &y, p[0]).strain;
+                let strain = cortex.response_to_motion(AT, &y, p[0]).strain;
                 let lost = normal * strain + cortex.response_to_past(&y, p[0], place, change);
                 let after = values(&cortex, &y, &p)[J];
                 largest = largest.max((before[J] - after - lost).abs() / (1.0 + lost.abs()));

@@ -1,0 +1,79 @@
+//! The coefficients of the equations at the collocation points of a sweep, kept from one sweep to the next.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use furrow_bvp::{CollocationPoint, CollocationPoints};
+
+use super::equations::{Constants, LocalCoefficients};
+
+/// Coefficients at places along the contour, without what a regulator adds.
+///
+/// A profile of the cue takes an exponential. Profiles change with the mesh, with numbers of the cue, and with the contour's
+/// length where a width is given in L_h; the coefficients also with every other parameter.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CoefficientCache {
+    /// Whether profiles depend on the contour's length.
+    by_length: bool,
+    x: Vec<f64>,
+    length: f64,
+    /// The cue's [`profiles`](Constants::profiles) at every place.
+    profiles: Vec<[f64; 2]>,
+    /// Empty where they are to be computed anew.
+    local: Vec<LocalCoefficients<f64>>,
+}
+
+impl CoefficientCache {
+    /// Forgets all but the profiles; `by_length` says whether a width of the cue is given in L_h.
+    pub fn refresh(&mut self, by_length: bool) {
+        self.by_length = by_length;
+        self.local.clear();
+    }
+
+    /// Computes what is not known at these places, on a contour of length `length`.
+    pub fn prepare(&mut self, constants: &Constants<f64>, x: &[f64], length: f64) {
+        let CoefficientCache { by_length, x: known, length: of_length, profiles, local } = self;
+        if known != x || *by_length && *of_length != length {
+            *of_length = length;
+            x.clone_into(known);
+            local.clear();
+            profiles.clear();
+            profiles.extend(x.iter().flat_map(|&x| constants.profiles(x, length)));
+        }
+        if local.is_empty() && !x.is_empty() {
+            let of_points = profiles.chunks_exact(profiles.len() / x.len());
+            local.extend(of_points.map(|profiles| constants.painted(profiles.iter().copied())));
+        }
+    }
+
+    /// Which of the places these are, if the coefficients are known there.
+    fn known(&self, first: usize, x: &[f64], length: f64) -> Option<Range<usize>> {
+        let range = first..first + x.len();
+        let same = self.x.get(range.clone())? == x && (!self.by_length || self.length == length);
+        (same && range.end <= self.local.len()).then_some(range)
+    }
+
+    /// Coefficients and profiles at collocation points; no coefficients where they are the same everywhere, and no profiles where
+    /// those are not known.
+    pub fn at_points(
+        &self,
+        constants: &Constants<f64>,
+        points: CollocationPoints<'_>,
+        length: f64,
+    ) -> (Cow<'_, [LocalCoefficients<f64>]>, &[[f64; 2]]) {
+        if !constants.vary() {
+            return (Cow::Borrowed(&[]), &[]);
+        }
+        let Some(range) = self.known(points.first, points.x, length) else {
+            return (points.x.iter().map(|&x| constants.at(x, length)).collect(), &[]);
+        };
+        let each = self.profiles.len() / self.x.len().max(1);
+        (Cow::Borrowed(&self.local[range.clone()]), &self.profiles[range.start * each..range.end * each])
+    }
+
+    /// Coefficients at one of them.
+    pub fn at(&self, constants: &Constants<f64>, point: CollocationPoint, length: f64) -> LocalCoefficients<f64> {
+        let known = self.known(point.index, &[point.x], length);
+        known.map_or_else(|| constants.at(point.x, length), |range| self.local[range.start])
+    }
+}
