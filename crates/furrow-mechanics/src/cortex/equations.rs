@@ -347,14 +347,12 @@ impl<D: Number> Constants<D> {
 
     /// The coefficients at a place of such [`profiles`](Self::profiles).
     #[inline]
-    pub fn painted(&self, mut profiles: impl Iterator<Item = [D; 2]>) -> LocalCoefficients<D> {
+    pub fn painted(&self, profiles: impl Iterator<Item = [D; 2]>) -> LocalCoefficients<D> {
         let mut local = self.uniform;
-        for (term, [f, f_u]) in self.cue.iter().zip(profiles.by_ref()) {
-            local.modulate(term.field, &self.uniform, f, f_u);
-        }
-        if let Some([source, _]) = profiles.next() {
-            local.source = source;
-        }
+        profiles.enumerate().for_each(|(k, [f, f_u])| match self.cue.get(k) {
+            Some(term) => local.modulate(term.field, &self.uniform, f, f_u),
+            None => local.source = f,
+        });
         local
     }
 

@@ -184,13 +184,16 @@ impl Cortex {
         BdfTerm { rate: self.rate, r_past, z_past, carried_past }
     }
 
+    /// [`of_state`](Constants::of_state) at a collocation point.
+    pub(crate) fn coefficients_at(&self, at: CollocationPoint, y: &[f64], length: f64) -> LocalCoefficients<f64> {
+        let here = self.coefficients.at(&self.constants, at, length);
+        if y.len() == REGULATED { self.constants.regulated(here, y[PHI], y[J] * length) } else { here }
+    }
+
     /// What the motion of the cortex adds to the right-hand sides at one point of state `y` and contour length `length`; the
     /// equations are linear in it.
     pub fn response_to_motion(&self, at: CollocationPoint, y: &[f64], length: f64) -> MotionResponse {
-        let mut here = self.coefficients.at(&self.constants, at, length);
-        if y.len() == REGULATED {
-            here = self.constants.regulated(here, y[PHI], y[J] * length);
-        }
+        let here = self.coefficients_at(at, y, length);
         let (sin, cos) = sin_cos(y[PSI]);
         let c2 = sin / y[R];
         let c1 = y[M] / here.kappa - c2;
@@ -246,13 +249,14 @@ impl MotionResponse {
         }
     }
 
-    /// Adds the response to a normal velocity, and to a change ∂_tφ − w j of the regulator, times `h`, to the residuals of a point.
-    pub fn add(&self, h: f64, normal: f64, carried: f64, residual: &mut [f64]) {
+    /// The response to a normal velocity, and to a change ∂_tφ − w j of the regulator, into the right-hand sides of a point. Those
+    /// that do not respond are left as they are.
+    pub fn put(&self, normal: f64, carried: f64, to: &mut [f64]) {
         for (k, response) in [Q, V, T].into_iter().zip(self.normal) {
-            residual[k] += h * normal * response;
+            to[k] = normal * response;
         }
-        if let Some(residual) = residual.get_mut(J) {
-            *residual += h * (normal * self.carried[0] + carried * self.carried[1]);
+        if let Some(to) = to.get_mut(J) {
+            *to = normal * self.carried[0] + carried * self.carried[1];
         }
     }
 }

@@ -247,19 +247,22 @@ fn scatter<const K: usize, const N: usize>(
     scalars: usize,
     out: &mut PointJacobian<'_>,
 ) {
-    let (n, m) = (N, COMPONENTS);
+    let m = COMPONENTS;
     let number = |k: usize| numbers[k][i];
-    for k in 0..m {
-        out.f[k] = number(k);
-        out.fp[k * scalars + LENGTH] = number(m + k);
-        out.fy[Q * n + k] = number(2 * m + k);
-        out.fy[V * n + k] = number(3 * m + k);
-        out.fy[T * n + k] = number(4 * m + k);
+    for (k, (f, by_p)) in out.f.iter_mut().zip(out.fp.chunks_exact_mut(scalars)).take(m).enumerate() {
+        (*f, by_p[LENGTH]) = (number(k), number(m + k));
     }
     out.fp[Q * scalars + PRESSURE] = -length;
-    (out.fy[R * n + PSI], out.fy[Z * n + PSI], out.fy[M * n + Q]) = (number(5 * m), number(5 * m + 1), length);
+    let fy = out.fy.as_chunks_mut::<N>().0;
+    for (block, row) in [Q, V, T].into_iter().enumerate() {
+        let row = &mut fy[row];
+        for k in 0..m {
+            row[k] = number((2 + block) * m + k);
+        }
+    }
+    (fy[R][PSI], fy[Z][PSI], fy[M][Q]) = (number(5 * m), number(5 * m + 1), length);
     for (k, component) in [R, M, PSI].into_iter().enumerate() {
-        out.fy[PSI * n + component] = number(5 * m + 2 + k);
+        fy[PSI][component] = number(5 * m + 2 + k);
     }
     let [volume, by_r, by_psi, by_length] = [5, 6, 7, 8].map(|k| number(5 * m + k));
     (out.g[0], out.gy[R], out.gy[PSI], out.gp[LENGTH]) = (volume, by_r, by_psi, by_length);

@@ -135,7 +135,7 @@ impl Halves {
                 let at = CollocationPoint { x: even.stage_x(&system.gauss, i, j), index: point };
                 let response = cortex.response_to_motion(at, state, length);
                 let source = &mut source.stages[point * n..(point + 1) * n];
-                response.add(h, velocity, 0.0, source);
+                response.put(h * velocity, 0.0, source);
                 if let Some(past) = odd_carried.get(point) {
                     source[J] =
                         h * cortex.response_to_past(state, length, [r, z], *past) + h * velocity * response.strain;

@@ -43,15 +43,14 @@ impl Disturbances {
         }
     }
 
-    /// s M w, as a residual.
+    /// s M w, as a residual that was zero or of another w.
     pub(super) fn load(&self, from: &[f64], residual: &mut Residual) {
         let points = self.normal.len();
         let components = residual.stages.len() / points;
-        residual.stages.fill(0.0);
         let (displaced, changed) = from.split_at(points);
         for (i, (row, response)) in residual.stages.chunks_exact_mut(components).zip(&self.response).enumerate() {
             // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
-            response.add(1.0, displaced[i], changed.get(i).copied().unwrap_or(0.0), row);
+            response.put(displaced[i], changed.get(i).copied().unwrap_or(0.0), row);
         }
     }
 

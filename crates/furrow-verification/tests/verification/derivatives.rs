@@ -152,7 +152,7 @@ fn the_response_to_a_motion_is_that_to_an_earlier_past() {
                 }
                 let mut response = vec![0.0; y.len()];
                 let change = change - along * y.get(J).unwrap_or(&0.0);
-                cortex.response_to_motion(AT, &y, p[0]).add(1.0, normal, change, &mut response);
+                cortex.response_to_motion(AT, &y, p[0]).put(normal, change, &mut response);
                 for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
                     largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
                 }
