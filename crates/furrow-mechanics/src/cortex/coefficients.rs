@@ -77,3 +77,47 @@ impl CoefficientCache {
         known.map_or_else(|| constants.at(point.x, length), |range| self.local[range.start])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use furrow_bvp::BoundaryValueProblem;
+    use furrow_cell::cue::{Quantity, RegulatorQuantity};
+    use furrow_cell::{Cell, Parameter};
+
+    use super::*;
+    use crate::cortex::equations::REGULATED;
+    use crate::cortex::{Cortex, Domain};
+
+    /// Right-hand sides at places of a contour of length `length`.
+    fn values(cortex: &Cortex, x: &[f64], length: f64) -> Vec<f64> {
+        let y = vec![0.7; x.len() * REGULATED];
+        let (mut f, mut g) = (vec![0.0; y.len()], vec![0.0; x.len()]);
+        cortex.rhs_many(CollocationPoints { first: 0, x, y: &y }, &[length, 1.0], &mut f, &mut g);
+        f
+    }
+
+    #[test]
+    fn what_is_kept_is_what_would_be_computed() {
+        let cue = "kappa:u0=0.4,omega=0.6Lh,amplitude=0.1+regulator:step,u0=0.25,omega=0.1,amplitude=1,turnover=10,diffusion=1,xi_s=0.5";
+        let mut cortex = Cortex::new(&Cell::new(2.0).with_cue(cue.parse().unwrap()), Domain::Full, &[]);
+        let amplitude = Parameter::Cue { term: 0, quantity: Quantity::Amplitude };
+        let source = Parameter::Regulator(RegulatorQuantity::Source(Quantity::U0));
+        let mut before = Vec::new();
+        for (parameter, value, length, from) in [
+            (Parameter::XiS, 25.0, 7.0, 0.1),
+            (Parameter::XiS, 20.0, 7.0, 0.1),
+            (amplitude, 0.2, 7.0, 0.1),
+            (source, 0.3, 7.0, 0.1),
+            (Parameter::XiS, 20.0, 8.0, 0.1),
+            (Parameter::XiS, 20.0, 8.0, 0.2),
+        ] {
+            cortex.set(parameter, value);
+            let x = [from, from + 0.3, from + 0.35];
+            cortex.prepare_points(&x, &[length, 1.0]);
+            let kept = values(&cortex, &x, length);
+            assert_eq!(kept, values(&Cortex::new(&cortex.cell, Domain::Full, &[]), &x, length), "{parameter}");
+            assert_ne!(kept, before, "{parameter}");
+            before = kept;
+        }
+    }
+}
