@@ -34,6 +34,7 @@
 
 use std::f64::consts::PI;
 
+pub use super::coefficients::LocalCoefficients;
 use super::lanes::{Arithmetic, sin_cos};
 use furrow_cell::cue::{Field, Regulator, Source, Term};
 use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
@@ -145,102 +146,6 @@ impl<D> BdfTerm<D> {
         let BdfTerm { rate, r_past, z_past, carried_past } = self;
         let carried_past = carried_past.map(&number);
         BdfTerm { rate: number(rate), r_past: number(r_past), z_past: number(z_past), carried_past }
-    }
-}
-
-/// The coefficients of the equations at one place of the contour: the constants of the material, modulated by the cue.
-#[derive(Clone, Copy, Debug)]
-pub struct LocalCoefficients<D> {
-    /// Bending rigidity κ.
-    pub kappa: D,
-    /// ∂κ/∂u.
-    pub kappa_u: D,
-    /// η_b + η_s.
-    pub eta_sum: D,
-    /// η_b − η_s.
-    pub eta_difference: D,
-    /// Friction Γ.
-    pub friction: D,
-    /// Passive tension γ.
-    pub tension: D,
-    /// ∂γ/∂u.
-    pub tension_u: D,
-    /// Effective anisotropic activity X_s = gξ_s.
-    pub xi_s: D,
-    /// Effective isotropic activity X_b = gξ_b.
-    pub xi_b: D,
-    /// Source A f of the regulator.
-    pub source: D,
-}
-
-impl<D> LocalCoefficients<D> {
-    /// The same with numbers of another kind.
-    pub fn map<E>(self, number: impl Fn(D) -> E) -> LocalCoefficients<E> {
-        LocalCoefficients {
-            kappa: number(self.kappa),
-            kappa_u: number(self.kappa_u),
-            eta_sum: number(self.eta_sum),
-            eta_difference: number(self.eta_difference),
-            friction: number(self.friction),
-            tension: number(self.tension),
-            tension_u: number(self.tension_u),
-            xi_s: number(self.xi_s),
-            xi_b: number(self.xi_b),
-            source: number(self.source),
-        }
-    }
-}
-
-impl LocalCoefficients<f64> {
-    /// Adds `factor` times others.
-    pub fn add(&mut self, factor: f64, other: &LocalCoefficients<f64>) {
-        self.kappa += factor * other.kappa;
-        self.kappa_u += factor * other.kappa_u;
-        self.eta_sum += factor * other.eta_sum;
-        self.eta_difference += factor * other.eta_difference;
-        self.friction += factor * other.friction;
-        self.tension += factor * other.tension;
-        self.tension_u += factor * other.tension_u;
-        self.xi_s += factor * other.xi_s;
-        self.xi_b += factor * other.xi_b;
-        self.source += factor * other.source;
-    }
-}
-
-impl<D: Number> LocalCoefficients<D> {
-    /// Adds what one term of a cue does, M.16, or the regulator: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the
-    /// coefficients without the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
-    fn modulate(&mut self, field: Field, uniform: &LocalCoefficients<D>, f: D, f_u: D) {
-        let [eta_b, eta_s] = [1.0, -1.0].map(|sign| (uniform.eta_sum + uniform.eta_difference * sign) * 0.5);
-        match field {
-            Field::Kappa => {
-                self.kappa += uniform.kappa * f;
-                self.kappa_u += uniform.kappa * f_u;
-            }
-            Field::Activity => {
-                self.xi_s += uniform.xi_s * f;
-                self.xi_b += uniform.xi_b * f;
-            }
-            Field::XiS => self.xi_s += uniform.xi_s * f,
-            Field::XiB => self.xi_b += uniform.xi_b * f,
-            Field::EtaB => {
-                self.eta_sum += eta_b * f;
-                self.eta_difference += eta_b * f;
-            }
-            Field::EtaS => {
-                self.eta_sum += eta_s * f;
-                self.eta_difference -= eta_s * f;
-            }
-            Field::Viscosity => {
-                self.eta_sum += uniform.eta_sum * f;
-                self.eta_difference += uniform.eta_difference * f;
-            }
-            Field::Friction => self.friction += uniform.friction * f,
-            Field::Tension => {
-                self.tension += f;
-                self.tension_u += f_u;
-            }
-        }
     }
 }
 

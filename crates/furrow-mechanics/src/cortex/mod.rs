@@ -7,7 +7,7 @@
 //! | [`lanes`] | numbers whose loops become vector code |
 //! | `sweep` | both at many points side by side |
 //! | `columns` | derivatives by parameters, at as many |
-//! | `coefficients` | coefficients at the points of a sweep, kept for the next |
+//! | `coefficients` | their coefficients at a place, and at the points of a sweep, kept for the next |
 //! | [`problem`] | the boundary-value problem [`Cortex`] that is solved |
 //! | [`derivatives`] | second and third derivatives, for singular points |
 //! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
