@@ -34,8 +34,9 @@
 
 use std::f64::consts::PI;
 
+pub use super::coefficients::LocalCoefficients;
 use super::lanes::{Arithmetic, sin_cos};
-use furrow_cell::cue::{Field, Regulator, Term};
+use furrow_cell::cue::{Field, Regulator, Source, Term};
 use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
 
 /// Radius r.
@@ -148,102 +149,6 @@ impl<D> BdfTerm<D> {
     }
 }
 
-/// The coefficients of the equations at one place of the contour: the constants of the material, modulated by the cue.
-#[derive(Clone, Copy, Debug)]
-pub struct LocalCoefficients<D> {
-    /// Bending rigidity κ.
-    pub kappa: D,
-    /// ∂κ/∂u.
-    pub kappa_u: D,
-    /// η_b + η_s.
-    pub eta_sum: D,
-    /// η_b − η_s.
-    pub eta_difference: D,
-    /// Friction Γ.
-    pub friction: D,
-    /// Passive tension γ.
-    pub tension: D,
-    /// ∂γ/∂u.
-    pub tension_u: D,
-    /// Effective anisotropic activity X_s = gξ_s.
-    pub xi_s: D,
-    /// Effective isotropic activity X_b = gξ_b.
-    pub xi_b: D,
-    /// Source A f of the regulator.
-    pub source: D,
-}
-
-impl<D> LocalCoefficients<D> {
-    /// The same with numbers of another kind.
-    pub fn map<E>(self, number: impl Fn(D) -> E) -> LocalCoefficients<E> {
-        LocalCoefficients {
-            kappa: number(self.kappa),
-            kappa_u: number(self.kappa_u),
-            eta_sum: number(self.eta_sum),
-            eta_difference: number(self.eta_difference),
-            friction: number(self.friction),
-            tension: number(self.tension),
-            tension_u: number(self.tension_u),
-            xi_s: number(self.xi_s),
-            xi_b: number(self.xi_b),
-            source: number(self.source),
-        }
-    }
-}
-
-impl LocalCoefficients<f64> {
-    /// Adds `factor` times others.
-    pub fn add(&mut self, factor: f64, other: &LocalCoefficients<f64>) {
-        self.kappa += factor * other.kappa;
-        self.kappa_u += factor * other.kappa_u;
-        self.eta_sum += factor * other.eta_sum;
-        self.eta_difference += factor * other.eta_difference;
-        self.friction += factor * other.friction;
-        self.tension += factor * other.tension;
-        self.tension_u += factor * other.tension_u;
-        self.xi_s += factor * other.xi_s;
-        self.xi_b += factor * other.xi_b;
-        self.source += factor * other.source;
-    }
-}
-
-impl<D: Number> LocalCoefficients<D> {
-    /// Adds what one term of a cue does, M.16, or the regulator: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the
-    /// coefficients without the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
-    fn modulate(&mut self, field: Field, uniform: &LocalCoefficients<D>, f: D, f_u: D) {
-        let [eta_b, eta_s] = [1.0, -1.0].map(|sign| (uniform.eta_sum + uniform.eta_difference * sign) * 0.5);
-        match field {
-            Field::Kappa => {
-                self.kappa += uniform.kappa * f;
-                self.kappa_u += uniform.kappa * f_u;
-            }
-            Field::Activity => {
-                self.xi_s += uniform.xi_s * f;
-                self.xi_b += uniform.xi_b * f;
-            }
-            Field::XiS => self.xi_s += uniform.xi_s * f,
-            Field::XiB => self.xi_b += uniform.xi_b * f,
-            Field::EtaB => {
-                self.eta_sum += eta_b * f;
-                self.eta_difference += eta_b * f;
-            }
-            Field::EtaS => {
-                self.eta_sum += eta_s * f;
-                self.eta_difference -= eta_s * f;
-            }
-            Field::Viscosity => {
-                self.eta_sum += uniform.eta_sum * f;
-                self.eta_difference += uniform.eta_difference * f;
-            }
-            Field::Friction => self.friction += uniform.friction * f,
-            Field::Tension => {
-                self.tension += f;
-                self.tension_u += f_u;
-            }
-        }
-    }
-}
-
 /// The shell: coefficients that are the same all along the contour.
 #[derive(Clone, Copy, Debug)]
 pub struct ShellCoefficients<D> {
@@ -291,26 +196,26 @@ pub struct Constants<D> {
 impl<D: Number> Constants<D> {
     /// Constants of a cell, the half-axes of its shell by M.10; `vary` may replace any named parameter by a number that carries derivatives.
     pub fn new(cell: &Cell, vary: impl Fn(Parameter, f64) -> D) -> Constants<D> {
-        let at = |parameter: Parameter| vary(parameter, parameter.get(cell));
-        let (r0, epsilon) = (at(Parameter::R0), at(Parameter::Epsilon));
-        let (aspect, w) = (at(Parameter::Aspect), at(Parameter::W));
+        let Cell { material, shell, .. } = cell;
+        let (r0, epsilon) = (vary(Parameter::R0, cell.r0), vary(Parameter::Epsilon, cell.epsilon));
+        let (aspect, w) = (vary(Parameter::Aspect, shell.aspect), vary(Parameter::W, shell.w));
         let b3 = r0.powi(3) / (epsilon * aspect);
         let b2 = b3.powf(2.0 / 3.0);
         let inverse_w2 = w.powi(-2);
-        let (eta_b, eta_s) = (at(Parameter::EtaB), at(Parameter::EtaS));
-        let xi_s = at(Parameter::Gain) * at(Parameter::XiS);
+        let (eta_b, eta_s) = (vary(Parameter::EtaB, material.eta_b), vary(Parameter::EtaS, material.eta_s));
+        let xi_s = vary(Parameter::Gain, material.gain) * vary(Parameter::XiS, cell.xi_s);
         let term = |(term, of): (usize, &Term)| of.map(|quantity, v| vary(Parameter::Cue { term, quantity }, v));
         Constants {
             uniform: LocalCoefficients {
-                kappa: at(Parameter::Kappa),
+                kappa: vary(Parameter::Kappa, material.kappa),
                 kappa_u: D::from(0.0),
                 eta_sum: eta_b + eta_s,
                 eta_difference: eta_b - eta_s,
-                friction: at(Parameter::Friction),
-                tension: at(Parameter::Tension),
+                friction: vary(Parameter::Friction, material.friction),
+                tension: vary(Parameter::Tension, material.tension),
                 tension_u: D::from(0.0),
                 xi_s,
-                xi_b: xi_s * at(Parameter::XiRatio),
+                xi_b: xi_s * vary(Parameter::XiRatio, material.xi_ratio),
                 source: D::from(0.0),
             },
             regulator: (cell.cue.regulator())
@@ -319,7 +224,7 @@ impl<D: Number> Constants<D> {
             shell: ShellCoefficients {
                 inverse_a2: (b2 * aspect.powi(2)).recip(),
                 inverse_b2: b2.recip(),
-                shell_force: at(Parameter::P0) * inverse_w2 * 2.0,
+                shell_force: vary(Parameter::P0, shell.p0) * inverse_w2 * 2.0,
                 inverse_w2,
                 rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
             },
@@ -333,23 +238,38 @@ impl<D: Number> Constants<D> {
         kappa.fold(D::from(0.0), |sum, term| sum + self.uniform.kappa * term.at(u, length)[2])
     }
 
+    /// What makes the regulator at a place.
+    pub fn source(&self) -> Option<Source<D>> {
+        self.regulator.as_ref()?.source
+    }
+
+    /// A f and A ∂f/∂u of the cue's terms at u on a contour of length `length`; behind them those of the regulator's source.
+    #[inline]
+    pub fn profiles(&self, u: f64, length: D) -> impl Iterator<Item = [D; 2]> {
+        let source = self.source().map(|source| source.profile.at(u, length).map(|f| f * source.amplitude));
+        self.cue.iter().map(move |term| term.at(u, length)).chain(source).map(|[f, f_u, _]| [f, f_u])
+    }
+
+    /// The coefficients at a place of such [`profiles`](Self::profiles).
+    #[inline]
+    pub fn painted(&self, profiles: impl Iterator<Item = [D; 2]>) -> LocalCoefficients<D> {
+        let mut local = self.uniform;
+        profiles.enumerate().for_each(|(k, [f, f_u])| match self.cue.get(k) {
+            Some(term) => local.modulate(term.field, &self.uniform, f, f_u),
+            None => local.source = f,
+        });
+        local
+    }
+
     /// The coefficients at u on a contour of length `length`.
     #[inline]
     pub fn at(&self, u: f64, length: D) -> LocalCoefficients<D> {
-        let mut local = self.uniform;
-        for term in &self.cue {
-            let [f, f_u, _] = term.at(u, length);
-            local.modulate(term.field, &self.uniform, f, f_u);
-        }
-        if let Some(source) = self.regulator.as_ref().and_then(|regulator| regulator.source) {
-            local.source = source.profile.at(u, length)[0] * source.amplitude;
-        }
-        local
+        self.painted(self.profiles(u, length))
     }
 
     /// Whether the coefficients differ from place to place.
     pub fn vary(&self) -> bool {
-        !self.cue.is_empty() || self.regulator.as_ref().is_some_and(|regulator| regulator.source.is_some())
+        !self.cue.is_empty() || self.source().is_some()
     }
 
     /// The coefficients at a place with what the regulator adds there, M.27: `phi` is φ and `phi_u` is L j.
@@ -377,7 +297,7 @@ impl Constants<f64> {
             let [_, f_u, f_uu] = term.at(u, length);
             slope.modulate(term.field, &self.uniform, f_u, f_uu);
         }
-        if let Some(source) = self.regulator.as_ref().and_then(|regulator| regulator.source) {
+        if let Some(source) = self.source() {
             slope.source = source.profile.at(u, length)[1] * source.amplitude;
         }
         slope

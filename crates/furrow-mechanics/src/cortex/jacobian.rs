@@ -6,8 +6,8 @@
 use std::f64::consts::PI;
 
 use super::equations::{
-    BdfTerm, COMPONENTS, J, LocalCoefficients, PHI, PSI, Place, Q, R, REGULATED, ShellCoefficients, T, Transport, V, Z,
-    carried,
+    Balance, BdfTerm, COMPONENTS, J, LocalCoefficients, PHI, PSI, Place, Q, R, REGULATED, ShellCoefficients, T,
+    Transport, V, Z, balances, carried,
 };
 use super::lanes::Arithmetic;
 
@@ -226,7 +226,8 @@ pub fn linearised_regulated<D: Arithmetic>(
     }
 }
 
-/// ∂f/∂φ of the shape's right-hand sides and ∂S_uu/∂φ, which come about by the coefficients alone; with `_phi` for derivatives.
+/// ∂f/∂φ of the shape's right-hand sides and ∂S_uu/∂φ, which come about by the coefficients alone; with `_phi` for derivatives. The
+/// same for any other number that coefficients depend on.
 #[inline(always)]
 fn through_coefficients<D: Arithmetic>(
     c: &ShellCoefficients<D>,
@@ -262,4 +263,45 @@ fn through_coefficients<D: Arithmetic>(
     (f[PSI], f[Q], f[T]) = (length * mean_phi, length * q_phi, t_u_phi);
     f[V] = length * (s_u_phi - mean_phi * v_n);
     (f, s_u_phi)
+}
+
+/// Derivatives of [`balances`] and of S_uu by a number that enters by the coefficients alone: of the shell and of the place, each
+/// with its own derivatives behind it.
+#[inline(always)]
+pub fn varied<D: Arithmetic>(
+    [c, by]: &[ShellCoefficients<D>; 2],
+    here: [&LocalCoefficients<D>; 2],
+    motion: BdfTerm<D>,
+    noise: D,
+    y: &[D; COMPONENTS],
+    length: D,
+    pressure: D,
+) -> ([D; COMPONENTS], D, Place<D>) {
+    let Balance { place, .. } = balances(c, here[0], motion, noise, y, length, pressure);
+    let (mut f, strain) = through_coefficients(c, here, noise, y, &place, length);
+    let (r2, z2, along, across) = (y[R] * y[R], y[Z] * y[Z], y[Z] * place.cos, y[R] * place.sin);
+    let ellipse = z2 * c.inverse_a2 + r2 * c.inverse_b2 - 1.0;
+    let steeper = (z2 * by.inverse_a2 + r2 * by.inverse_b2) * c.inverse_w2 + ellipse * by.inverse_w2;
+    let slope = across * c.inverse_b2 + along * c.inverse_a2;
+    let turned = across * by.inverse_b2 + along * by.inverse_a2;
+    let push = by.shell_force * slope + c.shell_force * (steeper * slope + turned);
+    f[Q] = f[Q] + length * (ellipse * c.inverse_w2).exp() * push;
+    (f, strain, place)
+}
+
+/// The derivative of [`carried`] by such a number, on which also the transport and the source may depend; `strain` is ∂S_uu.
+#[inline(always)]
+pub fn varied_flux<D: Arithmetic>(
+    [c, by]: &[Transport<D>; 2],
+    [source, source_by]: [D; 2],
+    motion: BdfTerm<D>,
+    y: &[D; COMPONENTS],
+    [j, phi]: [D; 2],
+    at: &Place<D>,
+    strain: D,
+    length: D,
+) -> D {
+    let spread = carried(c, source, motion, y, [j, phi], at, length) + at.cot * j;
+    let changed = c.dilution * (phi + D::from(1.0)) * strain + by.turnover * (phi - source) - c.turnover * source_by;
+    changed * c.inverse_diffusion + spread * by.inverse_diffusion / c.inverse_diffusion
 }

@@ -6,6 +6,8 @@
 //! | [`jacobian`] | the same with hand-written derivatives, for speed |
 //! | [`lanes`] | numbers whose loops become vector code |
 //! | `sweep` | both at many points side by side |
+//! | `columns` | derivatives by parameters, at as many |
+//! | `coefficients` | their coefficients at a place, and at the points of a sweep, kept for the next |
 //! | [`problem`] | the boundary-value problem [`Cortex`] that is solved |
 //! | [`derivatives`] | second and third derivatives, for singular points |
 //! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
@@ -13,6 +15,8 @@
 //! | [`forces`] | what acts at a place: curvatures, tensions, velocities, the normal forces by what they come from |
 //! | [`resolution`] | where a mesh has to be fine |
 
+mod coefficients;
+mod columns;
 pub mod derivatives;
 pub mod equations;
 pub mod forces;

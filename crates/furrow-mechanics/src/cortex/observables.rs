@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use furrow_bvp::{Gauss, Solution};
+use furrow_bvp::{CollocationPoint, Gauss, Solution};
 
 use super::Cortex;
-use super::equations::{Carried, Domain, LENGTH, M, PHI, PSI, R, REGULATED, Z};
+use super::equations::{Carried, Domain, LENGTH, M, PHI, PSI, Q, R, REGULATED, Z};
+use super::lanes::sin_cos;
 
 /// Collects (r, z) at the collocation points of a solution.
 pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
@@ -136,42 +137,42 @@ pub fn asymmetry(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
     1.0 - 2.0 * volume_until(gauss, y, u) / volume_until(gauss, y, 1.0)
 }
 
-/// The meridional furrow position: where the curvature c1 is most negative, refined on the collocation polynomial;
-/// `None` if c1 is positive everywhere.
+/// The meridional furrow position: where the curvature c1 is least, next to the collocation point where it is most negative; `None`
+/// if c1 is positive at all of them.
+///
+/// There c1_s = q/κ − m κ_s/κ² − (cosψ/r)(c1 − c2) vanishes, which says where to the last digits; c1 itself would to half of them.
 pub fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f64> {
-    let curvature = |i: usize, theta: f64| {
+    let length = y.scalars[LENGTH];
+    let place = |index: usize| y.stage_x(gauss, index / y.m, index % y.m);
+    let states = || y.stages.chunks_exact(y.components);
+    let curvature = |(index, s): (usize, &[f64])| {
+        let here = cortex.coefficients_at(CollocationPoint { x: place(index), index }, s, length);
+        (s[M] / here.kappa - sin_cos(s[PSI]).0 / s[R], index)
+    };
+    let (_, nearest) =
+        states().enumerate().map(curvature).filter(|(c1, _)| *c1 < 0.0).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let slope = |u: f64| {
         let mut value = [0.0; REGULATED];
-        y.eval_in(gauss, i, theta, &mut value[..y.components]);
-        let u = y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]);
-        let here = cortex.constants().of_state(u, &value[..y.components], y.scalars[LENGTH]);
-        value[M] / here.kappa - value[PSI].sin() / value[R]
+        let s = &mut value[..y.components];
+        y.eval(gauss, u, s);
+        let here = cortex.constants().of_state(u, s, length);
+        let (mean, (sin, cos)) = (s[M] / here.kappa, sin_cos(s[PSI]));
+        (s[Q] - mean * here.kappa_u / length) / here.kappa - cos / s[R] * (mean - 2.0 * sin / s[R])
     };
-    let at = |u: f64| {
-        let i = y.interval_of(u);
-        curvature(i, (u - y.mesh[i]) / (y.mesh[i + 1] - y.mesh[i]))
-    };
-    let mut best = (f64::INFINITY, 0.0);
-    for i in 0..y.intervals() {
-        for k in 0..4 {
-            let theta = (k as f64 + 0.5) / 4.0;
-            let c1 = curvature(i, theta);
-            if c1 < best.0 {
-                best = (c1, y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]));
-            }
+    let around = [nearest.saturating_sub(1), (nearest + 1).min(states().len() - 1)];
+    let [mut before, mut newest] = around.map(|index| (place(index), slope(place(index))));
+    if !(before.1 < 0.0 && newest.1 > 0.0) {
+        return Some(place(nearest));
+    }
+    for _ in 0..60 {
+        let u = newest.0 - newest.1 * (newest.0 - before.0) / (newest.1 - before.1);
+        let (next, moved) = ((u, slope(u)), (u - newest.0).abs());
+        // The Illinois rule: an end that stays counts half.
+        before = if next.1 * newest.1 < 0.0 { newest } else { (before.0, 0.5 * before.1) };
+        newest = next;
+        if moved < 1e-12 {
+            break;
         }
     }
-    if best.0 >= 0.0 {
-        return None;
-    }
-    // Golden section on the bracketing quarter intervals.
-    let i = y.interval_of(best.1);
-    let width = 0.3 * (y.mesh[i + 1] - y.mesh[i]);
-    let end = y.mesh[y.intervals()];
-    let (mut low, mut high) = ((best.1 - width).max(y.mesh[0]), (best.1 + width).min(end));
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..60 {
-        let (x1, x2) = (high - golden * (high - low), low + golden * (high - low));
-        if at(x1) < at(x2) { high = x2 } else { low = x1 }
-    }
-    Some(0.5 * (low + high))
+    Some(newest.0)
 }

@@ -1,6 +1,5 @@
 //! The boundary-value problem of one cell: a stationary shape, or one implicit time step.
 
-use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use furrow_bvp::{
@@ -8,9 +7,10 @@ use furrow_bvp::{
 };
 use num_dual::Dual64;
 
+use super::coefficients::CoefficientCache;
+use super::columns::Column;
 use super::equations::{
-    BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
-    REGULATED, T, V, equations,
+    BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PSI, Q, R, REGULATED, T, V,
 };
 use super::lanes::sin_cos;
 use super::sweep::{self, Sweep};
@@ -60,17 +60,8 @@ pub struct Cortex {
     sensitivities: Vec<Constants<Dual64>>,
     /// The constants as numbers that carry derivatives, where the contour's length enters by the cue's widths.
     along_length: Option<Constants<Dual64>>,
-    /// The coefficients at the points of the sweep that was prepared last.
+    /// The coefficients at the points of the sweep that was prepared last, where they differ.
     coefficients: CoefficientCache,
-}
-
-/// Coefficients at places along the contour. A cue takes an exponential for each; they change with the mesh, and with the
-/// contour's length where a width is given in L_h.
-#[derive(Clone, Debug, Default)]
-struct CoefficientCache {
-    x: Vec<f64>,
-    length: f64,
-    local: Vec<LocalCoefficients<f64>>,
 }
 
 impl Cortex {
@@ -135,37 +126,52 @@ impl Cortex {
 
     /// Recomputes the constants after `cell` was changed directly.
     pub fn refresh(&mut self) {
-        self.constants = Constants::new(&self.cell, |_, v| v);
+        let before = std::mem::replace(&mut self.constants, Constants::new(&self.cell, |_, v| v));
         let with_slope =
             |which: &Parameter| Constants::new(&self.cell, |p, v| Dual64::new(v, if p == *which { 1.0 } else { 0.0 }));
         self.sensitivities = self.free.iter().map(with_slope).collect();
         // A term of amplitude 0 leaves no trace, not even in roundings.
         let by_length = |term: &Term| term.amplitude != 0.0 && matches!(term.profile.width(), Some(Width::Length(_)));
-        let source = self.cell.cue.regulator().and_then(|regulator| regulator.source);
-        let sourced = source.is_some_and(|source| matches!(source.profile.width(), Some(Width::Length(_))));
+        let sourced =
+            matches!(self.constants.source().and_then(|source| source.profile.width()), Some(Width::Length(_)));
         let by_length = sourced || self.cell.cue.terms().iter().any(by_length);
         self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
-        self.coefficients = CoefficientCache::default();
+        if (&before.cue, before.source()) != (&self.constants.cue, self.constants.source()) {
+            self.coefficients = CoefficientCache::default();
+        }
+        self.coefficients.refresh(by_length);
     }
 
-    /// The coefficients at collocation points on a contour of length `length`, without what a regulator adds; empty where they are
-    /// the same everywhere.
-    fn coefficients(&self, points: CollocationPoints<'_>, length: f64) -> Cow<'_, [LocalCoefficients<f64>]> {
-        if !self.constants.vary() {
-            return Cow::Borrowed(&[]);
-        }
-        let CoefficientCache { x, length: of_length, local } = &self.coefficients;
-        let range = points.first..points.first + points.x.len();
-        let same_length = self.along_length.is_none() || *of_length == length;
-        match x.get(range.clone()) {
-            Some(x) if x == points.x && same_length => Cow::Borrowed(&local[range]),
-            _ => points.x.iter().map(|&x| self.constants.at(x, length)).collect(),
-        }
-    }
-
-    fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>]) -> Sweep<'a> {
+    fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>], profiles: &'a [[f64; 2]]) -> Sweep<'a> {
         let Cortex { constants, rate, past, carried_past, noise, free, .. } = self;
-        Sweep { constants, rate: *rate, past, carried_past, noise, local, scalars: SHAPE_SCALARS + free.len() }
+        Sweep {
+            constants,
+            rate: *rate,
+            past,
+            carried_past,
+            noise,
+            local,
+            profiles,
+            scalars: SHAPE_SCALARS + free.len(),
+        }
+    }
+
+    /// The scalar unknowns that enter by the coefficients: L where the cue's widths bring it in by more than the factor L, and the
+    /// free parameters.
+    fn columns(&self, length: f64) -> impl Iterator<Item = Column<'_>> {
+        let along_length = self.along_length.iter().map(move |constants| Column {
+            scalar: LENGTH,
+            constants,
+            length: Dual64::new(length, 1.0),
+            paints: true,
+        });
+        let of_parameter = move |(k, (constants, free)): (usize, (_, &Parameter))| Column {
+            scalar: SHAPE_SCALARS + k,
+            constants,
+            length: length.into(),
+            paints: free.is_of_cue(),
+        };
+        along_length.chain(self.sensitivities.iter().zip(&self.free).enumerate().map(of_parameter))
     }
 
     /// The rates of change at a collocation point.
@@ -178,10 +184,16 @@ impl Cortex {
         BdfTerm { rate: self.rate, r_past, z_past, carried_past }
     }
 
+    /// [`of_state`](Constants::of_state) at a collocation point.
+    pub(crate) fn coefficients_at(&self, at: CollocationPoint, y: &[f64], length: f64) -> LocalCoefficients<f64> {
+        let here = self.coefficients.at(&self.constants, at, length);
+        if y.len() == REGULATED { self.constants.regulated(here, y[PHI], y[J] * length) } else { here }
+    }
+
     /// What the motion of the cortex adds to the right-hand sides at one point of state `y` and contour length `length`; the
     /// equations are linear in it.
-    pub fn response_to_motion(&self, u: f64, y: &[f64], length: f64) -> MotionResponse {
-        let here = self.constants.of_state(u, y, length);
+    pub fn response_to_motion(&self, at: CollocationPoint, y: &[f64], length: f64) -> MotionResponse {
+        let here = self.coefficients_at(at, y, length);
         let (sin, cos) = sin_cos(y[PSI]);
         let c2 = sin / y[R];
         let c1 = y[M] / here.kappa - c2;
@@ -213,34 +225,6 @@ impl Cortex {
         let stretched = (cos * past.r_u - sin * past.z_u) / length;
         per * (past.amount / (y[R] * length) - (y[J] + c * cos / y[R]) * along - c * stretched)
     }
-
-    /// Columns of ∂f/∂p for L, where the cue's widths bring it in by more than the factor L, and for the free parameters.
-    fn scalar_columns(&self, at: CollocationPoint, y: &[f64], p: &[f64], fp: &mut [f64]) {
-        if y.len() == REGULATED {
-            self.scalar_columns_of::<REGULATED>(at, y, p, fp);
-        } else {
-            self.scalar_columns_of::<COMPONENTS>(at, y, p, fp);
-        }
-    }
-
-    fn scalar_columns_of<const N: usize>(&self, at: CollocationPoint, y: &[f64], p: &[f64], fp: &mut [f64]) {
-        let scalars = SHAPE_SCALARS + self.free.len();
-        let state: [Dual64; N] = std::array::from_fn(|i| Dual64::from_re(y[i]));
-        let [length, pressure] = [p[LENGTH], p[PRESSURE]].map(Dual64::from_re);
-        let (motion, noise) = (self.motion(at), self.noise.get(at.index).copied().unwrap_or(1.0));
-        let mut put = |column: usize, constants: &Constants<Dual64>, length: Dual64| {
-            let (f, _) = equations(constants, at.x, motion, noise, &state, length, pressure);
-            for i in 0..N {
-                fp[i * scalars + column] = f[i].eps;
-            }
-        };
-        if let Some(constants) = &self.along_length {
-            put(LENGTH, constants, Dual64::new(p[LENGTH], 1.0));
-        }
-        for (k, constants) in self.sensitivities.iter().enumerate() {
-            put(SHAPE_SCALARS + k, constants, length);
-        }
-    }
 }
 
 /// What the motion of the cortex adds to the right-hand sides at a place, per unit of it.
@@ -265,13 +249,14 @@ impl MotionResponse {
         }
     }
 
-    /// Adds the response to a normal velocity, and to a change ∂_tφ − w j of the regulator, times `h`, to the residuals of a point.
-    pub fn add(&self, h: f64, normal: f64, carried: f64, residual: &mut [f64]) {
+    /// The response to a normal velocity, and to a change ∂_tφ − w j of the regulator, into the right-hand sides of a point. Those
+    /// that do not respond are left as they are.
+    pub fn put(&self, normal: f64, carried: f64, to: &mut [f64]) {
         for (k, response) in [Q, V, T].into_iter().zip(self.normal) {
-            residual[k] += h * normal * response;
+            to[k] = normal * response;
         }
-        if let Some(residual) = residual.get_mut(J) {
-            *residual += h * (normal * self.carried[0] + carried * self.carried[1]);
+        if let Some(to) = to.get_mut(J) {
+            *to = normal * self.carried[0] + carried * self.carried[1];
         }
     }
 }
@@ -301,16 +286,9 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn prepare_points(&mut self, x: &[f64], p: &[f64]) {
-        let length = p[LENGTH];
-        let CoefficientCache { x: known, length: of_length, .. } = &self.coefficients;
-        if !self.constants.vary() || known == x && (self.along_length.is_none() || *of_length == length) {
-            return;
+        if self.constants.vary() {
+            self.coefficients.prepare(&self.constants, x, p[LENGTH]);
         }
-        let CoefficientCache { x: known, length: of_length, local } = &mut self.coefficients;
-        *of_length = length;
-        x.clone_into(known);
-        local.clear();
-        local.extend(x.iter().map(|&x| self.constants.at(x, length)));
     }
 
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
@@ -322,8 +300,8 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
-        let coefficients = self.coefficients(points, p[LENGTH]);
-        let sweep = self.sweep(&coefficients);
+        let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
+        let sweep = self.sweep(&coefficients, profiles);
         if self.is_regulated() {
             sweep::rhs_many_regulated(&sweep, points, p, f, g);
         } else {
@@ -332,21 +310,12 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
-        let coefficients = self.coefficients(points, p[LENGTH]);
-        let sweep = self.sweep(&coefficients);
+        let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
+        let (sweep, columns) = (self.sweep(&coefficients, profiles), self.columns(p[LENGTH]));
         if self.is_regulated() {
-            sweep::jacobian_many_regulated(&sweep, points, p, out);
+            sweep::jacobian_many_regulated(&sweep, points, p, columns, out);
         } else {
-            sweep::jacobian_many(&sweep, points, p, out);
-        }
-        if self.sensitivities.is_empty() && self.along_length.is_none() {
-            return;
-        }
-        let scalars = SHAPE_SCALARS + self.free.len();
-        let n = self.components();
-        let values = points.x.iter().zip(points.y.chunks_exact(n));
-        for (i, ((&x, y), fp)) in values.zip(out.fp.chunks_exact_mut(n * scalars)).enumerate() {
-            self.scalar_columns(CollocationPoint { x, index: points.first + i }, y, p, fp);
+            sweep::jacobian_many(&sweep, points, p, columns, out);
         }
     }
 

@@ -23,7 +23,7 @@ fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
         let amplitude = term.amplitude.abs();
         CUE * amplitude / (1.0 + amplitude) * term.profile.steepest(from, to, length)
     };
-    let source = cortex.constants().regulator.as_ref().and_then(|regulator| regulator.source);
+    let source = cortex.constants().source();
     let sourced = source.map_or(0.0, |source| {
         let amplitude = source.amplitude.abs();
         CUE * amplitude / (1.0 + amplitude) * source.profile.steepest(from, to, length)

@@ -7,6 +7,7 @@
 use furrow_bvp::{CollocationPoints, PointJacobian};
 use multiversion::multiversion;
 
+use super::columns::{Column, Varied};
 use super::equations::{
     Balance, BdfTerm, COMPONENTS, Carried, Constants, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
     REGULATED, ShellCoefficients, T, Transport, V, Z, balances, carried,
@@ -28,18 +29,20 @@ pub(super) struct Sweep<'a> {
     pub noise: &'a [f64],
     /// The coefficients at the points of the sweep, without what a regulator adds; empty where they are the same everywhere.
     pub local: &'a [LocalCoefficients<f64>],
+    /// The cue's profiles at these points, if they are known.
+    pub profiles: &'a [[f64; 2]],
     /// Number of scalar unknowns.
     pub scalars: usize,
 }
 
 /// Points of a group.
-const GROUP: usize = 8;
+pub(super) const GROUP: usize = 8;
 
 /// A quantity at the points of a group.
-type Values = [f64; GROUP];
+pub(super) type Values = [f64; GROUP];
 
 /// What the equations read at the points of a group.
-struct Group {
+pub(super) struct Group {
     y: [Values; COMPONENTS],
     local: LocalCoefficients<Values>,
     past: [Values; 2],
@@ -48,11 +51,11 @@ struct Group {
 
 /// What is the same at all points.
 #[derive(Clone, Copy)]
-struct Shared {
-    shell: ShellCoefficients<f64>,
+pub(super) struct Shared {
+    pub shell: ShellCoefficients<f64>,
     rate: f64,
-    length: f64,
-    pressure: f64,
+    pub length: f64,
+    pub pressure: f64,
 }
 
 impl Group {
@@ -86,7 +89,7 @@ impl Group {
 
     /// The arguments of the equations at point i.
     #[inline(always)]
-    fn at(&self, i: usize, shared: &Shared) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS]) {
+    pub fn at(&self, i: usize, shared: &Shared) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS]) {
         let motion = BdfTerm {
             rate: Each(shared.rate),
             r_past: Each(self.past[0][i]),
@@ -98,7 +101,7 @@ impl Group {
 }
 
 impl LocalCoefficients<Values> {
-    fn put(&mut self, i: usize, here: LocalCoefficients<f64>) {
+    pub(super) fn put(&mut self, i: usize, here: LocalCoefficients<f64>) {
         self.kappa[i] = here.kappa;
         self.kappa_u[i] = here.kappa_u;
         self.eta_sum[i] = here.eta_sum;
@@ -112,7 +115,7 @@ impl LocalCoefficients<Values> {
     }
 
     #[inline(always)]
-    fn each(&self, i: usize) -> LocalCoefficients<Each> {
+    pub(super) fn each(&self, i: usize) -> LocalCoefficients<Each> {
         LocalCoefficients {
             kappa: Each(self.kappa[i]),
             kappa_u: Each(self.kappa_u[i]),
@@ -206,9 +209,16 @@ pub(super) fn rhs_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p: &[f6
     }
 }
 
-/// f, g and their derivatives by the components, L and p at all points, but for what widths in L_h add to ∂f/∂L. What is zero
-/// is left as it is.
-pub(super) fn jacobian_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+/// f, g and their derivatives by the components, L, p and what else is among the columns at all points. What is zero is left as it
+/// is.
+pub(super) fn jacobian_many<'a>(
+    sweep: &Sweep<'_>,
+    points: CollocationPoints<'_>,
+    p: &[f64],
+    columns: impl Iterator<Item = Column<'a>>,
+    out: &mut PointJacobian<'_>,
+) {
+    let mut columns: Vec<Varied<'a>> = columns.map(Varied::of).collect();
     let (mut group, shared) = (Group::of(sweep), Shared::of(sweep, p));
     let scalars = sweep.scalars;
     let mut numbers = [[0.0; GROUP]; NUMBERS];
@@ -224,6 +234,7 @@ pub(super) fn jacobian_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p:
                 &mut out.at(from + i, COMPONENTS, scalars, 1),
             );
         }
+        columns.iter_mut().for_each(|column| column.add(&group, &shared, sweep, points, from, out));
     }
 }
 
@@ -236,26 +247,29 @@ fn scatter<const K: usize, const N: usize>(
     scalars: usize,
     out: &mut PointJacobian<'_>,
 ) {
-    let (n, m) = (N, COMPONENTS);
+    let m = COMPONENTS;
     let number = |k: usize| numbers[k][i];
-    for k in 0..m {
-        out.f[k] = number(k);
-        out.fp[k * scalars + LENGTH] = number(m + k);
-        out.fy[Q * n + k] = number(2 * m + k);
-        out.fy[V * n + k] = number(3 * m + k);
-        out.fy[T * n + k] = number(4 * m + k);
+    for (k, (f, by_p)) in out.f.iter_mut().zip(out.fp.chunks_exact_mut(scalars)).take(m).enumerate() {
+        (*f, by_p[LENGTH]) = (number(k), number(m + k));
     }
     out.fp[Q * scalars + PRESSURE] = -length;
-    (out.fy[R * n + PSI], out.fy[Z * n + PSI], out.fy[M * n + Q]) = (number(5 * m), number(5 * m + 1), length);
+    let fy = out.fy.as_chunks_mut::<N>().0;
+    for (block, row) in [Q, V, T].into_iter().enumerate() {
+        let row = &mut fy[row];
+        for k in 0..m {
+            row[k] = number((2 + block) * m + k);
+        }
+    }
+    (fy[R][PSI], fy[Z][PSI], fy[M][Q]) = (number(5 * m), number(5 * m + 1), length);
     for (k, component) in [R, M, PSI].into_iter().enumerate() {
-        out.fy[PSI * n + component] = number(5 * m + 2 + k);
+        fy[PSI][component] = number(5 * m + 2 + k);
     }
     let [volume, by_r, by_psi, by_length] = [5, 6, 7, 8].map(|k| number(5 * m + k));
     (out.g[0], out.gy[R], out.gy[PSI], out.gp[LENGTH]) = (volume, by_r, by_psi, by_length);
 }
 
 /// What the equations read at the points of a group of a cell with a regulator.
-struct Regulated {
+pub(super) struct Regulated {
     shape: Group,
     /// Derivatives of the coefficients by φ.
     by_phi: LocalCoefficients<Values>,
@@ -290,7 +304,7 @@ impl Regulated {
     }
 
     #[inline(always)]
-    fn at(
+    pub fn at(
         &self,
         i: usize,
         shared: &Shared,
@@ -382,13 +396,15 @@ pub(super) fn rhs_many_regulated(
 }
 
 /// [`jacobian_many`] of a cell with a regulator.
-pub(super) fn jacobian_many_regulated(
+pub(super) fn jacobian_many_regulated<'a>(
     sweep: &Sweep<'_>,
     points: CollocationPoints<'_>,
     p: &[f64],
+    columns: impl Iterator<Item = Column<'a>>,
     out: &mut PointJacobian<'_>,
 ) {
     let Some(regulator) = &sweep.constants.regulator else { return };
+    let mut columns: Vec<Varied<'a>> = columns.map(Varied::of).collect();
     let (mut group, shared, transport) = (Regulated::of(sweep), Shared::of(sweep, p), Transport::of(regulator));
     let (scalars, length, n) = (sweep.scalars, shared.length, REGULATED);
     let mut numbers = [[0.0; GROUP]; NUMBERS_REGULATED];
@@ -411,5 +427,7 @@ pub(super) fn jacobian_many_regulated(
             let j = group.state[0][i];
             (out.f[PHI], out.fp[PHI * scalars + LENGTH], out.fy[PHI * n + J]) = (length * j, j, length);
         }
+        let group = &group;
+        columns.iter_mut().for_each(|column| column.add_regulated(group, &shared, transport, sweep, points, from, out));
     }
 }

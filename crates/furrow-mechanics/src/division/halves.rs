@@ -10,8 +10,8 @@
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{
-    AntisymmetricEnd, BoundaryValueProblem, Direction, Newton, NewtonError, NewtonReport, PivotFailure, Residual,
-    Solution, System,
+    AntisymmetricEnd, BoundaryValueProblem, CollocationPoint, Direction, Newton, NewtonError, NewtonReport,
+    PivotFailure, Residual, Solution, System,
 };
 
 use crate::cortex::equations::{Carried, J, LENGTH, PSI};
@@ -132,9 +132,10 @@ impl Halves {
                 let [r, z] = odd_past[point];
                 let (sin, cos) = sin_cos(state[PSI]);
                 let velocity = cortex.rate * (sin * r + cos * z);
-                let response = cortex.response_to_motion(even.stage_x(&system.gauss, i, j), state, length);
+                let at = CollocationPoint { x: even.stage_x(&system.gauss, i, j), index: point };
+                let response = cortex.response_to_motion(at, state, length);
                 let source = &mut source.stages[point * n..(point + 1) * n];
-                response.add(h, velocity, 0.0, source);
+                response.put(h * velocity, 0.0, source);
                 if let Some(past) = odd_carried.get(point) {
                     source[J] =
                         h * cortex.response_to_past(state, length, [r, z], *past) + h * velocity * response.strain;

@@ -1,9 +1,10 @@
 //! Disturbances as what describes them: their normal displacement w at the collocation points, and δφ − j δw of a regulator.
 
-use furrow_bvp::{Direction, Gauss, Residual, Solution};
+use furrow_bvp::{CollocationPoint, Direction, Gauss, Residual, Solution};
 
 use crate::cortex::Cortex;
 use crate::cortex::equations::{J, LENGTH, PHI, PSI, R, REGULATED, Z};
+use crate::cortex::lanes::sin_cos;
 use crate::cortex::problem::MotionResponse;
 
 /// How the equations about one shape depend on a disturbance that the past had, and what describes one now.
@@ -27,9 +28,10 @@ impl Disturbances {
             let h = y.mesh[i + 1] - y.mesh[i];
             for j in 0..y.m {
                 let state = y.stage(i, j);
-                let response = cortex.response_to_motion(y.stage_x(gauss, i, j), state, y.scalars[LENGTH]);
+                let at = CollocationPoint { x: y.stage_x(gauss, i, j), index: self.response.len() };
+                let response = cortex.response_to_motion(at, state, y.scalars[LENGTH]);
                 self.response.push(response.scaled(h * rate));
-                let (sin, cos) = state[PSI].sin_cos();
+                let (sin, cos) = sin_cos(state[PSI]);
                 self.normal.push([sin, cos, state.get(J).copied().unwrap_or(0.0)]);
                 self.weights.push(h * gauss.b[j]);
             }
@@ -41,15 +43,14 @@ impl Disturbances {
         }
     }
 
-    /// s M w, as a residual.
+    /// s M w, as a residual that was zero or of another w.
     pub(super) fn load(&self, from: &[f64], residual: &mut Residual) {
         let points = self.normal.len();
         let components = residual.stages.len() / points;
-        residual.stages.fill(0.0);
         let (displaced, changed) = from.split_at(points);
         for (i, (row, response)) in residual.stages.chunks_exact_mut(components).zip(&self.response).enumerate() {
             // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
-            response.add(1.0, displaced[i], changed.get(i).copied().unwrap_or(0.0), row);
+            response.put(displaced[i], changed.get(i).copied().unwrap_or(0.0), row);
         }
     }
 

@@ -116,18 +116,28 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
     within("by hand and by differences", by_difference, 1e-6);
 }
 
-/// The function to differentiate, and the columns of the hand-written Jacobian: by y, then by the scalars.
+/// The function to differentiate, and the columns of the hand-written Jacobian: by y, then by the scalars. They are those of the last of
+/// many points, which go through in groups.
 fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    const POINTS: usize = 11;
+    let one = cortex.clone();
+    cortex.past = vec![one.past[0]; POINTS];
+    cortex.carried_past = vec![one.carried_past[0]; POINTS];
+    cortex.noise = vec![one.noise[0]; POINTS];
+    let (x, states) = ([AT.x; POINTS], y.repeat(POINTS));
     cortex.prepare(p);
+    cortex.prepare_points(&x, p);
     let (n, np) = (y.len(), p.len());
-    let (mut f, mut fy, mut fp) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
-    let (mut g, mut gy, mut gp) = (vec![0.0], vec![0.0; n], vec![0.0; np]);
+    let zeros = |size: usize| vec![0.0; POINTS * size];
+    let (mut f, mut fy, mut fp, mut g, mut gy, mut gp) =
+        (zeros(n), zeros(n * n), zeros(n * np), zeros(1), zeros(n), zeros(np));
     let mut out = PointJacobian { f: &mut f, fy: &mut fy, fp: &mut fp, g: &mut g, gy: &mut gy, gp: &mut gp };
-    cortex.rhs_jacobian(AT, y, p, &mut out);
+    cortex.rhs_jacobian_many(CollocationPoints { first: 0, x: &x, y: &states }, p, &mut out);
+    let PointJacobian { f, fy, fp, g, gy, gp } = out.at(POINTS - 1, n, np, 1);
     let by_y = (0..n).map(|k| (0..n).map(|i| fy[i * n + k]).chain([gy[k]]).collect());
     let columns = by_y.chain((0..np).map(|k| (0..n).map(|i| fp[i * np + k]).chain([gp[k]]).collect())).collect();
-    f.extend(g);
-    (f, columns)
+    (cortex.past, cortex.carried_past, cortex.noise) = (one.past, one.carried_past, one.noise);
+    (f.iter().chain(&*g).copied().collect(), columns)
 }
 
 /// Derivatives of the right-hand sides by the motion, which determine growth rates: the past lies a step further back.
@@ -151,7 +161,7 @@ fn the_response_to_a_motion_is_that_to_an_earlier_past() {
                 }
                 let mut response = vec![0.0; y.len()];
                 let change = change - along * y.get(J).unwrap_or(&0.0);
-                cortex.response_to_motion(AT.x, &y, p[0]).add(1.0, normal, change, &mut response);
+                cortex.response_to_motion(AT, &y, p[0]).put(normal, change, &mut response);
                 for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
                     largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
                 }
@@ -165,7 +175,7 @@ fn the_response_to_a_motion_is_that_to_an_earlier_past() {
                 let parts = carried.parts();
                 cortex.carried_past[0] = std::array::from_fn(|i| parts[i] + change.parts()[i]).into();
                 let normal = cortex.rate * (sin * place[0] + cos * place[1]);
-                let strain = cortex.response_to_motion(AT.x, &y, p[0]).strain;
+                let strain = cortex.response_to_motion(AT, &y, p[0]).strain;
                 let lost = normal * strain + cortex.response_to_past(&y, p[0], place, change);
                 let after = values(&cortex, &y, &p)[J];
                 largest = largest.max((before[J] - after - lost).abs() / (1.0 + lost.abs()));
