@@ -13,6 +13,7 @@ use crate::dimensions::{Dimensions, MAX_ROWS, MAX_UNKNOWN_LANES, MAX_UNKNOWNS};
 use crate::direction::LinearCondition;
 
 use super::condense::Condensed;
+use super::shape::{Any, Shape, Sizes};
 
 /// Derivatives of the conditions at the ends and of the offsets of the integral conditions; row-major.
 #[derive(Clone, Debug, Default)]
@@ -115,48 +116,48 @@ impl BlockFactor {
         }
     }
 
-    /// Eliminates the intervals from left to right. Sizes (components, left conditions) are known at compile time unless 0, here
-    /// and below.
+    /// Eliminates the intervals from left to right.
     ///
     /// # Errors
     /// If a pivot vanishes.
     #[inline(always)]
-    pub(crate) fn eliminate<const N: usize, const LEFT: usize, const P: usize>(
+    pub(crate) fn eliminate<S: Shape>(
         &mut self,
         condensed: &Condensed,
         conditions: &[LinearCondition],
     ) -> Result<(), PivotFailure> {
-        let [n, nl, _] = self.sizes::<N, LEFT, P>();
-        let lanes = self.panel::<N, LEFT, P>().lanes;
+        let [n, nl, _] = self.sizes::<S>();
+        let lanes = self.panel::<S>().lanes;
         for i in 0..self.intervals {
-            self.load_interval::<N, LEFT, P>(condensed, conditions, i);
+            self.load_interval::<S>(condensed, conditions, i);
             let pivots = i * n..(i + 1) * n;
             let (reciprocal, exchange) = (&mut self.reciprocal[pivots.clone()], &mut self.exchange[pivots]);
             dense::eliminate_in_place(&mut self.panel, lanes, n, nl + n, reciprocal, exchange)?;
-            self.store_interval::<N, LEFT, P>(i);
+            self.store_interval::<S>(i);
             if i + 1 < self.intervals {
-                self.carry_on::<N, LEFT, P>();
+                self.carry_on::<S>();
             }
         }
         Ok(())
     }
 
-    /// Components, left conditions and scalar unknowns, known at compile time where the generic parameters are not 0.
+    /// Components, left conditions and scalar unknowns.
     #[inline(always)]
-    fn sizes<const N: usize, const LEFT: usize, const P: usize>(&self) -> [usize; 3] {
-        let (n, nl) = if N > 0 { (N, LEFT) } else { (self.n, self.nl) };
-        [n, nl, if P > 0 { P } else { self.np }]
+    fn sizes<S: Shape>(&self) -> [usize; 3] {
+        let BlockFactor { n: components, nl: left, np: scalars, .. } = *self;
+        // Stages do not matter.
+        let Sizes { n, left, np, .. } = S::sizes(Dimensions { components, left, scalars, ..Dimensions::default() }, 1);
+        [n, left, np]
     }
 
-    /// As many borders as make the system square.
     #[inline(always)]
-    fn panel<const N: usize, const LEFT: usize, const P: usize>(&self) -> Panel {
-        let [n, nl, np] = self.sizes::<N, LEFT, P>();
+    fn panel<S: Shape>(&self) -> Panel {
+        let [n, nl, np] = self.sizes::<S>();
         Panel { rows: nl + n + self.nb, lanes: dense::lanes_for(2 * n + np) }
     }
 
     fn panel_widths(&self) -> Panel {
-        self.panel::<0, 0, 0>()
+        self.panel::<Any>()
     }
 
     fn reset(&mut self, condensed: &Condensed, conditions: usize) {
@@ -179,14 +180,14 @@ impl BlockFactor {
 
     /// Adds the rows of interval i to those carried on.
     #[inline(always)]
-    fn load_interval<const N: usize, const LEFT: usize, const P: usize>(
+    fn load_interval<S: Shape>(
         &mut self,
         condensed: &Condensed,
         conditions: &[LinearCondition],
         i: usize,
     ) {
-        let ([n, nl, _], ni) = (self.sizes::<N, LEFT, P>(), self.ni);
-        let (lanes, outputs) = (self.panel::<N, LEFT, P>().lanes, condensed.output_lanes());
+        let ([n, nl, _], ni) = (self.sizes::<S>(), self.ni);
+        let (lanes, outputs) = (self.panel::<S>().lanes, condensed.output_lanes());
         let (transition, borders) = self.panel[nl * lanes..].split_at_mut(n * lanes);
         transition.fill([0.0; LANE]);
         for k in 0..n {
@@ -210,10 +211,10 @@ impl BlockFactor {
 
     /// Keeps what solves need of the eliminated interval i.
     #[inline(always)]
-    fn store_interval<const N: usize, const LEFT: usize, const P: usize>(&mut self, i: usize) {
-        let [n, _, np] = self.sizes::<N, LEFT, P>();
+    fn store_interval<S: Shape>(&mut self, i: usize) {
+        let [n, _, np] = self.sizes::<S>();
         let nf = n + np;
-        let Panel { rows, lanes } = self.panel::<N, LEFT, P>();
+        let Panel { rows, lanes } = self.panel::<S>();
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
         let backward = &mut self.backward[i * nf * height..(i + 1) * nf * height];
         let transform = &mut self.transform[i * n * tall..(i + 1) * n * tall];
@@ -234,9 +235,9 @@ impl BlockFactor {
     /// Moves what is left of the carried and border rows on to the next interval: δy_{i+1} takes the place of δy_i.
     /// Carried rows stand right behind the n pivot rows.
     #[inline(always)]
-    fn carry_on<const N: usize, const LEFT: usize, const P: usize>(&mut self) {
-        let [n, nl, _] = self.sizes::<N, LEFT, P>();
-        let lanes = self.panel::<N, LEFT, P>().lanes;
+    fn carry_on<S: Shape>(&mut self) {
+        let [n, nl, _] = self.sizes::<S>();
+        let lanes = self.panel::<S>().lanes;
         let panel = &mut self.panel[..];
         for k in 0..nl + self.nb {
             let from = (n + k) * lanes;
@@ -302,11 +303,6 @@ impl BlockFactor {
         end.last.factorise(last, n)
     }
 
-    /// Scalar unknowns.
-    pub(crate) fn scalars(&self) -> usize {
-        self.np
-    }
-
     /// Border conditions: integral and linear ones.
     pub fn borders(&self) -> usize {
         self.nb
@@ -320,13 +316,13 @@ impl BlockFactor {
     /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
     /// conditions and come out as those of the last block.
     #[inline(always)]
-    pub(crate) fn forward<const N: usize, const LEFT: usize, const P: usize>(
+    pub(crate) fn forward<S: Shape>(
         &mut self,
         nodes: &[f64],
         carried: &mut [f64],
         border: &mut [f64],
     ) {
-        let [n, nl, _] = self.sizes::<N, LEFT, P>();
+        let [n, nl, _] = self.sizes::<S>();
         let rows = nl + n + border.len();
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
         let (mut before, mut after) = ([0.0; MAX_ROWS], [[0.0; LANE]; MAX_LANES]);
@@ -375,12 +371,12 @@ impl BlockFactor {
 
     /// Substitution from the last node to the left.
     #[inline(always)]
-    pub(crate) fn backward<const N: usize, const LEFT: usize, const P: usize>(
+    pub(crate) fn backward<S: Shape>(
         &mut self,
         nodes: &mut [f64],
         scalars: &[f64],
     ) {
-        let [n, _, np] = self.sizes::<N, LEFT, P>();
+        let [n, _, np] = self.sizes::<S>();
         let height = dense::lanes_for(n);
         let stride = (n + np) * height;
         let mut from = [0.0; MAX_UNKNOWNS];

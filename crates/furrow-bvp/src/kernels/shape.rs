@@ -24,6 +24,8 @@ pub struct Sizes {
     pub lanes: usize,
     /// Quads of the quadrature components.
     pub quads: usize,
+    /// Conditions at the left end.
+    pub left: usize,
     /// Scalar unknowns.
     pub np: usize,
     /// Integral conditions.
@@ -38,12 +40,12 @@ impl Sizes {
     /// Those of a problem of `dims` with m stages.
     #[inline(always)]
     pub fn of(dims: Dimensions, m: usize) -> Sizes {
-        let Dimensions { components: n, quadratures: first, scalars: np, integrals: ni, .. } = dims;
+        let Dimensions { components: n, quadratures: first, left, scalars: np, integrals: ni, .. } = dims;
         let e = dims.all_quadratures();
         let nn = n - e;
         let (lanes, outputs) = (dense::lanes_for(m * nn), dense::lanes_for(n + ni));
         let stride = dense::panel_lanes(lanes + outputs);
-        Sizes { n, e, m, nn, first, s: m * nn, lanes, quads: e.div_ceil(QUAD), np, ni, outputs, stride }
+        Sizes { n, e, m, nn, first, s: m * nn, lanes, quads: e.div_ceil(QUAD), left, np, ni, outputs, stride }
     }
 
     /// Which component the quadrature k is: some stand before the others, some behind.
@@ -67,6 +69,9 @@ impl Sizes {
 
 /// Where kernels have their sizes from.
 pub trait Shape {
+    /// Whether they are known at compile time.
+    const KNOWN: bool;
+
     /// The sizes of a problem.
     fn sizes(dims: Dimensions, m: usize) -> Sizes;
 }
@@ -75,37 +80,48 @@ pub trait Shape {
 pub struct Any;
 
 impl Shape for Any {
+    const KNOWN: bool = false;
+
     #[inline(always)]
     fn sizes(dims: Dimensions, m: usize) -> Sizes {
         Sizes::of(dims, m)
     }
 }
 
-/// N components, of which E are quadratures, the last T of all among them, M stages, P scalar unknowns and one integral.
-pub struct Known<const N: usize, const E: usize, const T: usize, const M: usize, const P: usize>;
+/// N components, of which E are quadratures, the last T of all among them, M stages, LEFT conditions at the left end, P scalar unknowns
+/// and I integral conditions.
+pub struct Known<
+    const N: usize,
+    const E: usize,
+    const T: usize,
+    const M: usize,
+    const LEFT: usize,
+    const P: usize,
+    const I: usize,
+>;
 
-impl<const N: usize, const E: usize, const T: usize, const M: usize, const P: usize> Shape for Known<N, E, T, M, P> {
-    #[inline(always)]
-    fn sizes(_dims: Dimensions, _m: usize) -> Sizes {
-        let dims = Dimensions {
-            components: N,
-            quadratures: E - T,
-            trailing_quadratures: T,
-            scalars: P,
-            left: 0,
-            right: 0,
-            integrals: 1,
-        };
-        Sizes::of(dims, M)
-    }
+impl<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize, const P: usize, const I: usize>
+    Known<N, E, T, M, LEFT, P, I>
+{
+    /// The sizes of a problem, whose conditions at the right end do not matter.
+    pub const DIMENSIONS: Dimensions = Dimensions {
+        components: N,
+        quadratures: E - T,
+        trailing_quadratures: T,
+        scalars: P,
+        left: LEFT,
+        right: 0,
+        integrals: I,
+    };
 }
 
-/// Those of `Known` but for the scalar unknowns and integrals.
-pub struct Partly<const N: usize, const E: usize, const T: usize, const M: usize>;
+impl<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize, const P: usize, const I: usize>
+    Shape for Known<N, E, T, M, LEFT, P, I>
+{
+    const KNOWN: bool = true;
 
-impl<const N: usize, const E: usize, const T: usize, const M: usize> Shape for Partly<N, E, T, M> {
     #[inline(always)]
-    fn sizes(dims: Dimensions, _m: usize) -> Sizes {
-        Sizes::of(Dimensions { components: N, quadratures: E - T, trailing_quadratures: T, ..dims }, M)
+    fn sizes(_dims: Dimensions, _m: usize) -> Sizes {
+        Sizes::of(Self::DIMENSIONS, M)
     }
 }

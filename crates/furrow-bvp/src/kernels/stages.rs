@@ -1,6 +1,9 @@
 //! The collocation equations of one interval but for their right-hand sides.
 
+use crate::dimensions::Dimensions;
 use crate::gauss::{Gauss, MAX_STAGES};
+
+use super::shape::{Shape, Sizes};
 
 /// Values on one interval.
 #[derive(Clone, Copy, Debug)]
@@ -14,31 +17,27 @@ pub struct Interval<'a> {
 }
 
 /// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval (m × n) and writes its node residual
-/// y₀ + Σ d_j (Y_j − y₀) − y₁ (n). Sizes are known at compile time unless 0. Components go through in padded groups,
+/// y₀ + Σ d_j (Y_j − y₀) − y₁ (n). Components go through in padded groups,
 /// of eight or, where these would be half empty, of four.
 #[inline(always)]
-pub fn differences<const M: usize, const N: usize>(
-    gauss: &Gauss,
-    interval: Interval<'_>,
-    residual: &mut [f64],
-    node: &mut [f64],
-) {
-    if N > 8 {
-        in_groups::<M, N, 4>(gauss, interval, residual, node);
+pub fn differences<S: Shape>(gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
+    let Sizes { n, m, .. } = S::sizes(Dimensions { components: interval.left.len(), ..Dimensions::default() }, gauss.m);
+    if n > 8 {
+        in_groups::<4>([n, m], gauss, interval, residual, node);
     } else {
-        in_groups::<M, N, 8>(gauss, interval, residual, node);
+        in_groups::<8>([n, m], gauss, interval, residual, node);
     }
 }
 
 #[inline(always)]
-fn in_groups<const M: usize, const N: usize, const GROUP: usize>(
+fn in_groups<const GROUP: usize>(
+    [n, m]: [usize; 2],
     gauss: &Gauss,
     interval: Interval<'_>,
     residual: &mut [f64],
     node: &mut [f64],
 ) {
     let Interval { left: y0, stages, right: y1 } = interval;
-    let (m, n) = if M > 0 { (M, N) } else { (gauss.m, y0.len()) };
     let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
     for from in (0..n).step_by(GROUP) {
         let width = (n - from).min(GROUP);

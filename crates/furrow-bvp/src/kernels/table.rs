@@ -4,6 +4,7 @@
 //! known, loops over them are unrolled. Neither kind reorders a sum, so that the results are the same to the last bit.
 
 use multiversion::multiversion;
+use multiversion::target::match_target;
 
 use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
@@ -12,7 +13,7 @@ use crate::gauss::Gauss;
 
 use super::block::BlockFactor;
 use super::condense::Condensed;
-use super::shape::{Any, Known, Partly};
+use super::shape::{Any, Known, Shape};
 use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
@@ -21,8 +22,8 @@ use super::stages::{self, Interval};
 /// sizes than the problem has are ignored: the wrong ones cost only speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
-    /// Components, quadrature components, trailing ones of them, stages and left conditions; `None` for any.
-    sizes: Option<[usize; 5]>,
+    /// Sizes of the problem but for its right conditions, and stages; `None` for any.
+    sizes: Option<(Dimensions, usize)>,
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
     pub(crate) complete: fn(&Condensed, &Gauss, &mut Direction),
@@ -35,30 +36,39 @@ pub struct Kernels {
 impl Kernels {
     /// Kernels for any sizes.
     pub fn general() -> Kernels {
-        Kernels { sizes: None, ..Kernels::of::<0, 0, 0, 0, 0>() }
+        Kernels::of::<Any>(None)
     }
 
-    /// Kernels for N components, of which E are quadratures, the last T of all among them, with M stages and LEFT conditions at the left end.
+    /// Kernels for N components, of which E are quadratures, the last T of all among them, M stages, LEFT conditions at the left end, P
+    /// scalar unknowns and I integral conditions.
     ///
     /// ```
     /// use furrow_bvp::Kernels;
-    /// let kernels = Kernels::sized::<7, 3, 0, 4, 4>();
+    /// let kernels = Kernels::sized::<7, 3, 0, 4, 4, 2, 1>();
     /// ```
-    pub fn sized<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize>() -> Kernels {
-        const { assert!(N > 0 && E <= N && T <= E && M > 0, "sizes of zero stand for any size") };
-        Kernels::of::<N, E, T, M, LEFT>()
+    pub fn sized<
+        const N: usize,
+        const E: usize,
+        const T: usize,
+        const M: usize,
+        const LEFT: usize,
+        const P: usize,
+        const I: usize,
+    >() -> Kernels {
+        const { assert!(N > 0 && E <= N && T <= E && M > 0, "a problem has components and stages") };
+        Kernels::of::<Known<N, E, T, M, LEFT, P, I>>(Some((Known::<N, E, T, M, LEFT, P, I>::DIMENSIONS, M)))
     }
 
-    fn of<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize>() -> Kernels {
+    fn of<S: Shape>(sizes: Option<(Dimensions, usize)>) -> Kernels {
         Kernels {
-            sizes: Some([N, E, T, M, LEFT]),
-            condense: condense::<N, E, T, M>,
-            particular: particular::<N, E, T, M>,
-            complete: complete::<N, E, T, M>,
-            differences: differences::<M, N>,
-            eliminate: eliminate::<N, LEFT>,
-            forward: forward::<N, LEFT>,
-            backward: backward::<N, LEFT>,
+            sizes,
+            condense: condense::<S>,
+            particular: particular::<S>,
+            complete: complete::<S>,
+            differences: differences::<S>,
+            eliminate: eliminate::<S>,
+            forward: forward::<S>,
+            backward: backward::<S>,
         }
     }
 
@@ -69,97 +79,67 @@ impl Kernels {
 
     /// These kernels if they are for these sizes and m stages, the general ones otherwise.
     pub(crate) fn suited_to(self, dims: Dimensions, m: usize) -> Kernels {
-        let sizes = [dims.components, dims.all_quadratures(), dims.trailing_quadratures, m, dims.left];
+        let sizes = (Dimensions { right: 0, ..dims }, m);
         if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
     }
 }
 
-/// Calls a method of the condensed intervals for the shape they have.
-macro_rules! with_shape {
-    ($condensed:ident, $method:ident($($argument:ident),*)) => {{
-        let Dimensions { scalars, integrals, .. } = $condensed.dims;
-        match (N, scalars, integrals) {
-            (0, ..) => $condensed.$method::<Any>($($argument),*),
-            (_, 2, 1) => $condensed.$method::<Known<N, E, T, M, 2>>($($argument),*),
-            (_, 3, 1) => $condensed.$method::<Known<N, E, T, M, 3>>($($argument),*),
-            (_, 4, 1) => $condensed.$method::<Known<N, E, T, M, 4>>($($argument),*),
-            _ => $condensed.$method::<Partly<N, E, T, M>>($($argument),*),
-        }
-    }};
-}
-
-/// Calls a method of the blocks for the scalar unknowns that there are.
-macro_rules! with_scalars {
-    ($block:ident.$method:ident($($argument:ident),*), $scalars:expr) => {
-        match (N, $scalars) {
-            (0, _) => $block.$method::<0, 0, 0>($($argument),*),
-            (_, 2) => $block.$method::<N, LEFT, 2>($($argument),*),
-            (_, 3) => $block.$method::<N, LEFT, 3>($($argument),*),
-            (_, 4) => $block.$method::<N, LEFT, 4>($($argument),*),
-            _ => $block.$method::<N, LEFT, 0>($($argument),*),
+/// Calls the kernel for a shape where it is worth its size: processors without AVX2 are rare among those that run x86-64.
+macro_rules! in_shape {
+    ($of:ident.$method:ident($($argument:ident),*)) => {
+        match_target! {
+            "x86_64+avx+avx2" => $of.$method::<S>($($argument),*),
+            _ => if S::KNOWN && cfg!(target_arch = "x86_64") {
+                $method::<Any>($of, $($argument),*)
+            } else {
+                $of.$method::<S>($($argument),*)
+            },
         }
     };
 }
 
 // Lanes of four fill half of the registers of AVX-512: kernels for it would take longer to compile than they save.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn condense<const N: usize, const E: usize, const T: usize, const M: usize>(
-    condensed: &mut Condensed,
-    gauss: &Gauss,
-) -> Result<(), PivotFailure> {
-    with_shape!(condensed, condense(gauss))
+fn condense<S: Shape>(condensed: &mut Condensed, gauss: &Gauss) -> Result<(), PivotFailure> {
+    in_shape!(condensed.condense(gauss))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn particular<const N: usize, const E: usize, const T: usize, const M: usize>(
+fn particular<S: Shape>(
     condensed: &Condensed,
     gauss: &Gauss,
     residual: &Residual,
     out: &mut Direction,
     borders: &mut [f64],
 ) {
-    with_shape!(condensed, particular(gauss, residual, out, borders))
+    in_shape!(condensed.particular(gauss, residual, out, borders))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(
-    condensed: &Condensed,
-    gauss: &Gauss,
-    out: &mut Direction,
-) {
-    with_shape!(condensed, complete(gauss, out))
+fn complete<S: Shape>(condensed: &Condensed, gauss: &Gauss, out: &mut Direction) {
+    in_shape!(condensed.complete(gauss, out))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn eliminate<const N: usize, const LEFT: usize>(
+fn eliminate<S: Shape>(
     block: &mut BlockFactor,
     condensed: &Condensed,
     conditions: &[LinearCondition],
 ) -> Result<(), PivotFailure> {
-    with_scalars!(block.eliminate(condensed, conditions), condensed.dims.scalars)
+    in_shape!(block.eliminate(condensed, conditions))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn forward<const N: usize, const LEFT: usize>(
-    block: &mut BlockFactor,
-    nodes: &[f64],
-    carried: &mut [f64],
-    border: &mut [f64],
-) {
-    block.forward::<N, LEFT, 0>(nodes, carried, border)
+fn forward<S: Shape>(block: &mut BlockFactor, nodes: &[f64], carried: &mut [f64], border: &mut [f64]) {
+    in_shape!(block.forward(nodes, carried, border))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn backward<const N: usize, const LEFT: usize>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64]) {
-    with_scalars!(block.backward(nodes, scalars), block.scalars())
+fn backward<S: Shape>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64]) {
+    in_shape!(block.backward(nodes, scalars))
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn differences<const M: usize, const N: usize>(
-    gauss: &Gauss,
-    interval: Interval<'_>,
-    residual: &mut [f64],
-    node: &mut [f64],
-) {
-    stages::differences::<M, N>(gauss, interval, residual, node)
+fn differences<S: Shape>(gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
+    stages::differences::<S>(gauss, interval, residual, node)
 }

@@ -127,12 +127,15 @@ impl BoundaryValueProblem for Quadratic {
     }
 
     fn kernels(&self, stages: usize) -> Kernels {
-        match stages {
+        match (self.dims.components, stages, self.dims.scalars) {
             _ if !self.sized => Kernels::general(),
-            3 if self.dims.components == 9 => Kernels::sized::<9, 4, 1, 3, 5>(),
-            4 if self.dims.components == 9 => Kernels::sized::<9, 4, 1, 4, 5>(),
-            3 => Kernels::sized::<7, 3, 0, 3, 4>(),
-            4 => Kernels::sized::<7, 3, 0, 4, 4>(),
+            (9, 3, 2) => Kernels::sized::<9, 4, 1, 3, 5, 2, 1>(),
+            (9, 4, 2) => Kernels::sized::<9, 4, 1, 4, 5, 2, 1>(),
+            (9, 4, 5) => Kernels::sized::<9, 4, 1, 4, 5, 5, 1>(),
+            (7, 3, 2) => Kernels::sized::<7, 3, 0, 3, 4, 2, 1>(),
+            (7, 4, 2) => Kernels::sized::<7, 3, 0, 4, 4, 2, 1>(),
+            (7, 4, 3) => Kernels::sized::<7, 3, 0, 4, 4, 3, 1>(),
+            (7, 4, 5) => Kernels::sized::<7, 3, 0, 4, 4, 5, 1>(),
             _ => Kernels::general(),
         }
     }

@@ -143,7 +143,7 @@ impl BoundaryValueProblem for Disturbance {
     #[inline(never)]
     fn kernels(&self, stages: usize) -> Kernels {
         match (self.components, stages) {
-            (COMPONENTS, 4) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, CONDITIONS>(),
+            (COMPONENTS, 4) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, CONDITIONS, SCALARS, 1>(),
             _ => Kernels::general(),
         }
     }

@@ -21,6 +21,9 @@ use furrow_cell::{Cell, Parameter};
 /// The first three components, r, z and m, are quadratures, see [`Dimensions::quadratures`]; so is φ, which comes last.
 const QUADRATURES: usize = 3;
 
+/// Quadratures with a regulator.
+const ALL_QUADRATURES: usize = QUADRATURES + 1;
+
 /// Conditions at the pole where u = 0, and as many at the other end; a regulator brings one more.
 const LEFT: usize = 4;
 
@@ -266,14 +269,19 @@ impl BoundaryValueProblem for Cortex {
         Cortex::dimensions_for(&self.cell, self.free.len())
     }
 
-    /// Compiled for the sizes of a cell without and with up to seven free parameters: most of a division is spent there.
+    /// Compiled for the sizes of most work: steps and shapes at rest, branches, and curves of cells without a regulator.
     /// Never inlined, so that no crate above compiles kernels of its own, with what optimisation it happens to have.
     #[inline(never)]
     fn kernels(&self, stages: usize) -> Kernels {
-        match (self.is_regulated(), stages) {
-            (false, 3) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 3, LEFT>(),
-            (false, 4) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT>(),
-            (true, 4) => Kernels::sized::<REGULATED, { QUADRATURES + 1 }, 1, 4, { LEFT + 1 }>(),
+        match (self.is_regulated(), stages, self.free.len()) {
+            (false, 3, 0) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 3, LEFT, SHAPE_SCALARS, 1>(),
+            (false, 4, 0) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT, SHAPE_SCALARS, 1>(),
+            (false, 4, 1) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT, { SHAPE_SCALARS + 1 }, 1>(),
+            (false, 4, 2) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT, { SHAPE_SCALARS + 2 }, 1>(),
+            (true, 4, 0) => Kernels::sized::<REGULATED, ALL_QUADRATURES, 1, 4, { LEFT + 1 }, SHAPE_SCALARS, 1>(),
+            (true, 4, 1) => {
+                Kernels::sized::<REGULATED, ALL_QUADRATURES, 1, 4, { LEFT + 1 }, { SHAPE_SCALARS + 1 }, 1>()
+            }
             _ => Kernels::general(),
         }
     }
