@@ -415,18 +415,18 @@ pub fn boundary_and_folds(
     if domain_along(cell, parameter) == Domain::Full {
         return boundary_curves(cell, numerics, parameter, range, activity);
     }
-    let branch = |value: f64, pitchforks: usize| {
-        let options = BranchOptions { pitchforks, ..BranchOptions::default() };
-        primary::follow(&at_value(cell, parameter, value), numerics, &options, |_| true)
-    };
-    let [from, to] = range;
-    let first = branch(from, 1)?;
-    let follow = |at: &Pitchfork| follow_pitchfork(&at_value(cell, parameter, from), at, parameter, to, activity);
+    let to = range[1];
+    let [at_from, at_to] = range.map(|value| at_value(cell, parameter, value));
+    let first = pitchfork::branch_beyond(&at_from, numerics)?;
+    let follow = |at: &Pitchfork| follow_pitchfork(&at_from, at, parameter, to, activity);
     let pitchfork = match first.pitchforks().next().map(follow) {
         Some(Ok(curve)) => Some(curve),
         _ => boundary_curves(cell, numerics, parameter, range, activity)?.pitchfork,
     };
-    Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &branch(to, 0)?], parameter, range)? })
+    // Only its folds matter.
+    let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
+    let last = primary::follow(&at_to, numerics, &options, |_| true)?;
+    Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &last], parameter, range)? })
 }
 
 /// What bounds the division of a cell over a range of a parameter: the curve of its first pitchfork if it is
