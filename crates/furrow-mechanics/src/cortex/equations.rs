@@ -352,6 +352,11 @@ impl<D: Number> Constants<D> {
         !self.cue.is_empty() || self.regulator.as_ref().is_some_and(|regulator| regulator.source.is_some())
     }
 
+    /// Whether the coefficients are the same everywhere, whatever the shape.
+    pub fn is_uniform(&self) -> bool {
+        self.cue.is_empty() && self.regulator.is_none()
+    }
+
     /// The coefficients at a place with what the regulator adds there, M.27: `phi` is φ and `phi_u` is L j.
     pub fn regulated(&self, mut here: LocalCoefficients<D>, phi: D, phi_u: D) -> LocalCoefficients<D> {
         for coupling in self.regulator.iter().flat_map(|regulator| &regulator.couplings) {

@@ -12,6 +12,7 @@ use super::equations::{
     BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
     REGULATED, T, V, equations,
 };
+use super::hyper;
 use super::lanes::sin_cos;
 use super::sweep::{self, Sweep};
 use super::symmetry::{CENTRE, odd};
@@ -343,6 +344,12 @@ impl BoundaryValueProblem for Cortex {
             return;
         }
         let scalars = SHAPE_SCALARS + self.free.len();
+        if self.rate == 0.0 && self.noise.is_empty() && self.constants.is_uniform() {
+            for (k, constants) in self.sensitivities.iter().enumerate() {
+                hyper::scalar_column(constants, p, points, [SHAPE_SCALARS + k, scalars], out.fp);
+            }
+            return;
+        }
         let n = self.components();
         let values = points.x.iter().zip(points.y.chunks_exact(n));
         for (i, ((&x, y), fp)) in values.zip(out.fp.chunks_exact_mut(n * scalars)).enumerate() {
