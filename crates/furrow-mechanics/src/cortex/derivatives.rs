@@ -6,7 +6,7 @@ use num_dual::{Dual3_64, HyperDual64};
 
 use super::Cortex;
 use super::equations::{BdfTerm, COMPONENTS, Constants, LENGTH, PRESSURE, REGULATED, equations};
-use super::hyper;
+use super::jets::{self, Shared};
 use super::problem::SHAPE_SCALARS;
 use furrow_cell::Number;
 
@@ -15,6 +15,13 @@ struct Lifted<D> {
     constants: Constants<D>,
     length: D,
     pressure: D,
+}
+
+impl<D: Number> Lifted<D> {
+    /// What is the same at all points of a cell without a cue.
+    fn shared(&self) -> Shared<D> {
+        Shared::of(&self.constants, self.length, self.pressure)
+    }
 }
 
 fn lift<D: Number>(cortex: &Cortex, p: &[f64], number: impl Fn(usize, f64) -> D) -> Lifted<D> {
@@ -47,9 +54,8 @@ impl Directional for Cortex {
         let lifted = self.second_order(p, along[0].p, along[1].p);
         if self.components() == REGULATED {
             second::<REGULATED>(&lifted, points, along, out);
-        } else if self.constants().is_uniform() {
-            let Lifted { constants, length, pressure } = lifted;
-            hyper::second_many(&constants, [length, pressure], points, along, out);
+        } else if self.is_uniform() {
+            jets::second_many(&lifted.shared(), points, along, out);
         } else {
             second::<COMPONENTS>(&lifted, points, along, out);
         }
@@ -65,6 +71,8 @@ impl Directional for Cortex {
         let lifted = self.third_order(p, along.p);
         if self.components() == REGULATED {
             third::<REGULATED>(&lifted, points, along, out);
+        } else if self.is_uniform() {
+            jets::third_many(&lifted.shared(), points, along, out);
         } else {
             third::<COMPONENTS>(&lifted, points, along, out);
         }
@@ -129,6 +137,10 @@ mod tests {
         (0..count).map(|k| middle + 0.3 * (1.7 * (k * k) as f64 + middle).sin()).collect()
     }
 
+    fn parts(rows: &mut [[Vec<f64>; 2]; 2]) -> [[&mut [f64]; 2]; 2] {
+        rows.each_mut().map(|row| row.each_mut().map(|values| &mut values[..]))
+    }
+
     /// More points than a group has, and not a multiple of it.
     #[test]
     fn points_side_by_side_are_those_one_at_a_time() {
@@ -151,6 +163,13 @@ mod tests {
         second::<COMPONENTS>(&lifted, points, along, [&mut expected, &mut expected_g]);
         near(&f, &expected);
         near(&g, &expected_g);
+
+        let room = || [vec![0.0; POINTS * COMPONENTS], vec![0.0; POINTS]];
+        let (mut found, mut expected) = ([room(), room()], [room(), room()]);
+        let lifted = cortex.third_order(&p, &along_a);
+        jets::third_many(&lifted.shared(), points, along[0], parts(&mut found));
+        third::<COMPONENTS>(&lifted, points, along[0], parts(&mut expected));
+        found.iter().flatten().zip(expected.iter().flatten()).for_each(|(found, expected)| near(found, expected));
 
         let mut jacobian = [1, COMPONENTS, 4, 1, COMPONENTS, 4].map(|width| vec![0.0; POINTS * COMPONENTS * width]);
         let [f, fy, fp, g, gy, gp] = jacobian.each_mut().map(|values| &mut values[..]);

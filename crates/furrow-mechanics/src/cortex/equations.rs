@@ -175,6 +175,7 @@ pub struct LocalCoefficients<D> {
 
 impl<D> LocalCoefficients<D> {
     /// The same with numbers of another kind.
+    #[inline(always)]
     pub fn map<E>(self, number: impl Fn(D) -> E) -> LocalCoefficients<E> {
         LocalCoefficients {
             kappa: number(self.kappa),
@@ -350,11 +351,6 @@ impl<D: Number> Constants<D> {
     /// Whether the coefficients differ from place to place.
     pub fn vary(&self) -> bool {
         !self.cue.is_empty() || self.regulator.as_ref().is_some_and(|regulator| regulator.source.is_some())
-    }
-
-    /// Whether the coefficients are the same everywhere, whatever the shape.
-    pub fn is_uniform(&self) -> bool {
-        self.cue.is_empty() && self.regulator.is_none()
     }
 
     /// The coefficients at a place with what the regulator adds there, M.27: `phi` is φ and `phi_u` is L j.

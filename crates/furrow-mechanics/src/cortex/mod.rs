@@ -8,7 +8,7 @@
 //! | `sweep` | both at many points side by side |
 //! | [`problem`] | the boundary-value problem [`Cortex`] that is solved |
 //! | [`derivatives`] | second and third derivatives, for singular points |
-//! | `hyper` | second derivatives, and first by parameters, at many points side by side |
+//! | `jets` | the same, and first derivatives by parameters, at many points side by side |
 //! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
 //! | [`observables`] | what is read off a shape: elongation, neck, furrow, volumes |
 //! | [`forces`] | what acts at a place: curvatures, tensions, velocities, the normal forces by what they come from |
@@ -17,8 +17,8 @@
 pub mod derivatives;
 pub mod equations;
 pub mod forces;
-mod hyper;
 pub mod jacobian;
+mod jets;
 pub mod lanes;
 pub mod observables;
 pub mod problem;

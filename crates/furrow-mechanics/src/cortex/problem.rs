@@ -12,7 +12,7 @@ use super::equations::{
     BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
     REGULATED, T, V, equations,
 };
-use super::hyper;
+use super::jets;
 use super::lanes::sin_cos;
 use super::sweep::{self, Sweep};
 use super::symmetry::{CENTRE, odd};
@@ -147,6 +147,14 @@ impl Cortex {
         let by_length = sourced || self.cell.cue.terms().iter().any(by_length);
         self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
         self.coefficients = CoefficientCache::default();
+    }
+
+    /// Whether the coefficients are the same everywhere, and stay so when the free parameters change. A term of amplitude 0 leaves
+    /// no trace here either.
+    pub(super) fn is_uniform(&self) -> bool {
+        let cue = &self.cell.cue;
+        let varies = self.free.iter().any(|free| free.is_of_cue()) || cue.regulator().is_some();
+        !varies && cue.terms().iter().all(|term| term.amplitude == 0.0)
     }
 
     /// The coefficients at collocation points on a contour of length `length`, without what a regulator adds; empty where they are
@@ -295,8 +303,10 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn prepare(&mut self, p: &[f64]) {
-        if !self.free.is_empty() {
-            self.free.iter().zip(&p[SHAPE_SCALARS..]).for_each(|(free, value)| free.set(&mut self.cell, *value));
+        let values = self.free.iter().zip(&p[SHAPE_SCALARS..]);
+        // At a singular point the same values are prepared for each of several directions.
+        if values.clone().any(|(free, value)| free.get(&self.cell) != *value) {
+            values.for_each(|(free, value)| free.set(&mut self.cell, *value));
             self.refresh();
         }
     }
@@ -344,9 +354,9 @@ impl BoundaryValueProblem for Cortex {
             return;
         }
         let scalars = SHAPE_SCALARS + self.free.len();
-        if self.rate == 0.0 && self.noise.is_empty() && self.constants.is_uniform() {
+        if self.rate == 0.0 && self.noise.is_empty() && self.is_uniform() {
             for (k, constants) in self.sensitivities.iter().enumerate() {
-                hyper::scalar_column(constants, p, points, [SHAPE_SCALARS + k, scalars], out.fp);
+                jets::scalar_column(constants, p, points, [SHAPE_SCALARS + k, scalars], out.fp);
             }
             return;
         }
