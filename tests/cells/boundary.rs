@@ -58,9 +58,10 @@ fn folds_change_their_order_between_the_two_confinements() {
 /// The S-shape itself ends where its two lower folds meet, whichever of them is followed there.
 #[test]
 fn both_folds_of_the_s_shape_end_at_one_cusp() {
-    let curves = curves::boundary_and_folds(&at(2.22, 0.64), &Numerics::default(), Parameter::Epsilon, [0.64, 0.9])
-        .unwrap()
-        .folds;
+    let curves =
+        curves::boundary_and_folds(&at(2.22, 0.64), &Numerics::default(), Parameter::Epsilon, [0.64, 0.9], None)
+            .unwrap()
+            .folds;
     let cusps: Vec<_> = curves.iter().filter_map(|curve| curve.cusp()).collect();
     assert_eq!((curves.len(), cusps.len()), (3, 2));
     println!("cusp at epsilon = {:.8}, xi_s = {:.8}", cusps[0].value, cusps[0].xi_s);
@@ -91,7 +92,7 @@ fn cued_cells_of_wide_shells_have_their_critical_radius() {
 fn a_fold_is_followed_once_from_whichever_end() {
     for range in [[1.5, 5.4], [5.4, 1.5]] {
         let curves =
-            curves::boundary_and_folds(&at(2.0, 0.87), &Numerics::default(), Parameter::R0, range).unwrap().folds;
+            curves::boundary_and_folds(&at(2.0, 0.87), &Numerics::default(), Parameter::R0, range, None).unwrap().folds;
         let [curve] = &curves[..] else { panic!("{} curves", curves.len()) };
         assert_eq!(curve.ended, CurveEnd::Reached);
         assert_eq!(curve.points.last().unwrap().value, range[1]);

@@ -79,7 +79,7 @@ fn work_of_branches_and_curves() {
     for (range, pitchforks, folds) in [([1.5, 5.4], [115, 132], [125, 130]), ([5.4, 1.5], [231, 244], [268, 272])] {
         let curve = curves::pitchfork_curve(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range).unwrap();
         within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);
-        let curve = curves::boundary_and_folds(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range)
+        let curve = curves::boundary_and_folds(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range, None)
             .unwrap()
             .folds
             .remove(0);

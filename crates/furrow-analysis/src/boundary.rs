@@ -5,7 +5,7 @@ use crate::json::filled;
 use furrow_cell::{Cell, Numerics, Parameter, Settings};
 use furrow_input::InputError;
 use furrow_lineage::batch::PhasePlane;
-use furrow_mechanics::critical;
+use furrow_mechanics::critical::{self, BoundaryKind};
 use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
@@ -88,15 +88,17 @@ pub fn boundary(
     range: [f64; 2],
     options: BoundaryOptions,
 ) -> Result<BoundaryStudy, ShapeError> {
+    let activity = options.critical.then_some(cell.xi_s);
     let found = match options.folds {
-        true => curves::boundary_and_folds(cell, numerics, parameter, range)?,
-        false => curves::boundary_curves(cell, numerics, parameter, range)?,
+        true => curves::boundary_and_folds(cell, numerics, parameter, range, activity)?,
+        false => curves::boundary_curves(cell, numerics, parameter, range, activity)?,
     };
+    let mut warnings = Vec::new();
+    let on_curve = critical::value_on(&found, parameter);
+    let point = || critical_point(cell, numerics, parameter, range, on_curve, &mut warnings);
+    let critical = options.critical.then(point).transpose()?;
     let (symmetric, folds) = (found.pitchfork.is_some(), found.folds);
     let pitchfork = found.pitchfork.unwrap_or_default();
-    let mut warnings = Vec::new();
-    let critical =
-        options.critical.then(|| critical_point(cell, numerics, parameter, range, &mut warnings)).transpose()?;
     for (k, fold) in folds.iter().enumerate() {
         match &fold.ended {
             CurveEnd::Stopped(error) => warnings.push(format!("fold {k} is followed no further: {error}")),
@@ -120,7 +122,7 @@ pub fn edges(plane: &PhasePlane, azimuthal: usize) -> (Edges, Vec<String>) {
         (Some(&from), Some(&to)) if across.len() > 1 && from != to => [from, to],
         _ => return (Edges::default(), warnings),
     };
-    let found = curves::boundary_and_folds(cell, numerics, *parameter, range).map(|found| Edges {
+    let found = curves::boundary_and_folds(cell, numerics, *parameter, range, None).map(|found| Edges {
         pitchforks: Vec::from_iter(found.pitchfork),
         folds: found.folds,
         ..Edges::default()
@@ -154,22 +156,24 @@ fn thresholds(
     found
 }
 
-/// Where the boundary lies at the cell's activity. Along R0 it is the critical radius of a tree, from wherever the range begins; a
-/// warning says if smaller cells divide all the same.
+/// Where the boundary lies at the cell's activity: `on_curve`, where the curve over the range says it, else it is searched for.
+/// Along R0 it is the critical radius of a tree, from wherever the range begins; a warning says if smaller cells divide all the
+/// same.
 fn critical_point(
     cell: &Cell,
     numerics: &Numerics,
     parameter: Parameter,
     [from, to]: [f64; 2],
+    on_curve: Option<(BoundaryKind, CurvePoint)>,
     warnings: &mut Vec<String>,
 ) -> Result<CurvePoint, ShapeError> {
-    let budget = StepBudget::unlimited();
-    if parameter != Parameter::R0 {
-        let starts = [0.5 * (from + to), from, to];
-        return Ok(critical::critical_value(cell, numerics, parameter, &starts, &budget)?.1);
-    }
-    let (kind, point) = critical::critical_value(cell, numerics, parameter, &critical::STARTS, &budget)?;
-    if let Err(error) = critical::rests_from(cell, numerics, (kind, point.value), None) {
+    let middle = [0.5 * (from + to), from, to];
+    let starts = if parameter == Parameter::R0 { &critical::STARTS[..] } else { &middle };
+    let search = || critical::critical_value(cell, numerics, parameter, starts, &StepBudget::unlimited());
+    let (kind, point) = on_curve.map_or_else(search, Ok)?;
+    if parameter == Parameter::R0
+        && let Err(error) = critical::rests_below(cell, numerics, (kind, point.value), None)
+    {
         warnings.push(error.to_string());
     }
     Ok(point)

@@ -15,14 +15,19 @@ use furrow_bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
 use serde::{Deserialize, Serialize};
 
 use crate::cortex::{Cortex, Domain};
-use crate::division::{DivisionError, DivisionInput, DivisionOptions, Outcome, divide_with};
 use crate::equilibria::branch::BranchOptions;
 use crate::equilibria::budget::StepBudget;
-use crate::equilibria::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
+use crate::equilibria::curves::{
+    self, BoundaryCurves, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, curve_point, pitchfork_point,
+};
 use crate::equilibria::error::{CellName, PointKind, Result, ShapeError};
 use crate::equilibria::point::XI;
 use crate::equilibria::{pitchfork, primary};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
+
+pub use trials::{resting_radii, rests_below, rests_from};
+
+mod trials;
 
 /// Version of the file's format and of the method behind its numbers.
 pub const FORMAT: u32 = 3;
@@ -203,6 +208,22 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
     Ok(last)
 }
 
+/// Whether a point of a curve bounds division. One that rises with R0 does not: smaller cells have no stable shape.
+fn bounds(parameter: Parameter, point: &CurvePoint) -> bool {
+    let rises = point.slope > 0.0;
+    parameter != Parameter::R0 || !rises
+}
+
+/// The answer of [`critical_value`] without a search, from curves over a range that were asked about the cell's activity: where
+/// the first of them passes it once.
+pub fn value_on(curves: &BoundaryCurves, parameter: Parameter) -> Option<(BoundaryKind, CurvePoint)> {
+    let (kind, curve) = match &curves.pitchfork {
+        Some(curve) => (BoundaryKind::Pitchfork, curve),
+        None => (BoundaryKind::CuedFold, curves.folds.first()?),
+    };
+    curve.at_activity.filter(|point| bounds(parameter, point)).map(|point| (kind, point))
+}
+
 /// The value of `parameter` that bounds the division of a cell at its activity ξ_s: of the first pitchfork if the cell is
 /// mirror-symmetric whatever the value, else of the fold that ends its stable shapes. The curve is looked for at each of
 /// `starts` in turn. Along R0 that is the critical radius; smaller cells do not divide.
@@ -232,18 +253,15 @@ pub fn critical_value(
         let first = pitchfork::first_within(cell, numerics, &BranchOptions::default(), budget)?;
         let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(&lost)?;
         let report = to_activity(&mut curve, cell.xi_s, parameter, true, budget).map_err(&lost)?;
-        let y = curve.solution.clone();
-        let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
-        Ok(curve_point(&curve, Some(c)))
+        Ok(pitchfork_point(&mut curve, &report).map_err(|error| lost(CurveError::Start(error)))?.0)
     };
     let mut last = lost(CurveError::NotReached { steps: 0, reached: f64::NAN });
     for start in starts {
         match attempt(&at_value(cell, parameter, *start)) {
-            // A curve that rises with R0 bounds no division: smaller cells have no stable shape.
-            Ok(point) if parameter == Parameter::R0 && point.slope > 0.0 => {
-                last = ShapeError::NoBound { cell: CellName::of(cell), kind: kind.point(), r0: point.value };
+            Ok(point) if bounds(parameter, &point) => return Ok((kind, point)),
+            Ok(CurvePoint { value: r0, .. }) => {
+                last = ShapeError::NoBound { cell: CellName::of(cell), kind: kind.point(), r0 };
             }
-            Ok(point) => return Ok((kind, point)),
             Err(error) => last = error,
         }
         budget.check(cell)?;
@@ -275,48 +293,6 @@ pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadiu
 pub fn critical_radius_within(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<CriticalRadius> {
     let (kind, point) = critical_value(cell, numerics, Parameter::R0, &STARTS, budget)?;
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
-}
-
-/// The parts of the critical radius at which divisions are tried, in this order.
-const TRIED: [f64; 6] = [0.999, 0.97, 0.9, 0.75, 0.5, 0.2];
-
-/// The smallest radius R0 of which a division was tried below the critical radius `critical_r0` of cells like `cell`: those that
-/// were tried between the two rest.
-///
-/// # Errors
-/// [`ShapeError::NoBound`] if a cell just below divides or does not come to rest.
-pub fn rests_from(
-    cell: &Cell,
-    numerics: &Numerics,
-    (kind, critical_r0): (BoundaryKind, f64),
-    cancel: Option<&AtomicBool>,
-) -> Result<f64> {
-    let mut from = None;
-    for part in TRIED {
-        let tried = Cell { r0: part * critical_r0, ..cell.clone() };
-        let input = DivisionInput { cell: tried, numerics: *numerics, seed: 0 };
-        match divide_with(&input, DivisionOptions { cancel, ..DivisionOptions::default() }) {
-            Ok((division, _)) if division.outcome() == Outcome::Arrested => from = Some(input.cell.r0),
-            Err(DivisionError::Cancelled { .. }) => return Err(ShapeError::Interrupted),
-            _ => break,
-        }
-    }
-    from.ok_or(ShapeError::NoBound { cell: CellName::of(cell), kind: kind.point(), r0: critical_r0 })
-}
-
-/// The critical radius of cells like `cell`, and down to which radius divisions rest, of a few that are tried.
-///
-/// # Errors
-/// Those of [`critical_radius_within`] and [`rests_from`].
-pub fn resting_radii(
-    cell: &Cell,
-    numerics: &Numerics,
-    budget: &StepBudget<'_>,
-    cancel: Option<&AtomicBool>,
-) -> Result<RestingRadii> {
-    let critical = critical_radius_within(cell, numerics, budget)?;
-    let from = rests_from(cell, numerics, (critical.kind, critical.r0), cancel)?;
-    Ok(RestingRadii { critical, from })
 }
 
 /// A search for the critical radius of cells that differ by their radius alone.

@@ -260,7 +260,7 @@ impl<'a> Figure<'a> {
         let (cell, numerics) = (&plane.cell, &plane.numerics);
         let ends = plane.across.first().zip(plane.across.last());
         let range = ends.map_or([0.0; 2], |(first, last)| [*first, *last]);
-        let found = curves::boundary_and_folds(cell, numerics, plane.parameter, range).unwrap_or_default();
+        let found = curves::boundary_and_folds(cell, numerics, plane.parameter, range, None).unwrap_or_default();
         let edges = Edges { pitchforks: Vec::from_iter(found.pitchfork), folds: found.folds, ..Edges::default() };
         self.show(self.name(), Artifact::Map(Box::new(Map { plane, diagram, edges })));
         Ok(())

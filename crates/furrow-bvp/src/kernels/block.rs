@@ -180,12 +180,7 @@ impl BlockFactor {
 
     /// Adds the rows of interval i to those carried on.
     #[inline(always)]
-    fn load_interval<S: Shape>(
-        &mut self,
-        condensed: &Condensed,
-        conditions: &[LinearCondition],
-        i: usize,
-    ) {
+    fn load_interval<S: Shape>(&mut self, condensed: &Condensed, conditions: &[LinearCondition], i: usize) {
         let ([n, nl, _], ni) = (self.sizes::<S>(), self.ni);
         let (lanes, outputs) = (self.panel::<S>().lanes, condensed.output_lanes());
         let (transition, borders) = self.panel[nl * lanes..].split_at_mut(n * lanes);
@@ -316,12 +311,7 @@ impl BlockFactor {
     /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
     /// conditions and come out as those of the last block.
     #[inline(always)]
-    pub(crate) fn forward<S: Shape>(
-        &mut self,
-        nodes: &[f64],
-        carried: &mut [f64],
-        border: &mut [f64],
-    ) {
+    pub(crate) fn forward<S: Shape>(&mut self, nodes: &[f64], carried: &mut [f64], border: &mut [f64]) {
         let [n, nl, _] = self.sizes::<S>();
         let rows = nl + n + border.len();
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
@@ -371,11 +361,7 @@ impl BlockFactor {
 
     /// Substitution from the last node to the left.
     #[inline(always)]
-    pub(crate) fn backward<S: Shape>(
-        &mut self,
-        nodes: &mut [f64],
-        scalars: &[f64],
-    ) {
+    pub(crate) fn backward<S: Shape>(&mut self, nodes: &mut [f64], scalars: &[f64]) {
         let [n, _, np] = self.sizes::<S>();
         let height = dense::lanes_for(n);
         let stride = (n + np) * height;

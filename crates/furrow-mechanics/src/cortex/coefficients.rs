@@ -36,6 +36,7 @@ pub struct LocalCoefficients<D> {
 
 impl<D> LocalCoefficients<D> {
     /// The same with numbers of another kind.
+    #[inline(always)]
     pub fn map<E>(self, number: impl Fn(D) -> E) -> LocalCoefficients<E> {
         LocalCoefficients {
             kappa: number(self.kappa),

@@ -6,6 +6,7 @@ use num_dual::{Dual3_64, HyperDual64};
 
 use super::Cortex;
 use super::equations::{BdfTerm, COMPONENTS, Constants, LENGTH, PRESSURE, REGULATED, equations};
+use super::jets::{self, Shared};
 use super::problem::SHAPE_SCALARS;
 use furrow_cell::Number;
 
@@ -14,6 +15,13 @@ struct Lifted<D> {
     constants: Constants<D>,
     length: D,
     pressure: D,
+}
+
+impl<D: Number> Lifted<D> {
+    /// What is the same at all points of a cell without a cue.
+    fn shared(&self) -> Shared<D> {
+        Shared::of(&self.constants, self.length, self.pressure)
+    }
 }
 
 fn lift<D: Number>(cortex: &Cortex, p: &[f64], number: impl Fn(usize, f64) -> D) -> Lifted<D> {
@@ -46,6 +54,8 @@ impl Directional for Cortex {
         let lifted = self.second_order(p, along[0].p, along[1].p);
         if self.components() == REGULATED {
             second::<REGULATED>(&lifted, points, along, out);
+        } else if self.is_uniform() {
+            jets::second_many(&lifted.shared(), points, along, out);
         } else {
             second::<COMPONENTS>(&lifted, points, along, out);
         }
@@ -61,6 +71,8 @@ impl Directional for Cortex {
         let lifted = self.third_order(p, along.p);
         if self.components() == REGULATED {
             third::<REGULATED>(&lifted, points, along, out);
+        } else if self.is_uniform() {
+            jets::third_many(&lifted.shared(), points, along, out);
         } else {
             third::<COMPONENTS>(&lifted, points, along, out);
         }
@@ -110,5 +122,72 @@ fn third<const N: usize>(
             (f2[i * N + k], f3[i * N + k]) = (value.v2, value.v3);
         }
         (g2[i], g3[i]) = (volume.v2, volume.v3);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cortex::Domain;
+    use furrow_bvp::{BoundaryValueProblem, PointJacobian};
+    use furrow_cell::{Cell, Parameter};
+
+    /// Numbers around `middle`, without order.
+    fn scattered(middle: f64, count: usize) -> Vec<f64> {
+        (0..count).map(|k| middle + 0.3 * (1.7 * (k * k) as f64 + middle).sin()).collect()
+    }
+
+    fn parts(rows: &mut [[Vec<f64>; 2]; 2]) -> [[&mut [f64]; 2]; 2] {
+        rows.each_mut().map(|row| row.each_mut().map(|values| &mut values[..]))
+    }
+
+    /// More points than a group has, and not a multiple of it.
+    #[test]
+    fn points_side_by_side_are_those_one_at_a_time() {
+        const POINTS: usize = 11;
+        let cortex = Cortex::new(&Cell::new(2.0), Domain::Half, &[Parameter::XiS, Parameter::R0]);
+        let (p, x) = ([6.0, 0.4, 25.0, 2.0], scattered(0.3, POINTS));
+        let [y, a, b] = [1.0, 0.1, -0.2].map(|middle| scattered(middle, POINTS * COMPONENTS));
+        let [along_a, along_b] = [[0.3, -0.1, 0.7, 0.2], [-0.2, 0.5, 0.1, -0.4]];
+        let points = CollocationPoints { first: 0, x: &x, y: &y };
+        let along = [PointDirection { y: &a, p: &along_a }, PointDirection { y: &b, p: &along_b }];
+        let near = |found: &[f64], expected: &[f64]| {
+            let size = expected.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            found.iter().zip(expected).for_each(|(f, e)| assert!((f - e).abs() < 1e-13 * size, "{f} {e} of {size}"));
+        };
+
+        let [mut f, mut expected] = [(); 2].map(|()| vec![0.0; POINTS * COMPONENTS]);
+        let [mut g, mut expected_g] = [(); 2].map(|()| vec![0.0; POINTS]);
+        cortex.second_many(points, &p, along, [&mut f, &mut g]);
+        let lifted = cortex.second_order(&p, &along_a, &along_b);
+        second::<COMPONENTS>(&lifted, points, along, [&mut expected, &mut expected_g]);
+        near(&f, &expected);
+        near(&g, &expected_g);
+
+        let room = || [vec![0.0; POINTS * COMPONENTS], vec![0.0; POINTS]];
+        let (mut found, mut expected) = ([room(), room()], [room(), room()]);
+        let lifted = cortex.third_order(&p, &along_a);
+        jets::third_many(&lifted.shared(), points, along[0], parts(&mut found));
+        third::<COMPONENTS>(&lifted, points, along[0], parts(&mut expected));
+        found.iter().flatten().zip(expected.iter().flatten()).for_each(|(found, expected)| near(found, expected));
+
+        let mut jacobian = [1, COMPONENTS, 4, 1, COMPONENTS, 4].map(|width| vec![0.0; POINTS * COMPONENTS * width]);
+        let [f, fy, fp, g, gy, gp] = jacobian.each_mut().map(|values| &mut values[..]);
+        cortex.rhs_jacobian_many(points, &p, &mut PointJacobian { f, fy, fp, g, gy, gp });
+        for column in [2, 3] {
+            let unit: [f64; 4] = std::array::from_fn(|k| if k == column { 1.0 } else { 0.0 });
+            let Lifted { constants, length, pressure } = cortex.second_order(&p, &unit, &[0.0; 4]);
+            let expected: Vec<f64> = x
+                .iter()
+                .zip(y.chunks_exact(COMPONENTS))
+                .flat_map(|(&x, y)| {
+                    let state: [HyperDual64; COMPONENTS] = std::array::from_fn(|k| HyperDual64::from_re(y[k]));
+                    equations(&constants, x, BdfTerm::default(), 1.0, &state, length, pressure).0.map(|f| f.eps1)
+                })
+                .collect();
+            let found: Vec<f64> =
+                jacobian[2].chunks_exact(4).take(POINTS * COMPONENTS).map(|row| row[column]).collect();
+            near(&found, &expected);
+        }
     }
 }

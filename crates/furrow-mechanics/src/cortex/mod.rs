@@ -10,6 +10,7 @@
 //! | `coefficients` | their coefficients at a place, and at the points of a sweep, kept for the next |
 //! | [`problem`] | the boundary-value problem [`Cortex`] that is solved |
 //! | [`derivatives`] | second and third derivatives, for singular points |
+//! | `jets` | the same, and first derivatives by parameters, at many points side by side |
 //! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
 //! | [`observables`] | what is read off a shape: elongation, neck, furrow, volumes |
 //! | [`forces`] | what acts at a place: curvatures, tensions, velocities, the normal forces by what they come from |
@@ -21,6 +22,7 @@ pub mod derivatives;
 pub mod equations;
 pub mod forces;
 pub mod jacobian;
+mod jets;
 pub mod lanes;
 pub mod observables;
 pub mod problem;

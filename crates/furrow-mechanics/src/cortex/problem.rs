@@ -145,6 +145,14 @@ impl Cortex {
         self.coefficients.refresh(by_length);
     }
 
+    /// Whether the coefficients are the same everywhere, and stay so when the free parameters change. A term of amplitude 0 leaves
+    /// no trace here either.
+    pub(super) fn is_uniform(&self) -> bool {
+        let cue = &self.cell.cue;
+        let varies = self.free.iter().any(|free| free.is_of_cue()) || cue.regulator().is_some();
+        !varies && cue.terms().iter().all(|term| term.amplitude == 0.0)
+    }
+
     fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>], profiles: &'a [[f64; 2]]) -> Sweep<'a> {
         let Cortex { constants, rate, past, carried_past, noise, free, .. } = self;
         Sweep {
@@ -287,8 +295,10 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn prepare(&mut self, p: &[f64]) {
-        if !self.free.is_empty() {
-            self.free.iter().zip(&p[SHAPE_SCALARS..]).for_each(|(free, value)| free.set(&mut self.cell, *value));
+        let values = self.free.iter().zip(&p[SHAPE_SCALARS..]);
+        // At a singular point the same values are prepared for each of several directions.
+        if values.clone().any(|(free, value)| free.get(&self.cell) != *value) {
+            values.for_each(|(free, value)| free.set(&mut self.cell, *value));
             self.refresh();
         }
     }

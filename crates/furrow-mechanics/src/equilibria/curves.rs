@@ -10,6 +10,7 @@ use super::branch::{Branch, BranchOptions, Criticality, FoldPoint, Pitchfork, me
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError};
 use super::locate::furrow_shift;
+use super::passage::Passage;
 use super::point::{ShapePoint, XI};
 use super::{pitchfork, primary};
 use crate::cortex::equations::LENGTH;
@@ -78,6 +79,8 @@ pub struct Curve {
     pub points: Vec<CurvePoint>,
     /// Points where criticality changes sign (pitchforks).
     pub degenerate: Vec<CurvePoint>,
+    /// Where it passes the activity it was asked about, if it does so exactly once on its way to the end.
+    pub at_activity: Option<CurvePoint>,
     /// How it ended.
     pub ended: CurveEnd,
     /// Newton iterations of the whole curve.
@@ -217,6 +220,19 @@ pub fn coefficient(curve: &mut PitchforkCurve, y: &Solution, report: &AugmentedR
     Ok(form.parameters[0] / (shift * shift))
 }
 
+/// The newest point of a curve of pitchforks, on which it has just converged, with its coefficient.
+///
+/// # Errors
+/// [`SingularError`].
+pub(crate) fn pitchfork_point(
+    curve: &mut PitchforkCurve,
+    report: &AugmentedReport,
+) -> Result<(CurvePoint, f64), SingularError> {
+    let y = curve.solution.clone();
+    let c = coefficient(curve, &y, report)?;
+    Ok((curve_point(curve, Some(c)), c))
+}
+
 /// Corrections below this change a coefficient by less than 10⁻⁵ of itself.
 const NEGLIGIBLE: f64 = 2e-9;
 
@@ -230,22 +246,40 @@ pub(crate) fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn
 /// # Errors
 /// [`ShapeError`]; `Curve` if the curve ends on the way, `NoPitchfork` if the cell's cue breaks the symmetry.
 pub fn pitchfork_curve(cell: &Cell, numerics: &Numerics, parameter: Parameter, [from, to]: [f64; 2]) -> Result<Curve> {
+    first_pitchforks(cell, numerics, parameter, [from, to], None)
+}
+
+/// As [`pitchfork_curve`], asked about an activity.
+fn first_pitchforks(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+    activity: Option<f64>,
+) -> Result<Curve> {
     let cell = at_value(cell, parameter, from);
-    follow_pitchfork(&cell, &pitchfork::first(&cell, numerics, &BranchOptions::default())?, parameter, to)
+    let first = pitchfork::first(&cell, numerics, &BranchOptions::default())?;
+    follow_pitchfork(&cell, &first, parameter, to, activity)
 }
 
 /// Follows the curve through a pitchfork of a cell until the parameter reaches `to`.
-fn follow_pitchfork(cell: &Cell, first: &Pitchfork, parameter: Parameter, to: f64) -> Result<Curve> {
+fn follow_pitchfork(
+    cell: &Cell,
+    first: &Pitchfork,
+    parameter: Parameter,
+    to: f64,
+    activity: Option<f64>,
+) -> Result<Curve> {
     let lost = lost(PointKind::Pitchfork, parameter, to);
     let mut curve = through_pitchfork(cell, first, parameter, to > parameter.get(cell)).map_err(&lost)?;
     let mut found = Curve { points: vec![curve_point(&curve, Some(first.coefficient))], ..Curve::default() };
     let mut before = [found.points[0].value, first.coefficient];
     let mut failure = None;
+    let mut passage = activity.map(|xi_s| Passage::of(xi_s, &curve));
     let followed = curve.follow_to(SECOND, to, MOST_STEPS, |curve, report| {
-        let y = curve.solution.clone();
-        match coefficient(curve, &y, report) {
-            Ok(c) => {
-                let point = curve_point(curve, Some(c));
+        passage.iter_mut().for_each(|passage| passage.take_in(curve));
+        match pitchfork_point(curve, report) {
+            Ok((point, c)) => {
                 let now = [point.value, c];
                 if before[1] * c < 0.0 {
                     found.degenerate.extend(degenerate(curve, [before, now]));
@@ -258,6 +292,8 @@ fn follow_pitchfork(cell: &Cell, first: &Pitchfork, parameter: Parameter, to: f6
         failure.is_none()
     });
     followed.map_err(|error| lost(failure.map_or(error, CurveError::Start)))?;
+    let passed = passage.and_then(Passage::solve);
+    found.at_activity = passed.and_then(|(mut curve, report)| Some(pitchfork_point(&mut curve, &report).ok()?.0));
     found.iterations = curve.work.iterations;
     Ok(found)
 }
@@ -286,12 +322,14 @@ fn degenerate(curve: &mut PitchforkCurve, mut ends: [[f64; 2]; 2]) -> Option<Cur
 }
 
 /// Follows one fold until the parameter reaches `to`, the curve turns back at a cusp or leaves ξ_s > 0, or it cannot be
-/// followed further.
-pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64) -> Curve {
+/// followed further. `activity` is one that the curve is asked about.
+pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64, activity: Option<f64>) -> Curve {
     let mut found = Curve { points: vec![curve_point(curve, None)], ..Curve::default() };
     let direction = curve.tangent.scalars[SECOND].signum();
     let (mut cusp, mut passive) = (false, false);
+    let mut passage = activity.map(|xi_s| Passage::of(xi_s, curve));
     let followed = curve.follow_to(SECOND, to, MOST_STEPS, |curve, _| {
+        passage.iter_mut().for_each(|passage| passage.take_in(curve));
         cusp = curve.tangent.scalars[SECOND] * direction < 0.0;
         passive = curve.solution.scalars[XI] <= 0.0;
         if !cusp && !passive {
@@ -311,7 +349,10 @@ pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64) -> Curv
             CurveEnd::Stopped(ShapeError::Inactive { kind: PointKind::Fold, parameter, value: to })
         }
         Err(error) => CurveEnd::Stopped(lost(PointKind::Fold, parameter, to)(error)),
-        Ok(()) => CurveEnd::Reached,
+        Ok(()) => {
+            found.at_activity = passage.and_then(Passage::solve).map(|(curve, _)| curve_point(&curve, None));
+            CurveEnd::Reached
+        }
     };
     found
 }
@@ -325,9 +366,9 @@ pub(crate) fn refuse_par(cell: &Cell, kind: PointKind) -> Result<()> {
 }
 
 /// The curve of one fold from a cell to another value of the parameter, as far as it can be followed.
-fn fold_curve(cell: &Cell, fold: &FoldPoint, parameter: Parameter, to: f64) -> Result<Curve> {
+fn fold_curve(cell: &Cell, fold: &FoldPoint, parameter: Parameter, to: f64, activity: Option<f64>) -> Result<Curve> {
     let curve = through_fold(cell, fold, parameter, to > parameter.get(cell));
-    Ok(follow_fold(&mut curve.map_err(lost(PointKind::Fold, parameter, to))?, parameter, to))
+    Ok(follow_fold(&mut curve.map_err(lost(PointKind::Fold, parameter, to))?, parameter, to, activity))
 }
 
 /// The folds of primary branches of a mirror-symmetric cell at both ends of a range of a parameter, each followed over the range: those of
@@ -343,7 +384,7 @@ fn fold_curves(cell: &Cell, branches: [&Branch; 2], parameter: Parameter, range:
                 same(p.value, start) && same(p.xi_s, fold.point.xi_s) && same(p.elongation, fold.point.elongation)
             });
             if !known {
-                curves.push(fold_curve(&cell, fold, parameter, end)?);
+                curves.push(fold_curve(&cell, fold, parameter, end, None)?);
             }
         }
     }
@@ -368,30 +409,31 @@ pub fn boundary_and_folds(
     numerics: &Numerics,
     parameter: Parameter,
     range: [f64; 2],
+    activity: Option<f64>,
 ) -> Result<BoundaryCurves> {
     refuse_par(cell, PointKind::Fold)?;
     if domain_along(cell, parameter) == Domain::Full {
-        return boundary_curves(cell, numerics, parameter, range);
+        return boundary_curves(cell, numerics, parameter, range, activity);
     }
-    let branch = |value: f64, pitchforks: usize| {
-        let options = BranchOptions { pitchforks, ..BranchOptions::default() };
-        primary::follow(&at_value(cell, parameter, value), numerics, &options, |_| true)
-    };
-    let [from, to] = range;
-    let first = branch(from, 1)?;
-    let forwards =
-        first.pitchforks().next().map(|at| follow_pitchfork(&at_value(cell, parameter, from), at, parameter, to));
-    let pitchfork = match forwards {
+    let to = range[1];
+    let [at_from, at_to] = range.map(|value| at_value(cell, parameter, value));
+    let first = pitchfork::branch_beyond(&at_from, numerics)?;
+    let follow = |at: &Pitchfork| follow_pitchfork(&at_from, at, parameter, to, activity);
+    let pitchfork = match first.pitchforks().next().map(follow) {
         Some(Ok(curve)) => Some(curve),
-        _ => boundary_curves(cell, numerics, parameter, range)?.pitchfork,
+        _ => boundary_curves(cell, numerics, parameter, range, activity)?.pitchfork,
     };
-    Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &branch(to, 0)?], parameter, range)? })
+    // Only its folds matter.
+    let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
+    let last = primary::follow(&at_to, numerics, &options, |_| true)?;
+    Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &last], parameter, range)? })
 }
 
 /// What bounds the division of a cell over a range of a parameter: the curve of its first pitchfork if it is
 /// mirror-symmetric whatever the parameter's value, else that of the fold which ends its stable shapes. Where that cannot be
 /// found at one end of the range it is followed from the other; where it ends on the way, in a cusp say, the curve from the
-/// other end is the second.
+/// other end is the second. If `activity` is given, [`Curve::at_activity`] of the first curve says where it passes it; of one
+/// from the other end it does not.
 ///
 /// # Errors
 /// [`ShapeError`] as from the first end.
@@ -400,10 +442,11 @@ pub fn boundary_curves(
     numerics: &Numerics,
     parameter: Parameter,
     [from, to]: [f64; 2],
+    activity: Option<f64>,
 ) -> Result<BoundaryCurves> {
     refuse_par(cell, PointKind::Fold)?;
     if domain_along(cell, parameter) == Domain::Half {
-        let forwards = pitchfork_curve(cell, numerics, parameter, [from, to]);
+        let forwards = first_pitchforks(cell, numerics, parameter, [from, to], activity);
         let curve = forwards.or_else(|error| {
             let mut curve = pitchfork_curve(cell, numerics, parameter, [to, from]).map_err(|_| error)?;
             curve.points.reverse();
@@ -411,15 +454,16 @@ pub fn boundary_curves(
         })?;
         return Ok(BoundaryCurves { pitchfork: Some(curve), folds: Vec::new() });
     }
-    let curve = |from: f64, to: f64| {
+    let curve = |from: f64, to: f64, activity: Option<f64>| {
         let cell = at_value(cell, parameter, from);
-        fold_curve(&cell, &primary::failure_fold(&cell, numerics, &StepBudget::unlimited())?, parameter, to)
+        let fold = primary::failure_fold(&cell, numerics, &StepBudget::unlimited())?;
+        fold_curve(&cell, &fold, parameter, to, activity)
     };
-    let forwards = curve(from, to);
+    let forwards = curve(from, to, activity);
     if let Ok(Curve { ended: CurveEnd::Reached, .. }) = forwards {
         return Ok(BoundaryCurves { pitchfork: None, folds: vec![forwards?] });
     }
-    match (forwards, curve(to, from)) {
+    match (forwards, curve(to, from, None)) {
         (Err(error), Err(_)) => Err(error),
         (forwards, backwards) => {
             Ok(BoundaryCurves { pitchfork: None, folds: forwards.into_iter().chain(backwards).collect() })

@@ -12,6 +12,7 @@
 //! | [`mod@stationary`] | one shape at one activity |
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
+//! | `passage` | where a curve of them passes an activity |
 //! | [`azimuthal_scan`] | along a branch, growth rates of disturbances that are not axisymmetric |
 //! | [`azimuthal_threshold`] | where such disturbances begin to grow, over a parameter |
 //! | [`budget`] | the step budget of a search |
@@ -25,6 +26,7 @@ pub mod budget;
 pub mod curves;
 pub mod error;
 pub mod locate;
+mod passage;
 pub mod passive;
 pub mod pitchfork;
 pub mod point;

@@ -24,6 +24,25 @@ pub fn first(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Resul
     first_within(cell, numerics, options, &StepBudget::unlimited())
 }
 
+/// The primary branch of a mirror-symmetric cell, with its first pitchfork and all its folds. If the pitchfork comes first, the way there is
+/// on a coarse mesh, on which it is found for [`first`] too; folds lie on the given one.
+///
+/// # Errors
+/// Those of [`primary::follow`].
+pub(super) fn branch_beyond(cell: &Cell, numerics: &Numerics) -> Result<Branch> {
+    let options = BranchOptions { pitchforks: 1, ..BranchOptions::default() };
+    let quick = BranchOptions { coarse: true, ..options.clone() };
+    let mut refined = false;
+    let found = primary::follow(cell, numerics, &quick, |event| {
+        refined |= event.kind() == PointKind::Pitchfork;
+        refined
+    });
+    match found {
+        Ok(branch) if branch.events.first().is_some_and(|event| event.pitchfork().is_some()) => Ok(branch),
+        _ => primary::follow(cell, numerics, &options, |_| true),
+    }
+}
+
 /// As [`first`], with so much work.
 ///
 /// # Errors
