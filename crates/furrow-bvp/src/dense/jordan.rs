@@ -1,5 +1,7 @@
 //! Gauss–Jordan elimination of some columns of a matrix.
 
+use multiversion::multiversion;
+
 use super::{LANE, Lane, PivotFailure, pivot_among, subtract_scaled, times};
 
 /// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time.
@@ -74,4 +76,28 @@ pub fn eliminate_in_place(
     }
     with_width!(matrix, lanes, rows => eliminate_rows_in_place(rows, columns, candidates, reciprocal, exchange),
         [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
+}
+
+/// Inverts a square row-major `matrix` (`lanes` lanes a row) in its place, compiled by itself for every instruction set.
+///
+/// # Errors
+/// If a pivot vanishes or is not finite.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+pub fn invert(
+    matrix: &mut [Lane],
+    lanes: usize,
+    reciprocal: &mut [f64],
+    exchange: &mut [u8],
+) -> Result<(), PivotFailure> {
+    let size = exchange.len();
+    eliminate_in_place(matrix, lanes, size, size, reciprocal, exchange)?;
+    for (k, other) in exchange.iter().enumerate().rev() {
+        let other = *other as usize;
+        if other != k {
+            for row in matrix.chunks_exact_mut(lanes) {
+                row.as_flattened_mut().swap(k, other);
+            }
+        }
+    }
+    Ok(())
 }

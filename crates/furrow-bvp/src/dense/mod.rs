@@ -7,13 +7,11 @@
 
 mod jordan;
 mod lu;
-mod transposed;
 
 use multiversion::multiversion;
 
-pub use jordan::eliminate_in_place;
+pub use jordan::{eliminate_in_place, invert};
 pub use lu::Lu;
-pub use transposed::{Factors, FactorsMut, factorise, panel_lanes, solve_transposed};
 
 /// Four neighbouring columns of one row, or rows of one column.
 pub type Lane = [f64; 4];

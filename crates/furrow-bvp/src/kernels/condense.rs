@@ -7,13 +7,13 @@
 //!   \[N.3 condensed\], σ_i = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
 //!
 //! with s_i = Σ_j D_ij and R the stage residual. The right node and the integrals take from the stages YᵀδY_N, one column of Y for
-//! each of them. That is Xᵀσ with SᵀX = Y, so that δy₁ = G δy₀ + B δp + c follows from X without any stage values. These are solved for
-//! once the nodes are known, with the same factors, those of Sᵀ.
+//! each of them. That is Xᵀσ with X = S⁻ᵀY, so that δy₁ = G δy₀ + B δp + c follows from X without any stage values. These are computed
+//! once the nodes are known. S is inverted once: whatever follows is a product.
 //!
 //! Everything that a solve runs over is kept by columns padded to whole lanes, so that every product is a sum of scaled
 //! vectors, without reductions.
 
-use crate::dense::{self, Determinant, Factors, FactorsMut, LANE, Lane, Lanes, PivotFailure, add_scaled};
+use crate::dense::{self, Determinant, LANE, Lane, Lanes, PivotFailure, add_scaled};
 use crate::dimensions::Dimensions;
 use crate::gauss::{Gauss, MAX_STAGES};
 
@@ -45,15 +45,15 @@ pub struct Condensed {
     pub gy: Vec<f64>,
     /// ∂g/∂p at the stages; × integrals × scalars.
     pub gp: Vec<f64>,
-    /// Factors of Sᵀ, see [`Factors`]; per interval s × lanes of s, lanes of s, or s bytes.
-    factors: Lanes,
-    reciprocal: Lanes,
-    order: Vec<u8>,
+    /// S⁻¹ by columns; per interval s × lanes of s. Newton corrects its rounding.
+    pub(super) inverse: Lanes,
+    /// Pivots of all intervals, for determinants; intervals × s.
+    reciprocal: Vec<f64>,
     exchange: Vec<u8>,
-    /// Sᵀ of one interval, and behind it Y; s × [`panel_lanes`](dense::panel_lanes).
-    panel: Lanes,
+    /// Y of one interval; s × lanes of outputs.
+    weights_of_outputs: Lanes,
     /// X; per interval s × lanes of outputs.
-    outputs: Lanes,
+    pub(super) outputs: Lanes,
     /// σ by columns of δy_E (h F_NE) and of δp; per interval e + scalars × lanes of s.
     pub(super) onto: Lanes,
     /// h F_EN by columns, of which each is padded to whole quads; per interval quads of e × stage unknowns.
@@ -85,7 +85,7 @@ impl Condensed {
     /// Sizes the storage for a mesh and zeroes the derivatives.
     pub fn reset(&mut self, mesh: &[f64]) {
         let sizes = self.sizes::<Any>();
-        let Sizes { n, e, m, s, lanes, quads, np, ni, outputs, stride, .. } = sizes;
+        let Sizes { n, e, m, s, lanes, quads, np, ni, outputs, .. } = sizes;
         let intervals = mesh.len() - 1;
         let points = intervals * m;
         self.h.clear();
@@ -98,11 +98,10 @@ impl Condensed {
         ] {
             dense::zeroed(v, size);
         }
-        self.factors.resize(intervals * s * lanes);
-        self.reciprocal.resize(intervals * lanes);
-        self.order.resize(intervals * s, 0);
+        self.inverse.resize(intervals * s * lanes);
+        self.reciprocal.resize(intervals * s, 0.0);
         self.exchange.resize(intervals * s, 0);
-        self.panel.resize(s * stride);
+        self.weights_of_outputs.resize(s * outputs);
         self.outputs.resize(intervals * s * outputs);
         self.onto.resize(intervals * (e + np) * lanes);
         self.from.resize(intervals * quads * s, [0.0; QUAD]);
@@ -119,10 +118,9 @@ impl Condensed {
 
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn multiply_into(&self, det: &mut Determinant) {
-        let Sizes { s, lanes, .. } = self.sizes::<Any>();
+        let s = self.sizes::<Any>().s;
         for i in 0..self.intervals() {
-            let reciprocal = part(&self.reciprocal, i, lanes).as_flattened();
-            det.multiply(&reciprocal[..s], part(&self.exchange, i, s));
+            det.multiply(part(&self.reciprocal, i, s), part(&self.exchange, i, s));
         }
     }
 
@@ -137,7 +135,7 @@ impl Condensed {
             self.gather_scalars::<S>(gauss, i);
             self.fill_stage_matrix::<S>(gauss, i);
             self.fill_outputs::<S>(gauss, i);
-            self.factorise::<S>(i)?;
+            self.invert::<S>(i)?;
             self.fill_transition::<S>(gauss, i);
         }
         Ok(())
@@ -225,20 +223,18 @@ impl Condensed {
         }
     }
 
-    /// Sᵀ of interval i in the panel: row (j, β) has the coefficients of δY_N,j,β in all equations.
+    /// Sᵀ of interval i, in the place of the inverse: row (j, β) has the coefficients of δY_N,j,β in all equations.
     #[inline(always)]
     fn fill_stage_matrix<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
-        let Sizes { n, e, m, nn, s, lanes, first, quads, np, stride, .. } = self.sizes::<S>();
+        let Sizes { n, e, m, nn, s, lanes, first, quads, np, .. } = self.sizes::<S>();
         let h = self.h[i];
         let fy = part(&self.fy, i, m * n * n);
         let onto = part(&self.onto, i, (e + np) * lanes);
         let from = part(&self.from, i, quads * s);
-        let panel = &mut self.panel[..s * stride];
+        let matrix = part_mut(&mut self.inverse, i, s * lanes);
+        matrix.fill([0.0; LANE]);
         for j in 0..m {
-            let rows = part_mut(panel, j, nn * stride);
-            for beta in 0..nn {
-                part_mut(rows, beta, stride)[..lanes].fill([0.0; LANE]);
-            }
+            let rows = part_mut(matrix, j, nn * lanes);
             for k in 0..e {
                 // What the slope of component k at stage j does to all equations, through its values at all stages.
                 let mut reach = [[0.0; LANE]; MAX_STAGE_LANES];
@@ -251,7 +247,7 @@ impl Condensed {
                 }
                 let from = part(part(from, k / QUAD, s), j, nn);
                 for beta in 0..nn {
-                    let row = part_mut(rows, beta, stride);
+                    let row = part_mut(rows, beta, lanes);
                     for v in 0..lanes {
                         add_scaled(&mut row[v], -from[beta][k % QUAD], &reach[v]);
                     }
@@ -259,7 +255,7 @@ impl Condensed {
             }
             let f = part(fy, j, n * n);
             for beta in 0..nn {
-                let row = part_mut(rows, beta, stride)[..lanes].as_flattened_mut();
+                let row = part_mut(rows, beta, lanes).as_flattened_mut();
                 for stage in 0..m {
                     row[stage * nn + beta] += gauss.d_matrix[stage * m + j];
                 }
@@ -271,20 +267,19 @@ impl Condensed {
         }
     }
 
-    /// Y of interval i in the panel, behind Sᵀ: row (j, β) has what δY_N,j,β adds to the right node and to the integrals.
+    /// Y of interval i: row (j, β) has what δY_N,j,β adds to the right node and to the integrals.
     #[inline(always)]
     fn fill_outputs<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
         let sizes = self.sizes::<S>();
-        let Sizes { n, e, m, nn, s, lanes, first, quads, ni, outputs, stride, .. } = sizes;
+        let Sizes { n, e, m, nn, s, first, quads, ni, outputs, .. } = sizes;
         let from = part(&self.from, i, quads * s);
         let weights = part(&self.weights, i, ni * m * n);
-        let panel = &mut self.panel[..s * stride];
+        let y = &mut self.weights_of_outputs[..s * outputs];
+        y.fill([0.0; LANE]);
         for j in 0..m {
             for beta in 0..nn {
                 let at = j * nn + beta;
-                let row = &mut part_mut(panel, at, stride)[lanes..][..outputs];
-                row.fill([0.0; LANE]);
-                let row = row.as_flattened_mut();
+                let row = part_mut(y, at, outputs).as_flattened_mut();
                 row[first + beta] = gauss.d[j];
                 for k in 0..e {
                     // Σ_i d_i a_ij = b_j.
@@ -302,7 +297,7 @@ impl Condensed {
                         sum += part(weights, i, n)[sizes.quadrature(k)] * gauss.a[i * m + j];
                     }
                     for at in j * nn..(j + 1) * nn {
-                        let row = part_mut(panel, at, stride)[lanes..][..outputs].as_flattened_mut();
+                        let row = part_mut(y, at, outputs).as_flattened_mut();
                         row[n + integral] += sum * part(from, k / QUAD, s)[at][k % QUAD];
                     }
                 }
@@ -310,18 +305,21 @@ impl Condensed {
         }
     }
 
-    /// The factors of Sᵀ and X of interval i.
+    /// The inverse and X of interval i.
     #[inline(always)]
-    fn factorise<S: Shape>(&mut self, i: usize) -> Result<(), PivotFailure> {
+    fn invert<S: Shape>(&mut self, i: usize) -> Result<(), PivotFailure> {
         let Sizes { s, lanes, outputs, .. } = self.sizes::<S>();
-        let out = FactorsMut {
-            rows: part_mut(&mut self.factors, i, s * lanes),
-            reciprocal: part_mut(&mut self.reciprocal, i, lanes),
-            order: part_mut(&mut self.order, i, s),
-            exchange: part_mut(&mut self.exchange, i, s),
-            solutions: part_mut(&mut self.outputs, i, s * outputs),
-        };
-        dense::factorise(&mut self.panel, out)
+        let inverse = part_mut(&mut self.inverse, i, s * lanes);
+        let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));
+        // The transpose stands there by rows, and so does its inverse: that of S by columns.
+        dense::invert(inverse, lanes, reciprocal, exchange)?;
+        let (x, y) = (part_mut(&mut self.outputs, i, s * outputs), &self.weights_of_outputs[..s * outputs]);
+        for at in 0..s {
+            let sum = part_mut(x, at, outputs);
+            sum.fill([0.0; LANE]);
+            dense::add_columns(sum, &part(inverse, at, lanes).as_flattened()[..s], y, outputs);
+        }
+        Ok(())
     }
 
     /// The transition of interval i and its integrals, from X.
@@ -363,23 +361,6 @@ impl Condensed {
             let sum = part_mut(transition, n + c, outputs);
             dense::add_columns(sum, &part(onto, e + c, lanes).as_flattened()[..s], x, outputs);
         }
-    }
-
-    /// The factors of interval i.
-    #[inline(always)]
-    pub(super) fn factors(&self, sizes: Sizes, i: usize) -> Factors<'_> {
-        let Sizes { s, lanes, .. } = sizes;
-        Factors {
-            rows: part(&self.factors, i, s * lanes),
-            reciprocal: part(&self.reciprocal, i, lanes),
-            order: part(&self.order, i, s),
-        }
-    }
-
-    /// X of interval i.
-    #[inline(always)]
-    pub(super) fn outputs(&self, sizes: Sizes, i: usize) -> &[Lane] {
-        part(&self.outputs, i, sizes.s * sizes.outputs)
     }
 
     /// Sizes as a shape knows them.

@@ -32,8 +32,6 @@ pub struct Sizes {
     pub ni: usize,
     /// Lanes of the outputs of an interval: the components of its right node, then the integrals.
     pub outputs: usize,
-    /// Lanes of a row of the panel.
-    pub stride: usize,
 }
 
 impl Sizes {
@@ -44,8 +42,7 @@ impl Sizes {
         let e = dims.all_quadratures();
         let nn = n - e;
         let (lanes, outputs) = (dense::lanes_for(m * nn), dense::lanes_for(n + ni));
-        let stride = dense::panel_lanes(lanes + outputs);
-        Sizes { n, e, m, nn, first, s: m * nn, lanes, quads: e.div_ceil(QUAD), left, np, ni, outputs, stride }
+        Sizes { n, e, m, nn, first, s: m * nn, lanes, quads: e.div_ceil(QUAD), left, np, ni, outputs }
     }
 
     /// Which component the quadrature k is: some stand before the others, some behind.

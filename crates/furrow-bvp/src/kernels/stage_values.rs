@@ -8,9 +8,6 @@ use crate::gauss::{Gauss, MAX_STAGES};
 use super::condense::{Condensed, MAX_STAGE_LANES, QUAD, add_onto, integrated, of_quadratures, part, part_mut};
 use super::shape::{Shape, Sizes};
 
-/// Intervals whose stage values are solved for together.
-const TOGETHER: usize = 2;
-
 impl Condensed {
     /// What a residual adds to the right nodes of all intervals (into the nodes) and to σ and the values of quadrature components (into
     /// the stages, where [`complete`](Self::complete) finds them); what it adds to the integrals is taken from `borders`, of which there
@@ -58,7 +55,12 @@ impl Condensed {
                     to[first + beta] = from[beta];
                 }
             }
-            dense::add_columns(&mut output[..outputs], &sigma.as_flattened()[..s], self.outputs(sizes, i), outputs);
+            dense::add_columns(
+                &mut output[..outputs],
+                &sigma.as_flattened()[..s],
+                part(&self.outputs, i, s * outputs),
+                outputs,
+            );
             let output = output.as_flattened();
             let (node, r) = (part_mut(&mut out.nodes, i, n), part(&residual.nodes, i, n));
             for c in 0..n {
@@ -74,45 +76,20 @@ impl Condensed {
     /// `out`.
     #[inline(always)]
     pub fn complete<S: Shape>(&self, gauss: &Gauss, out: &mut Direction) {
-        let (mut i, intervals) = (0, self.intervals());
-        while i + TOGETHER <= intervals {
-            self.complete_from::<S, TOGETHER>(gauss, i, out);
-            i += TOGETHER;
-        }
-        while i < intervals {
-            self.complete_from::<S, 1>(gauss, i, out);
-            i += 1;
-        }
-    }
-
-    /// Stage values of K intervals from i on.
-    #[inline(always)]
-    fn complete_from<S: Shape, const K: usize>(&self, gauss: &Gauss, i: usize, out: &mut Direction) {
         let sizes = self.sizes::<S>();
-        let Sizes { n, e, m, s, np, .. } = sizes;
-        let mut inputs = [[0.0; MAX_UNKNOWNS]; K];
-        let mut sigma = [[[0.0; LANE]; MAX_STAGE_LANES]; K];
-        for q in 0..K {
-            let node = part(&out.nodes, i + q, n);
+        let Sizes { n, e, m, s, lanes, np, .. } = sizes;
+        let mut inputs = [0.0; MAX_UNKNOWNS];
+        inputs[e..e + np].copy_from_slice(&out.scalars[..np]);
+        for i in 0..self.intervals() {
+            let (node, stages) = (part(&out.nodes, i, n), part_mut(&mut out.stages, i, m * n));
             for k in 0..e {
-                inputs[q][k] = node[sizes.quadrature(k)];
+                inputs[k] = node[sizes.quadrature(k)];
             }
-            for c in 0..np {
-                inputs[q][e + c] = out.scalars[c];
-            }
-            self.sum_sigma(sizes, gauss, i + q, (node, &inputs[q]), part(&out.stages, i + q, m * n), &mut sigma[q]);
-        }
-        let mut factors = [self.factors(sizes, i); K];
-        for q in 1..K {
-            factors[q] = self.factors(sizes, i + q);
-        }
-        dense::solve_transposed(s, &factors, &mut sigma);
-        for q in 0..K {
-            let (from, mut solved) = (sigma[q].as_flattened(), [0.0; MAX_STAGE_LANES * LANE]);
-            for k in 0..s {
-                solved[k] = from[factors[q].order[k] as usize % (MAX_STAGE_LANES * LANE)];
-            }
-            self.put_stages(sizes, gauss, i + q, (&inputs[q], &solved), part_mut(&mut out.stages, i + q, m * n));
+            let sigma = self.sum_sigma(sizes, gauss, i, (node, &inputs), stages);
+            let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
+            let inverse = part(&self.inverse, i, s * lanes);
+            dense::add_columns(&mut solved[..lanes], &sigma.as_flattened()[..s], inverse, lanes);
+            self.put_stages(sizes, gauss, i, (&inputs, solved.as_flattened()), stages);
         }
     }
 
@@ -126,9 +103,9 @@ impl Condensed {
         i: usize,
         (node, inputs): (&[f64], &[f64; MAX_UNKNOWNS]),
         stages: &[f64],
-        sigma: &mut [Lane; MAX_STAGE_LANES],
-    ) {
+    ) -> [Lane; MAX_STAGE_LANES] {
         let Sizes { n, e, m, nn, lanes, first, np, .. } = sizes;
+        let mut sigma = [[0.0; LANE]; MAX_STAGE_LANES];
         for stage in 0..m {
             let share = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
             let (from, to) = (part(stages, stage, n), part_mut(sigma.as_flattened_mut(), stage, nn));
@@ -138,6 +115,7 @@ impl Condensed {
         }
         let onto = part(&self.onto, i, (e + np) * lanes);
         dense::add_columns(&mut sigma[..lanes], &inputs[..e + np], onto, lanes);
+        sigma
     }
 
     /// Writes the stage values of interval i, of which the stage unknowns are `solved`.
@@ -147,7 +125,7 @@ impl Condensed {
         sizes: Sizes,
         gauss: &Gauss,
         i: usize,
-        (inputs, solved): (&[f64; MAX_UNKNOWNS], &[f64; MAX_STAGE_LANES * LANE]),
+        (inputs, solved): (&[f64; MAX_UNKNOWNS], &[f64]),
         stages: &mut [f64],
     ) {
         let Sizes { n, e, m, nn, s, first, quads, np, .. } = sizes;
