@@ -291,8 +291,17 @@ fn eigenpair(t: &DMatrix<f64>, end: usize) -> (Complex<f64>, Vec<Complex<f64>>) 
     (value, x)
 }
 
+/// Σ w a b, in four partial sums, which do not wait for each other.
 fn weighted_dot(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    weights.iter().zip(a).zip(b).map(|((w, a), b)| w * a * b).sum()
+    let mut sums = [0.0; 4];
+    let ((w, w_rest), (a, a_rest), (b, b_rest)) = (weights.as_chunks::<4>(), a.as_chunks::<4>(), b.as_chunks::<4>());
+    for ((w, a), b) in w.iter().zip(a).zip(b) {
+        for (t, sum) in sums.iter_mut().enumerate() {
+            *sum += w[t] * a[t] * b[t];
+        }
+    }
+    let rest: f64 = w_rest.iter().zip(a_rest).zip(b_rest).map(|((w, a), b)| w * a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 #[cfg(test)]

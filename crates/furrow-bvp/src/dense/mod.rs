@@ -110,14 +110,28 @@ pub struct PivotFailure {
 impl Determinant {
     /// Multiplies by the pivots of a factorised block, given by their reciprocals and the rows exchanged for them.
     pub(crate) fn multiply(&mut self, reciprocal: &[f64], exchange: &[u8]) {
+        // One logarithm serves many pivots.
+        let mut product = 1.0;
         for (k, (r, e)) in reciprocal.iter().zip(exchange).enumerate() {
-            self.log_abs -= r.abs().ln();
-            if (*r < 0.0) != (*e as usize != k) {
-                self.sign = -self.sign;
+            product *= if *e as usize == k { *r } else { -r };
+            if !MODERATE.contains(&product.abs()) {
+                self.divide(product);
+                product = 1.0;
             }
+        }
+        self.divide(product);
+    }
+
+    fn divide(&mut self, product: f64) {
+        self.log_abs -= product.abs().ln();
+        if product < 0.0 {
+            self.sign = -self.sign;
         }
     }
 }
+
+/// Products of pivots that another pivot does not take out of the range of numbers.
+const MODERATE: std::ops::Range<f64> = 1e-8..1e8;
 
 /// The place, from `first` on, of the entry of largest size among `entries`, the earliest of equals: size and place are compared as one
 /// number, since a processor guesses wrong where branches depend on data.

@@ -232,7 +232,9 @@ impl Condensed {
         let onto = part(&self.onto, i, (e + np) * lanes);
         let from = part(&self.from, i, quads * s);
         let matrix = part_mut(&mut self.inverse, i, s * lanes);
-        matrix.fill([0.0; LANE]);
+        if e == 0 {
+            matrix.fill([0.0; LANE]);
+        }
         for j in 0..m {
             let rows = part_mut(matrix, j, nn * lanes);
             for k in 0..e {
@@ -249,6 +251,9 @@ impl Condensed {
                 for beta in 0..nn {
                     let row = part_mut(rows, beta, lanes);
                     for v in 0..lanes {
+                        if k == 0 {
+                            row[v] = [0.0; LANE];
+                        }
                         add_scaled(&mut row[v], -from[beta][k % QUAD], &reach[v]);
                     }
                 }
