@@ -6,9 +6,9 @@
 //! * S δY_N = σ, S_ij = D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j
 //!   \[N.3 condensed\], σ_i = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
 //!
-//! with s_i = Σ_j D_ij and R the stage residual. The right node and the integrals take from the stages YᵀδY_N, one column of Y for
-//! each of them. That is Xᵀσ with X = S⁻ᵀY, so that δy₁ = G δy₀ + B δp + c follows from X without any stage values. These are computed
-//! once the nodes are known. S is inverted once: whatever follows is a product.
+//! with s_i = Σ_j D_ij and R the stage residual. S is inverted once. The columns of the map from (δy₀, δp) to δY_N, and the answer to a
+//! new residual, are products with the inverse. The right node and the integrals take YᵀδY_N from the stages, of these columns and
+//! answers as they are: where S is nearly singular, stages and nodes are off by the same.
 //!
 //! Everything that a solve runs over is kept by columns padded to whole lanes, so that every product is a sum of scaled
 //! vectors, without reductions.
@@ -50,9 +50,9 @@ pub struct Condensed {
     /// Pivots of all intervals, for determinants; intervals × s.
     reciprocal: Vec<f64>,
     exchange: Vec<u8>,
-    /// Y of one interval; s × lanes of outputs.
-    weights_of_outputs: Lanes,
-    /// X; per interval s × lanes of outputs.
+    /// δY_N by columns of (δy₀, δp); per interval columns × lanes of s.
+    pub(super) map: Lanes,
+    /// Y; per interval s × lanes of outputs.
     pub(super) outputs: Lanes,
     /// σ by columns of δy_E (h F_NE) and of δp; per interval e + scalars × lanes of s.
     pub(super) onto: Lanes,
@@ -101,7 +101,7 @@ impl Condensed {
         self.inverse.resize(intervals * s * lanes);
         self.reciprocal.resize(intervals * s, 0.0);
         self.exchange.resize(intervals * s, 0);
-        self.weights_of_outputs.resize(s * outputs);
+        self.map.resize(intervals * sizes.columns() * lanes);
         self.outputs.resize(intervals * s * outputs);
         self.onto.resize(intervals * (e + np) * lanes);
         self.from.resize(intervals * quads * s, [0.0; QUAD]);
@@ -279,7 +279,7 @@ impl Condensed {
         let Sizes { n, e, m, nn, s, first, quads, ni, outputs, .. } = sizes;
         let from = part(&self.from, i, quads * s);
         let weights = part(&self.weights, i, ni * m * n);
-        let y = &mut self.weights_of_outputs[..s * outputs];
+        let y = part_mut(&mut self.outputs, i, s * outputs);
         y.fill([0.0; LANE]);
         for j in 0..m {
             for beta in 0..nn {
@@ -310,61 +310,59 @@ impl Condensed {
         }
     }
 
-    /// The inverse and X of interval i.
+    /// The inverse of the stage matrix of interval i.
     #[inline(always)]
     fn invert<S: Shape>(&mut self, i: usize) -> Result<(), PivotFailure> {
-        let Sizes { s, lanes, outputs, .. } = self.sizes::<S>();
+        let Sizes { s, lanes, .. } = self.sizes::<S>();
         let inverse = part_mut(&mut self.inverse, i, s * lanes);
         let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));
         // The transpose stands there by rows, and so does its inverse: that of S by columns.
-        dense::invert(inverse, lanes, reciprocal, exchange)?;
-        let (x, y) = (part_mut(&mut self.outputs, i, s * outputs), &self.weights_of_outputs[..s * outputs]);
-        for at in 0..s {
-            let sum = part_mut(x, at, outputs);
-            sum.fill([0.0; LANE]);
-            dense::add_columns(sum, &part(inverse, at, lanes).as_flattened()[..s], y, outputs);
-        }
-        Ok(())
+        dense::invert(inverse, lanes, reciprocal, exchange)
     }
 
-    /// The transition of interval i and its integrals, from X.
+    /// The map of interval i, its transition and its integrals.
     #[inline(always)]
     fn fill_transition<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
         let sizes = self.sizes::<S>();
         let Sizes { n, e, m, nn, s, lanes, first, np, ni, outputs, .. } = sizes;
-        let x = part(&self.outputs, i, s * outputs);
+        let inverse = part(&self.inverse, i, s * lanes);
+        let y = part(&self.outputs, i, s * outputs);
         let onto = part(&self.onto, i, (e + np) * lanes);
         let weights = part(&self.weights, i, ni * m * n);
+        let map = part_mut(&mut self.map, i, sizes.columns() * lanes);
         let transition = part_mut(&mut self.transition, i, sizes.columns() * outputs);
         let rest = 1.0 - gauss.d[..m].iter().sum::<f64>();
         for beta in 0..nn {
+            let column = part_mut(map, first + beta, lanes);
+            column.fill([0.0; LANE]);
+            for stage in 0..m {
+                let share = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
+                let row = part(part(inverse, stage, nn * lanes), beta, lanes);
+                for v in 0..lanes {
+                    add_scaled(&mut column[v], share, &row[v]);
+                }
+            }
             let sum = part_mut(transition, first + beta, outputs);
             sum.fill([0.0; LANE]);
             sum.as_flattened_mut()[first + beta] = rest;
-            for stage in 0..m {
-                let share = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
-                let row = part(part(x, stage, nn * outputs), beta, outputs);
-                for v in 0..outputs {
-                    add_scaled(&mut sum[v], share, &row[v]);
+            dense::add_columns(sum, &column.as_flattened()[..s], y, outputs);
+        }
+        for k in 0..e + np {
+            let c = if k < e { sizes.quadrature(k) } else { n + k - e };
+            let (column, sum) = (part_mut(map, c, lanes), part_mut(transition, c, outputs));
+            column.fill([0.0; LANE]);
+            dense::add_columns(column, &part(onto, k, lanes).as_flattened()[..s], inverse, lanes);
+            if k < e {
+                sum.fill([0.0; LANE]);
+                sum.as_flattened_mut()[c] = 1.0;
+                for integral in 0..ni {
+                    let weights = part(weights, integral, m * n);
+                    for j in 0..m {
+                        sum.as_flattened_mut()[n + integral] += part(weights, j, n)[c];
+                    }
                 }
             }
-        }
-        for k in 0..e {
-            let c = sizes.quadrature(k);
-            let sum = part_mut(transition, c, outputs);
-            sum.fill([0.0; LANE]);
-            sum.as_flattened_mut()[c] = 1.0;
-            for integral in 0..ni {
-                let weights = part(weights, integral, m * n);
-                for j in 0..m {
-                    sum.as_flattened_mut()[n + integral] += part(weights, j, n)[c];
-                }
-            }
-            dense::add_columns(sum, &part(onto, k, lanes).as_flattened()[..s], x, outputs);
-        }
-        for c in 0..np {
-            let sum = part_mut(transition, n + c, outputs);
-            dense::add_columns(sum, &part(onto, e + c, lanes).as_flattened()[..s], x, outputs);
+            dense::add_columns(sum, &column.as_flattened()[..s], y, outputs);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Right-hand sides and stage values of condensed intervals, see [`condense`](super::condense).
 
-use crate::dense::{self, LANE, Lane};
+use crate::dense::{self, LANE};
 use crate::dimensions::MAX_UNKNOWNS;
 use crate::direction::{Direction, Residual};
 use crate::gauss::{Gauss, MAX_STAGES};
@@ -9,9 +9,9 @@ use super::condense::{Condensed, MAX_STAGE_LANES, QUAD, add_onto, integrated, of
 use super::shape::{Shape, Sizes};
 
 impl Condensed {
-    /// What a residual adds to the right nodes of all intervals (into the nodes) and to σ and the values of quadrature components (into
-    /// the stages, where [`complete`](Self::complete) finds them); what it adds to the integrals is taken from `borders`, of which there
-    /// are as many as integrals or none.
+    /// What a residual adds to the right nodes of all intervals (into the nodes), to the stage unknowns, and to the quadrature components
+    /// by itself (into the stages, where [`complete`](Self::complete) finds them); what it adds to the integrals is taken from `borders`,
+    /// of which there are as many as integrals or none.
     #[inline(always)]
     pub fn particular<S: Shape>(&self, gauss: &Gauss, residual: &Residual, out: &mut Direction, borders: &mut [f64]) {
         let sizes = self.sizes::<S>();
@@ -49,18 +49,17 @@ impl Condensed {
                     borders[k] -= of_quadratures(sizes, part(weights, k, m * n), quad, &values);
                 }
             }
+            let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
+            let inverse = part(&self.inverse, i, s * lanes);
+            dense::add_columns(&mut solved[..lanes], &sigma.as_flattened()[..s], inverse, lanes);
+            let solved = solved.as_flattened();
             for stage in 0..m {
-                let (from, to) = (part(sigma.as_flattened(), stage, nn), part_mut(stages, stage, n));
+                let (from, to) = (part(solved, stage, nn), part_mut(stages, stage, n));
                 for beta in 0..nn {
                     to[first + beta] = from[beta];
                 }
             }
-            dense::add_columns(
-                &mut output[..outputs],
-                &sigma.as_flattened()[..s],
-                part(&self.outputs, i, s * outputs),
-                outputs,
-            );
+            dense::add_columns(&mut output[..outputs], &solved[..s], part(&self.outputs, i, s * outputs), outputs);
             let output = output.as_flattened();
             let (node, r) = (part_mut(&mut out.nodes, i, n), part(&residual.nodes, i, n));
             for c in 0..n {
@@ -77,45 +76,23 @@ impl Condensed {
     #[inline(always)]
     pub fn complete<S: Shape>(&self, gauss: &Gauss, out: &mut Direction) {
         let sizes = self.sizes::<S>();
-        let Sizes { n, e, m, s, lanes, np, .. } = sizes;
+        let Sizes { n, m, nn, lanes, first, np, .. } = sizes;
         let mut inputs = [0.0; MAX_UNKNOWNS];
-        inputs[e..e + np].copy_from_slice(&out.scalars[..np]);
+        inputs[n..n + np].copy_from_slice(&out.scalars[..np]);
         for i in 0..self.intervals() {
-            let (node, stages) = (part(&out.nodes, i, n), part_mut(&mut out.stages, i, m * n));
-            for k in 0..e {
-                inputs[k] = node[sizes.quadrature(k)];
-            }
-            let sigma = self.sum_sigma(sizes, gauss, i, (node, &inputs), stages);
+            inputs[..n].copy_from_slice(part(&out.nodes, i, n));
+            let stages = part_mut(&mut out.stages, i, m * n);
             let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
-            let inverse = part(&self.inverse, i, s * lanes);
-            dense::add_columns(&mut solved[..lanes], &sigma.as_flattened()[..s], inverse, lanes);
+            for stage in 0..m {
+                let (from, to) = (part(stages, stage, n), part_mut(solved.as_flattened_mut(), stage, nn));
+                for beta in 0..nn {
+                    to[beta] = from[first + beta];
+                }
+            }
+            let map = part(&self.map, i, sizes.columns() * lanes);
+            dense::add_columns(&mut solved[..lanes], &inputs[..n + np], map, lanes);
             self.put_stages(sizes, gauss, i, (&inputs, solved.as_flattened()), stages);
         }
-    }
-
-    /// σ of interval i: what a residual has left of it in the stages, and what the node and the `inputs`, quadrature components and
-    /// scalars, add.
-    #[inline(always)]
-    fn sum_sigma(
-        &self,
-        sizes: Sizes,
-        gauss: &Gauss,
-        i: usize,
-        (node, inputs): (&[f64], &[f64; MAX_UNKNOWNS]),
-        stages: &[f64],
-    ) -> [Lane; MAX_STAGE_LANES] {
-        let Sizes { n, e, m, nn, lanes, first, np, .. } = sizes;
-        let mut sigma = [[0.0; LANE]; MAX_STAGE_LANES];
-        for stage in 0..m {
-            let share = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
-            let (from, to) = (part(stages, stage, n), part_mut(sigma.as_flattened_mut(), stage, nn));
-            for beta in 0..nn {
-                to[beta] = from[first + beta] + share * node[first + beta];
-            }
-        }
-        let onto = part(&self.onto, i, (e + np) * lanes);
-        dense::add_columns(&mut sigma[..lanes], &inputs[..e + np], onto, lanes);
-        sigma
     }
 
     /// Writes the stage values of interval i, of which the stage unknowns are `solved`.
@@ -128,7 +105,7 @@ impl Condensed {
         (inputs, solved): (&[f64; MAX_UNKNOWNS], &[f64]),
         stages: &mut [f64],
     ) {
-        let Sizes { n, e, m, nn, s, first, quads, np, .. } = sizes;
+        let Sizes { n, m, nn, s, first, quads, np, .. } = sizes;
         let sums = part(&self.sums, i, np * quads * m);
         let from = part(&self.from, i, quads * s);
         for quad in 0..quads {
@@ -146,14 +123,14 @@ impl Condensed {
                 let sums = part(part(sums, c, quads * m), quad, m);
                 for j in 0..m {
                     for t in 0..QUAD {
-                        values[j][t] += inputs[e + c] * sums[j][t];
+                        values[j][t] += inputs[n + c] * sums[j][t];
                     }
                 }
             }
             for j in 0..m {
                 for t in 0..sizes.width(quad * QUAD) {
-                    let k = quad * QUAD + t;
-                    part_mut(stages, j, n)[sizes.quadrature(k)] += inputs[k] + values[j][t];
+                    let component = sizes.quadrature(quad * QUAD + t);
+                    part_mut(stages, j, n)[component] += inputs[component] + values[j][t];
                 }
             }
         }
