@@ -7,8 +7,8 @@
 //!   \[N.3 condensed\], σ_i = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
 //!
 //! with s_i = Σ_j D_ij and R the stage residual. S is inverted once. The columns of the map from (δy₀, δp) to δY_N, and the answer to a
-//! new residual, are products with the inverse. The right node and the integrals take YᵀδY_N from the stages, of these columns and
-//! answers as they are: where S is nearly singular, stages and nodes are off by the same.
+//! new residual, are products with the inverse. What the right node and the integrals take from the stages is YᵀδY_N, one column of Y for
+//! each of them, of these columns and answers as they are: where S is nearly singular, stages and nodes are off by the same.
 //!
 //! Everything that a solve runs over is kept by columns padded to whole lanes, so that every product is a sum of scaled
 //! vectors, without reductions.

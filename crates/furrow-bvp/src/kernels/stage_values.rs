@@ -55,9 +55,7 @@ impl Condensed {
             let solved = solved.as_flattened();
             for stage in 0..m {
                 let (from, to) = (part(solved, stage, nn), part_mut(stages, stage, n));
-                for beta in 0..nn {
-                    to[first + beta] = from[beta];
-                }
+                to[first..first + nn].copy_from_slice(from);
             }
             dense::add_columns(&mut output[..outputs], &solved[..s], part(&self.outputs, i, s * outputs), outputs);
             let output = output.as_flattened();
@@ -85,9 +83,7 @@ impl Condensed {
             let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
             for stage in 0..m {
                 let (from, to) = (part(stages, stage, n), part_mut(solved.as_flattened_mut(), stage, nn));
-                for beta in 0..nn {
-                    to[beta] = from[first + beta];
-                }
+                to.copy_from_slice(&from[first..first + nn]);
             }
             let map = part(&self.map, i, sizes.columns() * lanes);
             dense::add_columns(&mut solved[..lanes], &inputs[..n + np], map, lanes);
@@ -136,9 +132,7 @@ impl Condensed {
         }
         for stage in 0..m {
             let (from, to) = (part(solved, stage, nn), part_mut(stages, stage, n));
-            for beta in 0..nn {
-                to[first + beta] = from[beta];
-            }
+            to[first..first + nn].copy_from_slice(from);
         }
     }
 }

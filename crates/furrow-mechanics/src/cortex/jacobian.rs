@@ -1,6 +1,6 @@
 //! The equations with hand-written derivatives, for the collocation sweep of Newton's method.
 //!
-//! Each line repeats one of [`balances`](super::equations::balances) and differentiates it by what it depends on; `crates/furrow-verification`
+//! Each line repeats one of [`balances`] and differentiates it by what it depends on; `crates/furrow-verification`
 //! holds the two together for every field and profile of a cue.
 
 use std::f64::consts::PI;
@@ -52,7 +52,7 @@ pub struct LinearisedRegulated<D> {
 }
 
 /// What the balances of forces share at one place, in units of arclength; names are those of
-/// [`balances`](super::equations::balances), with `_r`, `_z`, `_m`, `_psi`, `_v` and `_t` for derivatives.
+/// [`balances`], with `_r`, `_z`, `_m`, `_psi`, `_v` and `_t` for derivatives.
 #[inline(always)]
 pub fn linearised<D: Arithmetic>(
     c: &ShellCoefficients<D>,
