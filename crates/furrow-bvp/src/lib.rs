@@ -8,7 +8,7 @@
 //! | `dense`, `dimensions`, `invalid` (private) | small dense blocks; sizes and limits; why input is refused |
 //! | [`gauss`] | coefficients of Gauss collocation |
 //! | [`solution`], [`direction`], [`metric`] | solutions and their changes |
-//! | `kernels` (private) | `stages`, `condense`, `block`, `table`: inner loops in O(N) |
+//! | `kernels` (private) | `stages`, `condense`, `operator`, `block`, `table`: inner loops in O(N) |
 //! | [`problem`], [`mesh`] | the statement of a problem; meshes and defects |
 //! | [`auto`] | problems from equations, closures and vector fields, with automatic differentiation |
 //! | [`linear`] | residuals, factors and solves of the linearised system |
@@ -58,7 +58,7 @@ pub use direction::{Direction, LinearCondition, Residual};
 pub use gauss::Gauss;
 pub use invalid::InvalidInput;
 pub use kernels::{AntisymmetricEnd, Kernels};
-pub use linear::System;
+pub use linear::{SolutionOperator, System};
 pub use metric::Metric;
 pub use newton::{Newton, NewtonError, NewtonReport, Settings, SolveError, Solved, Work, solve};
 pub use problem::{

@@ -2,6 +2,7 @@
 
 mod block;
 mod condense;
+mod operator;
 mod shape;
 mod stage_values;
 mod stages;
@@ -10,5 +11,7 @@ mod table;
 pub use block::AntisymmetricEnd;
 pub(crate) use block::{BlockFactor, EndJacobian};
 pub(crate) use condense::Condensed;
+pub(crate) use operator::{MAX_READINGS, Responses};
 pub(crate) use stages::Interval;
 pub use table::Kernels;
+pub(crate) use table::{forces_onto_nodes, read_responses};

@@ -13,6 +13,7 @@ use crate::gauss::Gauss;
 
 use super::block::BlockFactor;
 use super::condense::Condensed;
+use super::operator::Responses;
 use super::shape::{Any, Known, Shape};
 use super::stages::{self, Interval};
 
@@ -31,6 +32,7 @@ pub struct Kernels {
     pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearCondition]) -> Result<(), PivotFailure>,
     pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
     pub(crate) backward: fn(&mut BlockFactor, &mut [f64], &[f64]),
+    pub(crate) fill_responses: fn(&mut Responses, &Condensed, &Gauss, &[f64], &[f64]),
 }
 
 impl Kernels {
@@ -69,6 +71,7 @@ impl Kernels {
             eliminate: eliminate::<S>,
             forward: forward::<S>,
             backward: backward::<S>,
+            fill_responses: fill_responses::<S>,
         }
     }
 
@@ -142,4 +145,38 @@ fn backward<S: Shape>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn differences<S: Shape>(gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
     stages::differences::<S>(gauss, interval, residual, node)
+}
+
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+fn fill_responses<S: Shape>(
+    responses: &mut Responses,
+    condensed: &Condensed,
+    gauss: &Gauss,
+    force: &[f64],
+    reading: &[f64],
+) {
+    in_shape!(responses.fill_responses(condensed, gauss, force, reading))
+}
+
+// Sizes matter little to those below, which call for no kernel of their own.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+pub(crate) fn forces_onto_nodes(
+    responses: &Responses,
+    condensed: &Condensed,
+    from: &[f64],
+    nodes: &mut [f64],
+    borders: &mut [f64],
+) {
+    responses.onto_nodes(condensed, from, nodes, borders)
+}
+
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+pub(crate) fn read_responses(
+    responses: &Responses,
+    condensed: &Condensed,
+    from: &[f64],
+    unknowns: [&[f64]; 2],
+    to: &mut [f64],
+) {
+    responses.read(condensed, from, unknowns, to)
 }

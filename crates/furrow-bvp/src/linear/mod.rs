@@ -1,5 +1,7 @@
 //! The linearised collocation system.
 
+mod operator;
 mod system;
 
+pub use operator::SolutionOperator;
 pub use system::System;

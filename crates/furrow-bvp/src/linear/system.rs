@@ -48,8 +48,8 @@ pub struct System {
     pub(crate) condensed: Condensed,
     /// Residual of the last evaluation.
     pub residual: Residual,
-    kernels: Kernels,
-    block: BlockFactor,
+    pub(super) kernels: Kernels,
+    pub(super) block: BlockFactor,
     ends: EndJacobian,
     /// Collocation points of the last evaluation, and the integrands there.
     places: Vec<f64>,
@@ -57,12 +57,12 @@ pub struct System {
     /// Derivatives were evaluated at what fits.
     evaluated: bool,
     /// How far the newest factorisation has come.
-    stage: Progress,
+    pub(super) stage: Progress,
 }
 
 /// Steps of a factorisation that are done. What needs more than is done gives no numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-enum Progress {
+pub(super) enum Progress {
     #[default]
     Nothing,
     Condensed,
@@ -312,7 +312,7 @@ impl System {
     }
 
     /// Conditions at the mirror that make the antisymmetric problem square.
-    fn antisymmetric_conditions(&self) -> usize {
+    pub(super) fn antisymmetric_conditions(&self) -> usize {
         let Dimensions { components, left, .. } = self.dimensions();
         components.saturating_sub(left)
     }
@@ -425,7 +425,8 @@ impl System {
 
     /// [`factor_antisymmetric`](Self::factor_antisymmetric) with the right end rows of `end`.
     pub(crate) fn factor_antisymmetric_rows(&self, end: &mut AntisymmetricEnd) -> Result<Determinant, PivotFailure> {
-        let square = end.rows.len() == self.antisymmetric_conditions() * self.dimensions().components;
+        let Dimensions { components: n, left, .. } = self.dimensions();
+        let square = left * n + end.rows.len() == n * n;
         if self.stage < Progress::Eliminated || !square {
             return Err(NO_MATRIX);
         }
@@ -449,8 +450,8 @@ impl System {
 
     /// The end rows of an antisymmetric problem that is square.
     fn set_vanishing(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
-        let n = self.dimensions().components;
-        let square = vanishing.len() == self.antisymmetric_conditions() && vanishing.iter().all(|c| *c < n);
+        let Dimensions { components: n, left, .. } = self.dimensions();
+        let square = left + vanishing.len() == n && vanishing.iter().all(|c| *c < n);
         if self.stage < Progress::Eliminated || !square {
             return Err(NO_MATRIX);
         }

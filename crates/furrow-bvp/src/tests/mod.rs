@@ -13,6 +13,7 @@ mod limits;
 mod linear;
 mod meshes;
 mod newton;
+mod operator;
 mod order;
 mod problems;
 #[path = "../../examples/problems/second_order.rs"]

@@ -19,7 +19,7 @@ use furrow_cell::cue::{Term, Width};
 use furrow_cell::{Cell, Parameter};
 
 /// The first three components, r, z and m, are quadratures, see [`Dimensions::quadratures`]; so is φ, which comes last.
-const QUADRATURES: usize = 3;
+pub(crate) const QUADRATURES: usize = 3;
 
 /// Quadratures with a regulator.
 const ALL_QUADRATURES: usize = QUADRATURES + 1;
@@ -283,6 +283,7 @@ impl BoundaryValueProblem for Cortex {
     fn kernels(&self, stages: usize) -> Kernels {
         match (self.is_regulated(), stages, self.free.len()) {
             (false, 3, 0) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 3, LEFT, SHAPE_SCALARS, 1>(),
+            (false, 3, 1) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 3, LEFT, { SHAPE_SCALARS + 1 }, 1>(),
             (false, 4, 0) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT, SHAPE_SCALARS, 1>(),
             (false, 4, 1) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT, { SHAPE_SCALARS + 1 }, 1>(),
             (false, 4, 2) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT, { SHAPE_SCALARS + 2 }, 1>(),

@@ -11,10 +11,10 @@ use super::branch::{
 use super::error::PointKind;
 use super::locate::{fold_near, not_located};
 use super::point::ShapePoint;
+use super::rates::{self, with_rates};
 use crate::cortex::equations::{R, REGULATED, Z};
 use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain, observables};
-use crate::stability::following::FollowedRates;
 use furrow_cell::{Cell, Parameter};
 
 /// Switches onto the asymmetric branch at a pitchfork of a cell, towards u_f < ½ (its mirror image is the other half of
@@ -132,25 +132,28 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     let mut branch = switch(pitchfork, cell, &options.settings);
     let mut run = Run { points: vec![pitchfork.point], opening: true, ..Run::default() };
     let gauss = branch.system.gauss.clone();
-    let mut rates = options.growth_rates.then(|| FollowedRates::new(gauss.m));
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);
-    let ended = branch.follow(options.xi, options.points, |branch, advance| {
-        if run.rejoined(&gauss, &branch.state.solution) {
-            run.stop = Some(BranchEnd::Rejoined);
-            return false;
-        }
-        match advance.passed_fold.then(|| fold_near(branch)) {
-            Some(Ok(fold)) => run.events.push(BranchEvent::Fold(Box::new(fold))),
-            Some(Err(source)) => run.stop = Some(not_located(branch, PointKind::Fold, source)),
-            None => {}
-        }
-        let point = ShapePoint::newest(branch, run.events.len(), &mut rates);
-        contours.extend(options.contours.then(|| newest_contour(branch)));
-        azimuthal.take_in(branch);
-        run.take_in(branch, point, pitchfork.point.xi_s)
+    let (ended, rates) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
+        branch.follow(options.xi, options.points, |branch, advance| {
+            if run.rejoined(&gauss, &branch.state.solution) {
+                run.stop = Some(BranchEnd::Rejoined);
+                return false;
+            }
+            match advance.passed_fold.then(|| fold_near(branch)) {
+                Some(Ok(fold)) => run.events.push(BranchEvent::Fold(Box::new(fold))),
+                Some(Err(source)) => run.stop = Some(not_located(branch, PointKind::Fold, source)),
+                None => {}
+            }
+            rate(&branch.state.solution, run.events.len());
+            let point = ShapePoint::newest(branch, run.events.len());
+            contours.extend(options.contours.then(|| newest_contour(branch)));
+            azimuthal.take_in(branch);
+            run.take_in(branch, point, pitchfork.point.xi_s)
+        })
     });
+    rates::put(&rates, &mut run.points);
     let Run { points, events, samples, stop, .. } = run;
     let branch = Branch::complete(&branch, (points, contours, azimuthal), events, ended, stop);
     AsymmetricBranch { branch, scaling: scaling(&samples) }

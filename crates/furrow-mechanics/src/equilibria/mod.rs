@@ -5,6 +5,7 @@
 //! | [`mod@passive`] | the shape of a cell without activity, in its shell |
 //! | [`branch`] | points, events and ends of branches |
 //! | [`point`] | what is said of one point |
+//! | `rates` | growth rates along a branch, computed beside it |
 //! | [`primary`] | the branch that grows out of the passive shape, with or without a cue |
 //! | [`locate`] | folds and pitchforks between two points of a branch |
 //! | [`pitchfork`] | the first pitchfork |
@@ -31,6 +32,7 @@ pub mod passive;
 pub mod pitchfork;
 pub mod point;
 pub mod primary;
+mod rates;
 pub mod stationary;
 
 pub use at_rest::{RestShapes, rest_shapes};

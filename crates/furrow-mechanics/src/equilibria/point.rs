@@ -5,7 +5,6 @@ use furrow_bvp::{Continuation, Gauss, Solution};
 use crate::cortex::equations::{LENGTH, PRESSURE, R};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables};
-use crate::stability::following::FollowedRates;
 
 /// Index of the activity ξ_s among the scalar unknowns of every branch.
 pub const XI: usize = SHAPE_SCALARS;
@@ -48,15 +47,9 @@ impl ShapePoint {
         }
     }
 
-    /// The newest point of a branch, after so many folds and pitchforks; with its growth rate if there is a workspace for
-    /// it.
-    pub(super) fn newest(
-        of: &mut Continuation<Cortex>,
-        passed: usize,
-        rates: &mut Option<FollowedRates>,
-    ) -> ShapePoint {
-        let growth_rate = rates.as_mut().and_then(|rates| rates.at_newest(of, passed));
+    /// The newest point of a branch, after so many folds and pitchforks.
+    pub(super) fn newest(of: &Continuation<Cortex>, passed: usize) -> ShapePoint {
         let (y, cortex) = (&of.state.solution, &of.problem);
-        ShapePoint { arclength: of.state.arclength, passed, growth_rate, ..ShapePoint::of(y, cortex, &of.system.gauss) }
+        ShapePoint { arclength: of.state.arclength, passed, ..ShapePoint::of(y, cortex, &of.system.gauss) }
     }
 }

@@ -14,12 +14,12 @@ use super::error::{CellName, PointKind, Result, ShapeError, resolved};
 use super::locate::{fold_near, not_located, pitchfork_near};
 use super::passive::passive;
 use super::point::ShapePoint;
+use super::rates::{self, with_rates};
 use crate::cortex::equations::R;
 use crate::cortex::observables::{self, PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
-use crate::stability::following::FollowedRates;
 use furrow_cell::{Cell, Numerics};
 
 /// Smallest part of a cue by which it is switched on.
@@ -169,28 +169,33 @@ pub fn follow_within(
     let mut branch = start(cell, &numerics, &options.settings)?;
     let (breaking, pitchforks) = (SymmetryBreaking::default(), options.pitchforks);
     let mut detector = EventDetector { breaking, refinement, pitchforks, sign: None, stop: None };
-    let mut rates = options.growth_rates.then(|| FollowedRates::new(branch.state.solution.m));
-    let (mut points, mut events) = (vec![ShapePoint::newest(&mut branch, 0, &mut rates)], Vec::new());
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);
-    let ended = branch.follow(options.xi, options.points, |branch, advance| {
-        azimuthal.take_in(branch);
-        contours.extend(options.contours.then(|| newest_contour(branch)));
-        let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
-        if advance.passed_fold {
-            new.extend(detector.fold(branch));
-        }
-        new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
-        points.push(ShapePoint::newest(branch, events.len() + new.len(), &mut rates));
-        let enough = new.iter().any(|event| !wanted(event));
-        events.extend(new);
-        if detector.stop.is_none() {
-            detector.stop = pinched(branch);
-        }
-        budget.spend(1 + advance.rejected) && detector.stop.is_none() && !enough
+    let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0)], Vec::new());
+    let (ended, rates) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
+        rate(&branch.state.solution, 0);
+        branch.follow(options.xi, options.points, |branch, advance| {
+            azimuthal.take_in(branch);
+            contours.extend(options.contours.then(|| newest_contour(branch)));
+            let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
+            if advance.passed_fold {
+                new.extend(detector.fold(branch));
+            }
+            new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
+            let passed = events.len() + new.len();
+            rate(&branch.state.solution, passed);
+            points.push(ShapePoint::newest(branch, passed));
+            let enough = new.iter().any(|event| !wanted(event));
+            events.extend(new);
+            if detector.stop.is_none() {
+                detector.stop = pinched(branch);
+            }
+            budget.spend(1 + advance.rejected) && detector.stop.is_none() && !enough
+        })
     });
     budget.check(cell)?;
+    rates::put(&rates, &mut points);
     Ok(Branch::complete(&branch, (points, contours, azimuthal), events, ended, detector.stop))
 }
 

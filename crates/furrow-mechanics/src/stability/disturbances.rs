@@ -1,11 +1,14 @@
-//! Disturbances as what describes them: their normal displacement w at the collocation points, and δφ − j δw of a regulator.
+//! Disturbances as what describes them at every collocation point: their normal displacement w, and behind it δφ − j δw of a regulator.
 
-use furrow_bvp::{CollocationPoint, Direction, Gauss, Residual, Solution};
+use furrow_bvp::{CollocationPoint, Direction, Gauss, Residual, Solution, SolutionOperator, System};
 
 use crate::cortex::Cortex;
-use crate::cortex::equations::{J, LENGTH, PHI, PSI, R, REGULATED, Z};
+use crate::cortex::equations::{COMPONENTS, J, LENGTH, PHI, PSI, R, REGULATED, Z};
 use crate::cortex::lanes::sin_cos;
-use crate::cortex::problem::MotionResponse;
+use crate::cortex::problem::{MotionResponse, QUADRATURES};
+
+/// Components that are not quadratures, with a regulator.
+const MOST_FORCED: usize = REGULATED - QUADRATURES - 1;
 
 /// How the equations about one shape depend on a disturbance that the past had, and what describes one now.
 #[derive(Clone, Debug, Default)]
@@ -14,8 +17,13 @@ pub(super) struct Disturbances {
     response: Vec<MotionResponse>,
     /// (sinψ, cosψ), and j of a regulator.
     normal: Vec<[f64; 3]>,
-    /// Quadrature weights of the inner product ∫ w² du; behind them those of the regulator, ∫ (R0 φ)² du.
+    /// Quadrature weights of the inner product ∫ w² du, and of ∫ (R0 φ)² du.
     pub(super) weights: Vec<f64>,
+    /// Numbers per collocation point: 2 with a regulator.
+    pub(super) per_point: usize,
+    /// The response and what is read as matrices, see [`SolutionOperator::assemble`].
+    force: Vec<f64>,
+    reading: Vec<f64>,
 }
 
 impl Disturbances {
@@ -24,6 +32,8 @@ impl Disturbances {
         self.response.clear();
         self.normal.clear();
         self.weights.clear();
+        self.per_point = if y.components == REGULATED { 2 } else { 1 };
+        let scales = [1.0, cortex.cell.r0 * cortex.cell.r0];
         for i in 0..y.intervals() {
             let h = y.mesh[i + 1] - y.mesh[i];
             for j in 0..y.m {
@@ -33,35 +43,48 @@ impl Disturbances {
                 self.response.push(response.scaled(h * rate));
                 let (sin, cos) = sin_cos(state[PSI]);
                 self.normal.push([sin, cos, state.get(J).copied().unwrap_or(0.0)]);
-                self.weights.push(h * gauss.b[j]);
+                self.weights.extend(scales[..self.per_point].iter().map(|scale| h * gauss.b[j] * scale));
             }
         }
-        if y.components == REGULATED {
-            let scale = cortex.cell.r0 * cortex.cell.r0;
-            self.weights.extend_from_within(..);
-            self.weights[self.normal.len()..].iter_mut().for_each(|weight| *weight *= scale);
+    }
+
+    /// The map from a disturbance that the past had to the present one, of a system that is condensed.
+    pub(super) fn assemble(&mut self, system: &System, operator: &mut SolutionOperator) {
+        self.force.clear();
+        self.reading.clear();
+        let (components, forced) =
+            if self.per_point == 2 { (REGULATED, MOST_FORCED) } else { (COMPONENTS, COMPONENTS - QUADRATURES) };
+        for (response, [sin, cos, gradient]) in self.response.iter().zip(&self.normal) {
+            let mut columns = [[0.0; REGULATED]; 2];
+            response.put(1.0, 0.0, &mut columns[0][..components]);
+            response.put(0.0, 1.0, &mut columns[1][..components]);
+            for row in QUADRATURES..QUADRATURES + forced {
+                self.force.extend(columns[..self.per_point].iter().map(|column| column[row]));
+            }
+            let mut rows = [[0.0; REGULATED]; 2];
+            (rows[0][R], rows[0][Z]) = (*sin, *cos);
+            (rows[1][PHI], rows[1][R], rows[1][Z]) = (1.0, -gradient * cos, gradient * sin);
+            rows[..self.per_point].iter().for_each(|row| self.reading.extend(&row[..components]));
         }
+        operator.assemble(system, [self.per_point; 2], &self.force, &self.reading);
     }
 
     /// s M w, as a residual that was zero or of another w.
     pub(super) fn load(&self, from: &[f64], residual: &mut Residual) {
-        let points = self.normal.len();
-        let components = residual.stages.len() / points;
-        let (displaced, changed) = from.split_at(points);
-        for (i, (row, response)) in residual.stages.chunks_exact_mut(components).zip(&self.response).enumerate() {
+        let components = residual.stages.len() / self.response.len();
+        let (rows, from) = (residual.stages.chunks_exact_mut(components), from.chunks_exact(self.per_point));
+        for ((row, from), response) in rows.zip(from).zip(&self.response) {
             // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
-            response.put(displaced[i], changed.get(i).copied().unwrap_or(0.0), row);
+            response.put(from[0], from.get(1).copied().unwrap_or(0.0), row);
         }
     }
 
     /// What describes a change of the whole state.
     pub(super) fn read(&self, change: &Direction, to: &mut [f64]) {
-        let points = self.normal.len();
-        let (displaced, changed) = to.split_at_mut(points);
-        let states = change.stages.chunks_exact(change.stages.len() / points);
-        for (i, (y, [sin, cos, gradient])) in states.zip(&self.normal).enumerate() {
-            displaced[i] = sin * y[R] + cos * y[Z];
-            if let Some(changed) = changed.get_mut(i) {
+        let states = change.stages.chunks_exact(change.stages.len() / self.normal.len());
+        for ((y, to), [sin, cos, gradient]) in states.zip(to.chunks_exact_mut(self.per_point)).zip(&self.normal) {
+            to[0] = sin * y[R] + cos * y[Z];
+            if let Some(changed) = to.get_mut(1) {
                 *changed = y[PHI] - gradient * (cos * y[R] - sin * y[Z]);
             }
         }

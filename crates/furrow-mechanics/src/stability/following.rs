@@ -1,12 +1,11 @@
-//! The largest growth rate at every point of a branch, with the factors that continuation has left there.
+//! The largest growth rate at every point of a branch, each from the one before.
 //!
-//! For s → 0 the implicit step P_s of N.12, divided by s, becomes w ↦ K w = (−J)⁻¹ M w with the eigenvalues κ = −1/σ. Its factors are those
-//! of the branch itself, at fixed ξ_s, and modes near zero are the first that an Arnoldi iteration finds. But modes that grow fast are
-//! among the last. How many grow is known: their number changes only at folds and pitchforks, which the branch locates, and behind each of
-//! them the spectrum is computed anew. The iteration ends when it has found as many. If it finds another number, as where a pair of complex
-//! rates begins to grow, the spectrum is computed anew too.
+//! For s → 0 the implicit step P_s of N.12, divided by s, becomes w ↦ K w = (−J)⁻¹ M w with the eigenvalues κ = −1/σ. Modes near zero are
+//! the first that an Arnoldi iteration finds. But modes that grow fast are among the last. How many grow is known: their number changes
+//! only at folds and pitchforks, which the branch locates, and behind each of them the spectrum is computed anew. The iteration ends when
+//! it has found as many. If it finds another number, as where a pair of complex rates begins to grow, the spectrum is computed anew too.
 
-use furrow_bvp::{AntisymmetricEnd, Continuation, Direction, Residual};
+use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Solution, SolutionOperator, System};
 use furrow_spectra::{Krylov, RitzValue};
 
 use super::disturbances::Disturbances;
@@ -25,51 +24,53 @@ const KEPT: usize = 3;
 /// Growth rates along one branch.
 #[derive(Clone, Debug)]
 pub(crate) struct FollowedRates {
+    cortex: Cortex,
+    /// The same without free parameters.
+    fixed: Cortex,
     stability: Stability,
     /// Folds and pitchforks before the point at which modes were counted, and how many then grew: even or of a full contour, odd.
     counted: Option<(usize, [usize; 2])>,
+    system: System,
     krylov: [Krylov; 2],
     disturbances: Disturbances,
     antisymmetric: AntisymmetricEnd,
-    right_hand_side: Residual,
-    update: Direction,
-    /// The tangent of the branch.
-    null: Direction,
+    operator: SolutionOperator,
 }
 
 impl FollowedRates {
-    /// For solutions with m stages per interval.
-    pub(crate) fn new(stages: usize) -> FollowedRates {
+    /// Of shapes of a cell, whose free parameters they bring with them, with m stages per interval.
+    pub(crate) fn new(cortex: &Cortex, stages: usize) -> FollowedRates {
+        let fixed = Cortex::new(&cortex.cell, cortex.domain, &[]);
         FollowedRates {
+            system: System::new(fixed.dimensions(), stages),
+            cortex: cortex.clone(),
+            fixed,
             stability: Stability::new(stages),
             counted: None,
             krylov: Default::default(),
             disturbances: Disturbances::default(),
             antisymmetric: AntisymmetricEnd::default(),
-            right_hand_side: Residual::default(),
-            update: Direction::default(),
-            null: Direction::default(),
+            operator: SolutionOperator::default(),
         }
     }
 
-    /// The largest growth rate at the newest point of a branch, after so many folds and pitchforks; none if it cannot be computed.
-    pub(crate) fn at_newest(&mut self, branch: &mut Continuation<Cortex>, passed: usize) -> Option<f64> {
+    /// The largest growth rate at the next point of a branch, after so many folds and pitchforks; none if it cannot be computed.
+    pub(crate) fn at(&mut self, y: &Solution, passed: usize) -> Option<f64> {
         match self.counted.filter(|(then, _)| *then == passed) {
-            Some((_, growing)) => self.near_zero(branch, growing),
+            Some((_, growing)) => self.near_zero(y, growing),
             None => None,
         }
-        .or_else(|| self.anew(branch, passed))
+        .or_else(|| self.anew(y, passed))
     }
 
     /// From the whole spectrum, whose growing modes are counted.
-    fn anew(&mut self, branch: &Continuation<Cortex>, passed: usize) -> Option<f64> {
-        let (cortex, y) = (&branch.problem, &branch.state.solution);
+    fn anew(&mut self, y: &Solution, passed: usize) -> Option<f64> {
         self.counted = None;
-        if cortex.is_regulated() {
+        if self.cortex.is_regulated() {
             // Its fast modes may grow at complex rates.
-            return self.stability.growth_rate(cortex, y).ok();
+            return self.stability.growth_rate(&self.cortex, y).ok();
         }
-        let spectrum = self.stability.leading(cortex, y).ok()?;
+        let spectrum = self.stability.leading(&self.cortex, y).ok()?;
         let growing =
             |odd: bool| spectrum.values.iter().filter(|v| v.re > 0.0 && odd == (v.parity == Parity::Odd)).count();
         let growing = [growing(false), growing(true)];
@@ -79,36 +80,32 @@ impl FollowedRates {
     }
 
     /// From the modes nearest to zero, if as many grow as have before.
-    fn near_zero(&mut self, branch: &mut Continuation<Cortex>, growing: [usize; 2]) -> Option<f64> {
-        branch.factorise_newest().ok()?;
-        let scale = shift_scale(&branch.problem);
-        let Continuation { system, problem, state, .. } = branch;
-        let y = &state.solution;
-        system.null_direction(0, &mut self.null);
-        self.disturbances.set(problem, y, &system.gauss, 1.0);
-        let parities: &[Parity] = match problem.domain {
+    fn near_zero(&mut self, y: &Solution, growing: [usize; 2]) -> Option<f64> {
+        let FollowedRates { fixed, stability, system, krylov, disturbances, antisymmetric, operator, .. } = self;
+        let mut y = y.clone();
+        for (parameter, value) in self.cortex.free.iter().zip(y.scalars.drain(SHAPE_SCALARS..)) {
+            parameter.set(&mut fixed.cell, value);
+        }
+        fixed.refresh();
+        system.evaluate(fixed, &y, &[], true);
+        system.condense().ok()?;
+        system.factor_blocks(&[]).ok()?;
+        let scale = shift_scale(fixed);
+        disturbances.set(fixed, &y, &system.gauss, 1.0);
+        disturbances.assemble(system, operator);
+        let parities: &[Parity] = match fixed.domain {
             Domain::Full => &[Parity::Mixed],
             Domain::Half => &[Parity::Even, Parity::Odd],
         };
-        let FollowedRates { stability, krylov, disturbances, antisymmetric, right_hand_side, update, null, .. } = self;
-        let mut largest = f64::NEG_INFINITY;
+        let (mut largest, mut scalars) = (f64::NEG_INFINITY, [0.0; SHAPE_SCALARS]);
         for (krylov, (&parity, growing)) in krylov.iter_mut().zip(parities.iter().zip(growing)) {
-            system.zero_residual_into(right_hand_side);
-            if parity == Parity::Odd {
-                system.factor_antisymmetric(even(y.components), antisymmetric).ok().filter(|det| det.sign != 0.0)?;
-                right_hand_side.right.truncate(even(y.components).len());
-            }
-            let step = |from: &[f64], to: &mut [f64]| {
-                disturbances.load(from, right_hand_side);
-                if parity == Parity::Odd {
-                    system.solve_antisymmetric(antisymmetric, right_hand_side, update);
-                } else {
-                    system.solve(right_hand_side, update);
-                    // Along the branch, back to the same ξ_s.
-                    update.add(-update.scalars[SHAPE_SCALARS] / null.scalars[SHAPE_SCALARS], null);
-                }
-                disturbances.read(update, to);
+            let end = if parity == Parity::Odd {
+                system.eliminate_antisymmetric(even(y.components), antisymmetric).ok()?;
+                Some(&*antisymmetric)
+            } else {
+                None
             };
+            let step = |from: &[f64], to: &mut [f64]| operator.apply(system, end, from, to, &mut scalars);
             let tolerance = stability.arnoldi.tolerance;
             let found = krylov.run(&disturbances.weights, MOST_DIMENSIONS, step, |values, _| {
                 let modes = Modes::of(values, scale, tolerance);
@@ -183,10 +180,10 @@ mod tests {
             let settings = BranchOptions::default().settings;
             let mut branch = primary::start(&cell, &Numerics::default(), &settings).unwrap();
             let stages = branch.state.solution.m;
-            let (mut rates, mut alone) = (FollowedRates::new(stages), Stability::new(stages));
+            let (mut rates, mut alone) = (FollowedRates::new(&branch.problem, stages), Stability::new(stages));
             let (mut followed, mut least, mut most) = (0, f64::INFINITY, f64::NEG_INFINITY);
             let ended = branch.follow([0.0, 40.0], points, |branch, _| {
-                let rate = rates.at_newest(branch, 0).unwrap();
+                let rate = rates.at(&branch.state.solution, 0).unwrap();
                 let expected = alone.growth_rate(&branch.problem, &branch.state.solution).unwrap();
                 let xi_s = branch.state.parameter();
                 assert!((rate - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{xi_s}: {rate} {expected}");

@@ -26,7 +26,9 @@ pub(crate) mod following;
 mod shifts;
 pub(crate) mod spectrum;
 
-use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, System};
+use furrow_bvp::{
+    AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, SolutionOperator, System,
+};
 use furrow_cell::Cell;
 use furrow_spectra::{Arnoldi, Krylov};
 
@@ -68,6 +70,7 @@ pub struct Stability {
     right_hand_side: Residual,
     update: Direction,
     disturbances: Disturbances,
+    operator: SolutionOperator,
     krylov: Krylov,
 }
 
@@ -81,6 +84,7 @@ impl Stability {
             right_hand_side: Residual::default(),
             update: Direction::default(),
             disturbances: Disturbances::default(),
+            operator: SolutionOperator::default(),
             krylov: Krylov::default(),
         }
     }
@@ -122,7 +126,9 @@ impl Stability {
         let mut mode: Vec<f64> = (0..self.disturbances.weights.len()).map(|k| 1.0 + k as f64).collect();
         let mut next = mode.clone();
         for _ in 0..DIRECTION_STEPS {
-            self.apply(Parity::Mixed, &mode, &mut next);
+            self.disturbances.load(&mode, &mut self.right_hand_side);
+            self.system.solve(&self.right_hand_side, &mut self.update);
+            self.disturbances.read(&self.update, &mut next);
             let largest = next.iter().fold(0.0f64, |most, w| most.max(w.abs()));
             if !(largest.is_finite() && largest > 0.0) {
                 return Err(StabilityError::Factorisation { shift, column: 0 });
@@ -130,7 +136,8 @@ impl Stability {
             mode.iter_mut().zip(&next).for_each(|(mode, next)| *mode = next / largest);
         }
         let mut out = self.update.clone();
-        let size: f64 = (out.stages.chunks_exact(y.components).zip(&self.disturbances.weights))
+        let weights = self.disturbances.weights.iter().step_by(self.disturbances.per_point);
+        let size: f64 = (out.stages.chunks_exact(y.components).zip(weights))
             .map(|(s, weight)| weight * (s[R] * s[R] + s[Z] * s[Z]))
             .sum();
         let scale = 1.0 / size.sqrt();
@@ -143,30 +150,29 @@ impl Stability {
     fn at_shift(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64, wanted: usize) -> Result<Spectrum> {
         let failed = StabilityError::at(shift);
         self.linearise(cortex, y, shift).map_err(&failed)?;
+        self.disturbances.assemble(&self.system, &mut self.operator);
         let mut out = Spectrum::default();
         let parities: &[Parity] = match cortex.domain {
             Domain::Full => &[Parity::Mixed],
             Domain::Half => &[Parity::Even, Parity::Odd],
         };
         for &parity in parities {
-            self.right_hand_side = self.system.zero_residual();
-            if parity == Parity::Odd {
+            let end = if parity == Parity::Odd {
                 // From the factors of the even problem, which comes first.
                 let det =
                     self.system.factor_antisymmetric(even(y.components), &mut self.antisymmetric).map_err(&failed)?;
                 if det.sign == 0.0 {
                     return Err(StabilityError::Factorisation { shift, column: 0 });
                 }
-                self.right_hand_side.right.truncate(even(y.components).len());
+                Some(&self.antisymmetric)
             } else {
                 self.system.factor_blocks(&[]).map_err(&failed)?;
-            }
-            let (mut krylov, weights) = (std::mem::take(&mut self.krylov), self.disturbances.weights.clone());
-            let arnoldi = self.arnoldi;
-            let step = |from: &[f64], to: &mut [f64]| self.apply(parity, from, to);
-            let found = rightmost(&arnoldi, &mut krylov, &weights, step, (parity, shift, wanted));
-            self.krylov = krylov;
-            out.values.extend(found?);
+                None
+            };
+            let Stability { arnoldi, system, disturbances, operator, krylov, .. } = self;
+            let mut scalars = [0.0; SHAPE_SCALARS];
+            let step = |from: &[f64], to: &mut [f64]| operator.apply(system, end, from, to, &mut scalars);
+            out.values.extend(rightmost(arnoldi, krylov, &disturbances.weights, step, (parity, shift, wanted))?);
         }
         sort(&mut out.values);
         Ok(out)
@@ -186,17 +192,6 @@ impl Stability {
         self.system.condense()?;
         self.disturbances.set(cortex, y, &self.system.gauss, shift);
         Ok(())
-    }
-
-    /// w ↦ P_s w.
-    fn apply(&mut self, parity: Parity, from: &[f64], to: &mut [f64]) {
-        let Stability { system, antisymmetric, right_hand_side, update, disturbances, .. } = self;
-        disturbances.load(from, right_hand_side);
-        match parity {
-            Parity::Odd => system.solve_antisymmetric(antisymmetric, right_hand_side, update),
-            _ => system.solve(right_hand_side, update),
-        }
-        disturbances.read(update, to);
     }
 }
 

@@ -1,0 +1,79 @@
+//! Growth rates of the points of a branch, computed beside it: the branch does not wait for them.
+
+use std::collections::VecDeque;
+use std::sync::Mutex;
+
+use furrow_bvp::{Continuation, Solution};
+
+use super::point::ShapePoint;
+use crate::cortex::Cortex;
+use crate::stability::following::FollowedRates;
+
+/// Takes in the next point of a branch, after so many folds and pitchforks.
+pub(super) type TakeIn<'a> = dyn FnMut(&Solution, usize) + 'a;
+
+/// Points that wait for their growth rates. Each rate starts from the one before, so that one thread at a time computes them, in order.
+struct Queue {
+    waiting: Mutex<Waiting>,
+    rates: Mutex<(FollowedRates, Vec<Option<f64>>)>,
+}
+
+#[derive(Default)]
+struct Waiting {
+    points: VecDeque<(Solution, usize)>,
+    /// Whether a thread is at work, which takes what is added.
+    at_work: bool,
+}
+
+impl Queue {
+    /// Adds a point; whether a thread must be found to work.
+    fn add(&self, y: &Solution, passed: usize) -> bool {
+        let mut waiting = self.waiting.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        waiting.points.push_back((y.clone(), passed));
+        !std::mem::replace(&mut waiting.at_work, true)
+    }
+
+    /// The next point, if there is one now.
+    fn next(&self) -> Option<(Solution, usize)> {
+        let mut waiting = self.waiting.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let next = waiting.points.pop_front();
+        waiting.at_work = next.is_some();
+        next
+    }
+
+    /// Computes rates until no point waits. No thread is kept waiting for points that are yet to come.
+    fn work(&self) {
+        let mut rates = self.rates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let (rates, found) = &mut *rates;
+        while let Some((y, passed)) = self.next() {
+            found.push(rates.at(&y, passed));
+        }
+    }
+}
+
+/// Lets `follow` follow a branch and show its points, of which the largest growth rates are given back if they are `wanted`.
+pub(super) fn with_rates<T>(
+    branch: &mut Continuation<Cortex>,
+    wanted: bool,
+    follow: impl FnOnce(&mut Continuation<Cortex>, &mut TakeIn<'_>) -> T,
+) -> (T, Vec<Option<f64>>) {
+    if !wanted {
+        return (follow(branch, &mut |_, _| {}), Vec::new());
+    }
+    let rates = FollowedRates::new(&branch.problem, branch.state.solution.m);
+    let queue = &Queue { waiting: Mutex::default(), rates: Mutex::new((rates, Vec::new())) };
+    let out = rayon::in_place_scope(|scope| {
+        follow(branch, &mut |y, passed| {
+            if queue.add(y, passed) {
+                scope.spawn(|_| queue.work());
+            }
+        })
+    });
+    let mut rates = queue.rates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    (out, std::mem::take(&mut rates.1))
+}
+
+/// Gives the last points their growth rates.
+pub(super) fn put(rates: &[Option<f64>], points: &mut [ShapePoint]) {
+    points.iter_mut().rev().zip(rates.iter().rev()).for_each(|(point, rate)| point.growth_rate = *rate);
+}
