@@ -45,7 +45,9 @@ fn branch_settings(max_step: f64, [intervals, stages]: Mesh) -> (Numerics, Branc
     let mut options = BranchOptions::default();
     options.settings.newton.tolerance = 1e-8;
     options.settings.max_step = max_step;
-    options.settings.remesh_above = 1.3;
+    options.settings.remesh_above = 1.2;
+    // As AUTO does.
+    options.settings.remesh_every = 3;
     (numerics, options)
 }
 
@@ -67,7 +69,7 @@ fn branch(max_step: f64, mesh: Mesh) -> Continuation<Cortex> {
 
 fn main() {
     let short = 0.187;
-    for (max_step, mesh) in [(3.0, SAME), (short, SAME), (short, AS_CLOSE)] {
+    for (max_step, mesh) in [(3.0, SAME), (3.0, AS_CLOSE), (short, SAME), (short, AS_CLOSE)] {
         let (ms, branch) = best(7, || branch(max_step, mesh));
         let (points, Work { iterations, factorisations, .. }) = (branch.state.points, branch.work);
         println!(

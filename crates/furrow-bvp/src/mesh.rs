@@ -1,5 +1,6 @@
 //! Meshes: equidistribution of a monitor, defect of a solution.
 
+use crate::dense::weighted_maximum;
 use crate::gauss::{Gauss, MAX_STAGES};
 use crate::invalid::{self, InvalidInput};
 use crate::problem::{BoundaryValueProblem, CollocationPoints};
@@ -113,11 +114,11 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
     let (mut f, mut g) = (vec![0.0; points * n], vec![0.0; points * dims.integrals]);
     problem.rhs_many(CollocationPoints { first: 0, x: &x, y: &values }, &y.scalars, &mut f, &mut g);
     let largest = |i: usize| {
-        let h = y.mesh[i + 1] - y.mesh[i];
-        (i * m * n..(i + 1) * m * n).fold(0.0f64, |largest, c| {
-            let part = (slopes[c] - h * f[c]).abs() / (1.0 + values[c].abs());
-            if part.is_nan() { f64::INFINITY } else { largest.max(part) }
-        })
+        let (h, range) = (y.mesh[i + 1] - y.mesh[i], i * m * n..(i + 1) * m * n);
+        let (slopes, f) = (&mut slopes[range.clone()], &f[range.clone()]);
+        slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope -= h * f);
+        let largest = weighted_maximum(slopes, &values[range]);
+        if largest.is_nan() { f64::INFINITY } else { largest }
     };
     (0..y.intervals()).map(largest).collect()
 }

@@ -403,6 +403,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Moves the mesh if it no longer fits.
     fn remesh(&mut self) {
+        if !self.state.points.is_multiple_of(self.settings.remesh_every) {
+            return;
+        }
         let y = &self.state.solution;
         match self.monitor {
             Some(monitor) => monitor(&self.problem, y, &mut self.weight),

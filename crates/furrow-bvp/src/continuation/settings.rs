@@ -22,6 +22,8 @@ pub struct ContinuationSettings {
     pub min_cosine: f64,
     /// Move the mesh when the largest interval carries this many times its share of the monitor.
     pub remesh_above: f64,
+    /// Points from one look at the mesh to the next.
+    pub remesh_every: usize,
     /// Bound on the largest defect of every point, see [`mesh::defect`](crate::mesh::defect): the mesh is refined where it is exceeded, and coarsened
     /// where fewer intervals do. Newton's tolerance is tightened where this one asks for it. None leaves the number of
     /// intervals as it is.
@@ -39,6 +41,7 @@ impl Default for ContinuationSettings {
             max_step: 1.0,
             min_cosine: 0.9,
             remesh_above: 1.8,
+            remesh_every: 1,
             tolerance: None,
             max_intervals: 2000,
         }
@@ -51,13 +54,14 @@ impl ContinuationSettings {
     /// # Errors
     /// [`InvalidInput::Setting`].
     pub fn check(&self) -> Result<(), InvalidInput> {
-        let ContinuationSettings { first_step, min_step, max_step, min_cosine, remesh_above, .. } = *self;
+        let ContinuationSettings { first_step, min_step, max_step, min_cosine, remesh_above, remesh_every, .. } = *self;
         self.newton.check()?;
         invalid::positive("first_step", first_step)?;
         invalid::positive("min_step", min_step)?;
         invalid::setting("max_step", max_step, max_step > 0.0, "a number above 0")?;
         invalid::setting("min_cosine", min_cosine, (-1.0..1.0).contains(&min_cosine), "a number from −1, below 1")?;
         invalid::setting("remesh_above", remesh_above, remesh_above >= 1.0, "a number from 1")?;
+        invalid::setting("remesh_every", remesh_every as f64, remesh_every > 0, "a whole number from 1")?;
         self.tolerance.map_or(Ok(()), |tolerance| invalid::positive("the tolerance", tolerance))
     }
 }

@@ -237,6 +237,7 @@ fn continuation(from: &mut Bytes) -> ContinuationSettings {
         max_step: from.setting(1.0),
         min_cosine: from.setting(0.5),
         remesh_above: from.setting(1.5),
+        remesh_every: from.byte() % 4,
         tolerance: from.rarely(3).then(|| from.setting(1e-3)),
         max_intervals: from.byte() % 40,
     }
