@@ -64,4 +64,10 @@ impl Directional for AutoBvp {
         let mixed = a.p[0] * b.y[0] + b.p[0] * a.y[0];
         f[1] = 2.0 * a.y[0] * b.y[0] - 2.0 * squared(1.0) * (point.p[0] * mixed + v * a.p[0] * b.p[0]);
     }
+
+    fn third(&self, point: PointValues, a: PointDirection, [second, [third, _]]: [[&mut [f64]; 2]; 2]) -> bool {
+        self.second(point, [a, a], second);
+        third[1] = -6.0 * squared(1.0) * a.p[0] * a.p[0] * a.y[0];
+        true
+    }
 }

@@ -8,11 +8,11 @@
 //!
 //! The parameter's component of η tells to which side a pitchfork opens.
 
-use crate::continuation::{Continuation, Unfolding, belongs, distances};
+use crate::continuation::{Continuation, Passed, Unfolding, belongs, distances};
 use crate::direction::{Direction, Residual};
 use crate::linear::System;
 use crate::problem::Directional;
-use crate::problem::derivatives::second_residual;
+use crate::problem::derivatives::{power_residuals, second_residual};
 use crate::solution::Solution;
 
 use super::singularity::SingularError;
@@ -105,29 +105,29 @@ impl BranchPoint {
 /// step, [`SingularError::Singular`] if the two branches touch there, or more than two meet.
 pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<BranchPoint, SingularError> {
     let singular = SingularError::Singular { iterations: 0 };
-    let Continuation { problem, metric, state, work, passed, .. } = branch;
-    let mut y = state.solution.clone();
+    let Continuation { problem, metric, state, work, passed, unfolding, .. } = branch;
     let (before, from) = state.history.back(1).ok_or(singular)?;
-    let mut unfolding = Unfolding::new(problem.dimensions(), y.m, metric.clone(), second).ok_or(singular)?;
-    let solved = match passed.clone() {
-        Some(passed) => {
-            y = passed.solution;
-            unfolding.solve_from(problem, &mut y, passed.basis)
-        }
+    let unfolding = Unfolding::renewed(unfolding, problem.dimensions(), from.m, metric, second).ok_or(singular)?;
+    let mut y = passed.as_ref().map_or(&state.solution, |passed| &passed.solution).clone();
+    let solved = match passed {
+        Some(Passed { unfolded: true, .. }) => Some(()),
+        Some(passed) => unfolding.solve_from(problem, &mut y, passed.basis.clone()),
         None => unfolding.solve(problem, &mut y, &state.tangent),
     };
-    *work += unfolding.work;
+    let spent = std::mem::take(&mut unfolding.work);
+    *work += spent;
     if solved.is_none() {
-        return Err(SingularError::Stalled { iterations: unfolding.work.iterations, correction: f64::NAN });
+        return Err(SingularError::Stalled { iterations: spent.iterations, correction: f64::NAN });
     }
+    unfolding.derive(problem, &y);
     let (step, place) = (state.arclength - before, distances(metric, from, &y, &state.tangent));
     if !belongs(place, step) {
         return Err(SingularError::Elsewhere { distance: (place[0] / step - 1.0).abs().max(place[1] / step) });
     }
-    let tangents = unfolding.crossing(&y.mesh, &state.tangent).ok_or(singular)?;
+    let (tangents, mixed) = unfolding.crossing(&y.mesh, &state.tangent).ok_or(singular)?;
     let [first, second] = &tangents;
     let curvatures =
-        [[first, second], [second, first]].map(|tangents| curvature(&mut unfolding, problem, &y, tangents));
+        [[first, second], [second, first]].map(|tangents| curvature(unfolding, problem, &y, tangents, mixed));
     problem.prepare(&state.solution.scalars);
     if curvatures.iter().any(|c| !c.is_finite()) {
         return Err(singular);
@@ -135,43 +135,37 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     Ok(BranchPoint { arclength: before + place[0], tangents, curvatures, gap: unfolding.gap(), solution: y })
 }
 
-/// D²F\[a, b\] by the problem itself.
+/// D²F\[a, b\] of pairs of directions by the problem itself.
 fn second<P: Directional>(
     system: &mut System,
     problem: &mut P,
     y: &Solution,
-    along: [&Direction; 2],
+    directions: &[&Direction],
+    pairs: &[[usize; 2]],
     conditions: usize,
-    out: &mut Residual,
+    out: &mut [Residual],
 ) {
-    second_residual(&system.gauss, problem, y, along, conditions, out);
+    for (pair, out) in pairs.iter().zip(out) {
+        second_residual(&system.gauss, problem, y, pair.map(|k| directions[k]), conditions, out);
+    }
 }
 
-/// Length of the differences of second derivatives that give the third.
-const DIFFERENCE: f64 = 1e-5;
-
-/// ½ d²λ/ds² along the first of the tangents: the parameter's component of η.
+/// ½ d²λ/ds² along the first of the tangents, the parameter's component of η; `mixed` is the product of both.
 fn curvature<P: Directional>(
     unfolding: &mut Unfolding<P>,
     problem: &mut P,
     y: &Solution,
     [along, other]: [&Direction; 2],
+    mixed: f64,
 ) -> f64 {
-    let (mut response, mut square, mut rest) = (Direction::default(), Residual::default(), Residual::default());
-    let gauss = unfolding.system.gauss.clone();
-    second_residual(&gauss, problem, y, [along, along], CONDITIONS, &mut square);
+    let [mut square, mut cube, mut rest] = [(); 3].map(|()| Residual::default());
+    let (mut response, gauss) = (Direction::default(), unfolding.system.gauss.clone());
+    power_residuals(&gauss, problem, y, along, CONDITIONS, [&mut square, &mut cube]);
     unfolding.respond(&square, &mut response);
     response.scale(0.5);
     second_residual(&gauss, problem, y, [along, &response], CONDITIONS, &mut rest);
-    for side in [1.0, -1.0] {
-        let mut moved = y.clone();
-        along.apply(side * DIFFERENCE, &mut moved);
-        second_residual(&gauss, problem, &moved, [along, along], CONDITIONS, &mut square);
-        rest.add(side / (12.0 * DIFFERENCE), &square);
-    }
-    let constant = unfolding.respond(&rest, &mut Direction::default());
-    let share = -constant / unfolding.product(problem, y, [along, other]);
-    response.add(share, other);
+    rest.add(1.0 / 6.0, &cube);
+    response.add(-unfolding.product(&rest) / mixed, other);
     // An arclength has its curvature across the tangent.
     let rest = unfolding.metric.dot(&y.mesh, along, &response);
     response.add(-rest, along);

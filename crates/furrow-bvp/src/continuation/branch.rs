@@ -22,6 +22,7 @@ use super::passing::{self, Passage, Passed};
 use super::predictor::History;
 use super::settings::{ContinuationError, ContinuationSettings, StepFailure, check_problem};
 use super::state::{Advance, State, Termination};
+use super::unfolding::Unfolding;
 
 /// Branches nearer to each other than a step of this length do meet, as far as rounding can tell: the branch goes
 /// straight on.
@@ -100,6 +101,8 @@ pub struct Continuation<P> {
     weight: Vec<f64>,
     /// The branch point that the last step has passed, from its detection.
     pub(crate) passed: Option<Passed>,
+    /// Workspace for branch points.
+    pub(crate) unfolding: Option<Unfolding<P>>,
     /// The flip of orientation in the step that is tried leads to another branch, however it is shortened.
     elsewhere: bool,
     /// ln |bordered determinant| at the newest point, or at a prediction of it; NaN if not known.
@@ -180,6 +183,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             conditions: vec![LinearCondition::default()],
             weight: Vec::new(),
             passed: None,
+            unfolding: None,
             elsewhere: false,
             log_determinant: f64::NAN,
             exact: false,
@@ -355,14 +359,15 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         if self.elsewhere {
             return false;
         }
-        let Continuation { problem, system, metric, state, work, trial, tangent, log_determinant, .. } = self;
+        let Continuation { problem, system, metric, state, work, trial, tangent, log_determinant, unfolding, .. } =
+            self;
         let null = passing::nearly_null(system);
         // By the determinants at both ends. Not known at the first of them, they are NaN, and the point may be anywhere.
         let ratio = (system.determinant().log_abs - *log_determinant).exp();
         let share = if ratio.is_finite() { 1.0 / (1.0 + ratio) } else { 0.5 };
         let (ends, along) = ([&state.solution, &*trial], &state.tangent);
         let passage = Passage { ends, share, tangent: along, null: &null, step };
-        self.passed = passing::branch_point(problem, metric, &passage, work);
+        self.passed = passing::branch_point(problem, metric, &passage, unfolding, work);
         self.elsewhere = self.passed.is_none();
         if !self.elsewhere {
             // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.

@@ -1,14 +1,14 @@
 //! Whether a step has passed a branch point, or jumped to another branch.
 
-use crate::direction::{Direction, LinearCondition, Residual};
+use crate::direction::{Direction, Residual};
 use crate::linear::System;
 use crate::mesh;
 use crate::metric::{self, Metric};
 use crate::newton::Work;
 use crate::problem::BoundaryValueProblem;
+use crate::problem::derivatives::second_differences;
 use crate::solution::Solution;
 
-use super::unfolded::Unfolded;
 use super::unfolding::{Unfolding, uneven};
 
 /// Branches nearer to each other than this cross, as far as the rounding of β can tell.
@@ -22,20 +22,19 @@ const SHRINKS: f64 = 0.5;
 const BEYOND: f64 = 0.05;
 
 /// A branch point that was passed, and the null directions there.
-#[derive(Clone)]
 pub(crate) struct Passed {
     pub solution: Solution,
     pub basis: [Direction; 2],
+    /// Whether the unfolded system is that of the point, on its mesh.
+    pub unfolded: bool,
 }
 
 /// The direction that belongs to the smallest singular value, nearly, from factors near a branch point: a second null direction.
 pub(super) fn nearly_null(system: &mut System) -> Direction {
     let dims = system.dimensions();
-    let mut weights = uneven(dims.right + dims.integrals);
-    let mut residual = system.zero_residual();
-    residual.right.iter_mut().chain(&mut residual.border).zip(&mut weights).for_each(|(row, w)| *row = w);
+    let weights: Vec<f64> = uneven(dims.right + dims.integrals).map(|w| -w).collect();
     let mut direction = Direction::default();
-    system.solve(&residual, &mut direction);
+    system.solve_ends(weights.split_at(dims.right).into(), &mut direction);
     direction
 }
 
@@ -57,34 +56,39 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
     problem: &mut P,
     metric: &Metric,
     passage: &Passage<'_>,
+    kept: &mut Option<Unfolding<P>>,
     work: &mut Work,
 ) -> Option<Passed> {
     let [from, to] = passage.ends;
-    let mut unfolding = Unfolding::new(problem.dimensions(), from.m, metric.clone(), second_difference)?;
+    let unfolding = Unfolding::renewed(kept, problem.dimensions(), from.m, metric, second)?;
     let mut found = None;
     for share in [passage.share, 0.5] {
         let mut y = between(passage.ends, share);
         let basis = [passage.tangent, passage.null].map(Clone::clone);
         let solved = unfolding.solve_from(problem, &mut y, basis);
         if solved.is_some() && belongs(distances(metric, from, &y, passage.tangent), passage.step) {
-            found = Some(Passed { solution: y, basis: unfolding.basis.clone() });
+            found = Some(y);
             break;
         }
     }
-    let crosses = found.as_ref().is_some_and(|Passed { solution, .. }| {
-        unfolding.crossing(&solution.mesh, passage.tangent).is_some() && is_closed(&mut unfolding, problem, solution)
+    let found = found.and_then(|solution| {
+        // The form may be that of an iterate farther away.
+        if unfolding.roots().is_none() {
+            unfolding.derive(problem, &solution);
+            unfolding.roots()?;
+        }
+        let basis = unfolding.basis.clone();
+        let unfolded = unfolding.gap() < CLOSED;
+        (unfolded || is_closed(unfolding, problem, &solution)).then_some(Passed { solution, basis, unfolded })
     });
-    *work += unfolding.work;
+    *work += std::mem::take(&mut unfolding.work);
     problem.prepare(&to.scalars);
-    found.filter(|_| crosses)
+    found
 }
 
-/// Whether the branches that cross at `y` in the unfolded problem do so in the problem itself.
+/// Whether the branches that cross at `y` in the unfolded problem, with a gap in the problem itself, cross there on a finer mesh.
 fn is_closed<P: BoundaryValueProblem>(unfolding: &mut Unfolding<P>, problem: &mut P, y: &Solution) -> bool {
     let gap = unfolding.gap();
-    if gap < CLOSED {
-        return true;
-    }
     let finer = mesh::halved(&y.mesh);
     let gauss = unfolding.system.gauss.clone();
     let (mut refined, mut basis) = (y.on_mesh(&gauss, &finer), unfolding.basis.clone());
@@ -122,34 +126,17 @@ pub(crate) fn belongs([along, across]: [f64; 2], step: f64) -> bool {
     (-BEYOND * step..=(1.0 + BEYOND) * step).contains(&along) && across <= step
 }
 
-/// Length of the differences, relative to the directions.
-const DIFFERENCE: f64 = 1e-4;
-
-/// D²F\[a, b\] by differences of the residual. Newton converges with it as with the exact one, to the same point.
-fn second_difference<P: BoundaryValueProblem>(
+/// D²F\[a, b\] of pairs of directions by differences. Newton converges with it as with the exact one, to the same point.
+fn second<P: BoundaryValueProblem>(
     system: &mut System,
     problem: &mut P,
     y: &Solution,
-    [a, b]: [&Direction; 2],
+    directions: &[&Direction],
+    pairs: &[[usize; 2]],
     conditions: usize,
-    out: &mut Residual,
+    out: &mut [Residual],
 ) {
-    let largest = |d: &Direction| d.nodes.iter().chain(&d.scalars).fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
-    let steps = [a, b].map(|d| DIFFERENCE / largest(d));
-    let dims = problem.dimensions();
-    let (weights, conditions) = (vec![0.0; dims.right + dims.integrals], vec![LinearCondition::default(); conditions]);
-    let mut unfolded = Unfolded { inner: problem, beta: 0.0, weights: &weights };
-    let kept = std::mem::take(&mut system.residual);
-    for (count, signs) in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].into_iter().enumerate() {
-        let mut moved = y.clone();
-        a.apply(signs[0] * steps[0], &mut moved);
-        b.apply(signs[1] * steps[1], &mut moved);
-        system.evaluate_checked(&mut unfolded, &moved, &conditions, false);
-        if count == 0 {
-            out.clone_from(&system.residual);
-            out.add(-1.0, &system.residual);
-        }
-        out.add(signs[0] * signs[1] / (4.0 * steps[0] * steps[1]), &system.residual);
+    for (pair, out) in pairs.iter().zip(out) {
+        second_differences(&system.gauss, problem, y, pair.map(|k| directions[k]), conditions, out);
     }
-    system.residual = kept;
 }

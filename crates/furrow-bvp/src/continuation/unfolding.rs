@@ -26,9 +26,10 @@ use crate::solution::Solution;
 
 use super::unfolded::{Unfolded, unfolded};
 
-/// D²F\[a, b\] at y into the residual, by the problem itself or by differences; the system is that of the unfolded problem.
-pub(crate) type SecondDerivative<P> =
-    fn(&mut System, &mut P, &Solution, [&Direction; 2], conditions: usize, &mut Residual);
+/// D²F\[a, b\] at y for pairs of directions, which are named by their places, into as many residuals: by the problem itself or by
+/// differences. The system is that of the unfolded problem.
+pub(crate) type SecondDerivatives<P> =
+    fn(&mut System, &mut P, &Solution, &[&Direction], &[[usize; 2]], conditions: usize, &mut [Residual]);
 
 /// Newton on the extended system.
 pub(crate) struct Unfolding<P> {
@@ -44,11 +45,13 @@ pub(crate) struct Unfolding<P> {
     pub beta: f64,
     /// Factorisations and solves.
     pub work: Work,
-    second: SecondDerivative<P>,
+    /// How second derivatives are computed.
+    pub second: SecondDerivatives<P>,
     weights: Vec<f64>,
     conditions: [LinearCondition; 2],
-    residual: Residual,
+    residuals: Vec<Residual>,
     step: Direction,
+    change: Direction,
 }
 
 /// Most iterations.
@@ -76,18 +79,42 @@ pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
     .take(count)
 }
 
+/// Smaller corrections do with the form of the iterate before.
+const SETTLED: f64 = 1e-6;
+
+/// How F changes g along a correction this small does not matter.
+const NEGLIGIBLE: f64 = 1e-2 * CONVERGED;
+
+/// How far along both null directions g vanishes, which has these values and changes by the form.
+fn shares([h11, h12, h22]: [f64; 3], [a, b]: [f64; 2]) -> [f64; 2] {
+    let determinant = h11 * h22 - h12 * h12;
+    [(h12 * b - h22 * a) / determinant, (h12 * a - h11 * b) / determinant]
+}
+
 /// Takes β out of a direction of the unfolded problem.
 fn split(direction: &mut Direction) -> f64 {
     direction.scalars.pop().unwrap_or(f64::NAN)
 }
 
 impl<P: BoundaryValueProblem> Unfolding<P> {
-    /// None for problems of which the kernels cannot take another scalar unknown, or which are not one condition short of square.
-    pub fn new(dims: Dimensions, stages: usize, metric: Metric, second: SecondDerivative<P>) -> Option<Self> {
+    /// That of a problem, in the place of one of the same problem if there is one. None for problems of which the kernels cannot take
+    /// another scalar unknown, or which are not one condition short of square.
+    pub fn renewed<'a>(
+        kept: &'a mut Option<Self>,
+        dims: Dimensions,
+        stages: usize,
+        metric: &Metric,
+        second: SecondDerivatives<P>,
+    ) -> Option<&'a mut Self> {
         let larger = unfolded(dims);
-        (larger.check(stages).is_ok() && dims.missing_conditions() == 1).then(|| Unfolding {
+        if larger.check(stages).is_err() || dims.missing_conditions() != 1 {
+            return None;
+        }
+        let fits = |unfolding: &Self| unfolding.system.dimensions() == larger && unfolding.system.gauss.m == stages;
+        let unfolding = kept.take().filter(fits).map(|kept| Unfolding { metric: metric.clone(), second, ..kept });
+        Some(kept.insert(unfolding.unwrap_or_else(|| Unfolding {
             system: System::new(larger, stages),
-            metric,
+            metric: metric.clone(),
             basis: Default::default(),
             form: [f64::NAN; 3],
             beta: 0.0,
@@ -95,9 +122,10 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             second,
             weights: uneven(dims.right + dims.integrals).collect(),
             conditions: Default::default(),
-            residual: Residual::default(),
+            residuals: Vec::new(),
             step: Direction::default(),
-        })
+            change: Direction::default(),
+        })))
     }
 
     /// Moves `y` onto the branch point near it, on a branch with the given tangent. None if that does not converge. The system,
@@ -121,7 +149,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     fn iterate(&mut self, problem: &mut P, y: &mut Solution) -> Option<()> {
-        self.beta = 0.0;
+        (self.beta, self.form) = (0.0, [f64::NAN; 3]);
         for _ in 0..MOST_ITERATIONS {
             self.border(y);
             let change = self.correction(problem, y).ok()?;
@@ -145,13 +173,29 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         split(out)
     }
 
-    /// −ψ D²F\[a, b\] with the left null vector ψ.
-    pub fn product(&mut self, problem: &mut P, y: &Solution, along: [&Direction; 2]) -> f64 {
-        let (mut residual, mut change) = (std::mem::take(&mut self.residual), Direction::default());
-        (self.second)(&mut self.system, problem, y, along, self.conditions.len(), &mut residual);
-        let product = self.respond(&residual, &mut change);
-        self.residual = residual;
+    /// That β alone, the product of the residual with −ψ, ψ the left null vector.
+    pub fn product(&mut self, residual: &Residual) -> f64 {
+        let mut change = std::mem::take(&mut self.change);
+        self.system.solve_last_node(residual, &mut change);
+        let product = split(&mut change);
+        self.change = change;
         product
+    }
+
+    /// −ψ D²F\[a, b\] of pairs of directions.
+    fn products<const N: usize>(
+        &mut self,
+        problem: &mut P,
+        y: &Solution,
+        directions: &[&Direction],
+        pairs: [[usize; 2]; N],
+    ) -> [f64; N] {
+        let mut residuals = std::mem::take(&mut self.residuals);
+        residuals.resize(N, Residual::default());
+        (self.second)(&mut self.system, problem, y, directions, &pairs, self.conditions.len(), &mut residuals);
+        let products = std::array::from_fn(|k| self.product(&residuals[k]));
+        self.residuals = residuals;
+        products
     }
 
     /// Factors at `y` with the conditions as they are.
@@ -190,11 +234,11 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         }))
     }
 
-    /// The coefficients g_k′\[b_j\].
-    fn derive(&mut self, problem: &mut P, y: &Solution) {
-        let basis = std::mem::take(&mut self.basis);
-        self.form = [[0, 0], [0, 1], [1, 1]].map(|along| self.product(problem, y, along.map(|k| &basis[k])));
-        self.basis = basis;
+    /// Computes the form again, at `y`.
+    pub fn derive(&mut self, problem: &mut P, y: &Solution) {
+        let [first, second] = std::mem::take(&mut self.basis);
+        self.form = self.products(problem, y, &[&first, &second], [[0, 0], [0, 1], [1, 1]]);
+        self.basis = [first, second];
     }
 
     /// The correction of one Newton iteration in `step`; returns that of β.
@@ -202,24 +246,31 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         let g = self.linearise(problem, y)?;
         let mut step = std::mem::take(&mut self.step);
         self.system.solve_own(&mut step);
-        let mut change = split(&mut step);
-        self.derive(problem, y);
-        let basis = std::mem::take(&mut self.basis);
-        let [a, b] = [0, 1].map(|k| g[k] + self.product(problem, y, [&basis[k], &step]));
-        let [h11, h12, h22] = self.form;
-        let determinant = h11 * h22 - h12 * h12;
-        let shares = [(h12 * b - h22 * a) / determinant, (h12 * a - h11 * b) / determinant];
-        for (k, share) in shares.into_iter().enumerate() {
-            step.add(share, &basis[k]);
-            change += share * g[k];
+        let (change, left) = (split(&mut step), step.norm(y));
+        let mut shares = shares(self.form, g);
+        // Not a number in the first iteration.
+        let settled = left + shares[0].abs() + shares[1].abs() < SETTLED;
+        if !settled {
+            let mut seen = [0.0; 2];
+            if left < NEGLIGIBLE {
+                self.derive(problem, y);
+            } else {
+                let [first, second] = std::mem::take(&mut self.basis);
+                let pairs = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2]];
+                let [h11, h12, h22, a, b] = self.products(problem, y, &[&first, &second, &step], pairs);
+                (self.basis, self.form, seen) = ([first, second], [h11, h12, h22], [a, b]);
+            }
+            shares = self::shares(self.form, [g[0] + seen[0], g[1] + seen[1]]);
         }
-        (self.basis, self.step) = (basis, step);
-        Ok(change)
+        for (share, direction) in shares.into_iter().zip(&self.basis) {
+            step.add(share, direction);
+        }
+        self.step = step;
+        Ok(change + shares[0] * g[0] + shares[1] * g[1])
     }
 
-    /// Directions of both branches through the point, of unit length, that nearest to `tangent` first: the roots of the
-    /// algebraic bifurcation equation h₁₁α₁² + 2h₁₂α₁α₂ + h₂₂α₂² = 0. None if it has no two real ones.
-    pub fn crossing(&self, mesh: &[f64], tangent: &Direction) -> Option<[Direction; 2]> {
+    /// The roots of the algebraic bifurcation equation h₁₁α₁² + 2h₁₂α₁α₂ + h₂₂α₂² = 0. None if it has no two real ones.
+    pub fn roots(&self) -> Option<[[f64; 2]; 2]> {
         let [h11, h12, h22] = self.form;
         let root = (h12 * h12 - h11 * h22).sqrt();
         let size = h11.abs().max(h12.abs()).max(h22.abs());
@@ -228,21 +279,30 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         }
         // α₁ : α₂ = q : h₁₁ = h₂₂ : q without cancellation.
         let q = -h12 - root.copysign(h12);
-        let mut directions = [[q, h11], [h22, q]].map(|shares| {
+        Some([[q, h11], [h22, q]])
+    }
+
+    /// Directions of both branches through the point, of unit length, that nearest to `tangent` first; and the product of both.
+    pub fn crossing(&self, mesh: &[f64], tangent: &Direction) -> Option<([Direction; 2], f64)> {
+        let roots = self.roots()?;
+        let [h11, h12, h22] = self.form;
+        let [a, b] = roots;
+        let mut product = h11 * a[0] * b[0] + h12 * (a[0] * b[1] + a[1] * b[0]) + h22 * a[1] * b[1];
+        let mut directions = roots.map(|shares| {
             let mut direction = self.basis[0].clone();
             direction.scale(shares[0]);
             direction.add(shares[1], &self.basis[1]);
-            self.metric.normalise(mesh, &mut direction);
-            if self.metric.dot(mesh, &direction, tangent) < 0.0 {
-                direction.scale(-1.0);
-            }
+            let size = self.metric.dot(mesh, &direction, &direction).sqrt();
+            let size = size.copysign(self.metric.dot(mesh, &direction, tangent));
+            direction.scale(1.0 / size);
+            product /= size;
             direction
         });
         let [first, second] = [0, 1].map(|k| self.metric.dot(mesh, &directions[k], tangent));
         if second > first {
             directions.swap(0, 1);
         }
-        Some(directions)
+        Some((directions, product))
     }
 
     /// Distance that an imperfection keeps the two branches apart: next to the point they are hyperbolas ½h(α, α) = −β.

@@ -22,7 +22,7 @@ pub struct Interval<'a> {
 #[inline(always)]
 pub fn differences<S: Shape>(gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
     let Sizes { n, m, .. } = S::sizes(Dimensions { components: interval.left.len(), ..Dimensions::default() }, gauss.m);
-    if n > 8 {
+    if n > 8 || n <= 4 {
         in_groups::<4>([n, m], gauss, interval, residual, node);
     } else {
         in_groups::<8>([n, m], gauss, interval, residual, node);

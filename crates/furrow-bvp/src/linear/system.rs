@@ -327,6 +327,14 @@ impl System {
         (self.kernels.complete)(&self.condensed, &self.gauss, out);
     }
 
+    /// The last node and the scalar unknowns alone of [`solve`](Self::solve), in their places in `out`.
+    pub fn solve_last_node(&mut self, residual: &Residual, out: &mut Direction) {
+        let right = self.dimensions().right;
+        if self.can_solve(None, residual, right, out) {
+            self.solve_nodes(None, residual, out, false);
+        }
+    }
+
     /// Solves with the residual of the last evaluation.
     pub fn solve_own(&mut self, out: &mut Direction) {
         let residual = std::mem::take(&mut self.residual);
@@ -343,6 +351,16 @@ impl System {
         border[which] = 1.0;
         let right = &[0.0; MAX_UNKNOWNS][..self.dimensions().right];
         self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
+    }
+
+    /// Solves for right-hand sides of the right conditions and of the integral conditions, and zero elsewhere.
+    pub(crate) fn solve_ends(&mut self, [right, integrals]: [&[f64]; 2], out: &mut Direction) {
+        let Dimensions { right: conditions, integrals: ni, .. } = self.dimensions();
+        let mut border = [0.0; MAX_UNKNOWNS];
+        if self.is_factored(Progress::Factored, [right.len(), integrals.len()] == [conditions, ni], out) {
+            border[..ni].copy_from_slice(integrals);
+            self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
+        }
     }
 
     /// Solves J d = 0 with linear condition `which` raised by 1.

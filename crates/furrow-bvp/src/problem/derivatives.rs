@@ -5,7 +5,8 @@ use crate::direction::{Direction, Residual};
 use crate::gauss::Gauss;
 use crate::solution::Solution;
 
-use super::statement::CollocationPoints;
+use super::differences;
+use super::statement::{BoundaryValueProblem, CollocationPoints};
 
 pub use super::directional::{Directional, EndDerivatives, EndValues, PointDirection, PointValues};
 
@@ -56,9 +57,44 @@ pub fn second_residual<P: Directional>(
     gauss: &Gauss,
     problem: &mut P,
     y: &Solution,
+    along: [&Direction; 2],
+    conditions: usize,
+    out: &mut Residual,
+) {
+    let many =
+        |problem: &mut P, points: CollocationPoints<'_>, p: &[f64], along: [PointDirection<'_>; 2], out: Pair<'_>| {
+            problem.second_many(points, p, along, out);
+        };
+    residual_of(gauss, problem, y, along, conditions, out, (many, P::second_at_ends));
+}
+
+/// [`second_residual`] of any problem, by differences.
+pub(crate) fn second_differences<P: BoundaryValueProblem>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+    along: [&Direction; 2],
+    conditions: usize,
+    out: &mut Residual,
+) {
+    residual_of(gauss, problem, y, along, conditions, out, (differences::second, differences::second_at_ends));
+}
+
+/// Outputs in f and in g.
+type Pair<'a> = [&'a mut [f64]; 2];
+
+/// [`second_residual`] of a problem by functions for its equations and its conditions.
+fn residual_of<P: BoundaryValueProblem>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
     [a, b]: [&Direction; 2],
     conditions: usize,
     out: &mut Residual,
+    (many, at_ends): (
+        impl FnOnce(&mut P, CollocationPoints<'_>, &[f64], [PointDirection<'_>; 2], Pair<'_>),
+        impl FnOnce(&mut P, EndValues<'_>, [EndValues<'_>; 2], EndDerivatives<'_>),
+    ),
 ) {
     problem.prepare(&y.scalars);
     let dims = problem.dimensions();
@@ -67,13 +103,13 @@ pub fn second_residual<P: Directional>(
     let mut integrands = vec![0.0; x.len() * dims.integrals];
     let points = CollocationPoints { first: 0, x: &x, y: &y.stages };
     let along = [a, b].map(|d| PointDirection { y: &d.stages, p: &d.scalars });
-    problem.second_many(points, &y.scalars, along, [&mut out.stages, &mut integrands]);
+    many(problem, points, &y.scalars, along, [&mut out.stages, &mut integrands]);
     integrate(gauss, y, &integrands, out);
     let mut offsets = [0.0; MAX_UNKNOWNS];
     let offsets = &mut offsets[..dims.integrals];
     let n = y.components;
     let along = [a, b].map(|d| ends(&d.nodes, &d.scalars, n));
-    problem.second_at_ends(ends(&y.nodes, &y.scalars, n), along, self::conditions(out, offsets));
+    at_ends(problem, ends(&y.nodes, &y.scalars, n), along, self::conditions(out, offsets));
     add_offsets(out, offsets);
 }
 

@@ -8,6 +8,8 @@ use super::statement::{BoundaryValueProblem, CollocationPoints, End, conditions_
 /// Steps relative to the unknowns, of first differences and of second ones: rounding and truncation are about alike.
 const FIRST: f64 = 3e-4;
 const SECOND: f64 = 2e-3;
+/// The same of second differences that are of second order.
+const MIXED: f64 = 1e-4;
 
 /// The step along a direction that changes values by a share of their size; none along zero.
 fn step<'a>(share: f64, pairs: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Option<f64> {
@@ -39,6 +41,33 @@ pub(super) fn slope(t: f64, mut values: impl FnMut(f64) -> Vec<f64>) -> Vec<f64>
         sum.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * value / (12.0 * t));
     }
     sum
+}
+
+/// Mixed second derivatives by differences of the right-hand sides, of second order in the steps.
+pub(super) fn second<P: BoundaryValueProblem + ?Sized>(
+    problem: &mut P,
+    points: CollocationPoints<'_>,
+    p: &[f64],
+    [a, b]: [PointDirection; 2],
+    [f2, g2]: [&mut [f64]; 2],
+) {
+    let steps = [a, b].map(|d| step(MIXED, [(points.y, d.y), (p, d.p)].into_iter()));
+    let [Some(s), Some(t)] = steps else { return };
+    problem.prepare_points(points.x, p);
+    let (mut f, mut g) = (vec![0.0; f2.len()], vec![0.0; g2.len()]);
+    for [i, j] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+        let both = |values: &[f64], a: &[f64], b: &[f64]| moved(&moved(values, i * s, a), j * t, b);
+        let (y, p) = (both(points.y, a.y, b.y), both(p, a.p, b.p));
+        if moves(a.p) || moves(b.p) {
+            problem.prepare(&p);
+        }
+        problem.rhs_many(CollocationPoints { y: &y, ..points }, &p, &mut f, &mut g);
+        let weight = i * j / (4.0 * s * t);
+        f2.iter_mut().chain(&mut *g2).zip(f.iter().chain(&g)).for_each(|(out, value)| *out += weight * value);
+    }
+    if moves(a.p) || moves(b.p) {
+        problem.prepare(p);
+    }
 }
 
 /// Second derivatives along a twice, and third ones by differences of these.
