@@ -39,14 +39,11 @@ impl Responses {
     }
 
     /// Computes them from condensed intervals. `force` has the forces of a point on the residuals of components that are not quadratures,
-    /// components × forces; `reading` what is read of all components, readings × components.
+    /// components × forces; `reading` what is read of all components, readings × components. With a known shape there is one of both.
     #[inline(always)]
     pub fn fill_responses<S: Shape>(&mut self, condensed: &Condensed, gauss: &Gauss, force: &[f64], reading: &[f64]) {
-        match (self.forces, self.readings) {
-            // Compiled for itself.
-            (1, 1) => self.fill::<S>(condensed, gauss, (force, 1), (reading, 1)),
-            (forces, readings) => self.fill::<S>(condensed, gauss, (force, forces), (reading, readings)),
-        }
+        let [forces, readings] = if S::KNOWN { [1, 1] } else { [self.forces, self.readings] };
+        self.fill::<S>(condensed, gauss, (force, forces), (reading, readings));
     }
 
     #[inline(always)]

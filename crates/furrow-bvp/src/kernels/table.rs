@@ -155,7 +155,13 @@ fn fill_responses<S: Shape>(
     force: &[f64],
     reading: &[f64],
 ) {
-    in_shape!(responses.fill_responses(condensed, gauss, force, reading))
+    // One force and one reading are worth a kernel of their own, but not the hundred kilobytes that a page would grow by.
+    let general = cfg!(target_family = "wasm") || (responses.forces, responses.readings) != (1, 1);
+    if S::KNOWN && general {
+        fill_responses::<Any>(responses, condensed, gauss, force, reading)
+    } else {
+        in_shape!(responses.fill_responses(condensed, gauss, force, reading))
+    }
 }
 
 // Sizes matter little to those below, which call for no kernel of their own.

@@ -5,31 +5,30 @@ use super::problems::factored;
 use super::{Random, distance, largest};
 use crate::{AntisymmetricEnd, BoundaryValueProblem, Dimensions, Direction, SolutionOperator};
 
-/// Forces and readings of every point.
-const PER_POINT: [usize; 2] = [2, 3];
-
 /// Random forces and readings of a case, and the vector to apply its operator to.
 struct Restricted {
+    /// Forces and readings of every point.
+    per_point: [usize; 2],
     force: Vec<f64>,
     reading: Vec<f64>,
     from: Vec<f64>,
 }
 
 impl Restricted {
-    fn new(case: &Case, random: &mut Random) -> Restricted {
+    fn new(case: &Case, per_point: [usize; 2], random: &mut Random) -> Restricted {
         let (points, dims) = (case.y.intervals() * case.y.m, case.problem.dims);
         let own = dims.components - dims.all_quadratures();
-        let [forces, readings] = PER_POINT;
+        let [forces, readings] = per_point;
         let [force, reading, from] = [own * forces, dims.components * readings, forces];
         let mut of = |size: usize| random.vector(points * size);
-        Restricted { force: of(force), reading: of(reading), from: of(from) }
+        Restricted { per_point, force: of(force), reading: of(reading), from: of(from) }
     }
 
     /// By a solve with all unknowns: the readings, and the scalars.
     fn solved(&self, case: &mut Case, end: Option<&AntisymmetricEnd>) -> (Vec<f64>, Vec<f64>) {
         let dims = case.problem.dims;
         let (n, own) = (dims.components, dims.components - dims.all_quadratures());
-        let [forces, readings] = PER_POINT;
+        let [forces, readings] = self.per_point;
         let mut residual = case.system.zero_residual();
         for (point, rows) in residual.stages.chunks_exact_mut(n).enumerate() {
             for (row, to) in rows[dims.quadratures..][..own].iter_mut().enumerate() {
@@ -53,8 +52,8 @@ impl Restricted {
     /// The same by the operator.
     fn applied(&self, case: &mut Case, end: Option<&AntisymmetricEnd>) -> (Vec<f64>, Vec<f64>) {
         let mut operator = SolutionOperator::default();
-        operator.assemble(&case.system, PER_POINT, &self.force, &self.reading);
-        let mut read = vec![f64::NAN; self.from.len() / PER_POINT[0] * PER_POINT[1]];
+        operator.assemble(&case.system, self.per_point, &self.force, &self.reading);
+        let mut read = vec![f64::NAN; self.from.len() / self.per_point[0] * self.per_point[1]];
         let mut scalars = vec![f64::NAN; case.problem.dims.scalars];
         operator.apply(&mut case.system, end, &self.from, &mut read, &mut scalars);
         (read, scalars)
@@ -64,7 +63,7 @@ impl Restricted {
 #[test]
 fn operators_give_what_solves_give() {
     for_every_shape(|mut case, random| {
-        let restricted = Restricted::new(&case, random);
+        let restricted = Restricted::new(&case, [2, 3], random);
         let (read, scalars) = restricted.solved(&mut case, None);
         let (applied, same) = restricted.applied(&mut case, None);
         let allowed = case.dense.tolerance() * largest(&read).max(largest(&scalars)).max(1.0);
@@ -85,7 +84,7 @@ fn operators_of_antisymmetric_problems_give_what_their_solves_give() {
         let mut end = AntisymmetricEnd::default();
         // Too many left conditions leave no square system, and some of these ends are singular.
         if case.system.factor_antisymmetric(&vanishing, &mut end).is_ok_and(|det| det.sign != 0.0) {
-            let restricted = Restricted::new(&case, random);
+            let restricted = Restricted::new(&case, [2, 3], random);
             let (read, _) = restricted.solved(&mut case, Some(&end));
             let (applied, scalars) = restricted.applied(&mut case, Some(&end));
             let allowed = 100.0 * case.dense.tolerance() * largest(&read).max(1.0);
@@ -103,7 +102,7 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
     for dims in [dims(7, 3, 3, 4, 4, 1), regulated] {
         let mut case = Case::new(dims, 4, 3, &mut Random(47));
         assert!(case.problem.kernels(4).suited_to(dims, 4).is_sized());
-        let restricted = Restricted::new(&case, &mut Random(53));
+        let restricted = Restricted::new(&case, [1, 1], &mut Random(53));
         let sized = restricted.applied(&mut case, None);
         case.problem.sized = false;
         case.system = factored(&mut case.problem, &case.y, &case.conditions);
@@ -114,12 +113,13 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
 #[test]
 fn what_does_not_fit_gives_no_numbers() {
     let mut case = Case::new(dims(4, 2, 2, 2, 2, 1), 3, 2, &mut Random(59));
-    let fitting = Restricted::new(&case, &mut Random(61));
+    let fitting = Restricted::new(&case, [2, 3], &mut Random(61));
     assert!(fitting.applied(&mut case, None).0.iter().all(|x| x.is_finite()));
+    let Restricted { per_point, force, reading, from } = fitting;
     let misfits = [
-        Restricted { force: vec![1.0; 3], reading: fitting.reading.clone(), from: fitting.from.clone() },
-        Restricted { force: fitting.force.clone(), reading: vec![1.0; 3], from: fitting.from.clone() },
-        Restricted { force: fitting.force, reading: fitting.reading, from: vec![1.0; 4] },
+        Restricted { per_point, force: vec![1.0; 3], reading: reading.clone(), from: from.clone() },
+        Restricted { per_point, force: force.clone(), reading: vec![1.0; 3], from: from.clone() },
+        Restricted { per_point, force, reading, from: vec![1.0; 4] },
     ];
     for misfit in misfits {
         let (read, scalars) = misfit.applied(&mut case, None);

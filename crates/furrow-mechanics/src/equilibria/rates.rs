@@ -60,7 +60,13 @@ pub(super) fn with_rates<T>(
     if !wanted {
         return (follow(branch, &mut |_, _| {}), Vec::new());
     }
-    let rates = FollowedRates::new(&branch.problem, branch.state.solution.m);
+    let mut rates = FollowedRates::new(&branch.problem, branch.state.solution.m);
+    if cfg!(target_family = "wasm") {
+        // A page has one thread.
+        let mut found = Vec::new();
+        let out = follow(branch, &mut |y, passed| found.push(rates.at(y, passed)));
+        return (out, found);
+    }
     let queue = &Queue { waiting: Mutex::default(), rates: Mutex::new((rates, Vec::new())) };
     let out = rayon::in_place_scope(|scope| {
         follow(branch, &mut |y, passed| {
