@@ -37,6 +37,8 @@ use super::system::{Progress, System};
 #[derive(Clone, Debug, Default)]
 pub struct SolutionOperator {
     responses: Responses,
+    /// Sizes, stages and intervals of the system that was assembled; none if it did not fit.
+    assembled: Option<(Dimensions, usize, usize)>,
     /// Nodes of the last product.
     nodes: Vec<f64>,
 }
@@ -48,13 +50,15 @@ impl SolutionOperator {
     /// quadratures; points × components × forces. `reading` has the readings of all components; points × readings × components. If their
     /// lengths do not fit, or an interval has more than 64 readings, products are NaN.
     pub fn assemble(&mut self, system: &System, [forces, readings]: [usize; 2], force: &[f64], reading: &[f64]) {
-        let Dimensions { components: n, .. } = system.dimensions();
-        let m = system.gauss.m;
-        let (points, own) = (system.condensed.intervals() * m, n - system.dimensions().all_quadratures());
-        let fits = [force.len(), reading.len()] == [points * own * forces, points * readings * n];
-        let fits = fits && m * readings <= MAX_READINGS && system.stage >= Progress::Condensed;
-        (self.responses.forces, self.responses.readings) = if fits { (forces, readings) } else { (0, 0) };
+        let (dims, m, intervals) = (system.dimensions(), system.gauss.m, system.condensed.intervals());
+        let own = dims.components.saturating_sub(dims.all_quadratures());
+        let entries = |sizes: [usize; 3]| sizes.into_iter().fold(intervals, usize::saturating_mul);
+        let fits = system.stage >= Progress::Condensed
+            && [force.len(), reading.len()] == [entries([m, own, forces]), entries([m, readings, dims.components])]
+            && m.saturating_mul(readings) <= MAX_READINGS;
+        self.assembled = fits.then_some((dims, m, intervals));
         if fits {
+            (self.responses.forces, self.responses.readings) = (forces, readings);
             (system.kernels.fill_responses)(&mut self.responses, &system.condensed, &system.gauss, force, reading);
         }
     }
@@ -73,12 +77,13 @@ impl SolutionOperator {
         let Dimensions { components: n, scalars: np, left, right, integrals, .. } = system.dimensions();
         let (intervals, m) = (system.condensed.intervals(), system.gauss.m);
         let Responses { forces, readings, .. } = self.responses;
-        let (needed, own) = match end {
-            Some(end) => (Progress::Eliminated, end.size() == n),
-            None => (Progress::Factored, true),
+        let there = match end {
+            Some(end) => system.stage >= Progress::Eliminated && end.size() == n && left <= n,
+            None => system.stage >= Progress::Factored,
         };
-        let lengths = [from.len(), to.len(), scalars.len()] == [intervals * m * forces, intervals * m * readings, np];
-        if !lengths || !own || forces == 0 || system.stage < needed {
+        let fits = self.assembled == Some((system.dimensions(), m, intervals))
+            && [from.len(), to.len(), scalars.len()] == [intervals * m * forces, intervals * m * readings, np];
+        if !there || !fits {
             to.fill(f64::NAN);
             scalars.fill(f64::NAN);
             return;

@@ -89,9 +89,10 @@ impl System {
     /// Workspace for problems of the given sizes with m stages. Sizes that fail [`Dimensions::check`] are found where it is
     /// used, see [`check`](Self::check).
     pub fn new(dims: Dimensions, m: usize) -> System {
+        let gauss = Gauss::nearest(m);
         System {
-            gauss: Gauss::nearest(m),
-            condensed: Condensed::new(dims, m),
+            condensed: Condensed::new(dims, gauss.m),
+            gauss,
             residual: Residual::default(),
             kernels: Kernels::general(),
             block: BlockFactor::default(),
@@ -307,7 +308,7 @@ impl System {
         let fits = lengths == [intervals * self.gauss.m * n, intervals * n, left, right];
         match end {
             None => self.is_factored(Progress::Factored, fits, out),
-            Some(end) => self.is_factored(Progress::Eliminated, fits && end.size() == n, out),
+            Some(end) => self.is_factored(Progress::Eliminated, fits && end.size() == n && left <= n, out),
         }
     }
 

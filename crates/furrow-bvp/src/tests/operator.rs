@@ -125,4 +125,12 @@ fn what_does_not_fit_gives_no_numbers() {
         let (read, scalars) = misfit.applied(&mut case, None);
         assert!(read.iter().chain(&scalars).all(|x| x.is_nan()));
     }
+    // Of a system that has another mesh since.
+    let mut finer = Case::new(case.problem.dims, 3, 4, &mut Random(67));
+    let (mut operator, others) = (SolutionOperator::default(), Restricted::new(&finer, [1, 1], &mut Random(71)));
+    let fewer = Restricted::new(&case, [1, 1], &mut Random(73));
+    operator.assemble(&case.system, [1, 1], &fewer.force, &fewer.reading);
+    let (mut read, mut scalars) = (others.from.clone(), vec![0.0; case.problem.dims.scalars]);
+    operator.apply(&mut finer.system, None, &others.from, &mut read, &mut scalars);
+    assert!(read.iter().chain(&scalars).all(|x| x.is_nan()));
 }

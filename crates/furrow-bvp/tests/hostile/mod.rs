@@ -4,9 +4,10 @@ use furrow_bvp::continuation::State;
 use furrow_bvp::continuation::predictor::History;
 use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
-    BoundaryJacobian, BoundaryValueProblem, Codim2Curve, CollocationPoint, Continuation, ContinuationSettings,
-    CurveSettings, Dimensions, Direction, Directional, Fold, Gauss, Metric, MinimallyAugmented, MirrorSymmetric,
-    Newton, PointJacobian, Settings, Singularity, Solution, SymmetryBreaking, locate, mesh, solve,
+    AntisymmetricEnd, BoundaryJacobian, BoundaryValueProblem, Codim2Curve, CollocationPoint, Continuation,
+    ContinuationSettings, CurveSettings, Dimensions, Direction, Directional, Fold, Gauss, LinearCondition, Metric,
+    MinimallyAugmented, MirrorSymmetric, Newton, PointJacobian, Settings, Singularity, Solution, SolutionOperator,
+    SymmetryBreaking, System, locate, mesh, solve,
 };
 
 /// Numbers read from bytes; zeros behind the last.
@@ -274,6 +275,7 @@ pub fn check(data: &[u8]) {
         assert!(solved.defect <= settings.tolerance && solved.solution.check().is_ok());
     }
     branch(from, &problem, &y);
+    linearised(from, &mut problem, &y);
     let (metric, tangent) = (metric(from, &y), direction(from, &y));
     let fold = Fold::new(from.byte() % 4);
     singular(from, &problem, fold.clone(), &y, &metric, &tangent);
@@ -299,6 +301,38 @@ fn values(from: &mut Bytes, problem: &mut Hostile, y: &Solution) {
     assert!(mesh::rebalanced(&mesh::halved(&other), &weight, 1.0).is_none_or(|grid| mesh::check(&grid).is_ok()));
 }
 
+/// Factors, solves and a solution operator, of sizes that may not fit each other.
+fn linearised(from: &mut Bytes, problem: &mut Hostile, y: &Solution) {
+    let mut system = System::new(problem.dims, from.near(y.m));
+    let conditions = vec![LinearCondition {
+        nodes: vec![1.0; from.near(y.nodes.len())],
+        scalars: vec![1.0; y.scalars.len()],
+        value: 0.0,
+    }];
+    let conditions = &conditions[..usize::from(from.rarely(2))];
+    system.evaluate(problem, y, conditions, true);
+    let _ = (system.condense(), system.factor_blocks(conditions));
+    let (mut out, residual, mut end) = (Direction::default(), system.zero_residual(), AntisymmetricEnd::default());
+    system.solve(&residual, &mut out);
+    system.solve_last_node(&residual, &mut out);
+    let vanishing: Vec<usize> = (0..from.byte() % 3).map(|_| from.byte() % 3).collect();
+    let _ = system.factor_antisymmetric(&vanishing, &mut end);
+    system.solve_antisymmetric(&end, &residual, &mut out);
+    let (points, per_point) = (y.intervals() * y.m, [from.byte() % 3, from.byte() % 3]);
+    let own = y.components - problem.dims.all_quadratures().min(y.components);
+    let [force, reading] = [own * per_point[0], y.components * per_point[1]].map(|k| vec![1.0; from.near(points * k)]);
+    let mut operator = SolutionOperator::default();
+    operator.assemble(&system, per_point, &force, &reading);
+    if from.rarely(3) {
+        let other = guess(from, problem.dims);
+        system.evaluate(problem, &other, conditions, true);
+        let _ = (system.condense(), system.factor_blocks(conditions));
+    }
+    let [forces, mut read] = per_point.map(|k| vec![1.0; from.near(points * k)]);
+    let mut scalars = vec![0.0; from.near(y.scalars.len())];
+    operator.apply(&mut system, from.rarely(2).then_some(&end), &forces, &mut read, &mut scalars);
+}
+
 /// A branch started, followed, stored and resumed, also from states that do not fit.
 fn branch(from: &mut Bytes, problem: &Hostile, y: &Solution) {
     let (metric, settings) = (metric(from, y), continuation(from));
@@ -309,6 +343,9 @@ fn branch(from: &mut Bytes, problem: &Hostile, y: &Solution) {
         let ended = branch.follow(range, 3, |branch, advance| {
             let accurate = |tolerance: f64| advance.defect.is_some_and(|defect| defect <= tolerance);
             assert!(branch.settings.tolerance.is_none_or(accurate));
+            if let Ok(point) = locate::branch_point(branch) {
+                let _ = (point.kind(), point.switch(branch, true).is_ok());
+            }
             true
         });
         let signs = [from.number(), from.number()];
