@@ -445,7 +445,7 @@ impl System {
     /// [`factor_antisymmetric`](Self::factor_antisymmetric) with the right end rows of `end`.
     pub(crate) fn factor_antisymmetric_rows(&self, end: &mut AntisymmetricEnd) -> Result<Determinant, PivotFailure> {
         let Dimensions { components: n, left, .. } = self.dimensions();
-        let square = left * n + end.rows.len() == n * n;
+        let square = n.checked_sub(left).and_then(|open| open.checked_mul(n)) == Some(end.rows.len());
         if self.stage < Progress::Eliminated || !square {
             return Err(NO_MATRIX);
         }
@@ -470,7 +470,7 @@ impl System {
     /// The end rows of an antisymmetric problem that is square.
     fn set_vanishing(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
         let Dimensions { components: n, left, .. } = self.dimensions();
-        let square = left + vanishing.len() == n && vanishing.iter().all(|c| *c < n);
+        let square = n.checked_sub(left) == Some(vanishing.len()) && vanishing.iter().all(|c| *c < n);
         if self.stage < Progress::Eliminated || !square {
             return Err(NO_MATRIX);
         }
