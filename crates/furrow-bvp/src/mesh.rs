@@ -171,25 +171,26 @@ pub(crate) struct Refinement {
     tolerance: f64,
     limit: usize,
     /// The defect on the last mesh, if that had as many intervals.
-    before: f64,
+    before: Option<f64>,
 }
 
 impl Refinement {
     pub fn new(tolerance: f64, limit: usize) -> Refinement {
-        Refinement { tolerance, limit, before: f64::INFINITY }
+        Refinement { tolerance, limit, before: None }
     }
 
     /// Intervals of the next mesh after one with these defects; none if more are not allowed and as many do not help.
     pub fn next(&mut self, defects: &[f64], m: usize) -> Option<usize> {
         let (intervals, defect) = (defects.len(), defects.iter().copied().fold(0.0, f64::max));
-        let settled = defect > PROGRESS * self.before;
+        // A defect that is infinite twice is no progress either.
+        let settled = self.before.is_some_and(|before| defect > PROGRESS * before || !defect.is_finite());
         if intervals >= self.limit && settled {
             return None;
         }
         let needed = if settled { usize::MAX } else { intervals_for(defects, m, self.tolerance) };
         let next = needed.clamp(intervals, GROWTH * intervals).min(self.limit.max(intervals));
         // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
-        self.before = if next > intervals { f64::INFINITY } else { defect };
+        self.before = (next == intervals).then_some(defect);
         Some(next)
     }
 }
@@ -197,6 +198,15 @@ impl Refinement {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn refinement_ends_on_a_defect_that_stays_infinite() {
+        let mut refinement = Refinement::new(1e-3, 4);
+        assert_eq!(
+            [3, 4, 4].map(|intervals| refinement.next(&vec![f64::INFINITY; intervals], 4)),
+            [Some(4), Some(4), None]
+        );
+    }
 
     #[test]
     fn equidistributes_a_step() {
