@@ -304,7 +304,7 @@ fn values(from: &mut Bytes, problem: &mut Hostile, y: &Solution) {
 /// Factors, solves and a solution operator, of sizes that may not fit each other.
 fn linearised(from: &mut Bytes, problem: &mut Hostile, y: &Solution) {
     let mut system = System::new(problem.dims, from.near(y.m));
-    let conditions = vec![LinearCondition {
+    let conditions = [LinearCondition {
         nodes: vec![1.0; from.near(y.nodes.len())],
         scalars: vec![1.0; y.scalars.len()],
         value: 0.0,
