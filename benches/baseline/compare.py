@@ -26,7 +26,7 @@ CASES = [
     *[
         (
             f"divide R0={r0}" + (" cue" if cue else ""),
-            ["divide", "--r0", str(r0), "--seed", "0"]
+            ["divide", "--preset", "gao2026-thresholds", "--r0", str(r0), "--seed", "0"]
             + (["--cue", "kappa:u0=%g,omega=%g,amplitude=%g" % CUE] if cue else []),
             [
                 ("backward Euler", "division.py", base),
@@ -40,7 +40,7 @@ CASES = [
     *[
         (
             f"steady R0=2.0 xi={xi}",
-            ["steady", "--r0", "2.0", "--xi", str(xi)],
+            ["steady", "--preset", "gao2026-thresholds", "--r0", "2.0", "--xi", str(xi)],
             [("solve_bvp 1e-8", "steady.py", ["--r0", "2.0", "--xi", str(xi)])],
         )
         for xi in (8.6322, 20.7468, 25.8689)
