@@ -10,7 +10,6 @@
 
 use crate::continuation::{Continuation, Passed, Unfolding, belongs, distances};
 use crate::direction::{Direction, Residual};
-use crate::linear::System;
 use crate::problem::Directional;
 use crate::problem::derivatives::{power_residuals, second_residual};
 use crate::solution::Solution;
@@ -107,7 +106,8 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     let singular = SingularError::Singular { iterations: 0 };
     let Continuation { problem, metric, state, work, passed, unfolding, .. } = branch;
     let (before, from) = state.history.back(1).ok_or(singular)?;
-    let unfolding = Unfolding::renewed(unfolding, problem.dimensions(), from.m, metric, second).ok_or(singular)?;
+    let dims = problem.dimensions();
+    let unfolding = Unfolding::renewed(unfolding, dims, from.m, metric, second_residual).ok_or(singular)?;
     let mut y = passed.as_ref().map_or(&state.solution, |passed| &passed.solution).clone();
     let solved = match passed {
         Some(Passed { unfolded: true, .. }) => Some(()),
@@ -135,21 +135,6 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     Ok(BranchPoint { arclength: before + place[0], tangents, curvatures, gap: unfolding.gap(), solution: y })
 }
 
-/// D²F\[a, b\] of pairs of directions by the problem itself.
-fn second<P: Directional>(
-    system: &mut System,
-    problem: &mut P,
-    y: &Solution,
-    directions: &[&Direction],
-    pairs: &[[usize; 2]],
-    conditions: usize,
-    out: &mut [Residual],
-) {
-    for (pair, out) in pairs.iter().zip(out) {
-        second_residual(&system.gauss, problem, y, pair.map(|k| directions[k]), conditions, out);
-    }
-}
-
 /// ½ d²λ/ds² along the first of the tangents, the parameter's component of η; `mixed` is the product of both.
 fn curvature<P: Directional>(
     unfolding: &mut Unfolding<P>,
@@ -165,7 +150,7 @@ fn curvature<P: Directional>(
     response.scale(0.5);
     second_residual(&gauss, problem, y, [along, &response], CONDITIONS, &mut rest);
     rest.add(1.0 / 6.0, &cube);
-    response.add(-unfolding.product(&rest) / mixed, other);
+    response.add(-unfolding.project(&rest) / mixed, other);
     // An arclength has its curvature across the tangent.
     let rest = unfolding.metric.dot(&y.mesh, along, &response);
     response.add(-rest, along);

@@ -1,6 +1,6 @@
 //! Whether a step has passed a branch point, or jumped to another branch.
 
-use crate::direction::{Direction, Residual};
+use crate::direction::Direction;
 use crate::linear::System;
 use crate::mesh;
 use crate::metric::{self, Metric};
@@ -60,7 +60,8 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
     work: &mut Work,
 ) -> Option<Passed> {
     let [from, to] = passage.ends;
-    let unfolding = Unfolding::renewed(kept, problem.dimensions(), from.m, metric, second)?;
+    // Newton converges with differences as with the problem's own derivatives, to the same point.
+    let unfolding = Unfolding::renewed(kept, problem.dimensions(), from.m, metric, second_differences)?;
     let mut found = None;
     for share in [passage.share, 0.5] {
         let mut y = between(passage.ends, share);
@@ -124,19 +125,4 @@ pub(crate) fn distances(metric: &Metric, from: &Solution, y: &Solution, tangent:
 /// Whether a point at these distances belongs to a step.
 pub(crate) fn belongs([along, across]: [f64; 2], step: f64) -> bool {
     (-BEYOND * step..=(1.0 + BEYOND) * step).contains(&along) && across <= step
-}
-
-/// D²F\[a, b\] of pairs of directions by differences. Newton converges with it as with the exact one, to the same point.
-fn second<P: BoundaryValueProblem>(
-    system: &mut System,
-    problem: &mut P,
-    y: &Solution,
-    directions: &[&Direction],
-    pairs: &[[usize; 2]],
-    conditions: usize,
-    out: &mut [Residual],
-) {
-    for (pair, out) in pairs.iter().zip(out) {
-        second_differences(&system.gauss, problem, y, pair.map(|k| directions[k]), conditions, out);
-    }
 }

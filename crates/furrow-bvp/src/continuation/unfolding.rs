@@ -18,6 +18,7 @@
 use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition, Residual};
+use crate::gauss::Gauss;
 use crate::linear::System;
 use crate::metric::Metric;
 use crate::newton::Work;
@@ -26,10 +27,8 @@ use crate::solution::Solution;
 
 use super::unfolded::{Unfolded, unfolded};
 
-/// D²F\[a, b\] at y for pairs of directions, which are named by their places, into as many residuals: by the problem itself or by
-/// differences. The system is that of the unfolded problem.
-pub(crate) type SecondDerivatives<P> =
-    fn(&mut System, &mut P, &Solution, &[&Direction], &[[usize; 2]], conditions: usize, &mut [Residual]);
+/// D²F\[a, b\] at a solution, with zeros in so many linear conditions: by the problem itself or by differences.
+pub(crate) type SecondDerivative<P> = fn(&Gauss, &mut P, &Solution, [&Direction; 2], conditions: usize, &mut Residual);
 
 /// Newton on the extended system.
 pub(crate) struct Unfolding<P> {
@@ -45,11 +44,10 @@ pub(crate) struct Unfolding<P> {
     pub beta: f64,
     /// Factorisations and solves.
     pub work: Work,
-    /// How second derivatives are computed.
-    pub second: SecondDerivatives<P>,
+    second: SecondDerivative<P>,
     weights: Vec<f64>,
     conditions: [LinearCondition; 2],
-    residuals: Vec<Residual>,
+    residual: Residual,
     step: Direction,
     change: Direction,
 }
@@ -82,7 +80,7 @@ pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
 /// Smaller corrections do with the form of the iterate before.
 const SETTLED: f64 = 1e-6;
 
-/// How F changes g along a correction this small does not matter.
+/// How g changes along a correction this small does not matter.
 const NEGLIGIBLE: f64 = 1e-2 * CONVERGED;
 
 /// How far along both null directions g vanishes, which has these values and changes by the form.
@@ -104,7 +102,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         dims: Dimensions,
         stages: usize,
         metric: &Metric,
-        second: SecondDerivatives<P>,
+        second: SecondDerivative<P>,
     ) -> Option<&'a mut Self> {
         let larger = unfolded(dims);
         if larger.check(stages).is_err() || dims.missing_conditions() != 1 {
@@ -122,7 +120,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             second,
             weights: uneven(dims.right + dims.integrals).collect(),
             conditions: Default::default(),
-            residuals: Vec::new(),
+            residual: Residual::default(),
             step: Direction::default(),
             change: Direction::default(),
         })))
@@ -173,29 +171,19 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         split(out)
     }
 
-    /// That β alone, the product of the residual with −ψ, ψ the left null vector.
-    pub fn product(&mut self, residual: &Residual) -> f64 {
-        let mut change = std::mem::take(&mut self.change);
-        self.system.solve_last_node(residual, &mut change);
-        let product = split(&mut change);
-        self.change = change;
-        product
+    /// That β alone: the product of the residual with −ψ, ψ the left null vector.
+    pub fn project(&mut self, residual: &Residual) -> f64 {
+        self.system.solve_last_node(residual, &mut self.change);
+        split(&mut self.change)
     }
 
-    /// −ψ D²F\[a, b\] of pairs of directions.
-    fn products<const N: usize>(
-        &mut self,
-        problem: &mut P,
-        y: &Solution,
-        directions: &[&Direction],
-        pairs: [[usize; 2]; N],
-    ) -> [f64; N] {
-        let mut residuals = std::mem::take(&mut self.residuals);
-        residuals.resize(N, Residual::default());
-        (self.second)(&mut self.system, problem, y, directions, &pairs, self.conditions.len(), &mut residuals);
-        let products = std::array::from_fn(|k| self.product(&residuals[k]));
-        self.residuals = residuals;
-        products
+    /// −ψ D²F\[a, b\].
+    fn product(&mut self, problem: &mut P, y: &Solution, along: [&Direction; 2]) -> f64 {
+        let mut residual = std::mem::take(&mut self.residual);
+        (self.second)(&self.system.gauss, problem, y, along, self.conditions.len(), &mut residual);
+        let product = self.project(&residual);
+        self.residual = residual;
+        product
     }
 
     /// Factors at `y` with the conditions as they are.
@@ -234,11 +222,11 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         }))
     }
 
-    /// Computes the form again, at `y`.
+    /// Computes the form at `y`, the coefficients g_k′\[b_j\].
     pub fn derive(&mut self, problem: &mut P, y: &Solution) {
-        let [first, second] = std::mem::take(&mut self.basis);
-        self.form = self.products(problem, y, &[&first, &second], [[0, 0], [0, 1], [1, 1]]);
-        self.basis = [first, second];
+        let basis = std::mem::take(&mut self.basis);
+        self.form = [[0, 0], [0, 1], [1, 1]].map(|along| self.product(problem, y, along.map(|k| &basis[k])));
+        self.basis = basis;
     }
 
     /// The correction of one Newton iteration in `step`; returns that of β.
@@ -251,16 +239,14 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         // Not a number in the first iteration.
         let settled = left + shares[0].abs() + shares[1].abs() < SETTLED;
         if !settled {
-            let mut seen = [0.0; 2];
-            if left < NEGLIGIBLE {
-                self.derive(problem, y);
-            } else {
-                let [first, second] = std::mem::take(&mut self.basis);
-                let pairs = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2]];
-                let [h11, h12, h22, a, b] = self.products(problem, y, &[&first, &second, &step], pairs);
-                (self.basis, self.form, seen) = ([first, second], [h11, h12, h22], [a, b]);
+            self.derive(problem, y);
+            let mut there = g;
+            if left >= NEGLIGIBLE {
+                let basis = std::mem::take(&mut self.basis);
+                there = [0, 1].map(|k| g[k] + self.product(problem, y, [&basis[k], &step]));
+                self.basis = basis;
             }
-            shares = self::shares(self.form, [g[0] + seen[0], g[1] + seen[1]]);
+            shares = self::shares(self.form, there);
         }
         for (share, direction) in shares.into_iter().zip(&self.basis) {
             step.add(share, direction);

@@ -5,15 +5,14 @@
 //! only at folds and pitchforks, which the branch locates, and behind each of them the spectrum is computed anew. The iteration ends when
 //! it has found as many. If it finds another number, as where a pair of complex rates begins to grow, the spectrum is computed anew too.
 
-use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Solution, SolutionOperator, System};
+use furrow_bvp::Solution;
+use furrow_cell::Parameter;
 use furrow_spectra::{Krylov, RitzValue};
 
-use super::disturbances::Disturbances;
 use super::shifts::{REACH, shift_scale};
-use super::{Parity, Stability};
+use super::{Parity, Stability, end_of, parities};
+use crate::cortex::Cortex;
 use crate::cortex::problem::SHAPE_SCALARS;
-use crate::cortex::symmetry::even;
-use crate::cortex::{Cortex, Domain};
 
 /// Largest Krylov dimension before the spectrum is computed anew.
 const MOST_DIMENSIONS: usize = 24;
@@ -24,43 +23,37 @@ const KEPT: usize = 3;
 /// Growth rates along one branch.
 #[derive(Clone, Debug)]
 pub(crate) struct FollowedRates {
+    /// The cell at the last point.
     cortex: Cortex,
-    /// The same without free parameters.
-    fixed: Cortex,
+    /// The parameters that points bring with them.
+    free: Vec<Parameter>,
     stability: Stability,
     /// Folds and pitchforks before the point at which modes were counted, and how many then grew: even or of a full contour, odd.
     counted: Option<(usize, [usize; 2])>,
-    system: System,
     krylov: [Krylov; 2],
-    disturbances: Disturbances,
-    antisymmetric: AntisymmetricEnd,
-    operator: SolutionOperator,
 }
 
 impl FollowedRates {
-    /// Of shapes of a cell, whose free parameters they bring with them, with m stages per interval.
+    /// Of shapes of a cell with free parameters, with m stages per interval.
     pub(crate) fn new(cortex: &Cortex, stages: usize) -> FollowedRates {
-        let fixed = Cortex::new(&cortex.cell, cortex.domain, &[]);
         FollowedRates {
-            system: System::new(fixed.dimensions(), stages),
-            cortex: cortex.clone(),
-            fixed,
+            cortex: Cortex::new(&cortex.cell, cortex.domain, &[]),
+            free: cortex.free.clone(),
             stability: Stability::new(stages),
             counted: None,
             krylov: Default::default(),
-            disturbances: Disturbances::default(),
-            antisymmetric: AntisymmetricEnd::default(),
-            operator: SolutionOperator::default(),
         }
     }
 
     /// The largest growth rate at the next point of a branch, after so many folds and pitchforks; none if it cannot be computed.
     pub(crate) fn at(&mut self, y: &Solution, passed: usize) -> Option<f64> {
-        match self.counted.filter(|(then, _)| *then == passed) {
-            Some((_, growing)) => self.near_zero(y, growing),
-            None => None,
+        let mut y = y.clone();
+        for (parameter, value) in self.free.iter().zip(y.scalars.drain(SHAPE_SCALARS..)) {
+            parameter.set(&mut self.cortex.cell, value);
         }
-        .or_else(|| self.anew(y, passed))
+        self.cortex.refresh();
+        let growing = self.counted.filter(|(then, _)| *then == passed).map(|(_, growing)| growing);
+        growing.and_then(|growing| self.near_zero(&y, growing)).or_else(|| self.anew(&y, passed))
     }
 
     /// From the whole spectrum, whose growing modes are counted.
@@ -81,32 +74,19 @@ impl FollowedRates {
 
     /// From the modes nearest to zero, if as many grow as have before.
     fn near_zero(&mut self, y: &Solution, growing: [usize; 2]) -> Option<f64> {
-        let FollowedRates { fixed, stability, system, krylov, disturbances, antisymmetric, operator, .. } = self;
-        let mut y = y.clone();
-        for (parameter, value) in self.cortex.free.iter().zip(y.scalars.drain(SHAPE_SCALARS..)) {
-            parameter.set(&mut fixed.cell, value);
-        }
-        fixed.refresh();
-        system.evaluate(fixed, &y, &[], true);
+        let FollowedRates { cortex, stability, krylov, .. } = self;
+        let Stability { arnoldi, system, antisymmetric, disturbances, operator, .. } = stability;
+        system.evaluate(cortex, y, &[], true);
         system.condense().ok()?;
         system.factor_blocks(&[]).ok()?;
-        let scale = shift_scale(fixed);
-        disturbances.set(fixed, &y, &system.gauss, 1.0);
+        let scale = shift_scale(cortex);
+        disturbances.set(cortex, y, &system.gauss, 1.0);
         disturbances.assemble(system, operator);
-        let parities: &[Parity] = match fixed.domain {
-            Domain::Full => &[Parity::Mixed],
-            Domain::Half => &[Parity::Even, Parity::Odd],
-        };
         let (mut largest, mut scalars) = (f64::NEG_INFINITY, [0.0; SHAPE_SCALARS]);
-        for (krylov, (&parity, growing)) in krylov.iter_mut().zip(parities.iter().zip(growing)) {
-            let end = if parity == Parity::Odd {
-                system.eliminate_antisymmetric(even(y.components), antisymmetric).ok()?;
-                Some(&*antisymmetric)
-            } else {
-                None
-            };
+        for (krylov, (&parity, growing)) in krylov.iter_mut().zip(parities(cortex.domain).iter().zip(growing)) {
+            let end = end_of(parity, system, antisymmetric, y.components).ok()?;
             let step = |from: &[f64], to: &mut [f64]| operator.apply(system, end, from, to, &mut scalars);
-            let tolerance = stability.arnoldi.tolerance;
+            let tolerance = arnoldi.tolerance;
             let found = krylov.run(&disturbances.weights, MOST_DIMENSIONS, step, |values, _| {
                 let modes = Modes::of(values, scale, tolerance);
                 modes.are_all(growing).then(|| (modes.values[0].rate, modes.nearest()))

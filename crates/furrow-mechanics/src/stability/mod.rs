@@ -150,27 +150,12 @@ impl Stability {
     fn at_shift(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64, wanted: usize) -> Result<Spectrum> {
         let failed = StabilityError::at(shift);
         self.linearise(cortex, y, shift).map_err(&failed)?;
-        self.disturbances.assemble(&self.system, &mut self.operator);
-        let mut out = Spectrum::default();
-        let parities: &[Parity] = match cortex.domain {
-            Domain::Full => &[Parity::Mixed],
-            Domain::Half => &[Parity::Even, Parity::Odd],
-        };
-        for &parity in parities {
-            let end = if parity == Parity::Odd {
-                // From the factors of the even problem, which comes first.
-                let det =
-                    self.system.factor_antisymmetric(even(y.components), &mut self.antisymmetric).map_err(&failed)?;
-                if det.sign == 0.0 {
-                    return Err(StabilityError::Factorisation { shift, column: 0 });
-                }
-                Some(&self.antisymmetric)
-            } else {
-                self.system.factor_blocks(&[]).map_err(&failed)?;
-                None
-            };
-            let Stability { arnoldi, system, disturbances, operator, krylov, .. } = self;
-            let mut scalars = [0.0; SHAPE_SCALARS];
+        self.system.factor_blocks(&[]).map_err(&failed)?;
+        let Stability { arnoldi, system, antisymmetric, disturbances, operator, krylov, .. } = self;
+        disturbances.assemble(system, operator);
+        let (mut out, mut scalars) = (Spectrum::default(), [0.0; SHAPE_SCALARS]);
+        for &parity in parities(cortex.domain) {
+            let end = end_of(parity, system, antisymmetric, y.components).map_err(&failed)?;
             let step = |from: &[f64], to: &mut [f64]| operator.apply(system, end, from, to, &mut scalars);
             out.values.extend(rightmost(arnoldi, krylov, &disturbances.weights, step, (parity, shift, wanted))?);
         }
@@ -193,6 +178,28 @@ impl Stability {
         self.disturbances.set(cortex, y, &self.system.gauss, shift);
         Ok(())
     }
+}
+
+/// Symmetries of the modes of a shape.
+fn parities(domain: Domain) -> &'static [Parity] {
+    match domain {
+        Domain::Full => &[Parity::Mixed],
+        Domain::Half => &[Parity::Even, Parity::Odd],
+    }
+}
+
+/// The end of the problem for odd modes, from the factors of that for even ones; none for other modes.
+fn end_of<'a>(
+    parity: Parity,
+    system: &System,
+    end: &'a mut AntisymmetricEnd,
+    components: usize,
+) -> Result<Option<&'a AntisymmetricEnd>, PivotFailure> {
+    if parity != Parity::Odd {
+        return Ok(None);
+    }
+    system.eliminate_antisymmetric(even(components), end)?;
+    Ok(Some(end))
 }
 
 /// The cell with its free parameters fixed at the values they have in `y`.
