@@ -77,10 +77,10 @@ pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
     .take(count)
 }
 
-/// Smaller corrections do with the form of the iterate before.
+/// Smaller corrections reuse the form of the previous iterate.
 const SETTLED: f64 = 1e-6;
 
-/// How g changes along a correction this small does not matter.
+/// How g changes along a correction smaller than this is neglected.
 const NEGLIGIBLE: f64 = 1e-2 * CONVERGED;
 
 /// How far along both null directions g vanishes, which has these values and changes by the form.
@@ -95,8 +95,8 @@ fn split(direction: &mut Direction) -> f64 {
 }
 
 impl<P: BoundaryValueProblem> Unfolding<P> {
-    /// That of a problem, in the place of one of the same problem if there is one. None for problems of which the kernels cannot take
-    /// another scalar unknown, or which are not one condition short of square.
+    /// The workspace in `kept`, made anew where it does not fit the problem. None if the kernels cannot take another scalar unknown, or if
+    /// the problem is not one condition short of square.
     pub fn renewed<'a>(
         kept: &'a mut Option<Self>,
         dims: Dimensions,

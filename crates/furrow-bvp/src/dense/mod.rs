@@ -201,16 +201,6 @@ pub fn add_columns(sums: &mut [Lane], factors: &[f64], columns: &[Lane], stride:
 fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane], stride: usize) {
     let Some(sums) = sums.first_chunk_mut::<W>() else { return };
     let mut sum = *sums;
-    if stride == W {
-        // Without gaps between columns there is nothing to check.
-        for (factor, column) in factors.iter().zip(columns.as_chunks::<W>().0) {
-            for v in 0..W {
-                add_scaled(&mut sum[v], *factor, &column[v]);
-            }
-        }
-        *sums = sum;
-        return;
-    }
     for (k, factor) in factors.iter().enumerate() {
         let column = &columns[k * stride..][..W];
         for v in 0..W {

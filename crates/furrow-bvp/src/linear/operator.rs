@@ -6,8 +6,8 @@ use crate::kernels::{AntisymmetricEnd, MAX_READINGS, Responses, forces_onto_node
 use super::system::{Progress, System};
 
 /// The map from forces at the collocation points to readings of the solution there: −C J⁻¹ B, where few forces and readings belong to a
-/// point. Iterations for eigenvalues apply it many times. A product takes a fraction of a [`solve`](System::solve), since what happens
-/// inside the intervals is put together beforehand.
+/// point. Iterations for eigenvalues apply it many times. Each application takes less than a [`solve`](System::solve), since what happens
+/// inside the intervals is precomputed.
 ///
 /// # Examples
 /// Displacement u = x (1 − x)/2 of a string under its weight, u″ + λ w = 0 with u(0) = u(1) = 0, for a load on the equation of u′
@@ -44,7 +44,7 @@ pub struct SolutionOperator {
 }
 
 impl SolutionOperator {
-    /// Puts together what happens inside the intervals, of a system that is condensed.
+    /// Precomputes what happens inside the intervals of a condensed system.
     ///
     /// There are `forces` and `readings` per collocation point. `force` has what they add to the residuals of the components that are not
     /// quadratures; points × components × forces. `reading` has the readings of all components; points × readings × components. If their

@@ -12,7 +12,8 @@ use crate::stability::following::FollowedRates;
 /// Takes in the next point of a branch, after so many folds and pitchforks.
 pub(super) type TakeIn<'a> = dyn FnMut(&Solution, usize) + 'a;
 
-/// Points that wait for their growth rates. Each rate starts from the one before, so that one thread at a time computes them, in order.
+/// Points whose growth rates are still to be computed. Each computation starts from the previous modes, so one thread at a time does
+/// them, in order.
 struct Queue {
     waiting: Mutex<Waiting>,
     rates: Mutex<(FollowedRates, Vec<Option<f64>>)>,
@@ -41,7 +42,7 @@ impl Queue {
         next
     }
 
-    /// Computes rates until no point waits. No thread is kept waiting for points that are yet to come.
+    /// Computes rates until no point waits, then returns, so that the thread is free while the branch is followed to its next point.
     fn work(&self) {
         let mut rates = self.rates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let (rates, found) = &mut *rates;
