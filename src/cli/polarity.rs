@@ -85,8 +85,8 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     let chemistry = Chemistry { numerics: settings.numerics, ..Chemistry::new(constants, length_um) };
     let found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
     for cell in &found.cells {
-        if let Err(error) = &cell.division {
-            messages::warning!("{}: {error}", name(cell));
+        if let Some(why) = cell.why() {
+            messages::warning!("{}: {why}", name(cell));
         }
     }
     if let Some(file) = &args.out {
@@ -120,14 +120,16 @@ impl Shown<'_> {
             "cell", "R0", "R0 (µm)", "S/V (/µm)", "polarised", "u0", "ω", "outcome", "χ"
         );
         for cell in &self.found.cells {
-            let boundary = cell.polarity.map_or(format!("{:>9}  {:>6}  {:>7}", "no", "-", "-"), |found| {
-                format!("{:>9}  {:>6.4}  {:>7.4}", "yes", found.u0, found.omega)
-            });
-            let division = cell.division.as_ref().ok();
+            let boundary = match &cell.polarity {
+                Ok(Some(found)) => format!("{:>9}  {:>6.4}  {:>7.4}", "yes", found.u0, found.omega),
+                Ok(None) => format!("{:>9}  {:>6}  {:>7}", "no", "-", "-"),
+                Err(_) => format!("{:>9}  {:>6}  {:>7}", "unknown", "-", "-"),
+            };
+            let division = cell.division.as_ref().and_then(|division| division.as_ref().ok());
             let outcome = division.map_or("undecided", |division| division.outcome().name());
             // Without a cue the noise decides the side.
             let chi = division
-                .and_then(|division| if cell.polarity.is_some() { division.chi_signed() } else { division.chi() });
+                .and_then(|division| if cell.readings().is_some() { division.chi_signed() } else { division.chi() });
             let chi = chi.map_or("-".to_owned(), |chi| format!("{chi:.4}"));
             let measured = cell.measured.as_ref().map_or("-".to_owned(), |m| {
                 format!(
@@ -136,10 +138,11 @@ impl Shown<'_> {
                     m.sd_signed.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n))
                 )
             });
-            let (name, r0, um, ratio) = (name(cell), cell.r0, self.um(cell.r0), cell.surface_to_volume);
+            let (name, r0, um) = (name(cell), cell.r0, self.um(cell.r0));
+            let ratio = cell.surface_to_volume.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
             let _ = writeln!(
                 out,
-                "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9.4}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"
+                "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"
             );
         }
         out + &self.surface() + &self.limits() + &self.verdict()

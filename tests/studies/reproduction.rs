@@ -44,9 +44,9 @@ fn the_page_is_current_as_far_as_is_quickly_told() {
     assert_eq!(before(&page), before(PAGE), "{HELP}");
 }
 
-/// All of the paper that computation can reach: two minutes of computing.
+/// All of the paper that computation can reach.
 #[test]
-#[ignore = "divisions by the thousand"]
+#[ignore = "takes minutes"]
 fn the_whole_page_is_current() {
     assert_eq!(page_of(&[]), PAGE, "{HELP}");
 }
