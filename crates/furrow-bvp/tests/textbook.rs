@@ -10,6 +10,9 @@ use furrow_bvp::{
     MinimallyAugmented, PointJacobian, Solution, SymmetryBreaking, Termination, locate, mesh,
 };
 
+#[cfg(feature = "auto")]
+#[path = "textbook/algebraic.rs"]
+mod algebraic;
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
 mod hostile;

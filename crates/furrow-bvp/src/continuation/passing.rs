@@ -1,6 +1,6 @@
 //! Whether a step has passed a branch point, or jumped to another branch.
 
-use crate::direction::Direction;
+use crate::direction::{Direction, Residual};
 use crate::linear::System;
 use crate::mesh;
 use crate::metric::{self, Metric};
@@ -31,10 +31,12 @@ pub(crate) struct Passed {
 
 /// The direction that belongs to the smallest singular value, nearly, from factors near a branch point: a second null direction.
 pub(super) fn nearly_null(system: &mut System) -> Direction {
-    let dims = system.dimensions();
-    let weights: Vec<f64> = uneven(dims.right + dims.integrals).map(|w| -w).collect();
-    let mut direction = Direction::default();
-    system.solve_ends(weights.split_at(dims.right).into(), &mut direction);
+    let (mut residual, mut direction, integrals) =
+        (system.zero_residual(), Direction::default(), system.dimensions().integrals);
+    let Residual { left, right, border, .. } = &mut residual;
+    let conditions = right.iter_mut().chain(&mut border[..integrals]).chain(left);
+    conditions.zip(uneven()).for_each(|(row, weight)| *row = weight);
+    system.solve(&residual, &mut direction);
     direction
 }
 

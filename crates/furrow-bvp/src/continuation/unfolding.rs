@@ -66,7 +66,7 @@ const CONVERGED: f64 = 3e-9;
 
 /// Weights w of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
 /// the symmetries of a problem do not make them useless.
-pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
+pub(super) fn uneven() -> impl Iterator<Item = f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     std::iter::repeat_with(move || {
         state ^= state << 13;
@@ -74,7 +74,6 @@ pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
         state ^= state << 17;
         0.25 + (state >> 11) as f64 / (1u64 << 53) as f64
     })
-    .take(count)
 }
 
 /// Smaller corrections reuse the form of the previous iterate.
@@ -118,7 +117,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             beta: 0.0,
             work: Work::default(),
             second,
-            weights: uneven(dims.right + dims.integrals).collect(),
+            weights: uneven().take(dims.right + dims.integrals + dims.left).collect(),
             conditions: Default::default(),
             residual: Residual::default(),
             step: Direction::default(),
@@ -132,8 +131,8 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         let [first, second] = &mut self.conditions;
         self.metric.plane_through(y, tangent, first);
         // Any row does that the second null direction is not orthogonal to.
-        second.nodes = uneven(y.nodes.len()).collect();
-        second.scalars = uneven(y.scalars.len()).collect();
+        second.nodes = uneven().take(y.nodes.len()).collect();
+        second.scalars = uneven().take(y.scalars.len()).collect();
         self.beta = 0.0;
         self.linearise(problem, y).ok()?;
         self.basis[0].clone_from(tangent);

@@ -354,16 +354,6 @@ impl System {
         self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
     }
 
-    /// Solves for right-hand sides of the right conditions and of the integral conditions, and zero elsewhere.
-    pub(crate) fn solve_ends(&mut self, [right, integrals]: [&[f64]; 2], out: &mut Direction) {
-        let Dimensions { right: conditions, integrals: ni, .. } = self.dimensions();
-        let mut border = [0.0; MAX_UNKNOWNS];
-        if self.is_factored(Progress::Factored, [right.len(), integrals.len()] == [conditions, ni], out) {
-            border[..ni].copy_from_slice(integrals);
-            self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
-        }
-    }
-
     /// Solves J d = 0 with linear condition `which` raised by 1.
     pub fn null_direction(&mut self, which: usize, out: &mut Direction) {
         self.solve_unit(self.dimensions().integrals.saturating_add(which), out);
