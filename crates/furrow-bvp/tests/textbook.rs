@@ -15,6 +15,8 @@ use furrow_bvp::{
 mod algebraic;
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
+#[path = "textbook/events.rs"]
+mod events;
 mod hostile;
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;
@@ -261,6 +263,8 @@ fn the_folds_of_the_gelfand_problem_end_in_a_cusp() {
     let cusp = curve.turning_point(1).unwrap();
     assert!((cusp.scalars[1] - 0.245780).abs() < 1e-6, "{:?}", cusp.scalars);
     assert!((cusp.scalars[0] / 4.0 - 1.307374).abs() < 1e-6, "{:?}", cusp.scalars);
+    let estimate = curve.error_estimate(&cusp);
+    assert!(estimate < 1e-6, "{estimate:.1e}");
 }
 
 /// Van der Pol's periodic orbit x″ = μ(1 − x²)x′ − x over half its period T, after which (x, x′) is (−x, −x′): x = c, x′ = 0 on

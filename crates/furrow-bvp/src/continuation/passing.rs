@@ -2,14 +2,13 @@
 
 use crate::direction::{Direction, Residual};
 use crate::linear::System;
-use crate::mesh;
-use crate::metric::{self, Metric};
+use crate::metric::Metric;
 use crate::newton::Work;
 use crate::problem::BoundaryValueProblem;
 use crate::problem::derivatives::second_differences;
 use crate::solution::Solution;
 
-use super::unfolding::{Unfolding, uneven};
+use super::unfolding::{CONVERGED, Unfolding, uneven};
 
 /// Branches nearer to each other than this cross, as far as the rounding of β can tell.
 const CLOSED: f64 = 1e-5;
@@ -92,13 +91,7 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
 /// Whether the branches that cross at `y` in the unfolded problem, with a gap in the problem itself, cross there on a finer mesh.
 fn is_closed<P: BoundaryValueProblem>(unfolding: &mut Unfolding<P>, problem: &mut P, y: &Solution) -> bool {
     let gap = unfolding.gap();
-    let finer = mesh::halved(&y.mesh);
-    let gauss = unfolding.system.gauss.clone();
-    let (mut refined, mut basis) = (y.on_mesh(&gauss, &finer), unfolding.basis.clone());
-    for direction in &mut basis {
-        metric::transfer_direction(&gauss, &y.mesh, &finer, direction);
-    }
-    unfolding.solve_from(problem, &mut refined, basis).is_some() && unfolding.gap() < SHRINKS * gap
+    unfolding.on_halved(problem, y, CONVERGED).is_some() && unfolding.gap() < SHRINKS * gap
 }
 
 /// The point at a share of the way.

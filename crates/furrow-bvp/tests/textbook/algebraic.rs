@@ -62,9 +62,8 @@ fn a_branch_point_is_found_whichever_kind_of_condition_has_it() {
     }
 }
 
-/// Two competitors for space, shares m and c of it, with t = 1 − m − c left: 0 = am c − λm/(m + t) + γmt, 0 = rtc − dc − amc.
-/// The states without the second cross those without the first at λ = γ, and those of both where m = (r − d)/(r + a). Those
-/// without the first cross those of both where λ = t(ac + γt) with t = d/r.
+/// Two competitors for space, with shares m and c, and t = 1 − m − c left: 0 = am c − λm/(m + t) + γmt, 0 = rtc − dc − amc.
+/// Branches cross at c = 0 where m = 0 or m = (r − d)/(r + a), and at m = 0 where t = d/r and λ = t(ac + γt).
 #[test]
 fn a_branch_point_of_two_equations_is_found_whichever_kinds_of_conditions_they_are() {
     let (a, gamma, d) = (0.1, 0.8, 0.44);
