@@ -15,9 +15,15 @@ use furrow_bvp::{
 mod algebraic;
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
+#[cfg(feature = "auto")]
+#[path = "textbook/ends.rs"]
+mod ends;
 #[path = "textbook/events.rs"]
 mod events;
 mod hostile;
+#[cfg(feature = "auto")]
+#[path = "textbook/orbits.rs"]
+mod orbits;
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;
 

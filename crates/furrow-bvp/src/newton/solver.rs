@@ -47,7 +47,7 @@ impl Default for Settings {
     }
 }
 
-/// Ten times the work of the hardest of the Cash–Mazzia problems that is solved.
+/// The hardest case that is solved in the table of Cash and Mazzia takes a quarter of it.
 pub(crate) const BUDGET: f64 = 1000.0;
 
 impl Settings {
