@@ -21,6 +21,7 @@ pub mod problem;
 use furrow_bvp::{Direction, Residual, Solution, System};
 use furrow_spectra::{Arnoldi, Krylov};
 
+use crate::cortex::amount::AmountOf;
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::spectrum::{Result, rightmost, sort};
@@ -61,6 +62,8 @@ pub struct Azimuthal {
     problem: Disturbance,
     system: System,
     shifts: Shifts,
+    /// How disturbances change the amount of a conserved regulator; those that turn with φ do not.
+    amount: AmountOf,
     /// The shape, the whole contour.
     shape: Solution,
     /// A disturbance that is zero, on the mesh of the shape.
@@ -113,6 +116,7 @@ impl Azimuthal {
             problem,
             system,
             shifts,
+            amount: if m == 0 { AmountOf::disturbances(cortex, y, &gauss) } else { AmountOf::default() },
             shape: y.clone(),
             found: zero.clone(),
             zero,
@@ -255,6 +259,8 @@ impl Azimuthal {
                 *changed = x[REGULATOR];
             }
         }
+        let excess = self.amount.excess(displaced.iter().zip(&*changed).map(|(w, phi)| [*w, *phi]));
+        changed.iter_mut().for_each(|phi| *phi -= excess);
     }
 }
 

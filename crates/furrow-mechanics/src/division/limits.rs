@@ -13,6 +13,11 @@ const MOST_STEPS: f64 = 1e4;
 /// What is slower than this, in 1/τ and relative to R0, over all of the time that a division is given, is rounding.
 const DRIFT: f64 = 1e-8;
 
+/// A shape slower than this, in 1/τ and relative to R0, creeps: it needs few steps for however long.
+const CREEPING: f64 = 1e-4;
+/// How many times longer than others a shape that creeps is followed.
+const MORE_TIME: f64 = 1e5;
+
 /// What is left of a coefficient that must be positive, relative to its value without a regulator, where no step can be solved any
 /// more.
 pub const TAKEN_AWAY: f64 = 0.02;
@@ -47,6 +52,12 @@ pub fn neutral_drift(stepper: &Stepper) -> Option<f64> {
     let fastest = spectrum.values.iter().map(|rate| rate.re.hypot(rate.im)).fold(1.0, f64::max);
     let growth_rate = spectrum.growth_rate();
     (growth_rate < DRIFT * fastest).then_some(-growth_rate.abs())
+}
+
+/// Whether the newest shape moves too slowly to get anywhere in the time that a division is given, as in a loose shell, where a flow
+/// along the axis pushes the cell against next to nothing: it is followed until it rests, or divides elsewhere.
+pub fn creeps(stepper: &Stepper, t_max: f64) -> bool {
+    stepper.speed() < CREEPING && stepper.history[0].t < MORE_TIME * t_max
 }
 
 /// The coefficient that a regulator has left least of in the newest shape, if that is less than a `share` of its value without.

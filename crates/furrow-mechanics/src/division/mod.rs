@@ -12,7 +12,7 @@
 //! | `rest` | detection of equilibria |
 //! | [`saddle`] | skips the linear growth at a saddle, where a cell waits longer than the time it is given |
 //! | [`oscillation`] | detection of limit cycles |
-//! | `limits` | the step budget, and cells that drift freely |
+//! | `limits` | the step budget, and cells that drift freely or creep |
 //! | [`outcome`] | how a division ended: [`Division`] |
 //! | [`trajectory`] | all shapes of a division, with the forces on them |
 //! | [`statistics`] | statistics of several divisions |

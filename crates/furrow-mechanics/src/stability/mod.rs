@@ -129,6 +129,7 @@ impl Stability {
             self.disturbances.load(&mode, &mut self.right_hand_side);
             self.system.solve(&self.right_hand_side, &mut self.update);
             self.disturbances.read(&self.update, &mut next);
+            self.disturbances.conserve(&mut next);
             let largest = next.iter().fold(0.0f64, |most, w| most.max(w.abs()));
             if !(largest.is_finite() && largest > 0.0) {
                 return Err(StabilityError::Factorisation { shift, column: 0 });
@@ -156,7 +157,13 @@ impl Stability {
         let (mut out, mut scalars) = (Spectrum::default(), [0.0; SHAPE_SCALARS]);
         for &parity in parities(cortex.domain) {
             let end = end_of(parity, system, antisymmetric, y.components).map_err(&failed)?;
-            let step = |from: &[f64], to: &mut [f64]| operator.apply(system, end, from, to, &mut scalars);
+            let step = |from: &[f64], to: &mut [f64]| {
+                operator.apply(system, end, from, to, &mut scalars);
+                // Odd disturbances do not change the amount of a regulator.
+                if parity != Parity::Odd {
+                    disturbances.conserve(to);
+                }
+            };
             out.values.extend(rightmost(arnoldi, krylov, &disturbances.weights, step, (parity, shift, wanted))?);
         }
         sort(&mut out.values);
