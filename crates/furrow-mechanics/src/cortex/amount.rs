@@ -114,8 +114,8 @@ impl AmountOf {
         AmountOf((0..points).map(at).collect())
     }
 
-    /// The change of φ, everywhere the same, that takes away what a disturbance, given as (w, δφ), adds to the amount. One that adds to
-    /// it neither grows nor decays, and belongs to another cell.
+    /// By how much φ must be lowered everywhere so that a disturbance (w, δφ) adds nothing to the amount. A change of the amount neither
+    /// grows nor decays: it belongs to another cell.
     pub(crate) fn excess(&self, disturbance: impl Iterator<Item = [f64; 2]>) -> f64 {
         let added: f64 = self.0.iter().zip(disturbance).map(|(by, [w, phi])| by[0] * w + by[1] * phi).sum();
         let area: f64 = self.0.iter().map(|by| by[1]).sum();

@@ -99,3 +99,23 @@ fn positive(at: &LocalCoefficients<f64>) -> [f64; 4] {
     let [eta_b, eta_s] = [1.0, -1.0].map(|sign| 0.5 * (at.eta_sum + sign * at.eta_difference));
     [at.kappa, eta_b, eta_s, at.friction]
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::division::{DivisionInput, Outcome, divide};
+    use furrow_cell::Cell;
+
+    /// Friction that differs between the halves makes a cell swim along a loose shell, slower and slower: to rest, or to where it divides.
+    #[test]
+    fn cells_that_creep_along_loose_shells_are_followed_to_their_outcome() {
+        let cue = "friction:step,u0=0.3,omega=0.2,amplitude=0.5";
+        for (r0, epsilon, outcome) in [(2.8, 0.50, Outcome::Arrested), (2.9, 0.50, Outcome::Asymmetric)] {
+            let cell = Cell { epsilon, xi_s: 6.5, ..Cell::new(r0) }.with_cue(cue.parse().unwrap());
+            let division = divide(&DivisionInput::new(cell)).unwrap();
+            assert_eq!(division.outcome(), outcome);
+            // Longer than `t_max`, in a few more steps.
+            assert!(division.t_end > 1e4 && division.work.steps < 200, "{division:?}");
+            assert!(division.growth_rate().is_none_or(|rate| rate < -1e-5), "{division:?}");
+        }
+    }
+}
