@@ -46,7 +46,9 @@ fn cue(draws: &mut Draws) -> String {
 fn cell(number: usize) -> Cell {
     let mut draws = Draws(number as u64);
     // The first numbers of neighbouring seeds are alike.
-    (0..8).for_each(|_| drop(draws.between(0.0, 1.0)));
+    for _ in 0..8 {
+        draws.between(0.0, 1.0);
+    }
     loop {
         let [r0, epsilon, xi_s] = [[0.5, 8.0], [0.4, 0.98], [0.0, 80.0]].map(|[low, high]| draws.between(low, high));
         // A coefficient that the cue brings below zero is refused.
