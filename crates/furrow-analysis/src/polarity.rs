@@ -258,3 +258,29 @@ impl PolarisedCell {
         filled(merged(merged(own, self.readings().map_or(json!({}), |found| json!(found))), divided))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_mechanics::polarity::ParConstants;
+
+    /// ψ is surface over volume of the cell's own shape, or the number that is given for all.
+    #[test]
+    fn the_document_has_the_psi_that_the_chemistry_ran_with() {
+        let cell = PolarisedCell {
+            name: None,
+            r0: 5.4,
+            surface_to_volume: 0.18,
+            polarity: None,
+            profile: Vec::new(),
+            cue: Cue::default(),
+            division: Err(DivisionError::Cancelled { r0: 5.4, t: 0.0 }),
+            measured: None,
+        };
+        for (surface_to_volume, psi) in [(SurfaceToVolume::Shape, 0.18), (SurfaceToVolume::Fixed(0.25), 0.25)] {
+            let constants = ParConstants { surface_to_volume, ..ParConstants::GOEHRING2011 };
+            let document = cell.document(&Chemistry::new(constants, 3.2));
+            assert_eq!((&document["psi"], &document["surface_to_volume"]), (&json!(psi), &json!(0.18)), "{document}");
+        }
+    }
+}
