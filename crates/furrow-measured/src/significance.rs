@@ -1,7 +1,7 @@
 //! Probabilities of slopes, of differences of means and of orders.
 
 use serde::Serialize;
-use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, StudentsT};
 
 use crate::statistics::{Line, line};
 
@@ -64,4 +64,17 @@ pub fn welch(a: Sample, b: Sample) -> Option<f64> {
 pub fn sign_test(agree: usize, of: usize) -> f64 {
     let below = agree.checked_sub(1).zip(Binomial::new(0.5, of as u64).ok());
     below.map_or(1.0, |(below, tosses)| tosses.sf(below as u64))
+}
+
+/// Probability of a χ² as large with so many degrees of freedom; none without any.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::significance::chi_squared_tail;
+/// // With two degrees of freedom e^(−χ²/2).
+/// assert!((chi_squared_tail(3.0, 2).unwrap() - (-1.5_f64).exp()).abs() < 1e-14);
+/// assert_eq!(chi_squared_tail(0.0, 0), None);
+/// ```
+pub fn chi_squared_tail(chi_squared: f64, degrees_of_freedom: usize) -> Option<f64> {
+    Some(ChiSquared::new(degrees_of_freedom as f64).ok()?.sf(chi_squared)).filter(|p| !p.is_nan())
 }
