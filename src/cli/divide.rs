@@ -307,7 +307,7 @@ fn one_sided(cell: &Cell, solved: &[Solved]) -> String {
     let rests = solved.iter().any(|one| one.division.chi().is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
-            "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory, which does not say what becomes of it; see furrow steady --azimuthal 1\n"
+            "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory, which does not say how it ends; see furrow steady --azimuthal 1\n"
         ),
         None => String::new(),
     }

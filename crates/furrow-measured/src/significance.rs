@@ -66,7 +66,7 @@ pub fn sign_test(agree: usize, of: usize) -> f64 {
     below.map_or(1.0, |(below, tosses)| tosses.sf(below as u64))
 }
 
-/// Probability of a χ² as large with so many degrees of freedom; none without any.
+/// Probability of a χ² as large or larger; `None` without degrees of freedom.
 ///
 /// # Examples
 /// ```

@@ -54,7 +54,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     if one_sided > 0 {
         let _ = writeln!(
             out,
-            "{one_sided} of these cells rest only while they keep their axis: a bend to one side (m = 1) grows in them by linear theory, which does not say what becomes of it; see furrow steady --azimuthal 1."
+            "{one_sided} of these cells rest only while they keep their axis: a bend to one side (m = 1) grows in them by linear theory, which does not say how it ends; see furrow steady --azimuthal 1."
         );
     }
     if summary.limited() {

@@ -113,7 +113,7 @@ fn jumps_text(jumps: &[Jump]) -> String {
     if jumps.is_empty() {
         return String::new();
     }
-    let mut out = "\nThe fit rests on a jump, and errors mean nothing across it:\n".to_owned();
+    let mut out = "\nDivisions jump within these errors or within 1 %; errors mean nothing across a jump:\n".to_owned();
     for Jump { cell, by, best, between: [near, far], chi } in jumps {
         let [before, behind] = chi.map(|chi| chi.map_or("no division".to_owned(), |chi| format!("χ = {chi:.3}")));
         let off = 100.0 * (far / best - 1.0);

@@ -411,12 +411,16 @@ mod tests {
 
     /// The published cue in the units of the search, and its objective.
     fn of_the_embryo<T>(then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
+        of_cue(Cue::published(), then)
+    }
+
+    /// A cue in the units of the search, and its objective.
+    fn of_cue<T>(template: Cue, then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
         let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
         // Differences of divisions need them solved as finely as their tangents.
         let mut settings = TreeSettings::default();
         settings.numerics.time_tolerance *= FINER;
         settings.numerics.noise = 0.0;
-        let template = Cue::published();
         let unknowns = unknowns(&template);
         let cell = Cell::gao2026_thresholds(1.0).with_cue(template.clone());
         let share = |unknown: &Unknown| {
@@ -450,6 +454,19 @@ mod tests {
                     assert!(off < 0.02 * expected.abs() + 1e-3, "row {i}, {of}: {} {expected}", row[k]);
                 }
             }
+        });
+    }
+
+    #[test]
+    fn errors_grow_with_the_misfit() {
+        of_the_embryo(|objective, place| {
+            let [good, poor] = [1.0, 4.0].map(|chi_squared| complete(objective, &place, chi_squared).unwrap());
+            assert_eq!((poor.goodness.degrees_of_freedom, poor.goodness.error_scale), (1, Some(2.0)));
+            assert!((poor.goodness.p.unwrap() - 0.0455).abs() < 1e-4, "{:?}", poor.goodness);
+            let errors: Vec<_> =
+                good.numbers.iter().zip(&poor.numbers).filter_map(|(good, poor)| Some([good.sd?, poor.sd?])).collect();
+            assert!(!errors.is_empty(), "{:?}", good.numbers);
+            assert!(errors.iter().all(|[good, poor]| (poor / good - 2.0).abs() < 1e-12), "{errors:?}");
         });
     }
 

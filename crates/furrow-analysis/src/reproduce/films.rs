@@ -203,32 +203,25 @@ fn concentrated(stills: &[Snapshot]) -> (bool, String) {
     (holds && rises, format!("{text}; share of the active force at the equator {shares}"))
 }
 
-/// Figure S2b: whether the furrow leaves the equator, and the profiles of the active and the viscous force their mirror symmetry.
+/// Figure S2b: whether the furrow leaves the equator, and the active and the viscous force do so with it.
 fn lopsided(stills: &[Snapshot]) -> (bool, String) {
-    let (holds, text) = balanced(stills);
-    let part = |of: fn(&Place) -> f64| -> Vec<f64> {
-        let off = |still: &Snapshot| {
-            let mirrored = |place: &Place| (of(place) - interpolated(&still.places, 1.0 - place.u, of)).abs();
-            0.5 * integral(&still.places, mirrored, |_| true)
-                / integral(&still.places, |place| of(place).abs(), |_| true)
+    let (balanced, text) = balanced(stills);
+    let distances = |of: fn(&Place) -> f64| -> Vec<f64> {
+        let moment = |places: &[Place], lever: fn(&Place) -> f64| {
+            integral(places, |place| lever(place) * of(place).abs(), |_| true)
         };
-        stills.iter().map(off).collect()
+        stills
+            .iter()
+            .map(|still| away(moment(&still.places, |place| place.u) / moment(&still.places, |_| 1.0)))
+            .collect()
     };
-    let [active, viscous] = [part(|place| place.normal.active), part(|place| place.normal.viscous)];
-    let grows = |of: &[f64]| of.windows(2).all(|pair| pair[1] > pair[0]);
-    let leaves = stills.last().and_then(furrow).is_some_and(|place| away(place.u) > AWAY);
-    let [first, second] = [&active, &viscous]
-        .map(|of| of.iter().map(|share| format!("{:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", "));
-    let holds = holds && grows(&active) && grows(&viscous) && leaves;
-    (holds, format!("{text}; without mirror symmetry: active {first}, viscous {second}"))
-}
-
-/// A value at some u, linear between places.
-fn interpolated(places: &[Place], u: f64, of: fn(&Place) -> f64) -> f64 {
-    let above = places.partition_point(|place| place.u < u).clamp(1, places.len() - 1);
-    let [a, b] = [&places[above - 1], &places[above]];
-    let share = if b.u > a.u { (u - a.u) / (b.u - a.u) } else { 0.0 };
-    of(a) + share * (of(b) - of(a))
+    let forces = [distances(|place| place.normal.active), distances(|place| place.normal.viscous)];
+    let leaves = |of: &Vec<f64>| of.first().zip(of.last()).is_some_and(|(first, last)| last > first && *last > AWAY);
+    let furrow_leaves = stills.last().and_then(furrow).is_some_and(|place| away(place.u) > AWAY);
+    let [active, viscous] =
+        [&forces[0], &forces[1]].map(|of| of.iter().map(|off| format!("{off:.3}")).collect::<Vec<_>>().join(", "));
+    let holds = balanced && furrow_leaves && forces.iter().all(leaves);
+    (holds, format!("{text}; centres of the forces from the equator: active {active}, viscous {viscous}"))
 }
 
 /// The cell of a movie.
