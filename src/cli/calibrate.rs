@@ -121,7 +121,7 @@ fn text(found: &Calibration, goodness: Goodness, excluded: &[Exclusion]) -> Stri
         let _ = writeln!(out, "{:>8} {:>8} {:>12} {:>12.6} {percent:>8.4} %", r.r0, r.epsilon, r.xi_s, r.computed);
     }
     let _ = writeln!(out, "rms deviation {:.3e}, {} steps", found.rms, found.iterations);
-    let _ = writeln!(out, "{goodness} (errors: the tolerances of the thresholds)");
+    let _ = writeln!(out, "by the tolerances of the thresholds {goodness}");
     let _ = writeln!(out, "\nrelative change of the thresholds per relative change of the constants, by combination:");
     for c in &found.combinations {
         let parts: Vec<String> =

@@ -18,8 +18,25 @@ pub struct Trend {
 /// The line of least squares with the p value of its slope; none of fewer than three points or where x does not vary.
 pub fn trend(points: &[[f64; 2]]) -> Option<Trend> {
     let line = line(points)?;
-    let p = two_sided(line.slope / line.slope_error, (line.n - 2) as f64)?;
+    let p = slope_p(&line)?;
     Some(Trend { line, p })
+}
+
+/// Probability of a slope as far from 0, of either sign, if y did not depend on x; by Student's t.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::{significance::slope_p, statistics::{line, line_through_origin}};
+/// let points = [[1.0, 1.0], [2.0, 3.0], [3.0, 2.0], [4.0, 5.0]];
+/// // With two degrees of freedom 1 − t/√(2 + t²).
+/// let found = line(&points).unwrap();
+/// let t = found.slope / found.slope_error;
+/// assert!((slope_p(&found).unwrap() - (1.0 - t / (2.0 + t * t).sqrt())).abs() < 1e-12);
+/// // A line through the origin has one more.
+/// assert_eq!(line_through_origin(&points).unwrap().degrees_of_freedom(), 3);
+/// ```
+pub fn slope_p(line: &Line) -> Option<f64> {
+    two_sided(line.slope / line.slope_error, line.degrees_of_freedom() as f64)
 }
 
 /// Probability of a t as far from 0; none where it is no number.

@@ -87,7 +87,12 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
         let heading = "cell           R0         χ measured    model  off by sd\n".to_owned();
         [heading].into_iter().chain(residuals.iter().map(row)).collect()
     };
-    let _ = writeln!(out, "\n{} ({} divisions)", found.goodness, found.residuals.len());
+    let errors = match found.goodness.error_scale {
+        None => "; no errors: there are no more divisions than numbers".to_owned(),
+        Some(factor) if factor > 1.0 => format!("; errors are scaled by the misfit, ×{factor:.2}"),
+        Some(_) => String::new(),
+    };
+    let _ = writeln!(out, "\n{} divisions, {}{errors}", found.residuals.len(), found.goodness);
     out += &table(&found.residuals);
     out += &jumps_text(&found.jumps);
     match &found.combinations {

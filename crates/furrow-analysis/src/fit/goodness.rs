@@ -19,7 +19,7 @@ pub struct Goodness {
 }
 
 impl Goodness {
-    /// That of so many numbers fitted to so many measurements.
+    /// The goodness of a fit of so many numbers to so many measurements.
     ///
     /// # Examples
     /// ```
@@ -43,7 +43,7 @@ impl Goodness {
         Goodness { chi_squared, degrees_of_freedom, p, error_scale }
     }
 
-    /// That of constants fitted to thresholds, each with its tolerance as its error.
+    /// The goodness of constants fitted to thresholds, of which the tolerances are the errors.
     pub fn of_thresholds(targets: &Targets, found: &Calibration) -> Goodness {
         let of = |(given, residual): (&Threshold, &ThresholdResidual)| (residual.relative / given.tolerance).powi(2);
         let chi_squared = targets.thresholds.iter().zip(&found.residuals).map(of).sum();
@@ -53,15 +53,8 @@ impl Goodness {
 
 impl std::fmt::Display for Goodness {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Goodness { chi_squared, degrees_of_freedom, p, error_scale } = self;
+        let Goodness { chi_squared, degrees_of_freedom, p, .. } = self;
         write!(f, "χ² = {chi_squared:.2}, degrees of freedom {degrees_of_freedom}")?;
-        if let Some(p) = p {
-            write!(f, ", p = {p:.1e}")?;
-        }
-        match error_scale {
-            None => f.write_str("; no errors: there are no more measurements than numbers"),
-            Some(factor) if *factor > 1.0 => write!(f, "; errors are scaled by the misfit, ×{factor:.2}"),
-            Some(_) => Ok(()),
-        }
+        p.map_or(Ok(()), |p| write!(f, ", p = {p:.1e}"))
     }
 }
