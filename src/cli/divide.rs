@@ -365,12 +365,12 @@ fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) 
     out
 }
 
-/// Whether a cell that does not divide rests only because every shape here is axisymmetric.
+/// What linear theory says of a cell that does not divide, where a disturbance that is not axisymmetric grows.
 fn one_sided(cell: &Cell, solved: &[Solved]) -> String {
     let rests = solved.iter().any(|one| one.division.chi().is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
-            "it rests only as long as it stays axisymmetric: a one-sided furrow (m = 1) grows above ξ_s = {from:.1}, see furrow steady --azimuthal 1\n"
+            "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory, which does not say how it ends; see furrow steady --azimuthal 1\n"
         ),
         None => String::new(),
     }

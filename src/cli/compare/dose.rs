@@ -11,7 +11,7 @@ use furrow_lineage::{Length, parse_cue};
 use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread};
 use furrow_measured::statistics::{Line, RankCorrelation};
 
-use super::{check_bins, plus_minus, skipped_text};
+use super::{check_bins, plus_minus, significance, skipped_text};
 use crate::cli::cell::{length, load_lineage, natural, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -140,11 +140,13 @@ fn trend_text(trend: &DoseTrend) -> String {
         ("χ, sizes as areas", trend.chi_area),
         ("χ, sizes as volumes", trend.chi_volume),
     ] {
-        let Some(Line { slope, slope_error, intercept, intercept_error, r_squared, .. }) = line else { continue };
+        let Some(line) = line else { continue };
+        let Line { slope, slope_error, intercept, intercept_error, r_squared, .. } = line;
         let error = intercept_error.unwrap_or_default();
         let _ = writeln!(
             out,
-            "  {name}: slope {slope:+.4} ± {slope_error:.4}, at dose 0 {intercept:.4} ± {error:.4}, R² = {r_squared:.3}"
+            "  {name}: slope {slope:+.4} ± {slope_error:.4}{}, at dose 0 {intercept:.4} ± {error:.4}, R² = {r_squared:.3}",
+            significance(&line)
         );
     }
     out

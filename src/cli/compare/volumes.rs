@@ -8,7 +8,7 @@ use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
-use super::{MOST_SKIPPED, check_bins, files, plus_minus, skipped_text, trees_of};
+use super::{MOST_SKIPPED, check_bins, files, plus_minus, significance, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -365,15 +365,13 @@ fn regression_text(regression: &Regression) -> String {
     let Regression { x, y, mothers, only_x, only_y, through_origin, with_intercept } = regression;
     let mut out = format!("χ of {y} over χ of {x}, {} mothers:\n", mothers.len());
     for (name, line) in [("through the origin", through_origin), ("with an intercept", with_intercept)] {
-        let Some(Line { slope, slope_error, intercept, intercept_error, r_squared, r_squared_about_mean, .. }) = line
-        else {
-            continue;
-        };
+        let Some(line) = line else { continue };
+        let Line { slope, slope_error, intercept, intercept_error, r_squared, r_squared_about_mean, .. } = line;
         let rest = match intercept_error {
             Some(error) => format!(", intercept {intercept:+.4} ± {error:.4}, R² = {r_squared:.4} about the mean"),
             None => format!(", R² = {r_squared:.4} about 0, {r_squared_about_mean:.4} about the mean"),
         };
-        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{rest}");
+        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{}{rest}", significance(line));
     }
     for (group, only) in [(x, only_x), (y, only_y)].into_iter().filter(|(_, only)| !only.is_empty()) {
         let shown: Vec<&str> = only.iter().take(MOST_SKIPPED).map(String::as_str).collect();
