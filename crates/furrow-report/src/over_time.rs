@@ -68,8 +68,8 @@ pub(super) fn section(tree: &Tree) -> String {
     };
     format!(
         "<section class=\"card\" id=\"over-time\"><h2>Cells over time</h2>\n<p class=\"small\">Cells alive by the lineage's clock; minute 0 is the {origin}. Marks: the last division \
-         among the descendants of each founder.{beside}</p>\n<div class=\"tree\"><svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" font-size=\"12\" \
-         role=\"img\" aria-label=\"Cells alive over time\" style=\"max-width:100%;height:auto\">\n{out}</svg></div></section>\n",
+         among the descendants of each founder.{beside}</p>\n<div class=\"figure\"><svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" font-size=\"12\" \
+         role=\"img\" aria-label=\"Cells alive over time\">\n{out}</svg></div></section>\n",
         SIZE[0], SIZE[1], SIZE[0]
     )
 }
@@ -116,11 +116,11 @@ fn axes(scale: &Scale) -> String {
 }
 
 /// The last division of each founder above the axis of time, names in rows in which none meets another. Founders with one minute,
-/// as a founder and its mother, are named together.
+/// as a founder and its mother, are named together. The last is the lowest, so that no mark crosses a name behind it.
 fn lasts(tree: &Tree, scale: &Scale, last: &[Option<f64>]) -> String {
     let colours = colours(&tree.lineage);
     let mut marks: Vec<(f64, usize)> = last.iter().enumerate().filter_map(|(k, min)| Some(((*min)?, k))).collect();
-    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    marks.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let bottom = SIZE[1] - MARGINS[3];
     let (mut out, mut rows): (String, Vec<f64>) = Default::default();
     for same in marks.chunk_by(|a, b| a.0 == b.0) {
@@ -129,17 +129,18 @@ fn lasts(tree: &Tree, scale: &Scale, last: &[Option<f64>]) -> String {
         let (min, colour) = (same[0].0, same.last().map_or("#555", |(_, k)| colours[*k]));
         let words = format!("{}, {min:.0}", names.join(" "));
         let (x, wide) = (scale.x(min), LETTER * words.chars().count() as f64);
-        let from = (x + 4.0).min(SIZE[0] - MARGINS[1] - wide);
-        let row = rows.iter().position(|end| from > end + 8.0).unwrap_or(rows.len());
+        let is_cut = x + 4.0 + wide > SIZE[0] - MARGINS[1];
+        let from = if is_cut { x - 4.0 - wide } else { x + 4.0 };
+        let row = rows.iter().position(|start| (from + wide).max(x) + 8.0 < *start).unwrap_or(rows.len());
         if row == rows.len() {
             rows.push(0.0);
         }
-        rows[row] = from + wide;
+        rows[row] = from.min(x);
         let (top, base) = (bottom - 6.0 - ROW * (row + 1) as f64 + 4.0, bottom - 8.0 - ROW * row as f64);
         let words = escape(&words);
         let _ = writeln!(
             out,
-            r##"<path d="M{x:.1} {bottom:.1}V{top:.1}" stroke="{colour}" stroke-width="2"/><text x="{from:.1}" y="{base:.1}" font-size="11" fill="{colour}">{words}</text>"##
+            r##"<g class="founder" style="--of:{colour}"><path d="M{x:.1} {bottom:.1}V{top:.1}" stroke-width="2"/><text x="{from:.1}" y="{base:.1}" font-size="11">{words}</text></g>"##
         );
     }
     out
