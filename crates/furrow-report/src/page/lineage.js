@@ -153,7 +153,9 @@ class LineageView {
 
   /** Sizes a disc: as wide as the cell, as far as there is room for it and in the scale of its mother's, which is never smaller. */
   size(node) {
-    const room = this.gap * (node.to - node.from + 1);
+    const row = this.tree.generations[node.cell.generation];
+    const beside = [row[node.place - 1], row[node.place + 1]].filter((other) => other).map((other) => Math.abs(other.x - node.x));
+    const room = this.gap * Math.min(...beside);
     const full = (this.largest * Math.pow(this.zoom, 0.2) * node.cell.r0) / this.tree.largest;
     const fits = Math.min(0.46 * room, 0.42 * this.row, this.roomBelow(node)) / full;
     node.scale = Math.min(node.mother?.scale ?? 1, Math.max(0, fits));
