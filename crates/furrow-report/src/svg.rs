@@ -326,8 +326,9 @@ fn title(tree: &Tree, node: CellId) -> String {
 }
 
 /// When a cell is born and divides, behind its title.
-fn times_text(CellTimes { birth_min, division_min }: CellTimes) -> String {
-    let divides = division_min.map_or(String::new(), |min| format!(", divides at {min:.1} min"));
+fn times_text(CellTimes { birth_min, division_min, lifetime_extrapolated }: CellTimes) -> String {
+    let mark = if lifetime_extrapolated { " (extrapolated)" } else { "" };
+    let divides = division_min.map_or(String::new(), |min| format!(", divides at {min:.1} min{mark}"));
     format!("; born at {birth_min:.1} min{divides}")
 }
 
