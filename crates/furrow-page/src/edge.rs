@@ -17,7 +17,7 @@ struct Request {
 }
 
 /// How far beyond the end of a piece the next one is looked for, as a factor of the radius, and how often one is looked for.
-const BEYOND: f64 = 1.02;
+const BEYOND: f64 = 1.005;
 const MOST_SEARCHES: usize = 12;
 /// Most steps of a piece.
 const MOST_STEPS: usize = 400;
@@ -43,7 +43,7 @@ pub fn edge(request: &[u8]) -> Result<Answer, PageError> {
             }
             Err(error) => {
                 refusal.get_or_insert(error);
-                r0 *= BEYOND.powi(5);
+                r0 *= BEYOND.powi(20);
             }
         }
     }

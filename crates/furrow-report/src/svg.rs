@@ -230,8 +230,10 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
             }
         }
     }
-    let mark = |(founder, min): (usize, Option<f64>)| {
-        let min = min?;
+    let mark = |(founder, last): (usize, Option<CellTimes>)| {
+        let CellTimes { division_min, lifetime_extrapolated, .. } = last?;
+        let min = division_min?;
+        let extrapolated = if lifetime_extrapolated { ", extrapolated" } else { "" };
         let node = tree.founder_cell(founder)?;
         let names = &tree.lineage.founders;
         let is_mother = names.iter().any(|other| other.mother.as_ref() == Some(&names[founder].name));
@@ -241,7 +243,7 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
         let (base, from, to) = (y + 21.0, from - 6.0, to + 6.0);
         let copy = |paint: &str| {
             format!(
-                r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{name}: last division, {min:.0} min</text>"##
+                r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{name}: last division, {min:.0} min{extrapolated}</text>"##
             )
         };
         let halo = r##"fill="#fff" stroke="#fff" stroke-width="3" stroke-linejoin="round""##;
@@ -251,7 +253,7 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
 "##
         ))
     };
-    scale.last_divisions.iter().copied().enumerate().filter_map(mark).collect()
+    scale.last_times.iter().copied().enumerate().filter_map(mark).collect()
 }
 
 fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String {

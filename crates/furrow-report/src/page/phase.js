@@ -51,7 +51,7 @@ class PhaseDiagram {
     paint.rect(PAD.left, PAD.top, width, height);
     paint.clip();
     const edge = this.edge ?? this.printed;
-    edge?.pieces.forEach((points) => this.drawRest(paint, points, px, py, ink));
+    edge?.pieces.forEach((points, k) => this.drawRest(paint, points, edge.pieces[k + 1]?.[0][0], px, py, ink));
     // For comparison, the edge at the ε that the page begins with.
     const other = this.printed && this.edge && this.edge.epsilon !== this.printed.epsilon ? this.printed : null;
     other?.pieces.forEach((points) => this.drawEdge(paint, points, px, py, ink.faint, 1, [4, 3]));
@@ -62,13 +62,15 @@ class PhaseDiagram {
     if (edge) this.drawLabels(paint, edge, other, px, py, ink);
   }
 
-  /** Where the symmetric, weakly furrowed shape is stable. */
-  drawRest(paint, points, px, py, ink) {
+  /** Where the symmetric, weakly furrowed shape is stable: below a piece of the edge, up to the next piece. */
+  drawRest(paint, points, next, px, py, ink) {
     paint.fillStyle = ink.stays;
     paint.beginPath();
     paint.moveTo(px(points[0][0]), py(0));
     for (const [r0, xi] of points) paint.lineTo(px(r0), py(xi));
-    paint.lineTo(px(points[points.length - 1][0]), py(0));
+    const [end, top] = points[points.length - 1];
+    paint.lineTo(px(next ?? end), py(top));
+    paint.lineTo(px(next ?? end), py(0));
     paint.fill();
   }
 
