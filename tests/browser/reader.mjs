@@ -61,7 +61,7 @@ export const frame = (page) => page.worth("new Promise((resolve) => requestAnima
 export async function run(parts) {
   const browser = await Browser.start(program);
   try {
-    for (const part of parts) await part(browser);
+    for (const part of parts) await part(browser).catch((error) => failures.push(`${part.name}: ${error.message}`));
   } finally {
     await browser.stop();
   }
