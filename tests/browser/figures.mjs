@@ -78,6 +78,25 @@ async function discs(page, width) {
   await press(page, "by-generation");
 }
 
+/** Minutes after lifetimes that the clock was not fitted to are marked, in the panel, the lineage and the figure. */
+async function marksExtrapolated(page) {
+  const numbers = await text(page, "cell-numbers");
+  check("P0's lifetime is extrapolated", numbers.includes("extrapolated"), numbers);
+  const note = () => page.worth(`!document.getElementById("extrapolated").hidden`);
+  check("generations need no note", !(await note()), "shown");
+  const { fillText } = await drawn(page, "lineage", () => press(page, "by-minute"));
+  check("the note is there in minutes", await note(), "hidden");
+  const said = fillText.map(({ words }) => words).filter((words) => words.includes(": last "));
+  const figure = await text(page, "over-time");
+  for (const { name, last_division_min: min, last_division_extrapolated: marked } of expected.founders) {
+    const here = said.find((words) => words.startsWith(`${name}: `));
+    if (here) check(`${name} in the lineage`, here === `${name}: last ${min.toFixed(0)} min${marked ? "*" : ""}`, here);
+    if (min !== undefined) check(`${name} in the figure`, figure.includes(`, ${min.toFixed(0)}*`) === Boolean(marked), figure);
+  }
+  check("E is marked", said.some((words) => /^E: last \d+ min\*$/.test(words)), said);
+  await press(page, "by-generation");
+}
+
 /** The sections below the lineage are those that the command line writes of the same tree. */
 async function sections(page, browser) {
   const below = (of) => of.worth(`document.getElementById("of-tree").innerText.replace(/, commit \\w+/, "")`);
@@ -219,6 +238,7 @@ async function follows(browser) {
     await discs(page, width);
     await rounds(page, name);
     if (width > 1000 && !dark) {
+      await marksExtrapolated(page);
       await folds(page);
       await namesCues(page);
       await edges(page);

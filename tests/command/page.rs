@@ -181,7 +181,7 @@ fn every_figure_of_the_page_follows() {
     let p0 = json!({ "outcome": tree["cells"][0]["outcome"], "chi": tree["cells"][0]["chi"] });
     let expected = json!({
         "report": report("out"), "none": report("none"), "micrometres": report("um"),
-        "generations": generations, "p0": p0,
+        "generations": generations, "p0": p0, "founders": tree["founders"],
     });
     drive("figures.mjs", folder, &expected);
 }
