@@ -167,7 +167,8 @@ fn every_figure_of_the_page_follows() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
     let template = Path::new(env!("CARGO_MANIFEST_DIR")).join("lineages/template.ron").display().to_string();
-    for arguments in [["--out", "out"].as_slice(), &["--cue", "none", "--out", "none"], &[&template, "--out", "um"]] {
+    let template = template.as_str();
+    for arguments in [["--out", "out"].as_slice(), &["--cue", "none", "--out", "none"], &[template, "--out", "um"]] {
         answer(folder, &[&["tree", "--cache", "cache"], arguments].concat());
     }
     let tree: Value = serde_json::from_slice(&std::fs::read(folder.join("out/tree.json")).unwrap()).unwrap();

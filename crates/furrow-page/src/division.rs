@@ -281,7 +281,7 @@ mod tests {
         assert_eq!(found["cue"], json!(Cue::published()));
         assert_eq!(ask("germline").unwrap().numbers, ask("kappa:u0=0.465,omega=0.0577,amplitude=0.1").unwrap().numbers);
         let refused = ask("germlin").unwrap_err().to_string();
-        assert!(refused.starts_with("--cue: cue = germlin: must be none, germline, or terms"), "{refused}");
+        assert!(refused.starts_with("--cue: cue = \"germlin\": must be none, germline, or terms"), "{refused}");
     }
 
     #[test]
