@@ -139,7 +139,7 @@ fn the_page_writes_cues_as_the_command_line_does() {
     run_script("cue_text.mjs", &[source, file]);
 }
 
-/// Runs a script that drives Chromium, with what the page must say.
+/// Runs a script that drives Chromium and compares the page with what is expected.
 fn drive(script: &str, folder: &Path, expected: &Value) {
     let file = folder.join("expected.json");
     std::fs::write(&file, expected.to_string()).unwrap();

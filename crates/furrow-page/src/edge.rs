@@ -104,7 +104,7 @@ mod tests {
         assert!((at(&found, 1.706_324_8) - 25.0).abs() < 0.3, "{found:?}");
     }
 
-    /// In a narrow shell the first curve turns back on the way; each value is that of the first pitchfork at its radius.
+    /// In a narrow shell the first curve turns back before the end of the range. The edge is the first pitchfork at every radius.
     #[test]
     fn a_narrow_shell_has_an_edge_in_pieces() {
         let cell = Cell { epsilon: 0.96, ..Cell::new(2.0) };

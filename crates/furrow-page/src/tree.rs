@@ -60,7 +60,7 @@ pub fn as_newick(request: &[u8]) -> Result<Answer, PageError> {
     Ok(Answer::of(serde_json::to_string(&newick(&tree))?))
 }
 
-/// What a page says of a tree beside its drawing, from its `tree.json`.
+/// The sections of a page on a tree, from its `tree.json`.
 ///
 /// # Errors
 /// The request is no `tree.json`.

@@ -39,7 +39,7 @@ pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<&LineageRanges>) ->
     .html()
 }
 
-/// What a page says of the tree that it shows, as HTML. The page asks for it anew when it has grown another tree.
+/// The sections of a page on the tree in view, as HTML. After it has grown a tree the page asks its module for these of the new one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OfTree {
     /// The tree in a sentence, below the heading.

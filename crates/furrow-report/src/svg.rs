@@ -205,7 +205,7 @@ fn y_of(node: CellId, layout: &Layout) -> f64 {
     layout.top + layout.down[node.index()]
 }
 
-/// Largest radius of a disc that does not meet those of its daughters.
+/// The largest radius at which a disc is clear of its daughters' discs.
 fn room_below(tree: &Tree, node: CellId, layout: &Layout) -> f64 {
     let place = |id: CellId| Some((layout.x[id.index()]?, y_of(id, layout)));
     let away = |daughter: CellId| {
