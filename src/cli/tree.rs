@@ -246,6 +246,7 @@ fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
     let file = args.lineage.first().map(PathBuf::as_path);
     let (mut lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
     if let Some(text) = args.cue.first() {
+        tell_who_gets(text, &lineage, "");
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
     Ok(Scenario { name: String::new(), folder: String::new(), label: String::new(), cue: None, lineage, settings })
@@ -259,7 +260,9 @@ fn combined(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliErro
     for file in files.chain(built_in) {
         let (lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
         let stem = |file: &Path| file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
-        sources.push(Source { label: file.map_or("c_elegans".to_owned(), stem), lineage, settings });
+        let label = file.map_or("c_elegans".to_owned(), stem);
+        args.cue.iter().for_each(|text| tell_who_gets(text, &lineage, &label));
+        sources.push(Source { label, lineage, settings });
     }
     let cues: Vec<&str> = args.cue.iter().map(String::as_str).collect();
     combine(&sources, &cues).map_err(|error| match error {
@@ -288,6 +291,21 @@ pub fn prepared(
     }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
     Ok((lineage, settings))
+}
+
+/// Tells who gets a cue in a lineage that gives none.
+pub fn tell_who_gets(text: &str, lineage: &Lineage, label: &str) {
+    let is_none = text == "none" || text.ends_with("=none");
+    if is_none || !lineage.is_without_cues() {
+        return;
+    }
+    let line = lineage.smaller_line();
+    let names: Vec<&str> = line.iter().map(|&founder| lineage.founders[founder].name.as_str()).collect();
+    let place = if label.is_empty() { String::new() } else { format!("{label}: ") };
+    messages::warning!(
+        "{place}no founder of the lineage has a cue: {text} is given to {}, and to descendants up to the next founder",
+        names.join(", ")
+    );
 }
 
 /// An invalid `--cue`.

@@ -56,6 +56,9 @@ fn law_ranges(
     values.into_iter().filter_map(|(field, value, range, allowed)| Some((field, value?, range, allowed)))
 }
 
+/// What `volumes` of a clock may be.
+const VOLUMES_ALLOWED: &str = "the smallest and the largest volume, two fractions of the first cell's above 0";
+
 impl Check<'_> {
     /// `file:line` of the `nth` founder of a name, from 0, where the line is found. It searches the whole text: for errors
     /// only.
@@ -138,7 +141,8 @@ impl Check<'_> {
                 "(alone)",
                 allowed,
             )?;
-            let FounderClock { lifetime_min, at_volume, exponent } = own;
+            let FounderClock { lifetime_min, at_volume, exponent, volumes } = own;
+            self.volumes(volumes).map_err(|value| self.founder_error(f, "clock.volumes", value, VOLUMES_ALLOWED))?;
             for (field, value, range, allowed) in law_ranges(lifetime_min, at_volume, exponent) {
                 self.require(f, range.contains(&value), &format!("clock.{field}"), value, allowed)?;
             }
@@ -147,6 +151,9 @@ impl Check<'_> {
         let (lifetime_min, at_volume) = (Some(clock.lifetime_min), Some(clock.at_volume));
         for (field, value, range, allowed) in law_ranges(lifetime_min, at_volume, Some(clock.exponent)) {
             self.ensure(range.contains(&value), &format!("clock.{field}"), value, allowed)?;
+        }
+        if let Err(value) = self.volumes(clock.volumes) {
+            self.ensure(false, "clock.volumes", value, VOLUMES_ALLOWED)?;
         }
         if let Some(tau) = clock.tau_min {
             self.ensure(MINUTES.contains(&tau), "clock.tau_min", tau, MINUTES_ALLOWED)?;
@@ -164,6 +171,12 @@ impl Check<'_> {
             self.ensure(MINUTES.contains(minutes), &field, minutes, MINUTES_ALLOWED)?;
         }
         Ok(())
+    }
+
+    /// Refuses volumes of a clock that are no range: gives them as text.
+    fn volumes(&self, given: Option<[f64; 2]>) -> Result<(), String> {
+        let fit = |[least, most]: [f64; 2]| (1e-12..=most).contains(&least) && most.is_finite();
+        given.filter(|range| !fit(*range)).map_or(Ok(()), |[least, most]| Err(format!("({least}, {most})")))
     }
 
     /// The cues that the file names.

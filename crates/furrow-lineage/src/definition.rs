@@ -264,7 +264,21 @@ impl Lineage {
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
     }
 
-    /// The same lineage with another cue, under a name, in the place of every cue that its founders or rules give.
+    /// Whether every cue that a founder or a rule names is `none`.
+    pub fn is_without_cues(&self) -> bool {
+        let of_founder = |founder: &Founder| without(founder.cue.iter()) && without(names(&founder.cue_rules));
+        self.founders.iter().all(of_founder) && without(names(&self.cue_rules))
+    }
+
+    /// The first cell and, from mother to daughter, the founders that are the smaller daughter: the line that has the cue in the
+    /// built-in lineage.
+    pub fn smaller_line(&self) -> Vec<usize> {
+        let below = self.daughters();
+        std::iter::successors(Some(self.first()), |&founder| below[founder].map(|(_, smaller)| smaller)).collect()
+    }
+
+    /// The same lineage with another cue, under a name, in the place of every cue that its founders or rules give. If they give none,
+    /// the founders of [`smaller_line`](Self::smaller_line) get it, and descendants up to the next founder inherit it.
     ///
     /// ```
     /// use furrow_cell::Cue;
@@ -275,13 +289,21 @@ impl Lineage {
     /// # Ok::<(), furrow_input::InputError>(())
     /// ```
     pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
-        let mut name = name.to_owned();
+        let (mut name, was_without) = (name.to_owned(), self.is_without_cues());
         if name != "none" {
             // Another cue keeps its name.
             while self.cues.get(&name).is_some_and(|other| other != cue) {
                 name.push('*');
             }
             self.cues.insert(name.clone(), cue.clone());
+            if was_without {
+                for founder in self.smaller_line() {
+                    let founder = &mut self.founders[founder];
+                    (founder.cue, founder.inherit) = (Some(name.clone()), true);
+                    founder.cue_rules.clear();
+                }
+                return self;
+            }
         }
         let of_founders = self
             .founders
@@ -347,6 +369,16 @@ impl Lineage {
         let below = generation.checked_sub(1).and_then(|k| self.founders[founder].letters.get(k));
         below.copied().unwrap_or(self.naming)
     }
+}
+
+/// Names of the cues of rules.
+fn names(rules: &[CueRule]) -> impl Iterator<Item = &String> {
+    rules.iter().map(|rule| &rule.cue)
+}
+
+/// Whether all these names of cues are `none`.
+fn without<'a>(mut names: impl Iterator<Item = &'a String>) -> bool {
+    names.all(|name| name == "none")
 }
 
 /// Reads cues by name, and refuses duplicate names.

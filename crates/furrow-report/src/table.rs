@@ -118,16 +118,22 @@ fn rounds(rows: &[FounderRow]) -> String {
     out + "\n"
 }
 
+/// What a mark behind minutes means.
+const EXTRAPOLATED: &str = "  * extrapolated: the clock was fitted to cells of other sizes\n";
+
 /// Founders in a line of their last divisions.
 const IN_A_LINE: usize = 8;
 
 /// The last division among each founder's descendants, in minutes.
 fn last_divisions(tree: &Tree, rows: &[FounderRow]) -> String {
     let Some(origin) = tree.time_origin() else { return String::new() };
-    let last = |row: &FounderRow| Some(format!("{} {:.0}", row.name, row.last_division_min?));
+    let mark = |row: &FounderRow| if row.last_division_extrapolated { "*" } else { "" };
+    let last = |row: &FounderRow| Some(format!("{} {:.0}{}", row.name, row.last_division_min?, mark(row)));
     let last: Vec<String> = rows.iter().filter_map(last).collect();
     let lines = last.chunks(IN_A_LINE).map(|some| some.join(", ")).collect::<Vec<_>>().join(",\n  ");
-    format!("last divisions of descendants, in minutes from the {origin}:\n  {lines}\n\n")
+    let is_marked = rows.iter().any(|row| row.last_division_extrapolated);
+    let note = if is_marked { EXTRAPOLATED } else { "" };
+    format!("last divisions of descendants, in minutes from the {origin}:\n  {lines}\n{note}\n")
 }
 
 /// The cues that the table names.
