@@ -115,7 +115,7 @@ class Ranges:
         if not file.endswith(".html"):
             self.drawing.save(file)
         elif self._page is None:
-            raise refused("path", str(path), "a file that ends in .svg or .png: a page is of one tree")
+            raise refused("path", str(path), "a file that ends in .svg, .pdf or .png: a page is of one tree")
         else:
             Path(file).write_text(self._page, encoding="utf-8")
 

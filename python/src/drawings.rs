@@ -55,9 +55,9 @@ impl Drawing {
         Ok(PyBytes::new(py, &py.detach(|| self.bytes(Format::Png))?))
     }
 
-    /// Writes it, as SVG or PNG by the file's extension.
+    /// Writes it, as SVG, PDF or PNG by the file's extension.
     fn save(&self, py: Python<'_>, path: PathBuf) -> Result<(), Error> {
-        let allowed = "a file that ends in .svg or .png";
+        let allowed = "a file that ends in .svg, .pdf or .png";
         let format = Format::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), allowed))?;
         py.detach(|| write(&path, &self.bytes(format)?))
     }

@@ -1,12 +1,11 @@
 //! `furrow polarity`: PAR polarity at the sizes of the germline.
 
-use super::cell::{length, load_lineage, natural, one_of, positive, set};
+use super::cell::{length, load_lineage, one_of, positive, set};
 use super::context::Context;
 use super::error::CliError;
-use super::messages;
 use super::output::{number, print_as, records_csv, writable_file};
 use clap::Args;
-use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
+use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, Undivided, germline, polarity};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::{Length, Units};
@@ -72,7 +71,7 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     let of_lineage = lineage.units().length_um.unwrap_or(LENGTH_UM);
     let length_um = args.length_um.map_or(Ok(of_lineage), |um| positive("--length-um", um))?;
     let units = Units { length_um: Some(length_um), ..lineage.units() };
-    let r0 = args.r0.map(|r0| natural("--r0", r0, &units)).transpose()?;
+    let r0 = args.r0.map(|r0| r0.in_units(&units));
     let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", args.epsilon), ("--xi", "xi_s", args.xi)];
     let settings = &mut context.settings;
     set(settings, given)?;
@@ -83,11 +82,11 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
         None => germline(&lineage, settings)?,
     };
     let chemistry = Chemistry { numerics: settings.numerics, ..Chemistry::new(constants, length_um) };
-    let found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
-    for cell in &found.cells {
-        if let Err(error) = &cell.division {
-            messages::warning!("{}: {error}", name(cell));
-        }
+    let mut found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
+    let failed = |cell: &PolarisedCell| matches!(cell.division, Err(Undivided::Chemistry(_)));
+    if found.cells.len() == 1 && found.cells.iter().all(failed) {
+        // There is no other cell to print.
+        found.cells.pop().map_or(Ok(()), |cell| cell.division.map(drop))?;
     }
     if let Some(file) = &args.out {
         let rows = found.cells.iter().flat_map(|cell| cell.profile.iter().map(move |[u, a, p]| (cell, [u, a, p])));
@@ -120,7 +119,9 @@ impl Shown<'_> {
             "cell", "R0", "R0 (µm)", "S/V (/µm)", "polarised", "u0", "ω", "outcome", "χ"
         );
         for cell in &self.found.cells {
-            let boundary = cell.polarity.map_or(format!("{:>9}  {:>6}  {:>7}", "no", "-", "-"), |found| {
+            let unknown = cell.division.is_err() && cell.polarity.is_none();
+            let none = if unknown { "?" } else { "no" };
+            let boundary = cell.polarity.map_or(format!("{none:>9}  {:>6}  {:>7}", "-", "-"), |found| {
                 format!("{:>9}  {:>6.4}  {:>7.4}", "yes", found.u0, found.omega)
             });
             let division = cell.division.as_ref().ok();
@@ -141,6 +142,11 @@ impl Shown<'_> {
                 out,
                 "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9.4}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"
             );
+        }
+        for cell in &self.found.cells {
+            if let Err(why) = &cell.division {
+                let _ = writeln!(out, "{} is undecided: {why}", name(cell));
+            }
         }
         out + &self.surface() + &self.limits() + &self.verdict()
     }

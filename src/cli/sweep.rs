@@ -87,7 +87,9 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     print_as(context.json, &filled(document), || {
         let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
         let resumed = if found.resumed > 0 { format!(", {} resumed", found.resumed) } else { String::new() };
-        let counts = format!("{points} points{part}: {} solved, {} reused{resumed}", found.solved, found.reused);
+        let unknown = if undecided > 0 { format!(", {undecided} undecided") } else { String::new() };
+        let counts =
+            format!("{points} points{part}: {} solved, {} reused{resumed}{unknown}", found.solved, found.reused);
         format!("{counts}, {elapsed_s:.2} s; files in {out}\n")
     })
 }

@@ -40,7 +40,7 @@ pub struct PolarisedCell {
     /// The cue that follows, or none.
     pub cue: Cue,
     /// How it divides with this cue, or why that is not known.
-    pub division: Result<Division, DivisionError>,
+    pub division: Result<Division, Undivided>,
     /// The measured χ of its division.
     pub measured: Option<MotherSummary>,
 }
@@ -56,6 +56,21 @@ pub struct PolarityStudy {
     pub largest: Result<PolarityLimit, PolarityError>,
     /// The smallest cell that divides without a cue.
     pub mechanics: Result<CriticalRadius, ShapeError>,
+}
+
+/// Why a cell has no division: its chemistry, its cue or its mechanics failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Undivided {
+    /// No state was found, with or without polarity.
+    #[error(transparent)]
+    Chemistry(#[from] PolarityError),
+    /// The cue that follows is not allowed.
+    #[error(transparent)]
+    Cue(#[from] CueError),
+    /// The division was not computed.
+    #[error(transparent)]
+    Division(#[from] DivisionError),
 }
 
 /// Why polarity was not computed.
@@ -162,22 +177,28 @@ pub fn polarity(
     let measured =
         jankele2021()?.into_iter().find(|group| group.group == "wt").map_or(Vec::new(), |group| group.events);
     let of = |NamedCell { name, cell }: &NamedCell| {
-        let state = chemistry.polarised(cell)?;
-        let polarity = state.as_ref().and_then(readings);
-        let cue = polarity.as_ref().map_or(Ok(Cue::none()), |found| cue_of(found, follows, amplitude))?;
-        let cued = cell.clone().with_cue(cue.clone());
-        Ok(PolarisedCell {
+        let (surface, state) = (chemistry.membrane(cell), chemistry.polarised(cell));
+        let polarity = state.as_ref().ok().and_then(|state| readings(state.as_ref()?));
+        let cue = polarity.as_ref().map_or(Ok(Cue::none()), |found| cue_of(found, follows, amplitude));
+        let cued = cell.clone().with_cue(cue.clone().unwrap_or_default());
+        let input = DivisionInput { cell: cued, numerics: settings.numerics, seed: 0 };
+        let divided = || divide(&input).map_err(Undivided::from);
+        let profile =
+            state.as_ref().map_or(Vec::new(), |state| state.iter().flat_map(|s| profile(s, PLACES)).collect());
+        let surface_to_volume = surface.as_ref().map_or(f64::NAN, |membrane| membrane.surface_to_volume);
+        let (shape, chemical) = (surface.map_err(Undivided::from), state.map_err(Undivided::from));
+        PolarisedCell {
             r0: cell.r0,
-            surface_to_volume: chemistry.membrane(cell)?.surface_to_volume,
-            profile: state.map_or(Vec::new(), |state| profile(&state, PLACES)),
+            surface_to_volume,
+            profile,
             polarity,
-            cue,
-            division: divide(&DivisionInput { cell: cued, numerics: settings.numerics, seed: 0 }),
+            cue: cue.clone().unwrap_or_default(),
+            division: shape.and(chemical).and(cue.map_err(Undivided::from)).and_then(|_| divided()),
             measured: measured.iter().find(|event| name.as_ref() == Some(&event.mother)).cloned(),
             name: name.clone(),
-        })
+        }
     };
-    let found = cells.iter().map(of).collect::<Result<Vec<_>, PolarityStudyError>>()?;
+    let found = cells.iter().map(of).collect();
     let like = cells.first().map_or(&settings.cell, |first| &first.cell);
     Ok(PolarityStudy {
         cells: found,
@@ -239,6 +260,8 @@ impl PolarisedCell {
             "u_furrow": division.and_then(|division| division.u_furrow()),
             "measured": measured,
         });
-        filled(merged(merged(own, self.polarity.map_or(json!({}), |found| json!(found))), divided))
+        let why = json!({ "why": self.division.as_ref().err().map(Undivided::to_string) });
+        let state = self.polarity.map_or(json!({}), |found| json!(found));
+        filled(merged(merged(merged(own, state), divided), why))
     }
 }

@@ -29,15 +29,18 @@ pub enum FigureError {
 pub enum Format {
     /// Lines and text, at any size.
     Svg,
+    /// The same for print.
+    Pdf,
     /// Pixels.
     Png,
 }
 
 impl Format {
-    /// The format that a file's extension names, in any case; `None` if that is neither `.svg` nor `.png`.
+    /// The format that a file's extension names, in any case; `None` if that is none of `.svg`, `.pdf` and `.png`.
     pub fn of(path: &Path) -> Option<Format> {
         match extension(path)?.as_str() {
             "svg" => Some(Format::Svg),
+            "pdf" => Some(Format::Pdf),
             "png" => Some(Format::Png),
             _ => None,
         }
@@ -59,10 +62,11 @@ impl Canvas {
     /// The picture as a file of a format.
     ///
     /// # Errors
-    /// [`FigureError`], for PNG alone.
+    /// [`FigureError`], for an SVG never.
     pub fn bytes(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         match format {
             Format::Svg => Ok(self.svg().into_bytes()),
+            Format::Pdf => self.pdf().ok_or(FigureError::Size(self.size)),
             Format::Png => {
                 let (pixels, [width, height]) = self.pixels(DENSITY).ok_or(FigureError::Size(self.size))?;
                 let mut bytes = Vec::new();
@@ -137,9 +141,12 @@ mod tests {
 
     #[test]
     fn formats_follow_the_extension_in_any_case() {
-        for (name, format) in
-            [("a/b.SVG", Some(Format::Svg)), ("x.y.png", Some(Format::Png)), ("svg", None), ("a.pdf", None)]
-        {
+        for (name, format) in [
+            ("a/b.SVG", Some(Format::Svg)),
+            ("x.y.png", Some(Format::Png)),
+            ("svg", None),
+            ("a.pdf", Some(Format::Pdf)),
+        ] {
             assert_eq!(Format::of(Path::new(name)), format);
         }
     }

@@ -1,10 +1,10 @@
-//! Drawing for all pictures: one style, a canvas for SVG and PNG, charts, legends, cells.
+//! Drawing for all pictures: one style, a canvas for SVG, PDF and PNG, charts, legends, cells.
 //!
 //! | file | content |
 //! |---|---|
 //! | [`style`] | colours, sizes of text, dashes, names of quantities with their units |
 //! | [`canvas`] | lines, areas and text |
-//! | `svg`, `raster`, [`format`](mod@format) | the finished picture as SVG, as pixels, as a file |
+//! | `svg`, `pdf`, `raster`, [`format`](mod@format) | the finished picture as SVG, as PDF, as pixels, as a file |
 //! | `font` | how wide text is, its indices, where it breaks |
 //! | [`panel`] | a chart's axes, and what is drawn at the coordinates of its data |
 //! | [`legend`] | markers and legends |
@@ -18,6 +18,7 @@ pub(crate) mod font;
 pub mod format;
 pub mod legend;
 pub mod panel;
+mod pdf;
 mod raster;
 pub mod regulator;
 pub mod scale;

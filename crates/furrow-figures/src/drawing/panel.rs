@@ -26,13 +26,15 @@ pub struct Axis {
     pub numbered: bool,
     /// Its ticks.
     pub ticks: Ticks,
+    /// Where its numbers begin: what lies below has no value.
+    pub least: f64,
 }
 
 impl Axis {
     /// An axis over a range.
     pub fn new(label: impl Into<String>, range: [f64; 2]) -> Axis {
         let range = if range[1] > range[0] { range } else { [range[0] - 0.5, range[0] + 0.5] };
-        Axis { label: label.into(), range, numbered: true, ticks: Ticks::About(8) }
+        Axis { label: label.into(), range, numbered: true, ticks: Ticks::About(8), least: f64::NEG_INFINITY }
     }
 
     /// An axis over all these values, with some room on both sides.
@@ -44,7 +46,7 @@ impl Axis {
     pub fn names(label: impl Into<String>, names: Vec<String>, upright: bool) -> Axis {
         let (first, last) = (-0.5, names.len().max(1) as f64 - 0.5);
         let range = if upright { [last, first] } else { [first, last] };
-        Axis { label: label.into(), range, numbered: true, ticks: Ticks::Names(names) }
+        Axis { label: label.into(), range, numbered: true, ticks: Ticks::Names(names), least: f64::NEG_INFINITY }
     }
 
     /// The same from right to left, or from top to bottom.
@@ -90,6 +92,7 @@ impl Axis {
                     let value = if value.abs() < 0.5 * 10f64.powi(-(digits as i32)) { 0.0 } else { value };
                     format!("{value:.digits$}").replace('-', "\u{2212}")
                 };
+                let low = low.max(self.least);
                 let inside = (low / step - 1e-9).ceil() as i64..=(high / step + 1e-9).floor() as i64;
                 inside.map(|k| k as f64 * step).map(|value| (value, written(value))).collect()
             }
@@ -263,6 +266,7 @@ mod tests {
     fn ticks_are_round_numbers_written_alike() {
         for (axis, expected) in [
             (Axis::new("", [0.0, 1.0]), "0.0 0.2 0.4 0.6 0.8 1.0"),
+            (Axis { least: 0.0, ..Axis::new("", [-0.4, 1.0]) }, "0.0 0.2 0.4 0.6 0.8 1.0"),
             (Axis::new("", [-31.0, 31.0]), "−30 −20 −10 0 10 20 30"),
             (Axis { ticks: Ticks::About(3), ..Axis::new("", [1.94, 2.06]) }, "1.95 2.00 2.05"),
             (Axis::new("", [1e-3, 20.0]).logarithmic(), "1e-3 1e-2 1e-1 1 10"),

@@ -11,7 +11,7 @@ use super::style::Colour;
 use super::svg::HALO;
 
 /// Width of the outline that makes text bold, as a share of its size.
-const BOLD: f32 = 0.05;
+pub(super) const BOLD: f32 = 0.05;
 
 impl Canvas {
     /// Red, green and blue of each pixel, row by row, and how many there are across and down; `None` if these are none or

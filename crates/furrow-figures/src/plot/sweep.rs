@@ -1,21 +1,25 @@
 //! The results of a sweep: χ, or another quantity, over its first dense axis, with a curve for each value of the other axes;
 //! a map of outcomes if two axes are dense.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, bins, widened};
+use crate::drawing::panel::{Axis, Chart, MARGINS, bins, widened};
 use crate::drawing::style::{self, Colour};
-use crate::drawing::{Canvas, Stroke, scale};
+use crate::drawing::{Anchor, Canvas, Stroke, scale};
 use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_mechanics::division::Outcome;
 
 const WIDTH: f64 = 1000.0;
 const CHART: f64 = 548.0;
+/// Height of one of several charts, and of the line above it that says what it is of.
+const PANEL: [f64; 2] = [420.0, 30.0];
 /// Fewest values of an axis that count as dense, and of the second with which curves would be too many.
 const DENSE: usize = 8;
-/// Most curves that a legend names.
+/// Most curves of a chart that a legend names; of more there are several charts, if another axis tells them apart.
 const NAMED: usize = 12;
 
 /// Outcomes in the order of a sweep's columns of counts.
@@ -141,7 +145,8 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
         axis.map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
     let values = x.map_or_else(|| (0..words.len()).map(|k| k as f64).collect(), |(_, values)| values.clone());
     let at = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
-    let groups = grouped(sweep, points, along);
+    let (facet, others) = facets(sweep, points, others(sweep, points, along));
+    let groups = grouped(sweep, points, &others);
     let division = sweep.kind == Kind::Division;
     let heights = points.iter().filter_map(|p| p.value.map(|v| (v, p.sd.unwrap_or(0.0))));
     let mut up = widened(heights.flat_map(|(v, sd)| [v - sd, v + sd]).chain(division.then_some(0.0)), 0.06);
@@ -152,38 +157,98 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
     }
     let (alone, outcomes) = (groups.len() < 2, division && groups.len() < 2);
     let has = |outcome| points.iter().any(|p| p.outcome == Some(outcome) && p.value.is_some());
-    let named = groups.iter().step_by(groups.len().div_ceil(NAMED).max(1)).filter(|_| !alone);
-    let legend = named
+    let in_legend = groups.iter().step_by(groups.len().div_ceil(NAMED).max(1)).filter(|_| !alone);
+    let legend = in_legend
         .fold(Legend::default(), |legend, group| legend.with(Key::Line(group.colour), group.name.as_str()))
         .with_if(outcomes && has(Outcome::Symmetric), Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
         .with_if(outcomes && has(Outcome::Asymmetric), Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
         .with_if(resting, Key::Point(if alone { style::FAILED } else { style::INK }, Marker::Square), "stays at rest")
         .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided");
-    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
-    let across = match x {
-        Some(_) => Axis::over(label(sweep, along), values.iter().copied()),
-        None => Axis::names(label(sweep, along), words, false),
+    let panels: Vec<Option<(usize, usize)>> = match &facet {
+        Some((axis, places)) => places.iter().map(|place| Some((*axis, *place))).collect(),
+        None => vec![None],
     };
-    let y = Axis::new(quantity(sweep.kind), up);
-    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, y);
-    for group in groups.iter().filter(|_| !axis.is_some_and(|axis| axis.sampled)) {
-        let mut sorted = group.points.clone();
+    let [height, above] = if facet.is_some() { PANEL } else { [CHART, 0.0] };
+    let all = (height + above) * panels.len() as f64;
+    let (mut canvas, top) = titled(WIDTH, all, &title(sweep, points), &legend);
+    let y = Axis { least: if division { 0.0 } else { f64::NEG_INFINITY }, ..Axis::new(quantity(sweep.kind), up) };
+    for (row, panel) in panels.iter().enumerate() {
+        let across = match x {
+            Some(_) => Axis::over(label(sweep, along), values.iter().copied()),
+            None => Axis::names(label(sweep, along), words.clone(), false),
+        };
+        let top = top + (height + above) * row as f64 + above;
+        let within = |point: &&&Point| panel.is_none_or(|(axis, place)| point.places.get(axis) == Some(&place));
+        let first = points.iter().find(|point| within(&point)).filter(|_| panel.is_some());
+        if let (Some((axis, _)), Some(first)) = (panel, first) {
+            let of = named(sweep, &[*axis], &first.places);
+            canvas.bold([MARGINS[0], top - 2.0], &of, style::text::TICK, Anchor::Start, style::INK);
+        }
+        let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, height], across, y.clone());
+        let sampled = axis.is_some_and(|axis| axis.sampled);
+        let in_panel = |point: &&&Point| within(point);
+        let shown: Vec<(Colour, Vec<&Point>)> = groups
+            .iter()
+            .map(|group| (group.colour, group.points.iter().filter(in_panel).copied().collect()))
+            .collect();
+        draw_curves(&mut chart, &shown, &at, (sampled, up[0]));
+    }
+    canvas
+}
+
+/// Draws the points of each curve of a chart, with lines unless they are sampled; those without a value lie from `below` to 0.
+fn draw_curves(
+    chart: &mut Chart<'_>,
+    curves: &[(Colour, Vec<&Point>)],
+    at: &dyn Fn(&Point) -> f64,
+    (sampled, below): (bool, f64),
+) {
+    let alone = curves.len() < 2;
+    for (colour, points) in curves.iter().filter(|_| !sampled) {
+        let mut sorted = points.clone();
         sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
         // Broken where there is nothing.
         for piece in sorted.split(|point| point.value.is_none()) {
             let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
-            chart.line(line, Stroke::solid(group.colour, style::CURVE));
+            chart.line(line, Stroke::solid(*colour, style::CURVE));
         }
     }
-    for (k, group) in groups.iter().enumerate() {
+    for (k, (colour, points)) in curves.iter().enumerate() {
         // Points without a value lie below the axis of χ, those of each curve on a line of their own.
-        let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
-        for point in &group.points {
+        let baseline = below * (k as f64 + 1.0) / (curves.len() as f64 + 1.0);
+        for point in points {
             let of_outcome = point.outcome.map_or(style::INK, style::outcome);
-            dot(&mut chart, at(point), point, if alone { of_outcome } else { group.colour }, baseline);
+            dot(chart, at(point), point, if alone { of_outcome } else { *colour }, baseline);
         }
     }
-    canvas
+}
+
+/// The axes that tell curves apart: all but the one along the curves and those that are sampled with it.
+fn others(sweep: &Sweep, points: &[Point], along: usize) -> Vec<usize> {
+    let axes = &sweep.axes.0;
+    let sampled = axes.get(along).is_some_and(|axis| axis.sampled);
+    let held = held(sweep, points);
+    let varies = |k: &usize| *k != along && !(sampled && axes[*k].sampled) && !held.contains(k);
+    (0..axes.len()).filter(varies).collect()
+}
+
+/// Where there are too many curves for one chart, the axis with a chart for each of its places; with the axes that are left.
+fn facets(sweep: &Sweep, points: &[Point], others: Vec<usize>) -> (Option<(usize, Vec<usize>)>, Vec<usize>) {
+    let curves = grouped(sweep, points, &others).len();
+    if curves <= NAMED || others.len() < 2 {
+        return (None, others);
+    }
+    let places = |axis: usize| {
+        let all: BTreeSet<usize> = points.iter().filter_map(|point| point.places.get(axis).copied()).collect();
+        all.into_iter().collect::<Vec<usize>>()
+    };
+    // The fewest charts that leave few enough curves in each.
+    let enough = |axis: &&usize| curves.div_ceil(places(**axis).len().max(1)) <= NAMED;
+    let few = others.iter().filter(enough).min_by_key(|axis| places(**axis).len());
+    match few.copied().filter(|axis| places(*axis).len() <= NAMED) {
+        Some(axis) => (Some((axis, places(axis))), others.into_iter().filter(|other| *other != axis).collect()),
+        None => (None, others),
+    }
 }
 
 /// A point of a curve, with its standard deviation; one without a value on a base line.
@@ -208,13 +273,8 @@ struct Group<'a> {
     points: Vec<&'a Point>,
 }
 
-/// The points by the values of all axes but one and those that are sampled with it.
-fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a>> {
-    let axes = &sweep.axes.0;
-    let sampled = axes.get(along).is_some_and(|axis| axis.sampled);
-    let held = held(sweep, points);
-    let varies = |k: &usize| *k != along && !(sampled && axes[*k].sampled) && !held.contains(k);
-    let others: Vec<usize> = (0..axes.len()).filter(varies).collect();
+/// The points by their values on some axes.
+fn grouped<'a>(sweep: &Sweep, points: &'a [Point], others: &[usize]) -> Vec<Group<'a>> {
     let mut found: Vec<(Vec<usize>, Vec<&Point>)> = Vec::new();
     for point in points {
         let key: Vec<usize> = others.iter().filter_map(|k| point.places.get(*k).copied()).collect();
@@ -232,7 +292,7 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
         _ => style::SERIES[k],
     };
     let group = |(k, (_, points)): (usize, (Vec<usize>, Vec<&'a Point>))| Group {
-        name: named(sweep, &others, &points[0].places),
+        name: named(sweep, others, &points[0].places),
         colour: colour(k),
         points,
     };
