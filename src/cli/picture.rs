@@ -47,11 +47,6 @@ pub type Picture = FormatFile<Format>;
 pub type MovieFile = FormatFile<(MovieFormat, usize)>;
 
 impl PlotArgs {
-    /// Whether the option is given.
-    pub fn is_given(&self) -> bool {
-        self.plot.is_some()
-    }
-
     /// Checks the file before the work that it shows.
     ///
     /// # Errors

@@ -1,12 +1,12 @@
 //! `furrow polarity`: PAR polarity at the sizes of the germline.
 
-use super::cell::{length, load_lineage, natural, one_of, positive, set};
+use super::cell::{length, load_lineage, one_of, positive, set};
 use super::context::Context;
 use super::error::CliError;
 use super::messages;
 use super::output::{number, print_as, records_csv, writable_file};
 use clap::Args;
-use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
+use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, PolarityStudyError, germline, polarity};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::{Length, Units};
@@ -72,7 +72,7 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     let of_lineage = lineage.units().length_um.unwrap_or(LENGTH_UM);
     let length_um = args.length_um.map_or(Ok(of_lineage), |um| positive("--length-um", um))?;
     let units = Units { length_um: Some(length_um), ..lineage.units() };
-    let r0 = args.r0.map(|r0| natural("--r0", r0, &units)).transpose()?;
+    let r0 = args.r0.map(|r0| r0.in_units(&units));
     let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", args.epsilon), ("--xi", "xi_s", args.xi)];
     let settings = &mut context.settings;
     set(settings, given)?;
@@ -84,6 +84,9 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     };
     let chemistry = Chemistry { numerics: settings.numerics, ..Chemistry::new(constants, length_um) };
     let found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
+    if let [PolarisedCell { polarity: Err(error), .. }] = &found.cells[..] {
+        return Err(PolarityStudyError::from(error.clone()).into());
+    }
     for cell in &found.cells {
         if let Some(why) = cell.why() {
             messages::warning!("{}: {why}", name(cell));

@@ -1,6 +1,6 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
-use super::cell::{FirstCellArgs, load_lineage, one_of};
+use super::cell::{FirstCellArgs, load_lineage, one_of, warn_of_size};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -59,10 +59,10 @@ pub struct TreeArgs {
     #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub replicates: Option<u32>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
-    #[arg(help_heading = "Numerics", long)]
+    #[arg(help_heading = "Numerics", long, conflicts_with = "constants")]
     pub dynamics: bool,
     /// Axis of tree.svg: generations (default), or minutes by the clock of the lineage file
-    #[arg(help_heading = "Output", long, value_name = "AXIS", value_parser = one_of(TimeAxis::NAMED))]
+    #[arg(help_heading = "Output", long, value_name = "AXIS", value_parser = one_of(TimeAxis::NAMED), conflicts_with = "constants")]
     time_axis: Option<TimeAxis>,
     #[command(flatten)]
     pub plot: PlotArgs,
@@ -283,11 +283,16 @@ pub fn prepared(
     file: Option<&Path>,
 ) -> Result<(Lineage, TreeSettings), CliError> {
     let mut lineage = load_lineage(file)?;
-    let given = cell.settings(&context.settings, &lineage.units())?;
-    given.check_divisions("settings")?;
-    if cell.r0.is_some() {
+    if let Some(r0) = cell.r0 {
+        let units = lineage.units().asked_in(r0);
+        lineage.units = Some(units).filter(|units| *units != Default::default());
         // The option overrides the radius in the lineage file.
         lineage.forget_first_radius();
+    }
+    let given = cell.settings(&context.settings_in(&lineage.units())?, &lineage.units())?;
+    given.check_divisions("settings")?;
+    if lineage.doubtful_radii().is_empty() {
+        warn_of_size([lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0)]);
     }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
     Ok((lineage, settings))

@@ -106,7 +106,10 @@ fn a_cue_for_a_lineage_without_cues_goes_along_the_smaller_daughters() {
     assert!(plain.is_without_cues());
     let tree = grow(&plain.clone().with_cues_replaced("slow", &given));
     let carriers = carriers(&tree, "slow");
-    assert!(carriers.contains(&"Ba".to_owned()) && carriers.iter().all(|name| name.starts_with(['Q', 'B'])), "{carriers:?}");
+    assert!(
+        carriers.contains(&"Ba".to_owned()) && carriers.iter().all(|name| name.starts_with(['Q', 'B'])),
+        "{carriers:?}"
+    );
     assert_eq!(plain.clone().with_cues_replaced("none", &Cue::none()), plain);
     let worm = Lineage::c_elegans().unwrap();
     assert!(!worm.is_without_cues());

@@ -163,7 +163,10 @@ pub fn polarity(
         jankele2021()?.into_iter().find(|group| group.group == "wt").map_or(Vec::new(), |group| group.events);
     let of = |NamedCell { name, cell }: &NamedCell| {
         // One cell without an answer does not cost the others theirs.
-        let state = chemistry.polarised(cell);
+        let state = match chemistry.polarised(cell) {
+            Err(PolarityError::NoPolarity { .. }) => Ok(None),
+            found => found,
+        };
         let polarity = state.as_ref().map(|state| state.as_ref().and_then(readings)).map_err(Clone::clone);
         let cue = match &polarity {
             Ok(Some(found)) => cue_of(found, follows, amplitude)?,

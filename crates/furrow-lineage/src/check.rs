@@ -105,6 +105,7 @@ impl Check<'_> {
         self.letters("naming", lineage.naming)?;
         lineage.units().check(self.file)?;
         self.printable("name", &lineage.name)?;
+        self.ensure(!lineage.name.trim().is_empty(), "name", shown(&lineage.name), "the organism's name, not empty")?;
         self.printable("citation", lineage.citation.as_deref().unwrap_or(""))?;
         self.cues()?;
         self.rules(&|| self.file.to_owned(), "cue_rules", &lineage.cue_rules)?;
@@ -270,9 +271,7 @@ impl Check<'_> {
 
     fn physics(&self, f: &Founder) -> Checked {
         if let Some(given) = f.r0 {
-            let units = self.lineage.units();
-            let no_unit = |allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed);
-            let r0 = given.in_units(&units).map_err(no_unit)?;
+            let r0 = given.in_units(&self.lineage.units());
             self.require(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;
             self.require(f, SIZES.contains(&r0), "r0", given, "a number of L_h from 1e-6 to 1e6")?;
         }

@@ -210,9 +210,7 @@ impl LifetimeLaw {
 
     /// Whether a volume is more than half a division beyond those that the law was fitted to.
     pub fn extrapolates_to(&self, volume: f64) -> bool {
-        self.volumes.is_some_and(|[least, most]| {
-            volume * HALF_A_DIVISION < least || volume > most * HALF_A_DIVISION
-        })
+        self.volumes.is_some_and(|[least, most]| volume * HALF_A_DIVISION < least || volume > most * HALF_A_DIVISION)
     }
 }
 

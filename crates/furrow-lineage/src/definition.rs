@@ -194,20 +194,27 @@ impl Lineage {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)
     }
 
-    /// L_h and τ; both unknown where the file does not give them.
+    /// L_h and τ; unknown where the file does not give them, but for the worm's L_h where a radius is in µm.
     pub fn units(&self) -> Units {
-        self.units.unwrap_or_default()
+        let given = self.units.unwrap_or_default();
+        self.founders.iter().filter_map(|founder| founder.r0).fold(given, Units::asked_in)
     }
 
     /// The radius R0 that the file gives a founder, in L_h.
     pub fn given_r0(&self, founder: usize) -> Option<f64> {
-        self.founders[founder].r0.and_then(|length| length.in_units(&self.units()).ok())
+        self.founders[founder].r0.map(|length| length.in_units(&self.units()))
     }
 
     /// Radii that are given as plain numbers, which are of L_h, where a number of µm is more likely; a sentence for each. Only
-    /// files that say how long L_h is can mix the two up.
+    /// files that say how long L_h is can mix the two up. Others with radii in µm are told which L_h they get.
     pub fn doubtful_radii(&self) -> Vec<String> {
         let units = self.units();
+        if let (None, Some(length)) = (self.units.and_then(|units| units.length_um), units.length_um) {
+            return vec![format!(
+                "radii are in µm, and the lineage does not say how long L_h is: {length} µm is taken, the worm's; \
+                 add units: (length_um: …)"
+            )];
+        }
         let doubt = |founder: &Founder| match (founder.r0, units.length_um) {
             (Some(Length::Natural(r0)), Some(_)) if r0 > DOUBTFUL => Some(format!(
                 "founder {:?}: r0 = {r0} is in L_h{}; if it is in µm, write r0: \"{r0}um\"",

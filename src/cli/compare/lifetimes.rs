@@ -4,7 +4,7 @@ use super::{skipped_text, trees_of};
 use crate::cli::cell::{load_lineage, positive};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::print_as;
+use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::departure::{Counts, Departure, LoneDivision};
@@ -44,7 +44,7 @@ pub struct LifetimesArgs {
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
     /// Minutes from one frame to the next, for embryos of programs that count frames
-    #[arg(help_heading = "Tables", long, value_name = "MIN")]
+    #[arg(help_heading = "Tables", long, value_name = "MIN", value_parser = number, requires = "table")]
     frame_minutes: Option<f64>,
     #[command(flatten)]
     plot: PlotArgs,

@@ -57,7 +57,7 @@ pub struct VolumesArgs {
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
     /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm
-    #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number)]
+    #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number, requires = "files")]
     voxel: Option<f64>,
     /// Two groups to regress on each other, such as wt,ctrl
     #[arg(help_heading = "Statistics", long, value_name = "X,Y")]
@@ -66,11 +66,13 @@ pub struct VolumesArgs {
     #[arg(help_heading = "Tables", long, value_name = "NAME,NAME,..", value_delimiter = ',', requires = "files")]
     population: Option<Vec<String>>,
     /// Edges of the bins of the mother's volume, ascending, such as 100,1000,10000; default decades
-    #[arg(help_heading = "Statistics", long, visible_alias = "classes", value_name = "V,V,..", value_delimiter = ',', value_parser = number)]
+    #[arg(help_heading = "Statistics", long, visible_alias = "classes", value_name = "V,V,..", value_delimiter = ',', value_parser = number,
+        requires = "files")]
     bins: Option<Vec<f64>>,
     /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default such that P0 is as large as
     /// measured, and by all mothers where P0 is not
-    #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale)]
+    #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale,
+        requires = "files")]
     length_scale: Option<WantedScale>,
     /// Sets of constants from calibrate --ensemble, which give the model's χ a range
     #[arg(help_heading = "Model", long, value_name = "FILE.csv")]

@@ -172,7 +172,10 @@ impl FittedClock {
     fn founder_clocks(&self) -> impl Iterator<Item = (&str, FounderClock)> {
         let own = self.exponents.iter().map(|law| {
             let (lifetime_min, at_volume) = (Some(law.lifetime_min), Some(law.at_volume));
-            (law.founder.as_str(), FounderClock { lifetime_min, at_volume, exponent: Some(law.exponent), volumes: Some(law.volumes) })
+            (
+                law.founder.as_str(),
+                FounderClock { lifetime_min, at_volume, exponent: Some(law.exponent), volumes: Some(law.volumes) },
+            )
         });
         own.chain(self.few.iter().map(|few| {
             let (lifetime_min, at_volume) = (Some(few.lifetime_min), Some(few.at_volume));
@@ -184,7 +187,9 @@ impl FittedClock {
     /// The clock as a lineage file: one that differs from the built-in lineage, or without `base` one with the fields to copy.
     pub fn as_ron(&self, base: Option<&str>) -> String {
         let law = |lifetime: f64, volume: f64, exponent: f64, [least, most]: [f64; 2]| {
-            format!("lifetime_min: {lifetime:.2}, at_volume: {volume:.5}, exponent: {exponent:.4}, volumes: ({least:.5}, {most:.5})")
+            format!(
+                "lifetime_min: {lifetime:.2}, at_volume: {volume:.5}, exponent: {exponent:.4}, volumes: ({least:.5}, {most:.5})"
+            )
         };
         let mut out = "// Found by furrow fit clock.\nLineage(\n".to_owned();
         if let Some(base) = base {
@@ -196,7 +201,11 @@ impl FittedClock {
         let _ = writeln!(out, "    clock: ({law_of_all}{origin}),\n    founders: [");
         for (name, FounderClock { lifetime_min, at_volume, exponent, volumes }) in self.founder_clocks() {
             let of = [lifetime_min, at_volume, exponent].map(|value| value.unwrap_or(f64::NAN));
-            let _ = writeln!(out, "        (name: {name:?}, clock: ({})),", law(of[0], of[1], of[2], volumes.unwrap_or([f64::NAN; 2])));
+            let _ = writeln!(
+                out,
+                "        (name: {name:?}, clock: ({})),",
+                law(of[0], of[1], of[2], volumes.unwrap_or([f64::NAN; 2]))
+            );
         }
         out + "    ],\n)\n"
     }

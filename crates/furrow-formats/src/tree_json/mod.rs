@@ -92,7 +92,9 @@ fn rows_with(tree: &Tree, times: Option<&[CellTimes]>) -> Vec<FounderRow> {
             chi: cell.and_then(|c| c.fate.chi()),
             rounds,
             last_division_min: last.get(founder).and_then(|last| (*last)?.division_min),
-            last_division_extrapolated: last.get(founder).is_some_and(|last| last.is_some_and(|last| last.lifetime_extrapolated)),
+            last_division_extrapolated: last
+                .get(founder)
+                .is_some_and(|last| last.is_some_and(|last| last.lifetime_extrapolated)),
             observed: definition.observed,
             sulston: definition.observed,
         }
