@@ -48,8 +48,7 @@ fn a_wait_at_a_saddle_is_as_long_as_growth_takes() {
         divide(&DivisionInput { numerics, ..DivisionInput::new(cell.clone()) }).unwrap()
     });
     let growth = loud.slow_growth_rate.unwrap() * (quiet.t_end - loud.t_end);
-    // Its rate is known to a hundredth, and so is each wait of some ten times ln 10.
-    near("growth by the tenfold", growth, 10f64.ln(), 0.06);
+    near("growth by the tenfold", growth, 10f64.ln(), 0.02);
 }
 
 /// The contour of a cell that oscillates, by its lengths at the steps of its division. Its swing is 4·10⁻³. The same lengths with a swing of
