@@ -17,6 +17,9 @@ const STEPS: usize = 4;
 /// A change of χ as large as this within [`WITHIN`] of the value is a jump.
 const JUMP: f64 = 0.1;
 const WITHIN: f64 = 1e-3;
+/// A jump ends where χ changes by less than this, and after so many steps, each twice as long as the one before, at the latest.
+const SETTLED: f64 = 0.01;
+const LONGER: usize = 4;
 
 /// A division that jumps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -109,7 +112,7 @@ fn narrowed(
 ) -> Option<([f64; 2], [Option<f64>; 2])> {
     while change(chi) >= JUMP {
         if (between[1] - between[0]).abs() <= width {
-            return Some((between, chi));
+            return Some(to_its_end(between, chi, at));
         }
         let middle = 0.5 * (between[0] + between[1]);
         let halfway = at(middle);
@@ -118,6 +121,23 @@ fn narrowed(
         chi[usize::from(!second)] = halfway;
     }
     None
+}
+
+/// The interval of a jump with its far end moved on, in ever longer steps, to where χ changes little.
+fn to_its_end(
+    mut between: [f64; 2],
+    mut chi: [Option<f64>; 2],
+    at: &dyn Fn(f64) -> Option<f64>,
+) -> ([f64; 2], [Option<f64>; 2]) {
+    for _ in 0..LONGER {
+        let next = 2.0 * between[1] - between[0];
+        let beyond = at(next);
+        if change([chi[1], beyond]) < SETTLED {
+            break;
+        }
+        (between[1], chi[1]) = (next, beyond);
+    }
+    (between, chi)
 }
 
 #[cfg(test)]
