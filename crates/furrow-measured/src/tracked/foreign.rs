@@ -26,7 +26,7 @@ pub(crate) fn refuse(file: &str, head: &[u8]) -> Result<(), InputError> {
     }
 }
 
-/// What a file is, and what to do; `None` if it may be a table.
+/// Names the kind of a file and the remedy; `None` if it may be a table.
 fn kind(head: &[u8]) -> Option<&'static str> {
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -110,7 +110,7 @@ pub(super) fn refuse_archive(path: &Path, names: &[String]) -> Result<(), InputE
     Err(InputError::other_file(path.display(), WANTED, format!("it is {kind}")))
 }
 
-/// What a folder without nuclei and without GEFF is, and what to do; `None` if that is not known.
+/// Names the kind of a folder without nuclei and GEFF, and the remedy; `None` if it is not known.
 pub(super) fn folder(folder: &Path) -> Option<String> {
     let has = |name: &str| folder.join(name).exists();
     let kind = match () {
