@@ -54,7 +54,7 @@ pub fn birth(name: &str) -> Option<(&str, String, bool)> {
 /// The name of a cell as it may be written: with blanks or points between its letters, or a descendant of a founder in
 /// capitals; `None` for anything that is not the name of a cell.
 ///
-/// `DVA` and `CAN` are neurons. Therefore only descendants of AB and MS may be in capitals throughout, and of E, C and D those
+/// `DVA` is a neuron. Therefore only descendants of AB and MS may be in capitals throughout, and of E, C and D those
 /// that come from a first division along the anterior axis, as all of Sulston's do.
 ///
 /// # Examples
