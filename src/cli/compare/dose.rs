@@ -15,6 +15,7 @@ use super::{check_bins, plus_minus, significance, skipped_text};
 use crate::cli::cell::{length, load_lineage, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
+use crate::cli::interrupt;
 use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
@@ -89,6 +90,7 @@ fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result
     let r0 = args.r0.map(|r0| r0.in_units(&lineage.units()));
     set(&mut settings, [("--r0", "r0", r0)])?;
     settings.check_divisions("settings")?;
+    interrupt::finish();
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show_all(progress);
     let (memo, scheduling) = (context.memo()?, context.scheduling(&show));

@@ -37,7 +37,6 @@ enum What {
 }
 
 pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
-    interrupt::finish();
     match &args.what {
         What::Counts(args) => counts::run(args, context),
         What::Volumes(args) => volumes::run(args, context),
@@ -80,6 +79,8 @@ fn plus_minus(sd: Option<f64>) -> String {
 
 /// Trees of several lineages with the parameters of the command, in one run.
 fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
+    // Until here Ctrl-C stops the command at once, also while it reads tables.
+    interrupt::finish();
     context.settings.check_divisions("settings")?;
     let scenarios = scenarios_of(lineages, &context.settings, context.quantisation);
     Ok(grown(&scenarios, None, false, context)?.0.trees)

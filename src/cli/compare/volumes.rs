@@ -2,6 +2,7 @@
 
 use super::super::messages;
 use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
+use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
 use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
@@ -17,6 +18,7 @@ use crate::cli::output::{number, print, to_json, writable_folder};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
 use clap::{Args, ValueEnum};
+use furrow_analysis::compare::names_of;
 use furrow_analysis::compare::noise::noise_null;
 use furrow_analysis::compare::volumes::{
     Band, Beside, BinModel, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model,
@@ -126,8 +128,8 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         Some(file) => read_constants(&read_text(file)?, &file.display().to_string())?,
         None => Vec::new(),
     };
-    let measured = read(args)?;
     let lineage = load_lineage(args.lineage.as_deref())?;
+    let measured = read(args, &names_of(&lineage))?;
     let settings: TreeSettings = tree_settings(context.settings.clone(), &lineage, 0, context.quantisation);
     let grow = |lineages| trees_of(lineages, context);
     let (free, firsts) = model(&lineage, settings.cell.r0, &measured.groups, grow)?;
@@ -255,7 +257,7 @@ fn check(args: &VolumesArgs) -> Result<(), InputError> {
     check_bins(args.bins.as_deref())
 }
 
-fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
+fn read(args: &VolumesArgs, cells: &Names) -> Result<Measured, CliError> {
     let mut volumes = Volumes::default();
     if args.files.is_empty() {
         let (source, groups) = match args.published {
@@ -267,7 +269,7 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     // Two conditions are two groups, if their tables name none.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
-        let options = ReadOptions { voxel: args.voxel, group };
+        let options = ReadOptions { voxel: args.voxel, group, names: cells.clone() };
         for file in files {
             volumes.read_file(file, &options)?;
         }
