@@ -108,7 +108,7 @@ pub fn write_movie(
 ) -> Result<(), Error> {
     let input = inputs.division(seed)?;
     let allowed = "a file that ends in .gif, .png, .apng or .svg";
-    let format = MovieFormat::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), Format::ALLOWED))?;
+    let format = MovieFormat::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), allowed))?;
     supervised(py, Interrupt::Abandons, progress, move |watch| {
         let film = Trajectory::compute(&input)?.with_places(DENSE);
         let frames = frames.unwrap_or(format.usual_frames());

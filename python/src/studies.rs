@@ -72,7 +72,7 @@ pub fn ensemble(
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, Settings { cell, numerics }) = read(&source, unknowns.as_deref(), &given)?;
-        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, &|_, _| ())?;
+        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, None, &|_, _| ())?;
         let found = json!({
             "parameters": found.parameters.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "values": found.members.iter().map(|member| &member.values).collect::<Vec<_>>(),

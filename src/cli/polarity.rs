@@ -6,7 +6,9 @@ use super::error::CliError;
 use super::messages;
 use super::output::{number, print_as, records_csv, writable_file};
 use clap::Args;
-use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, PolarityStudyError, germline, polarity};
+use furrow_analysis::polarity::{
+    Follows, NamedCell, PolarisedCell, PolarityStudy, PolarityStudyError, germline, polarity,
+};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::{Length, Units};

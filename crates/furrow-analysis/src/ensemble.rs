@@ -268,7 +268,8 @@ fn fitted(draws: &[Draw]) -> Option<Proposal> {
 }
 
 /// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
-/// stops it. A `journal` with the columns [`JOURNAL_COLUMNS`] keeps the checks, from which an interrupted run resumes. `shown` is called with the number of draws checked and the number expected, from any thread.
+/// stops it. A `journal` with the columns [`JOURNAL_COLUMNS`] keeps the checks, from which an interrupted run resumes. `shown` is
+/// called with the number of draws checked and the number expected, from any thread.
 ///
 /// # Errors
 /// [`EnsembleError`].

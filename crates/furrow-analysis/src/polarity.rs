@@ -273,11 +273,11 @@ mod tests {
         let cell = PolarisedCell {
             name: None,
             r0: 5.4,
-            surface_to_volume: 0.18,
-            polarity: None,
+            surface_to_volume: Some(0.18),
+            polarity: Ok(None),
             profile: Vec::new(),
             cue: Cue::default(),
-            division: Err(DivisionError::Cancelled { r0: 5.4, t: 0.0 }),
+            division: None,
             measured: None,
         };
         for (surface_to_volume, psi) in [(SurfaceToVolume::Shape, 0.18), (SurfaceToVolume::Fixed(0.25), 0.25)] {

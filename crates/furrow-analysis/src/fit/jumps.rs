@@ -148,7 +148,7 @@ mod tests {
     fn an_edge_is_told_from_a_steep_slope() {
         let chi = |x: f64| {
             vec![
-                (x < 2.006).then(|| 4.0 * (2.1 - x)),
+                (x < 2.006).then_some(4.0 * (2.1 - x)),
                 Some(if x > 1.985 { 0.41 } else { 0.0005 }),
                 Some(30.0 * (x - 1.97)),
             ]

@@ -131,7 +131,11 @@ impl Regulator {
         let couplings: Vec<Coupling> = self.couplings.iter().filter(acts).copied().collect();
         // What is made is k A f.
         let source = self.source.filter(|source| source.amplitude != 0.0 && self.turnover != 0.0);
-        (!couplings.is_empty() && (self.diluted || self.turnover != 0.0)).then(|| Regulator { source, couplings, ..self.clone() })
+        (!couplings.is_empty() && (self.diluted || self.turnover != 0.0)).then(|| Regulator {
+            source,
+            couplings,
+            ..self.clone()
+        })
     }
 
     /// The same regulator with its numbers turned into others, each told which it is.
