@@ -1,10 +1,9 @@
 //! The mechanics of [furrow](https://docs.rs/furrow): what a cell is, the equations of its cortex, its stationary shapes and
 //! its division.
 //!
-//! What decides a division is here and nothing else: no tree, no store, no command line, no threads and no clock. `furrow`
-//! gives all of it under its own name (`furrow_cell`, `furrow_mechanics::division`, …), and everybody takes it from there. It is a
-//! crate of its own because it is what must be fast: it is compiled as one unit with full optimisation, while what is built on
-//! it, twice as much code, is compiled beside it.
+//! This crate decides a division: it knows no tree, no store, no command line, no files and no clock. Growth rates along a branch are
+//! computed on a second thread, with the same bits on any number of threads. The crate is separate because it must be fast: it is
+//! compiled as one unit with full optimisation.
 //!
 //! | module | role |
 //! |---|---|
