@@ -30,6 +30,7 @@
 //! # Ok::<(), furrow_input::InputError>(())
 //! ```
 
+mod cell_tables;
 #[cfg(feature = "contours")]
 pub mod contour;
 mod division_table;

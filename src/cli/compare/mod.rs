@@ -17,6 +17,7 @@ use crate::cli::interrupt;
 use furrow_analysis::scenarios_of;
 use furrow_input::InputError;
 use furrow_lineage::{Lineage, Tree};
+use furrow_measured::statistics::SPREAD_FROM;
 use furrow_measured::volumes::Skipped;
 
 #[derive(Debug, Args)]
@@ -35,7 +36,6 @@ enum What {
 }
 
 pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
-    interrupt::finish();
     match &args.what {
         What::Counts(args) => counts::run(args, context),
         What::Volumes(args) => volumes::run(args, context),
@@ -66,12 +66,15 @@ fn check_bins(edges: Option<&[f64]>) -> Result<(), InputError> {
     InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
 }
 
-fn plus_minus(sd: Option<f64>) -> String {
-    sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"))
+/// A standard deviation behind a mean; nothing for so few values that it says little.
+fn plus_minus(sd: Option<f64>, n: usize) -> String {
+    sd.filter(|_| n >= SPREAD_FROM).map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
 /// Trees of several lineages with the parameters of the command, in one run.
 fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
+    // Until here only files were read, which Ctrl-C stops at once.
+    interrupt::finish();
     context.settings.check_divisions("settings")?;
     let scenarios = scenarios_of(lineages, &context.settings, context.quantisation);
     Ok(grown(&scenarios, None, false, context)?.0.trees)

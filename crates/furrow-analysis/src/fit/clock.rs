@@ -14,7 +14,7 @@ use furrow_input::InputError;
 use furrow_lineage::{FounderClock, Lineage};
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
 use furrow_measured::names::birth;
-use furrow_measured::significance::trend;
+use furrow_measured::significance::power;
 use furrow_measured::statistics::mean;
 use furrow_measured::volumes::{Unit, Volumes};
 use serde::Serialize;
@@ -26,18 +26,18 @@ pub struct FittedLaw {
     pub founder: String,
     /// Exponent of the lifetime over the volume, with the sign changed.
     pub exponent: f64,
-    /// Its standard error.
-    pub se: f64,
+    /// Its standard error; none where the cells have two sizes alone, through which a line always passes.
+    pub se: Option<f64>,
     /// Cells.
     pub n: usize,
     /// Lifetime at `at_volume`, in minutes.
     pub lifetime_min: f64,
     /// The geometric mean of the cells' volumes, as a fraction of the first cell's.
     pub at_volume: f64,
-    /// Share of the variation of ln lifetime that the line explains.
-    pub r_squared: f64,
-    /// Two-sided p value of the exponent.
-    pub p: f64,
+    /// Share of the variation of ln lifetime that the line explains; as `se`.
+    pub r_squared: Option<f64>,
+    /// Two-sided p value of the exponent; as `se`.
+    pub p: Option<f64>,
 }
 
 /// A founder with too few cells for a line of its own.
@@ -126,17 +126,18 @@ fn centre(points: &[[f64; 2]]) -> [f64; 2] {
 }
 
 fn law(founder: &str, points: &[[f64; 2]]) -> Option<FittedLaw> {
-    let found = trend(points)?;
+    let found = power(points)?;
+    let known = |number: f64| (!number.is_nan()).then_some(number);
     let [at_volume, lifetime_min] = centre(points);
     Some(FittedLaw {
         founder: founder.to_owned(),
         exponent: -found.line.slope,
-        se: found.line.slope_error,
+        se: known(found.line.slope_error),
         n: found.line.n,
         lifetime_min,
         at_volume,
-        r_squared: found.line.r_squared,
-        p: found.p,
+        r_squared: known(found.line.r_squared),
+        p: known(found.p),
     })
 }
 

@@ -11,7 +11,7 @@ use furrow_input::{InputError, open_file};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
 use crate::names::birth;
-use crate::table::{Table, malformed, number};
+use crate::table::{Table, malformed};
 
 /// Whether these are the columns of a CD table.
 pub(super) fn is_table(columns: &[&str]) -> bool {
@@ -30,11 +30,12 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let columns = [column("cell")?, column("time")?, column("size")?];
     let mut spots = Spots::of(&file);
     let mut cells: HashMap<String, Vec<usize>> = HashMap::new();
+    let numbers = table.numbers();
     while let Some((line, row)) = table.next()? {
         let [cell, time, size] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let name = text(cell);
-        let Some(frame) = number(time).filter(|frame| *frame >= 0.0) else {
+        let Some(frame) = numbers.read(time).ok().filter(|frame| *frame >= 0.0) else {
             spots.skip(&file, line, "time", &text(time), "must be a number of frames from 0");
             continue;
         };
@@ -42,7 +43,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
             spots.skip(&file, line, "cell", "", "must be the name of a cell");
             continue;
         }
-        let diameter = number(size).filter(|size| *size > 0.0 && *size < 1e30);
+        let diameter = numbers.read(size).ok().filter(|size| *size > 0.0 && *size < 1e30);
         if diameter.is_none() {
             spots.skip(&file, line, "size", &text(size), "must be a diameter above 0, in pixels");
         }

@@ -125,6 +125,8 @@ fn read_spots(
     let mut table = Table::open(open_file(path)?, &file)?;
     let rows = heading_of(&mut table, layout)?;
     let names = heading(&rows, false);
+    // From here on a row that is longer is an error.
+    table.name_columns(names.clone());
     if heading(&rows, layout.heading == 3).iter().any(|name| layout.link.contains(&name.as_str())) {
         return Err(InputError::other_file(file, "a table of spots", "it has links; they are read with their spots"));
     }
@@ -135,6 +137,7 @@ fn read_spots(
     let radius = names.iter().position(|name| name == radius);
     let unit = radius.map_or(Ok(Unit::Voxels), |at| unit_of(&rows, at, options, &file))?;
     let in_pixels = unit_in_heading(&rows, radius) != Some(Unit::CubicMicrometres);
+    let numbers = table.numbers();
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -145,7 +148,7 @@ fn read_spots(
         };
         let (id, time) = (whole("ID", id)? as u64, whole(layout.spot[2], frame)?);
         let size = radius.map(|at| row.get(at).unwrap_or_default().trim_ascii());
-        let radius = size.and_then(number).filter(|radius| *radius > 0.0 && *radius < 1e30);
+        let radius = size.and_then(|size| numbers.read(size).ok()).filter(|radius| *radius > 0.0 && *radius < 1e30);
         if let (Some(size), None) = (size, radius) {
             spots.skip(&file, line, layout.spot[3], &text(size), "must be a radius above 0");
         }
@@ -189,6 +192,7 @@ fn read_links(spots: &mut Spots, ids: &HashMap<u64, usize>, path: &Path, layout:
     let file = path.display().to_string();
     let mut table = Table::open(open_file(path)?, &file)?;
     let names = heading(&heading_of(&mut table, layout)?, layout.heading == 3);
+    table.name_columns(names.clone());
     let [from, to] = layout.link.map(|name| column(&names, name, &file, "a table of links has it"));
     let ends = [from?, to?];
     while let Some((line, row)) = table.next()? {
