@@ -71,7 +71,7 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     Ok(out)
 }
 
-/// One set; or the column of a value and what is allowed.
+/// Reads one set. An error is the column and what is allowed there.
 fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, String)> {
     let mut out = Constants { values: Vec::new(), weight: 1.0 };
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {

@@ -93,7 +93,7 @@ impl Volumes {
             places.push(cell.map(|name| self.cell(embryo, name, line as u64)));
         }
         let factor = factor(named, options);
-        // Voxels are counted: a number with decimals is none of them.
+        // Voxels are counted: a number with decimals is in another unit.
         let (mut is_counted, mut largest) = (true, 0.0_f64);
         while let Some(row) = table.next_row()? {
             if let Err(rejected) = fitting(row) {

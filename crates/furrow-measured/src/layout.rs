@@ -139,7 +139,7 @@ impl DivisionColumns {
         let lower = unified(header, (file, line))?;
         let find = |name: &str| lower.iter().position(|column| column == name);
         let micrometres = VOLUMES[0];
-        // The heading `mother` is that of its name.
+        // A heading `mother` without a unit is the column of names.
         let volume = |of: &str| {
             let found = quantity(header, of, &VOLUMES).map_err(|why| malformed(file, line, why))?;
             let found = found.into_iter().find(|(_, unit)| unit.is_some() || of != "mother");

@@ -23,11 +23,11 @@ pub fn trend(points: &[[f64; 2]]) -> Option<Trend> {
     Some(Trend { line, p })
 }
 
-/// Volumes of which the larger is by no more than this factor above the smaller are one size: sisters of an equal division.
+/// Volumes that differ by no more than this factor, as those of sisters of an equal division, are one size.
 const ONE_SIZE: f64 = 1.25;
 
-/// The line of ln y over ln volume, whose slope is an exponent; as [`trend`], but two sizes always lie on a line, so that it has neither
-/// an error nor a p value there, and explains no share of the variation.
+/// The line of ln y over ln volume, whose slope is an exponent; as [`trend`], but a line through two sizes always fits: its error, its p value
+/// and its shares of the variation are not numbers.
 pub fn power(points: &[[f64; 2]]) -> Option<Trend> {
     let mut trend = trend(points)?;
     let mut sizes: Vec<f64> = points.iter().map(|[ln_volume, _]| *ln_volume).collect();

@@ -13,8 +13,8 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Fewest values with the standard deviation of which another value's distance is measured: two values differ from a third
-/// by twenty of their standard deviations in one case of 26, three in one of 300.
+/// Fewest values for which a standard deviation is quoted. Another value of the same kind is twenty standard deviations off in one
+/// case of 26 if they are of two values, and in one of 300 if they are of three.
 pub const SPREAD_FROM: usize = 3;
 
 /// Standard deviation of a sample, by n − 1; none of fewer than two values.

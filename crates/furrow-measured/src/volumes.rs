@@ -34,7 +34,7 @@ pub struct ReadOptions {
     pub voxel: Option<f64>,
     /// Group of rows without one.
     pub group: Option<String>,
-    /// Unit of tables that name none.
+    /// Unit of tables whose headings and columns give no unit.
     pub unit: Option<Unit>,
 }
 
@@ -168,7 +168,7 @@ impl<'r> Value<'r> {
         Value { line: row.line, column, name: row.name(column), text: row.text(column), numbers: row.numbers }
     }
 
-    /// The number, or why it is none.
+    /// The number, or the reason why the text is not a number.
     pub(crate) fn number(self) -> Result<f64, Rejected<'r>> {
         self.numbers.read(self.text).map_err(|why| (self, why))
     }

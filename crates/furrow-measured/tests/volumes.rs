@@ -216,7 +216,7 @@ fn a_grid_can_be_in_cubic_micrometres() {
     let plain = ReadOptions::default();
     let counted = ",AB,P1\n1,640,320\n";
     assert_eq!(unit(counted, &plain), (Unit::Voxels, 640.0));
-    // Voxels are counted, so that a number with decimals is none.
+    // Voxels are counted: a number with decimals is a volume.
     assert_eq!(unit(",AB,P1\n1,640.5,320\n", &plain), (Unit::CubicMicrometres, 640.5));
     assert_eq!(unit(",AB,P1\n1,0.6,0.4\n", &plain), (Unit::Relative, 0.6));
     for table in [",AB (\u{3bc}m\u{b3}),P1 (\u{3bc}m\u{b3})\n1,640,320\n", "frame (um3),AB,P1\n1,640,320\n"] {

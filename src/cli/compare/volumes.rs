@@ -59,8 +59,8 @@ pub struct VolumesArgs {
     /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm
     #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number)]
     voxel: Option<f64>,
-    /// Unit of tables that name none: um3, voxels or relative; default voxels for a grid of whole numbers, else relative if no number
-    /// is above 1.5 and µm³ if one is
+    /// Unit of tables without one: um3, voxels or relative; default voxels for a grid of whole numbers, for others relative if no
+    /// number is above 1.5 and µm³ if one is
     #[arg(help_heading = "Tables", long, value_name = "UNIT", value_parser = str::parse::<Unit>, requires = "files")]
     unit: Option<Unit>,
     /// Two groups to regress on each other, such as wt,ctrl

@@ -103,7 +103,7 @@ fn clock_text(found: &FittedClock) -> String {
     }
     out += "Founders with one cell or two get the exponent of all cells.\n";
     if found.exponents.iter().any(|law| law.se.is_none()) {
-        out += "An exponent without an error is of cells of two sizes alone, through which a line always passes.\n";
+        out += "An exponent without an error rests on two sizes: a line through two points always fits.\n";
     }
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for Unused { cell, why } in &found.skipped {

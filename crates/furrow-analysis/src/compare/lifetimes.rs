@@ -33,7 +33,7 @@ pub struct CellBeside {
 }
 
 impl CellBeside {
-    /// (model − measured)/sd; none of fewer than [`SPREAD_FROM`] embryos.
+    /// (model − measured)/sd, of [`SPREAD_FROM`] embryos or more.
     pub fn off(&self) -> Option<f64> {
         let sd = self.measured.sd.filter(|sd| *sd > 0.0 && self.measured.n >= SPREAD_FROM as u64)?;
         Some((self.model? - self.measured.mean) / sd)

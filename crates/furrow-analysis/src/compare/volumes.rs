@@ -47,7 +47,7 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// (model − measured)/sd of a χ; none of fewer than [`SPREAD_FROM`] embryos.
+    /// (model − measured)/sd of a χ, of [`SPREAD_FROM`] embryos or more.
     pub fn off(&self, chi: f64) -> Option<f64> {
         self.measured
             .sd

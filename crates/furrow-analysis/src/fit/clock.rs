@@ -26,7 +26,7 @@ pub struct FittedLaw {
     pub founder: String,
     /// Exponent of the lifetime over the volume, with the sign changed.
     pub exponent: f64,
-    /// Its standard error; none where the cells have two sizes alone, through which a line always passes.
+    /// Its standard error; not given for two sizes, because a line through two points always fits.
     pub se: Option<f64>,
     /// Cells.
     pub n: usize,

@@ -49,7 +49,7 @@ pub struct Contours {
     pub left_out: Vec<LeftOut>,
 }
 
-/// The points of a contour, and what is wrong with the first that is.
+/// The points of a contour, and the first error in one, with its line.
 #[derive(Default)]
 struct Ring {
     name: String,
@@ -139,7 +139,7 @@ impl Rings {
     }
 }
 
-/// The point of a row, and what is wrong with it.
+/// The point of a row, and its first error.
 fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
     let mut wrong = row.surplus().map(|(_, why)| why);
     let point = columns.map(|column| {
