@@ -92,7 +92,9 @@ impl Volumes {
             }
             places.push(cell.map(|name| self.cell(embryo, name, line as u64)));
         }
-        let factor = factor(named, options);
+        // Without a unit a grid is in voxels where these have a size.
+        let is_bare = named.is_none() && options.unit.is_none();
+        let factor = if is_bare { options.voxel_volume() } else { factor(named, options) };
         // Voxels are counted: a number with decimals is in another unit.
         let (mut is_counted, mut largest) = (true, 0.0_f64);
         while let Some(row) = table.next_row()? {

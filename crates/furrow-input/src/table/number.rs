@@ -49,11 +49,13 @@ impl Numbers {
     pub fn read(self, text: &[u8]) -> Result<f64, String> {
         let text = super::text(text);
         let text = text.trim();
-        let Some(shape) = shape(text).filter(|shape| *shape != Shape::default()) else {
-            return finite(text);
-        };
+        let found = finite(text);
+        if found.is_ok() && (self.commas_separate || !text.contains('.')) {
+            return found;
+        }
+        let Some(shape) = shape(text) else { return found };
         if self.commas_separate {
-            return finite(text).map_err(|why| match shape {
+            return found.map_err(|why| match shape {
                 Shape { decimal: Some(','), .. } | Shape { thousands: Some(','), .. } => format!(
                     "{why}: decimals need a point, as in 12.5 (a decimal comma is read where semicolons or tabs separate columns)"
                 ),
