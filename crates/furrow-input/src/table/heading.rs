@@ -98,6 +98,9 @@ pub fn unified(header: &[String]) -> Result<Vec<String>, String> {
     Ok(lower)
 }
 
+/// A column of a quantity, with the unit in its heading.
+pub type QuantityColumn<'u, K> = (usize, Option<&'u NamedUnit<K>>);
+
 /// The columns of a quantity, with the unit where their headings give one: `lifetime`, `lifetime_min`, `Lifetime (min)`.
 ///
 /// # Errors
@@ -106,7 +109,7 @@ pub fn quantity<'u, K>(
     header: &[String],
     name: &str,
     units: &'u [NamedUnit<K>],
-) -> Result<Vec<(usize, Option<&'u NamedUnit<K>>)>, String> {
+) -> Result<Vec<QuantityColumn<'u, K>>, String> {
     let mut found = Vec::new();
     for (column, heading) in header.iter().enumerate() {
         let (base, written) = split_unit(heading);

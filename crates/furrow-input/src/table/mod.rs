@@ -19,7 +19,7 @@ use crate::InputError;
 use bounded::Bounded;
 use heading::is_unnamed;
 
-pub use heading::{NamedUnit, TIMES, quantity, split_unit, unified, unit_of, unit_word, units_listed};
+pub use heading::{NamedUnit, QuantityColumn, TIMES, quantity, split_unit, unified, unit_of, unit_word, units_listed};
 pub use number::{Numbers, number};
 
 /// Bytes at the start of a table that decide how it is written.
@@ -131,7 +131,8 @@ impl<'f, R: Read> Table<'f, R> {
     }
 
     /// The names of the columns, and their line: the first row that is neither empty nor a comment, or one that `is_header` accepts
-    /// although it looks like one. Columns at the left to which pandas gave a name because they had none have an empty one.
+    /// although it looks like one. Names such as `Unnamed: 0`, which pandas gives to columns
+    /// without a name, are empty here if they are at the left.
     ///
     /// # Errors
     /// A table without such a row, and as [`next`](Self::next).
