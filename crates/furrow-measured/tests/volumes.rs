@@ -91,7 +91,10 @@ fn what_is_no_table_of_volumes_is_refused() {
         (b"x,y\n1,2\n", "no column is called cell or volume or embryo"),
         (b"embryo,cell,volume,cell\n", "two columns are called \"cell\""),
         (b"\xff\xfee\0", "this is UTF-16"),
-        (b"embryo,cell,volume,unit\ne,AB,1,um3\ne,P1,1,pints\n", "unit on line 3, column 4 = pints: must be one of um3"),
+        (
+            b"embryo,cell,volume,unit\ne,AB,1,um3\ne,P1,1,pints\n",
+            "unit on line 3, column 4 = pints: must be one of um3",
+        ),
         (b"embryo,cell,volume,unit\ne,AB,1,um3\ne,P1,1,voxels\n", "must be µm³, the unit of the rows before"),
     ] {
         let said = refused(table);

@@ -109,7 +109,7 @@ fn plain(text: &str, decimal: Option<char>, thousands: Option<char>) -> String {
     kept.map(|c| if Some(c) == decimal { '.' } else { c }).collect()
 }
 
-/// The signs of a number; none for any other text.
+/// The signs of a number. Other text has no shape.
 fn shape(text: &str) -> Option<Shape> {
     // A number of a person is short.
     const LONGEST: usize = 64;
