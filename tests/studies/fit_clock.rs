@@ -23,12 +23,13 @@ fn the_clock_of_the_worm_is_that_of_scipy() {
     let laws = reference["laws"].as_object().unwrap();
     assert_eq!(found.exponents.len() + found.few.len() + 1, laws.len());
     for law in found.exponents.iter().chain([&found.all]) {
-        let FittedLaw { founder, exponent, se, n, lifetime_min, at_volume, r_squared, p } = law;
+        let FittedLaw { founder, exponent, se, n, lifetime_min, at_volume, volumes, r_squared, p } = law;
         let expected = &laws[founder];
         assert_eq!(*n as u64, expected["n"], "{founder}");
         close(*exponent, &expected["exponent"]);
         close(*lifetime_min, &expected["lifetime_min"]);
         close(*at_volume, &expected["at_volume"]);
+        assert!(volumes[0] <= *at_volume && *at_volume <= volumes[1], "{founder}: {volumes:?}");
         // MS, E and C have a mother and her daughters: two sizes, through which a line always passes.
         assert_eq!(se.is_some(), ["AB", "all"].contains(&founder.as_str()), "{founder}");
         assert_eq!([se.is_some(), r_squared.is_some()], [p.is_some(); 2]);

@@ -5,11 +5,13 @@
 //! | `ron`, `place` | RON documents; the field that an error is about |
 //! | `csv_text` | text in CSV files that spreadsheets may open |
 //! | `file` | text files of bounded length |
+//! | `foreign` | files of other kinds, which errors name |
 //! | `names` | names in messages: quoted, shortened, listed, the nearest known one |
 //! | `table` | rows of CSV tables |
 
 mod csv_text;
 mod file;
+pub mod foreign;
 mod names;
 mod place;
 mod ron;
@@ -77,6 +79,11 @@ pub enum InputError {
 }
 
 impl InputError {
+    /// The error for a file that the system cannot read.
+    pub fn unreadable(file: &std::path::Path, reason: impl ToString) -> Self {
+        InputError::Unreadable { file: file.display().to_string(), reason: reason.to_string() }
+    }
+
     /// The error for a file that is of another kind than `wanted`.
     pub fn other_file(file: impl ToString, wanted: &str, reason: impl ToString) -> Self {
         InputError::OtherFile { file: file.to_string(), wanted: wanted.to_owned(), reason: reason.to_string() }

@@ -6,7 +6,7 @@ use furrow_input::table::{Row, Table, malformed, split_unit, text, unit_of, unit
 use furrow_input::{InputError, shown};
 
 use crate::layout::{Columns, Unit, VOLUMES, VolumeUnit, embryo_of_file};
-use crate::names::is_cell;
+use crate::names::understood;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
 
 /// Volumes without a unit that never exceed this are fractions.
@@ -52,8 +52,8 @@ impl Volumes {
         let at = |column: usize| Value::new(row, column);
         let volume = positive(at(columns.volume.0))?;
         let (cell, embryo) = (at(columns.cell), at(columns.embryo));
-        let name = str::from_utf8(cell.text).ok().filter(|name| is_cell(name)).ok_or_else(|| {
-            (cell, (if cell.text.is_empty() { "no name of a cell" } else { "no name of Sulston's" }).to_owned())
+        let name = options.names.understood(&cell.written()).ok_or_else(|| {
+            (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
         if embryo.text.is_empty() {
             return Err((embryo, "no name of an embryo".to_owned()));
@@ -61,7 +61,7 @@ impl Volumes {
         let group = columns.group.map(|column| at(column).written()).unwrap_or_default();
         let given = options.group.clone().filter(|_| group.is_empty());
         let embryo = self.embryo(given.unwrap_or(group), embryo.written());
-        let cell_place = self.cell(embryo, name, cell.line);
+        let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
             && n.number()? < 1.0
@@ -85,12 +85,12 @@ impl Volumes {
         let named = grid_unit(header, (file, line))?;
         let mut places: Vec<Option<usize>> = Vec::new();
         for (column, name) in header.iter().enumerate() {
-            let cell = Some(split_unit(name).0).filter(|name| column > 0 && is_cell(name));
+            let cell = understood(split_unit(name).0).filter(|_| column > 0);
             if cell.is_none() && !is_frame(column, name) {
                 let value = Value::of_heading(line as u64, column, name);
                 self.skip(file, &(value, "no name of Sulston's".to_owned()));
             }
-            places.push(cell.map(|name| self.cell(embryo, name, line as u64)));
+            places.push(cell.map(|name| self.cell(embryo, &name, line as u64)));
         }
         // Without a unit a grid is in voxels where these have a size.
         let is_bare = named.is_none() && options.unit.is_none();
@@ -139,7 +139,7 @@ fn grid_unit(header: &[String], (file, line): (&str, usize)) -> Result<Option<Vo
     for (column, heading) in header.iter().enumerate() {
         let (name, Some(written)) = split_unit(heading) else { continue };
         let unit = unit_of(written, &VOLUMES).copied();
-        if unit.is_none() && !is_cell(name) {
+        if unit.is_none() && understood(name).is_none() {
             continue;
         }
         let refused = |allowed: String| {

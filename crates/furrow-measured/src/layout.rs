@@ -4,7 +4,7 @@ use furrow_input::InputError;
 use furrow_input::table::{NamedUnit, columns_listed, malformed, quantity, split_unit, unit_of};
 use serde::Serialize;
 
-use crate::names::is_cell;
+use crate::names::understood;
 
 /// Unit of volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -87,7 +87,7 @@ impl Columns {
             let (frame, n, unit) = (find(&["frame", "time", "time_point"]), find(&["n", "n_frames"]), find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
-        if header.iter().skip(1).any(|name| is_cell(split_unit(name).0)) {
+        if header.iter().skip(1).any(|name| understood(split_unit(name).0).is_some()) {
             return Ok(None);
         }
         let missing = [("cell", cell), ("volume", volume.map(|(column, _)| column)), ("embryo", embryo)];

@@ -42,7 +42,6 @@ pub mod names;
 pub mod published;
 pub mod significance;
 pub mod statistics;
-mod table;
 pub mod tracked;
 pub mod trend;
 pub mod volumes;

@@ -13,7 +13,7 @@ use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
 use crate::events::place;
-use crate::names::{birth, founder};
+use crate::names::Names;
 use crate::significance::{Sample, Trend, power, sign_test, welch};
 use crate::statistics::{mean, sd};
 use crate::tracked::{TrackOptions, read_tracked};
@@ -54,6 +54,8 @@ pub struct Lifetimes {
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
+    /// The names of cells.
+    pub names: Names,
 }
 
 /// A column of times and the minutes in its unit.
@@ -123,13 +125,11 @@ fn minutes<'r>(row: Row<'r>, (column, unit): TimeColumn, least: f64, allowed: &s
     if (least..=TIMES_OF_CELLS[1]).contains(&time) { Ok(time) } else { Err((value, allowed.to_owned())) }
 }
 
-fn read_row<'r>(row: Row<'r>, columns: &Columns) -> Result<Measured, Rejected<'r>> {
+fn read_row<'r>(row: Row<'r>, columns: &Columns, names: &Names) -> Result<Measured, Rejected<'r>> {
     let row = fitting(row)?;
     let at = |column: usize| Value::new(row, column);
-    let cell = at(columns.cell).written();
-    if founder(&cell).is_none() {
-        return Err((at(columns.cell), "no name of Sulston's".to_owned()));
-    }
+    let cell = at(columns.cell);
+    let cell = names.understood(&cell.written()).ok_or_else(|| (cell, names.unknown().to_owned()))?;
     let mean = minutes(row, columns.lifetime, TIMES_OF_CELLS[0], "must be a time above 0")?;
     let n = match columns.n.map(at) {
         None => 1,
@@ -148,20 +148,28 @@ fn read_row<'r>(row: Row<'r>, columns: &Columns) -> Result<Measured, Rejected<'r
 }
 
 impl Lifetimes {
-    /// Reads a table. Reports name it `file`.
+    /// Reads a table with Sulston's names. Reports name it `file`.
     ///
     /// # Errors
     /// A table without the required columns, or without a row that can be used.
     pub fn read(from: impl Read, file: &str) -> Result<Lifetimes, InputError> {
+        Lifetimes::read_named(from, file, &Names::default())
+    }
+
+    /// Reads a table of cells with these names.
+    ///
+    /// # Errors
+    /// As [`Lifetimes::read`].
+    pub fn read_named(from: impl Read, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
         let mut table = Table::open(from, file)?;
         let (line, header) = table.header(|_| false)?;
         let columns = Columns::of(&header, file, line)?;
-        let mut found = Lifetimes::default();
+        let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };
         let mut rows: Vec<Vec<Measured>> = Vec::new();
         // Indices of cells, and the lines of their first rows.
         let mut places: HashMap<String, (usize, u64)> = HashMap::new();
         while let Some(record) = table.next_row()? {
-            let row = match read_row(record, &columns) {
+            let row = match read_row(record, &columns, names) {
                 Ok(row) => row,
                 Err(rejected) => {
                     found.skip(file, &rejected);
@@ -192,20 +200,20 @@ impl Lifetimes {
             value,
             format!("at least one that can be used ({first})"),
         )?;
-        found.cells = rows.iter().filter_map(|rows| averaged(rows)).collect();
+        found.cells = rows.iter().filter_map(|rows| averaged(rows, names)).collect();
         Ok(found)
     }
 
     /// Reads a file: a table, or cells that another program [followed over time](crate::tracked) with so many minutes from one frame to
-    /// the next.
+    /// the next. Cells have these names.
     ///
     /// # Errors
     /// As [`Lifetimes::read`] and [`TrackedLineage::lifetimes`](crate::tracked::TrackedLineage::lifetimes).
-    pub fn read_file(path: &Path, frame_minutes: Option<f64>) -> Result<Lifetimes, InputError> {
+    pub fn read_file(path: &Path, frame_minutes: Option<f64>, names: &Names) -> Result<Lifetimes, InputError> {
         let name = path.display().to_string();
         match read_tracked(path, &TrackOptions { pixel: None, frame_minutes })? {
-            Some(embryo) => embryo.lifetimes(&name),
-            None => Lifetimes::read(open_file(path)?, &name),
+            Some(embryo) => embryo.lifetimes(&name, names),
+            None => Lifetimes::read_named(open_file(path)?, &name, names),
         }
     }
 
@@ -227,9 +235,9 @@ impl Lifetimes {
 }
 
 /// One row as it is, or the mean over several of one embryo each.
-fn averaged(rows: &[Measured]) -> Option<Lifetime> {
+fn averaged(rows: &[Measured], names: &Names) -> Option<Lifetime> {
     let first = rows.first()?;
-    let founder = founder(&first.cell)?.to_owned();
+    let founder = names.founder(&first.cell)?.to_owned();
     let births: Vec<f64> = rows.iter().filter_map(|row| row.birth).collect();
     let lives: Vec<f64> = rows.iter().map(|row| row.mean).collect();
     let (n, mean_life, sd) = match rows {
@@ -290,7 +298,7 @@ pub struct Sisters {
 pub fn sisters(lifetimes: &Lifetimes) -> Vec<Sisters> {
     let by_name: HashMap<&str, &Lifetime> = lifetimes.cells.iter().map(|cell| (cell.cell.as_str(), cell)).collect();
     let of = |cell: &Lifetime| {
-        let (mother, other, is_first) = birth(&cell.cell)?;
+        let (mother, other, is_first) = lifetimes.names.birth(&cell.cell)?;
         let other = *by_name.get(other.as_str()).filter(|_| is_first)?;
         let sample = |cell: &Lifetime| Some(Sample { n: cell.n, mean: cell.mean, sd: cell.sd? });
         let lifetimes = [cell.mean, other.mean];
@@ -379,13 +387,14 @@ pub fn cells_over_time(lifetimes: &Lifetimes) -> Option<EmbryoOverTime> {
     let mut divisions: BTreeMap<String, f64> = BTreeMap::new();
     let mut daughters: HashMap<&str, usize> = HashMap::new();
     for cell in &lifetimes.cells {
-        if let (Some((mother, ..)), Some(born)) = (birth(&cell.cell), cell.birth) {
+        if let (Some((mother, ..)), Some(born)) = (lifetimes.names.birth(&cell.cell), cell.birth) {
             divisions.entry(mother.to_owned()).or_insert(born);
             *daughters.entry(mother).or_default() += 1;
         }
     }
     divisions.extend(lifetimes.cells.iter().filter_map(|cell| Some((cell.cell.clone(), cell.division()?))));
-    let is_root = |cell: &&String| birth(cell).is_none_or(|(mother, ..)| !divisions.contains_key(mother));
+    let is_root =
+        |cell: &&String| lifetimes.names.birth(cell).is_none_or(|(mother, ..)| !divisions.contains_key(mother));
     let roots = divisions.keys().filter(is_root).cloned().collect();
     let last = divisions.iter().filter(|(cell, _)| daughters.get(cell.as_str()) != Some(&2));
     let known_until = last.map(|(_, min)| *min).min_by(f64::total_cmp)?;

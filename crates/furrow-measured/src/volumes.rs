@@ -24,7 +24,7 @@ use serde::Serialize;
 use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{ChiColumns, Columns, DivisionColumns};
-use crate::names::is_cell;
+use crate::names::{Names, understood};
 use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
 /// Options for reading a table.
@@ -36,6 +36,8 @@ pub struct ReadOptions {
     pub group: Option<String>,
     /// Unit of tables whose headings and columns give no unit.
     pub unit: Option<Unit>,
+    /// Names of cells in long tables and of cells that were followed; grids have Sulston's.
+    pub names: Names,
 }
 
 impl ReadOptions {
@@ -146,6 +148,8 @@ pub struct Volumes {
     pub skipped_count: u64,
     /// Whether some are of nuclei rather than of cells.
     pub of_nuclei: bool,
+    /// The names of cells, as the last table was read.
+    pub names: Names,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
@@ -205,7 +209,9 @@ impl Volumes {
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
-        let (line, header) = table.header(|header| header.iter().skip(1).any(|name| is_cell(split_unit(name).0)))?;
+        let is_grid = |header: &[String]| header.iter().skip(1).any(|name| understood(split_unit(name).0).is_some());
+        let (line, header) = table.header(is_grid)?;
+        self.names = options.names.clone();
         let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
             self.read_divisions(&mut table, file, options, &columns)?
         } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
@@ -230,13 +236,13 @@ impl Volumes {
         }
     }
 
-    /// The volumes of some files, with default options.
+    /// The volumes of some files.
     ///
     /// # Errors
     /// As [`Volumes::read_file`], and files without a volume that can be used.
-    pub fn of_files(files: &[PathBuf]) -> Result<Volumes, InputError> {
+    pub fn of_files(files: &[PathBuf], options: &ReadOptions) -> Result<Volumes, InputError> {
         let mut volumes = Volumes::default();
-        files.iter().try_for_each(|file| volumes.read_file(file, &ReadOptions::default()))?;
+        files.iter().try_for_each(|file| volumes.read_file(file, options))?;
         volumes.require_used(&files.first().map_or(String::new(), |file| file.display().to_string()))?;
         Ok(volumes)
     }
@@ -248,6 +254,8 @@ impl Volumes {
     /// Volumes are in another unit than those before.
     pub fn add_tracked(&mut self, lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
+        let names = &options.names;
+        self.names = names.clone();
         let embryo = self.embryo(options.group.clone().unwrap_or_default(), lineage.name);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
@@ -255,7 +263,7 @@ impl Volumes {
             let value = Value { name: "name", ..Value::of_heading(*line, 0, name) };
             let refused = |why: &str| Err((value, why.to_owned()));
             let noted = match volume {
-                _ if !is_cell(name) => refused("no name of Sulston's"),
+                _ if !names.is_cell(name) => refused(names.unknown()),
                 None => refused("no size"),
                 Some(volume) => {
                     let cell = self.cell(embryo, name, *line);

@@ -17,7 +17,8 @@ use crate::cli::interrupt;
 use furrow_analysis::scenarios_of;
 use furrow_input::InputError;
 use furrow_lineage::{Lineage, Tree};
-use furrow_measured::statistics::SPREAD_FROM;
+use furrow_measured::significance::slope_p;
+use furrow_measured::statistics::{Line, SPREAD_FROM};
 use furrow_measured::volumes::Skipped;
 
 #[derive(Debug, Args)]
@@ -64,6 +65,12 @@ fn check_bins(edges: Option<&[f64]>) -> Result<(), InputError> {
     let rising = edges.len() >= 2 && !edges.windows(2).any(|pair| pair[0] >= pair[1]);
     let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
     InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
+}
+
+/// The degrees of freedom and the p value of a slope, behind its error.
+fn significance(line: &Line) -> String {
+    let p = slope_p(line).map_or(String::new(), |p| format!(", p = {p:.1e}"));
+    format!(" (degrees of freedom {}{p})", line.degrees_of_freedom())
 }
 
 /// A standard deviation behind a mean; nothing for so few values that it says little.

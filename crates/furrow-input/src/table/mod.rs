@@ -15,7 +15,7 @@ use std::io::{Chain, Cursor, Read};
 
 use csv::ByteRecord;
 
-use crate::InputError;
+use crate::{InputError, foreign};
 use bounded::Bounded;
 use heading::is_unnamed;
 
@@ -100,7 +100,7 @@ impl<'f, R: Read> Table<'f, R> {
     /// `sep=` of Excel, or a line of numbers with decimal commas, decides before.
     ///
     /// # Errors
-    /// A file that cannot be read, or is not text.
+    /// A file that cannot be read, is not text, or is of [another kind](foreign).
     pub fn open(mut from: R, file: &'f str) -> Result<Table<'f, R>, InputError> {
         let mut head = Vec::new();
         let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.to_owned(), reason: e.to_string() };
@@ -109,6 +109,7 @@ impl<'f, R: Read> Table<'f, R> {
         if head.starts_with(b"\xef\xbb\xbf") {
             head.drain(..3);
         }
+        foreign::refuse(file, &head)?;
         if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
             return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
         }
