@@ -148,14 +148,14 @@ fn grid_unit(header: &[String], (file, line): (&str, usize)) -> Result<Option<Vo
         };
         let unit = unit.ok_or_else(|| refused(format!("one of {}", units_listed(&VOLUMES))))?;
         if found.is_some_and(|before| before != unit) {
-            return Err(refused("that of the columns before".to_owned()));
+            return Err(refused("the unit of the columns before".to_owned()));
         }
         found = Some(unit);
     }
     Ok(found)
 }
 
-/// What a volume in a unit is multiplied by; without one it may be that of tables that name none.
+/// What a volume in a unit is multiplied by. Without a unit the option gives it.
 pub(crate) fn factor(unit: Option<VolumeUnit>, options: &ReadOptions) -> f64 {
     match unit {
         Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(),

@@ -3,6 +3,7 @@
 use furrow_measured::dose::{Doses, by_condition, by_dose, trend};
 use furrow_measured::events::Division;
 use furrow_measured::events::{divisions, summaries};
+use furrow_measured::names::{NamedFounder, Names};
 use furrow_measured::published::{rodrigues2024, villoutreix2016};
 use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
@@ -229,7 +230,7 @@ fn a_grid_can_be_in_cubic_micrometres() {
     let given = ReadOptions { unit: Some(Unit::CubicMicrometres), ..ReadOptions::default() };
     assert_eq!(unit(counted, &given), (Unit::CubicMicrometres, 640.0));
     assert!(refused(b",AB (pints),P1\n1,640,320\n").contains("must be one of um3"));
-    assert!(refused(b",AB (um3),P1 (voxels)\n1,640,320\n").contains("must be that of the columns before"));
+    assert!(refused(b",AB (um3),P1 (voxels)\n1,640,320\n").contains("must be the unit of the columns before"));
 }
 
 /// A quotation mark that is never closed would take in all that follows.
@@ -288,6 +289,28 @@ fn decimal_commas_are_read_where_they_do_not_separate_columns() {
     );
     assert!(read(b"embryo,cell,volume\n").require_used("t.csv").unwrap_err().to_string().contains("no rows"));
     read(b"embryo,cell,volume\ne,AB,60\n").require_used("t.csv").unwrap();
+}
+
+#[test]
+fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas() {
+    let grid = read(b"frame;AB al (\xb5m3);ABAR (\xb5m3)\n1;15,6;14,5\n");
+    let cells = |volumes: &Volumes| -> Vec<(String, f64)> {
+        volumes.embryos[0].cells.iter().map(|cell| (cell.cell.clone(), cell.volume())).collect()
+    };
+    assert_eq!(cells(&grid), [("ABal".to_owned(), 15.6), ("ABar".to_owned(), 14.5)]);
+    assert_eq!((grid.skipped_count, grid.unit), (0, Some(Unit::CubicMicrometres)));
+    let founder = |name: &str| NamedFounder { name: name.to_owned(), mother: None, letters: Vec::new() };
+    let names = Names::of(vec![founder("z\u{fc}")], ('1', '2'));
+    let mut long = Volumes::default();
+    let table = b"embryo;cell;volume (fl)\ne;z\xfc1;15,6\ne;z\xfc2;14,5\ne;ABal;7,5\ne;zu;1,5\n";
+    long.read(&table[..], "t.csv", &ReadOptions { names, ..ReadOptions::default() }).unwrap();
+    let expected =
+        [("z\u{fc}1", 15.6), ("z\u{fc}2", 14.5), ("ABal", 7.5)].map(|(name, volume)| (name.to_owned(), volume));
+    assert_eq!(cells(&long), expected);
+    assert_eq!(
+        long.skipped.iter().map(|skipped| skipped.why.as_str()).collect::<Vec<_>>(),
+        ["no name of the lineage's cells"]
+    );
 }
 
 #[test]

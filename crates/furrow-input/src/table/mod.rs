@@ -151,7 +151,7 @@ impl<'f, R: Read> Table<'f, R> {
         Err(malformed(self.file, 1, "the table is empty; its first line must name its columns"))
     }
 
-    /// Names the columns of a table whose heading was read by [`next`](Self::next).
+    /// Names the columns, where the heading was read by [`next`](Self::next).
     pub fn name_columns(&mut self, names: Vec<String>) {
         let index = names.iter().take_while(|name| name.is_empty()).count();
         let named = names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1);

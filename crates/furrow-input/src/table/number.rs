@@ -6,10 +6,10 @@ const SIGNS: [char; 2] = [',', '.'];
 /// What else sets thousands apart: blanks, also those that do not break a line, and the Swiss apostrophe.
 const BLANKS: [char; 4] = [' ', '\u{a0}', '\u{202f}', '\''];
 
-/// How the numbers of a table are written, by those of its numbers that can be read in one way only.
+/// How the numbers of a table are written. Numbers that can be read in one way only show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Numbers {
-    /// Whether commas separate columns, so that a number has none.
+    /// Whether commas separate columns, so that no number has one.
     commas_separate: bool,
     /// Whether a comma, and whether a point, is a decimal sign somewhere.
     decimal: [bool; 2],
@@ -45,7 +45,7 @@ impl Numbers {
     /// A finite number.
     ///
     /// # Errors
-    /// The text is none, or it can be read in two ways; says why.
+    /// The text is not a number, or can be read in two ways; says why.
     pub fn read(self, text: &[u8]) -> Result<f64, String> {
         let text = super::text(text);
         let text = text.trim();
@@ -89,7 +89,7 @@ impl Numbers {
     }
 }
 
-/// A number with a point, as programs write it; none for any other text, and for one that is not finite.
+/// A finite number with a point, as programs write it; `None` for other text.
 pub fn number(text: &[u8]) -> Option<f64> {
     std::str::from_utf8(text).ok().and_then(|text| finite(text).ok())
 }
