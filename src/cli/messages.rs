@@ -4,7 +4,7 @@ use std::fmt::{Arguments, Display};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use furrow_input::printable;
+use furrow_input::printable_lines;
 
 use super::context::Globals;
 use super::output;
@@ -47,7 +47,8 @@ pub fn write(level: Level, message: Arguments<'_>) {
         Level::Debug => (34, "DEBUG"),
     };
     // Paths and names of files may hold control characters.
-    let message = message.to_string().split('\n').map(printable).collect::<Vec<_>>().join("\n");
+    let message = message.to_string();
+    let message = printable_lines(&message);
     output::write_error(&match std::io::stderr().is_terminal() {
         true => format!("\x1b[{colour}m{name}\x1b[0m {message}\n"),
         false => format!("{name} {message}\n"),

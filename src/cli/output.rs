@@ -4,7 +4,7 @@ use super::error::CliError;
 pub use furrow_analysis::json::{filled, merged};
 pub use furrow_analysis::table::records_csv;
 use furrow_formats::files::{WriteError, check_file, check_folder};
-use furrow_input::InputError;
+use furrow_input::{InputError, printable_lines};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
@@ -19,17 +19,21 @@ pub fn print_as(json: bool, document: &impl Serialize, text: impl FnOnce() -> St
     print(&if json { to_json(document)? } else { text() })
 }
 
-/// Writes to stdout.
+/// Writes text to stdout, or JSON. Cells of tables and names of files may hold characters that control a terminal; they are escaped as
+/// in JSON, which leaves some of them as they are.
 pub fn print(text: &str) -> Result<(), CliError> {
+    let controls = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    let escape = |c: char| if controls(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() };
+    let escaped = text.contains(controls).then(|| text.chars().map(escape).collect::<String>());
     let mut stdout = io::stdout().lock();
-    stdout.write_all(text.as_bytes())?;
+    stdout.write_all(escaped.as_deref().unwrap_or(text).as_bytes())?;
     stdout.flush()?;
     Ok(())
 }
 
 /// Writes a message to stderr. `eprintln!` panics where stderr is full or closed, before the run has written its files.
 pub fn eprint(text: &str) {
-    write_error(&format!("furrow: {text}\n"));
+    write_error(&format!("furrow: {}\n", printable_lines(text)));
 }
 
 /// Writes to stderr in one call, so that lines of several threads do not mix.

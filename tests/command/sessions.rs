@@ -4,6 +4,11 @@
 use crate::common::cases::check_session;
 
 #[test]
+fn tables() {
+    check_session("command/sessions/tables.txt");
+}
+
+#[test]
 fn branches() {
     check_session("command/sessions/branches.txt");
 }

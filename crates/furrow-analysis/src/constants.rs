@@ -2,6 +2,7 @@
 
 use super::table::csv_of;
 use furrow_cell::{Cell, Parameter};
+use furrow_input::table::{Row, Table, malformed, text as text_of};
 use furrow_input::{InputError, did_you_mean, shown};
 
 /// A set of constants with its share of the whole.
@@ -38,52 +39,50 @@ pub fn write_constants(sets: &[Constants]) -> String {
 /// # Errors
 /// Names the line, the column, its value and what is allowed.
 pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputError> {
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
-    let Some((_, head)) = lines.next() else {
-        return Err(InputError::not_allowed(file, "first line", "(none)", "names of parameters, as aspect,p0,w,gain"));
-    };
-    let columns: Vec<&str> = head.split(',').map(str::trim).collect();
+    let mut table = Table::open(text.as_bytes(), file)?;
+    let (_, columns) = table.header(|_| false)?;
     let known: Vec<&str> = Parameter::ALL.iter().map(|parameter| parameter.name()).chain([WEIGHT]).collect();
-    for (k, name) in columns.iter().enumerate() {
+    // Columns without a name have no values either.
+    for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
         let parameter = name.parse::<Parameter>().ok();
         let is_known = *name == WEIGHT || parameter.is_some_and(|p| Parameter::ALL.contains(&p));
         let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
         InputError::require(is_known, file, format!("column {}", k + 1), shown(name), allowed)?;
         // A parameter has two names where one of them is short.
-        let same = |other: &&str| other == name || parameter.is_some() && other.parse().ok() == parameter;
+        let same = |other: &String| other == name || parameter.is_some() && other.parse().ok() == parameter;
         let new = !columns[..k].iter().any(same);
         InputError::require(new, file, format!("column {}", k + 1), shown(name), "named once")?;
     }
-    let one = |(number, line): (usize, &str)| {
-        row(&columns, line).map_err(|(column, value, allowed)| {
-            InputError::not_allowed(format!("{file}:{}", number + 1), column, shown(&value), allowed)
-        })
-    };
-    let out: Vec<Constants> = lines.map(one).collect::<Result<_, _>>()?;
+    let mut out = Vec::new();
+    while let Some(row) = table.next_row()? {
+        if let Some((_, why)) = row.surplus() {
+            return Err(malformed(file, row.line as usize, why));
+        }
+        out.push(constants(&columns, row).map_err(|(column, allowed)| {
+            let value = text_of(row.text(column));
+            InputError::not_allowed(format!("{file}:{}", row.line), &columns[column], shown(&value), allowed)
+        })?);
+    }
     InputError::require(!out.is_empty(), file, "rows", "(none)", "at least one set of constants")?;
-    let weighted = out.iter().map(|set| set.weight).sum::<f64>() > 0.0;
-    InputError::require(weighted, file, WEIGHT, "0 in every row", "above 0 in some row")?;
+    let all = out.iter().map(|set| set.weight).sum::<f64>();
+    InputError::require(all > 0.0, file, WEIGHT, "0 in every row", "above 0 in some row")?;
+    let allowed = "small enough that their sum is a finite number; only their ratios count";
+    InputError::require(all.is_finite(), file, WEIGHT, "too large in all rows together", allowed)?;
     Ok(out)
 }
 
-/// One set; or the column, its value and what is allowed.
-fn row(columns: &[&str], line: &str) -> Result<Constants, (String, String, String)> {
-    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    if fields.len() != columns.len() {
-        let allowed = format!("{} numbers, one for each column", columns.len());
-        return Err(("row".to_owned(), line.to_owned(), allowed));
-    }
+/// Reads one set. An error is the column and what is allowed there.
+fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, String)> {
     let mut out = Constants { values: Vec::new(), weight: 1.0 };
-    for (name, field) in columns.iter().zip(fields) {
-        let wrong = |allowed: &str| ((*name).to_owned(), field.to_owned(), allowed.to_owned());
-        let value: f64 = field.parse().map_err(|_| wrong("a number"))?;
+    for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
+        let value = row.numbers.read(row.text(k)).map_err(|why| (k, format!("a number ({why})")))?;
         match name.parse::<Parameter>() {
             Ok(parameter) => {
-                parameter.validate(value).map_err(wrong)?;
+                parameter.validate(value).map_err(|allowed| (k, allowed.to_owned()))?;
                 out.values.push((parameter, value));
             }
-            Err(_) if value.is_finite() && value >= 0.0 => out.weight = value,
-            Err(_) => return Err(wrong("a finite number, 0 or above")),
+            Err(_) if value >= 0.0 => out.weight = value,
+            Err(_) => return Err((k, "a finite number, 0 or above".to_owned())),
         }
     }
     Ok(out)
@@ -104,10 +103,27 @@ mod tests {
     }
 
     #[test]
+    fn tables_of_other_programs_are_read() {
+        let plain = read_constants("aspect,weight\n1.5,1\n2,3\n", "c.csv").unwrap();
+        for text in [
+            "Unnamed: 0,aspect,weight\n0,1.5,1\n1,2,3\n",
+            "aspect;weight;\n1,5;1;\n;;\n2;3;\n",
+            "# by hand\naspect\tweight\n1,5\t1\n2\t3\n",
+        ] {
+            assert_eq!(read_constants(text, "c.csv").unwrap(), plain, "{text}");
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_named() {
         let complaint = |text: &str| read_constants(text, "c.csv").unwrap_err().to_string();
         assert!(complaint("aspect,gian\n1,2\n").ends_with("; did you mean gain?"));
-        assert_eq!(complaint("aspect,p0\n1.5\n"), "c.csv:2: row = \"1.5\": must be 2 numbers, one for each column");
+        assert_eq!(complaint("aspect,p0\n1.5\n"), "c.csv:2: p0 = \"\": must be a number (empty)");
+        assert_eq!(complaint("aspect,p0\n1,5,2\n"), "c.csv:2:1: line 2 has 3 fields, the heading 2");
+        assert!(
+            complaint("aspect,weight\n1,1e308\n2,1e308\n")
+                .starts_with("c.csv: weight = too large in all rows together")
+        );
         assert_eq!(complaint("aspect\n-1\n"), "c.csv:2: aspect = \"-1\": must be a finite number above 0");
         assert_eq!(complaint("gain,p0,g\n1,1,1\n"), "c.csv: column 3 = \"g\": must be named once");
         assert_eq!(complaint("aspect\n"), "c.csv: rows = (none): must be at least one set of constants");

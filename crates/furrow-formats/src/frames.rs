@@ -1,6 +1,7 @@
 //! Frames of a dividing cell: its contour, curvatures and forces.
 
 use super::files::{FileSet, WriteError};
+use furrow_input::table::{Table, malformed, text as table_text};
 use furrow_input::{InputError, read_text};
 use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Snapshot, Trajectory};
@@ -189,29 +190,31 @@ pub fn read_frames(folder: &Path) -> Result<Vec<FrameContour>, InputError> {
 
 /// The columns r and z of a frame.
 fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
-    let malformed = |line: usize, column: usize, message: String| InputError::Malformed {
-        file: file.to_owned(),
-        line,
-        column,
-        message,
-    };
-    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let names = lines.next().unwrap_or_default();
+    let mut table = Table::open(text.as_bytes(), file)?;
+    let (line, names) = table.header(|_| false)?;
     let find = |wanted: &str| {
-        let missing = || malformed(1, 1, format!("no column is called {wanted}, as in every frame that furrow writes"));
-        names.iter().position(|name| *name == wanted).ok_or_else(missing)
+        let why = format!("no column is called {wanted}, as in every frame that furrow writes");
+        names.iter().position(|name| name == wanted).ok_or_else(|| malformed(file, line, why))
     };
     let columns = [find("r")?, find("z")?];
-    let number = |line: usize, column: usize, fields: &[&str]| {
-        let text = fields.get(column).copied().unwrap_or_default();
-        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| malformed(line, column + 1, format!("{text:?} is not a finite number")))
-    };
-    let point = |(k, fields): (usize, Vec<&str>)| {
-        let [r, z] = columns.map(|column| number(k + 2, column, &fields));
-        Ok([r?, z?])
-    };
-    lines.enumerate().map(point).collect()
+    let mut points = Vec::new();
+    while let Some(row) = table.next_row()? {
+        let refused = |column: usize, message: String| InputError::Malformed {
+            file: file.to_owned(),
+            line: row.line as usize,
+            column: column + 1,
+            message,
+        };
+        if let Some((column, why)) = row.surplus() {
+            return Err(refused(column, why));
+        }
+        let number = |column: usize| {
+            let text = table_text(row.text(column));
+            row.numbers.read(row.text(column)).map_err(|why| refused(column, format!("{text:?} is {why}")))
+        };
+        points.push([number(columns[0])?, number(columns[1])?]);
+    }
+    Ok(points)
 }
 
 /// The frames that the list in a folder names; none without a list, and none that has another name than a frame.

@@ -5,17 +5,21 @@
 //! | `ron`, `place` | RON documents; the field that an error is about |
 //! | `csv_text` | text in CSV files that spreadsheets may open |
 //! | `file` | text files of bounded length |
+//! | `foreign` | files of other kinds, which errors name |
 //! | `names` | names in messages: quoted, shortened, listed, the nearest known one |
+//! | `table` | rows of CSV tables |
 
 mod csv_text;
 mod file;
+pub mod foreign;
 mod names;
 mod place;
 mod ron;
+pub mod table;
 
 pub use csv_text::{csv_field, csv_value};
 pub use file::{LONGEST, open_file, read_text, read_text_up_to};
-pub use names::{did_you_mean, forbidden, listed, printable, shown, shown_number};
+pub use names::{did_you_mean, forbidden, listed, printable, printable_lines, shown, shown_number};
 pub use place::json_field_at;
 pub use ron::{parse_document, parse_ron};
 

@@ -11,7 +11,7 @@ pub fn shown(written: &str) -> String {
     }
 }
 
-/// Escapes control characters, so that quoted file contents cannot control a terminal.
+/// Escapes control characters and those that XML excludes, so that quoted file contents neither control a terminal nor break a picture.
 ///
 /// ```
 /// use furrow_input::printable;
@@ -19,12 +19,26 @@ pub fn shown(written: &str) -> String {
 /// assert_eq!(printable("founder A\u{1b}[2J"), "founder A\\u{1b}[2J");
 /// ```
 pub fn printable(text: &str) -> Cow<'_, str> {
-    if !text.contains(char::is_control) {
+    escaped(text, is_forbidden)
+}
+
+/// Several lines for a terminal: as [`printable`], but lines and tabs stay.
+pub fn printable_lines(text: &str) -> Cow<'_, str> {
+    escaped(text, |c| is_forbidden(c) && !matches!(c, '\n' | '\t'))
+}
+
+/// Whether a character is a control character or one that XML 1.0 excludes.
+fn is_forbidden(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')
+}
+
+fn escaped(text: &str, escapes: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&escapes) {
         return Cow::Borrowed(text);
     }
     let mut out = String::with_capacity(text.len() + 8);
     for c in text.chars() {
-        match c.is_control() {
+        match escapes(c) {
             true => out.extend(c.escape_default()),
             false => out.push(c),
         }
@@ -112,7 +126,7 @@ pub fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>)
 /// assert_eq!(forbidden("C.\u{1}elegans"), Some('\u{1}'));
 /// ```
 pub fn forbidden(text: &str) -> Option<char> {
-    text.chars().find(|c| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'))
+    text.chars().find(|c| is_forbidden(*c))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::definition::Lineage;
 use super::tree::{CellId, Tree, TreeCell};
+use furrow_input::table::{TIMES, Table, malformed, quantity, text as text_of, unified};
 use furrow_input::{InputError, read_text, shown};
 
 /// Lifetimes in minutes by the names of cells.
@@ -154,33 +155,39 @@ impl Clock<WrittenLifetimes> {
     }
 }
 
-/// Reads the columns `cell` and `lifetime_min` of a table; lines that begin with # are comments.
+/// Reads the columns `cell` and `lifetime_min` (or in s or h) of a table; lines that begin with # are comments.
 fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
-    let malformed = |line: u64, message: String| InputError::Malformed {
-        file: file.to_owned(),
-        line: line.max(1) as usize,
-        column: 1,
-        message,
+    let mut table = Table::open(text.as_bytes(), file)?;
+    let (line, header) = table.header(|_| false)?;
+    let missing = |name: &str| {
+        let why = format!("no column is called {name}; a table of lifetimes has cell and lifetime_min");
+        malformed(file, line, why)
     };
-    let unreadable = |error: csv::Error| malformed(error.position().map_or(1, csv::Position::line), error.to_string());
-    let text = text.trim_start_matches('\u{feff}');
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let header = reader.headers().map_err(unreadable)?.clone();
-    let column = |name: &str| {
-        let missing =
-            || malformed(1, format!("no column is called {name}; a table of lifetimes has cell and lifetime_min"));
-        header.iter().position(|column| column == name).ok_or_else(missing)
+    let names = unified(&header).map_err(|why| malformed(file, line, why))?;
+    let cell = names.iter().position(|name| name == "cell").ok_or_else(|| missing("cell"))?;
+    let times = quantity(&header, "lifetime", &TIMES).map_err(|why| malformed(file, line, why))?;
+    let (column, unit) = match times[..] {
+        [(column, Some(unit))] => (column, unit.size),
+        [] | [(_, None), ..] => return Err(missing("lifetime_min")),
+        [_, (second, _), ..] => {
+            return Err(malformed(file, line, format!("column {} is a second one for the lifetime", second + 1)));
+        }
     };
-    let (cell, minutes) = (column("cell")?, column("lifetime_min")?);
     let mut lifetimes = Lifetimes::new();
-    for row in reader.records() {
-        let row = row.map_err(unreadable)?;
-        let line = row.position().map_or(1, csv::Position::line);
-        let (name, value) = (&row[cell], &row[minutes]);
-        let refused = || malformed(line, format!("lifetime_min = {}: must be a number above 0", shown(value)));
-        let value = value.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0).ok_or_else(refused)?;
-        if lifetimes.insert(name.to_owned(), value).is_some() {
-            return Err(malformed(line, format!("the cell {} is given twice", shown(name))));
+    while let Some(row) = table.next_row()? {
+        let refused = |why: String| malformed(file, row.line as usize, why);
+        if let Some((_, why)) = row.surplus() {
+            return Err(refused(why));
+        }
+        let (name, value) = (text_of(row.text(cell)), text_of(row.text(column)));
+        let allowed =
+            |why: &str| refused(format!("{} = {}: must be a number above 0{why}", header[column], shown(&value)));
+        let minutes = row.numbers.read(row.text(column)).map_err(|why| allowed(&format!(" ({why})")))? * unit;
+        if minutes.is_nan() || minutes <= 0.0 {
+            return Err(allowed(""));
+        }
+        if lifetimes.insert(name.to_string(), minutes).is_some() {
+            return Err(refused(format!("the cell {} is given twice", shown(&name))));
         }
     }
     Ok(lifetimes)

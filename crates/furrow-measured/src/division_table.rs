@@ -2,12 +2,13 @@
 
 use std::io::Read;
 
-use furrow_input::{InputError, csv_value};
+use furrow_input::InputError;
+use furrow_input::table::Table;
 
+use crate::cell_tables::factor;
 use crate::events::{Division, GENERATION};
 use crate::layout::{ChiColumns, DivisionColumns, Unit, embryo_of_file};
-use crate::table::{Table, number};
-use crate::volumes::{ReadOptions, Rejected, Value, Volumes, positive};
+use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
 
 impl Volumes {
     pub(crate) fn read_divisions<R: Read>(
@@ -15,11 +16,10 @@ impl Volumes {
         table: &mut Table<'_, R>,
         file: &str,
         options: &ReadOptions,
-        header: &[String],
         columns: &DivisionColumns,
     ) -> Result<Unit, InputError> {
         while let Some(row) = table.next_row()? {
-            let found = division(columns, |column| Value::new(row, header, column), options);
+            let found = fitting(row).and_then(|row| division(columns, |column| Value::new(row, column), options));
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {
                     self.used += 2 + u64::from(division.mother_measured.is_some());
@@ -28,7 +28,7 @@ impl Volumes {
                 Err(rejected) => self.skip(file, &rejected),
             }
         }
-        Ok(columns.unit)
+        Ok(columns.unit.kind)
     }
 
     pub(crate) fn read_chi<R: Read>(
@@ -36,11 +36,11 @@ impl Volumes {
         table: &mut Table<'_, R>,
         file: &str,
         options: &ReadOptions,
-        header: &[String],
         columns: &ChiColumns,
     ) -> Result<Unit, InputError> {
         while let Some(row) = table.next_row()? {
-            let found = chi_division(columns, |column| Value::new(row, header, column), (file, options));
+            let at = |column: usize| Value::new(row, column);
+            let found = fitting(row).and_then(|_| chi_division(columns, at, (file, options)));
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {
                     self.used += 1;
@@ -58,7 +58,7 @@ impl Volumes {
         file: &str,
         (mother, division): (Value<'r>, Division),
     ) -> Result<Division, Rejected<'r>> {
-        let key = (file.to_owned(), division.embryo.clone(), text(mother));
+        let key = (file.to_owned(), division.embryo.clone(), mother.written());
         match self.division_lines.insert(key.clone(), mother.line) {
             None => Ok(division),
             Some(first) => {
@@ -67,10 +67,6 @@ impl Volumes {
             }
         }
     }
-}
-
-fn text(value: Value<'_>) -> String {
-    csv_value(&String::from_utf8_lossy(value.text)).to_owned()
 }
 
 /// The division of a row, with the name of its mother.
@@ -92,17 +88,17 @@ fn division<'r>(
         }
     }
     let generation = columns.generation.map(&at).filter(|value| !value.text.is_empty());
-    if let Some(value) = generation.filter(|value| text(*value).parse::<u32>().is_err()) {
+    if let Some(value) = generation.filter(|value| value.written().parse::<u32>().is_err()) {
         return Err((value, "not a whole number of a generation".to_owned()));
     }
-    let factor = if columns.unit == Unit::Voxels { options.voxel_volume() } else { 1.0 };
-    let name = text(mother);
-    let group = columns.population.map(|column| text(at(column))).unwrap_or_default();
+    let factor = factor(Some(columns.unit), options);
+    let name = mother.written();
+    let group = columns.population.map(|column| at(column).written()).unwrap_or_default();
     let division = Division {
-        embryo: text(embryo),
+        embryo: embryo.written(),
         group: options.group.clone().filter(|_| group.is_empty()).unwrap_or(group),
         // Mothers of different embryos have nothing in common but their generation.
-        mother: generation.map_or_else(|| name.clone(), |number| format!("{GENERATION}{}", text(number))),
+        mother: generation.map_or_else(|| name.clone(), |number| format!("{GENERATION}{}", number.written())),
         daughters: ["larger", "smaller"].map(|which| format!("{name} {which}")),
         volumes: volumes.map(|volume| factor * volume),
         chi_signed: (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]),
@@ -121,14 +117,14 @@ fn chi_division<'r>(
     if mother.text.is_empty() {
         return Err((mother, "no name of a mother".to_owned()));
     }
-    let chi = number(value.text).ok_or((value, "not a number".to_owned()))?;
+    let chi = value.number()?;
     if chi.abs() >= 1.0 {
         return Err((value, "χ must be above -1 and below 1".to_owned()));
     }
-    let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
-    let name = text(mother);
+    let group = columns.group.map(|column| at(column).written()).unwrap_or_default();
+    let name = mother.written();
     let division = Division {
-        embryo: columns.embryo.map_or_else(|| embryo_of_file(file), |column| text(at(column))),
+        embryo: columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written()),
         group: options.group.clone().filter(|_| group.is_empty()).unwrap_or(group),
         daughters: ["first", "second"].map(|which| format!("{name} {which}")),
         mother: name,

@@ -12,13 +12,13 @@
 
 use std::io::Read;
 
-use furrow_input::{InputError, csv_value};
+use furrow_input::InputError;
+use furrow_input::table::{Table, columns_listed, malformed};
 use serde::{Deserialize, Serialize};
 
 use crate::layout::unified;
 use crate::statistics::{Line, RankCorrelation, line, mean, rank_correlation, sd};
-use crate::table::{Table, listed, malformed, number};
-use crate::volumes::{Rejected, Skipped, Value, note};
+use crate::volumes::{Rejected, Skipped, Value, fitting, note};
 
 /// A division of a cell with a dose.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -66,7 +66,7 @@ impl Doses {
         let columns = Columns::of(&header, (file, line))?;
         let mut doses = Doses::default();
         while let Some(row) = table.next_row()? {
-            match columns.division(|column| Value::new(row, &header, column)) {
+            match fitting(row).and_then(|row| columns.division(|column| Value::new(row, column))) {
                 Ok(division) => doses.divisions.push(division),
                 Err(rejected) => doses.skip(file, &rejected),
             }
@@ -101,7 +101,7 @@ impl Columns {
             let message = format!(
                 "no column is called {missing}; a table of doses has the columns dose (or one whose name ends in _dose or _dosage) \
                  and larger_share; the columns here are {}",
-                listed(header)
+                columns_listed(header)
             );
             return Err(malformed(file, line, message));
         };
@@ -111,16 +111,13 @@ impl Columns {
     fn division<'r>(&self, at: impl Fn(usize) -> Value<'r>) -> Result<DosedDivision, Rejected<'r>> {
         let read = |column: usize, fits: fn(f64) -> bool, allowed: &str| {
             let value = at(column);
-            match number(value.text) {
-                Some(number) if fits(number) => Ok(number),
-                Some(_) => Err((value, format!("must be {allowed}"))),
-                None => Err((value, "not a number".to_owned())),
-            }
+            let number = value.number()?;
+            if fits(number) { Ok(number) } else { Err((value, format!("must be {allowed}"))) }
         };
         let dose = read(self.dose, |dose| (0.0..=1e6).contains(&dose), "from 0 to 1e6; 1 is the wild type")?;
         let larger_share = read(self.share, |share| share > 0.0 && share < 1.0, "above 0 and below 1")?;
-        let text = |column: usize| csv_value(&String::from_utf8_lossy(at(column).text)).to_owned();
-        Ok(DosedDivision { dose, larger_share, condition: self.condition.map(text).unwrap_or_default() })
+        let condition = self.condition.map(|column| at(column).written()).unwrap_or_default();
+        Ok(DosedDivision { dose, larger_share, condition })
     }
 }
 

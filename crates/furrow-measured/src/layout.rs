@@ -1,12 +1,10 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
-use std::collections::HashSet;
-
 use furrow_input::InputError;
+use furrow_input::table::{NamedUnit, columns_listed, malformed, quantity, split_unit, unit_of};
 use serde::Serialize;
 
 use crate::names::understood;
-use crate::table::{listed, malformed};
 
 /// Unit of volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -22,37 +20,53 @@ pub enum Unit {
     OfMother,
 }
 
-/// For each unit its symbol, the columns of volumes named after it, and what a column of units calls it.
-const UNITS: [(Unit, &str, &[&str], &[&str]); 4] = [
-    (Unit::CubicMicrometres, "µm³", &["volume_um3", "volume_µm3", "volume_µm³"], &["um3", "um^3", "µm3", "µm³", "um³"]),
-    (Unit::Voxels, "voxels", &["volume_voxels", "volume_voxel"], &["voxel", "voxels"]),
-    (Unit::Relative, "relative", &["relative_volume", "volume_relative", "volume_fraction"], &["relative", "1"]),
-    (Unit::OfMother, "of the mother", &[], &[]),
+/// A unit of a table, with its size in µm³ or in its own kind.
+pub(crate) type VolumeUnit = NamedUnit<Unit>;
+
+/// Units of volumes. A femtolitre is a cubic micrometre.
+pub(crate) const VOLUMES: [VolumeUnit; 7] = [
+    NamedUnit {
+        kind: Unit::CubicMicrometres,
+        size: 1.0,
+        words: &["um3", "micron3", "microns3", "cubicum", "cubicmicron", "cubicmicrons", "fl"],
+    },
+    NamedUnit { kind: Unit::CubicMicrometres, size: 1e3, words: &["pl"] },
+    NamedUnit { kind: Unit::CubicMicrometres, size: 1e9, words: &["mm3"] },
+    NamedUnit { kind: Unit::CubicMicrometres, size: 1e-9, words: &["nm3"] },
+    NamedUnit {
+        kind: Unit::Voxels,
+        size: 1.0,
+        words: &["voxels", "voxel", "vox", "voxels3", "voxel3", "px3", "pixels3", "pixel3"],
+    },
+    NamedUnit { kind: Unit::Relative, size: 1.0, words: &["relative", "1", "fraction"] },
+    NamedUnit { kind: Unit::Relative, size: 0.01, words: &["%", "percent"] },
 ];
 
 impl Unit {
     /// The symbol behind a number.
     pub fn symbol(self) -> &'static str {
-        UNITS[self as usize].1
+        match self {
+            Unit::CubicMicrometres => "µm³",
+            Unit::Voxels => "voxels",
+            Unit::Relative => "relative",
+            Unit::OfMother => "of the mother",
+        }
     }
+}
 
-    /// The unit in the name of a column of volumes.
-    pub(crate) fn of_column(name: &str) -> Option<Unit> {
-        let lower = name.to_lowercase();
-        let name = lower.strip_prefix("mean_").unwrap_or(&lower);
-        UNITS.iter().find(|(_, _, columns, _)| columns.contains(&name)).map(|(unit, ..)| *unit)
-    }
+impl std::str::FromStr for Unit {
+    type Err = String;
 
-    /// The unit that a column of units names.
-    pub(crate) fn written(text: &str) -> Option<Unit> {
-        UNITS.iter().find(|(_, _, _, words)| words.contains(&text.to_lowercase().as_str())).map(|(unit, ..)| *unit)
+    fn from_str(text: &str) -> Result<Unit, String> {
+        let whole = unit_of(text, &VOLUMES).filter(|unit| unit.size == 1.0);
+        whole.map(|unit| unit.kind).ok_or_else(|| "must be um3, voxels or relative".to_owned())
     }
 }
 
 /// The columns of a long table.
 pub(crate) struct Columns {
     pub(crate) cell: usize,
-    pub(crate) volume: usize,
+    pub(crate) volume: (usize, Option<VolumeUnit>),
     pub(crate) embryo: usize,
     pub(crate) group: Option<usize>,
     pub(crate) frame: Option<usize>,
@@ -65,42 +79,46 @@ impl Columns {
     pub(crate) fn of(header: &[String], (file, line): (&str, usize)) -> Result<Option<Columns>, InputError> {
         let lower = unified(header, (file, line))?;
         let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
-        let is_volume =
-            |name: &String| ["volume", "mean_volume"].contains(&name.as_str()) || Unit::of_column(name).is_some();
         let cell = find(&["cell", "cell_name", "name"]);
-        let volume = lower.iter().position(is_volume);
+        let volume = volume_column(header).map_err(|why| malformed(file, line, why))?;
         let embryo = find(&["embryo", "embryo_name", "sample"]);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
             let group = find(&["group", "condition"]);
             let (frame, n, unit) = (find(&["frame", "time", "time_point"]), find(&["n", "n_frames"]), find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
-        if header.iter().skip(1).any(|name| understood(name).is_some()) {
+        if header.iter().skip(1).any(|name| understood(split_unit(name).0).is_some()) {
             return Ok(None);
         }
-        let missing = [("cell", cell), ("volume", volume), ("embryo", embryo)];
+        let missing = [("cell", cell), ("volume", volume.map(|(column, _)| column)), ("embryo", embryo)];
         let missing: Vec<&str> = missing.into_iter().filter(|(_, at)| at.is_none()).map(|(name, _)| name).collect();
         let message = format!(
             "no column is called {}; a table of volumes has the columns embryo, cell and volume (also volume_um3, volume_voxels or \
              relative_volume), or one for each cell with its name on top, or of divisions embryo, mother, \
              larger_um3 and smaller_um3, or of χ mother and chi; the columns here are {}",
             missing.join(" or "),
-            listed(header)
+            columns_listed(header)
         );
         Err(malformed(file, line, message))
     }
 }
 
-/// Names of columns in lower case and with underscores; no two may be alike.
-pub(crate) fn unified(header: &[String], (file, line): (&str, usize)) -> Result<Vec<String>, InputError> {
-    let lower: Vec<String> = header.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
-    let mut seen = HashSet::new();
-    for (column, name) in lower.iter().enumerate() {
-        if !name.is_empty() && !seen.insert(name) {
-            return Err(malformed(file, line, format!("two columns are called {:?}", header[column])));
+/// The column of volumes, with the unit where its heading gives one.
+fn volume_column(header: &[String]) -> Result<Option<(usize, Option<VolumeUnit>)>, String> {
+    let mut found = Vec::new();
+    for name in ["volume", "mean_volume", "relative_volume", "mean_relative_volume"] {
+        for (column, unit) in quantity(header, name, &VOLUMES)? {
+            let of_name =
+                name.contains("relative").then_some(NamedUnit { kind: Unit::Relative, size: 1.0, words: &[] });
+            found.push((column, unit.copied().or(of_name)));
         }
     }
-    Ok(lower)
+    Ok(found.into_iter().min_by_key(|(column, _)| *column))
+}
+
+/// Names of columns in lower case and with underscores; no two may be alike.
+pub(crate) fn unified(header: &[String], (file, line): (&str, usize)) -> Result<Vec<String>, InputError> {
+    furrow_input::table::unified(header).map_err(|why| malformed(file, line, why))
 }
 
 /// The columns of a table of divisions.
@@ -112,17 +130,22 @@ pub(crate) struct DivisionColumns {
     pub(crate) mother_volume: Option<usize>,
     pub(crate) population: Option<usize>,
     pub(crate) generation: Option<usize>,
-    pub(crate) unit: Unit,
+    pub(crate) unit: VolumeUnit,
 }
 
 impl DivisionColumns {
     /// The columns of a table of divisions; `None` for other tables.
     pub(crate) fn of(header: &[String], (file, line): (&str, usize)) -> Result<Option<Self>, InputError> {
-        let endings = [("_um3", Unit::CubicMicrometres), ("_voxels", Unit::Voxels), ("", Unit::CubicMicrometres)];
         let lower = unified(header, (file, line))?;
         let find = |name: &str| lower.iter().position(|column| column == name);
-        let volume = |of: &str| endings.iter().find_map(|(end, unit)| Some((find(&format!("{of}{end}"))?, *unit)));
-        let (larger, smaller) = match (volume("larger"), volume("smaller")) {
+        let micrometres = VOLUMES[0];
+        // A heading `mother` without a unit is the column of names.
+        let volume = |of: &str| {
+            let found = quantity(header, of, &VOLUMES).map_err(|why| malformed(file, line, why))?;
+            let found = found.into_iter().find(|(_, unit)| unit.is_some() || of != "mother");
+            Ok::<_, InputError>(found.map(|(at, unit)| (at, unit.copied().unwrap_or(micrometres))))
+        };
+        let (larger, smaller) = match (volume("larger")?, volume("smaller")?) {
             (None, None) => return Ok(None),
             found => found,
         };
@@ -138,14 +161,15 @@ impl DivisionColumns {
                 "no column is called {}; a table of divisions has the columns embryo, mother, larger_um3 and smaller_um3 \
                  (or larger_voxels, smaller_voxels); the columns here are {}",
                 missing.join(" or "),
-                listed(header)
+                columns_listed(header)
             );
             return Err(malformed(file, line, message));
         };
-        if other != unit {
-            return Err(malformed(file, line, "larger and smaller have different units"));
+        let mother_volume = volume("mother")?;
+        if other != unit || mother_volume.is_some_and(|(_, own)| own != unit) {
+            return Err(malformed(file, line, "mother, larger and smaller have different units"));
         }
-        let mother_volume = find(if unit == Unit::Voxels { "mother_voxels" } else { "mother_um3" });
+        let mother_volume = mother_volume.map(|(at, _)| at);
         let (population, generation) = (find("population").or_else(|| find("group")), find("generation"));
         let daughters = [larger, smaller];
         Ok(Some(DivisionColumns { embryo, mother, daughters, mother_volume, population, generation, unit }))

@@ -30,6 +30,7 @@
 //! # Ok::<(), furrow_input::InputError>(())
 //! ```
 
+mod cell_tables;
 #[cfg(feature = "contours")]
 pub mod contour;
 mod division_table;
@@ -41,7 +42,6 @@ pub mod names;
 pub mod published;
 pub mod significance;
 pub mod statistics;
-mod table;
 pub mod tracked;
 pub mod trend;
 pub mod volumes;

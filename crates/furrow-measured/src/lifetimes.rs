@@ -8,17 +8,16 @@ use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
 use std::path::Path;
 
-use csv::ByteRecord;
+use furrow_input::table::{Row, TIMES, Table, columns_listed, malformed, quantity, unified, units_listed};
 use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
 use crate::events::place;
 use crate::names::Names;
-use crate::significance::{Sample, Trend, sign_test, trend, welch};
+use crate::significance::{Sample, Trend, power, sign_test, welch};
 use crate::statistics::{mean, sd};
-use crate::table::{Table, listed, malformed, number};
 use crate::tracked::{TrackOptions, read_tracked};
-use crate::volumes::{Skipped, Value, Volumes, note};
+use crate::volumes::{Rejected, Skipped, Value, Volumes, fitting, note};
 
 /// How long a cell lives in some embryos.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -59,15 +58,11 @@ pub struct Lifetimes {
     pub names: Names,
 }
 
-/// Units in the names of columns, and minutes in each.
-const UNITS: [(&str, f64); 3] = [("min", 1.0), ("s", 1.0 / 60.0), ("h", 60.0)];
-
 /// A column of times and the minutes in its unit.
 type TimeColumn = (usize, f64);
 
 /// The columns of a table.
 struct Columns {
-    header: Vec<String>,
     cell: usize,
     lifetime: TimeColumn,
     n: Option<usize>,
@@ -77,46 +72,42 @@ struct Columns {
 
 impl Columns {
     fn of(header: &[String], file: &str, line: usize) -> Result<Columns, InputError> {
-        let header: Vec<String> = header.iter().map(|name| name.to_lowercase()).collect();
         let refused = |why: String| malformed(file, line, why);
-        if let Some((k, name)) = header.iter().enumerate().find(|(k, name)| header[..*k].contains(name)) {
-            return Err(refused(format!("two columns are called {name:?}, the second of them column {}", k + 1)));
-        }
-        let at = |wanted: &str| header.iter().position(|name| name == wanted);
+        let lower = unified(header).map_err(refused)?;
+        let at = |wanted: &str| lower.iter().position(|name| name == wanted);
         let time = |what: &str| -> Result<Option<TimeColumn>, InputError> {
-            let named = || UNITS.map(|(unit, _)| format!("{what}_{unit}")).join(", ");
-            if let Some(column) = at(what) {
-                let why =
-                    format!("column {} is called {what:?}: its name must have the unit, as {}", column + 1, named());
-                return Err(refused(why));
-            }
-            let mut found = UNITS.iter().filter_map(|(unit, minutes)| Some((at(&format!("{what}_{unit}"))?, *minutes)));
-            match (found.next(), found.next()) {
-                (Some(_), Some((second, _))) => Err(refused(format!(
-                    "column {} is a second one for the {what}; allowed is one of {}",
-                    second + 1,
-                    named()
-                ))),
-                (found, _) => Ok(found),
+            let named = || {
+                let of = |unit: &str| format!("{what}_{unit}");
+                units_listed(&TIMES).split(", ").map(of).collect::<Vec<_>>().join(", ")
+            };
+            match quantity(header, what, &TIMES).map_err(refused)?[..] {
+                [] => Ok(None),
+                [(column, Some(unit))] => Ok(Some((column, unit.size))),
+                [(column, None), ..] => {
+                    let why = format!("column {} is called {what:?}: its name must have the unit, as", column + 1);
+                    Err(refused(format!("{why} {}", named())))
+                }
+                [_, (second, _), ..] => {
+                    let why = format!("column {} is a second one for the {what}; allowed is one of", second + 1);
+                    Err(refused(format!("{why} {}", named())))
+                }
             }
         };
-        let missing = |what: &str| refused(format!("no column is called {what}; the columns are {}", listed(&header)));
-        let cell = at("cell").ok_or_else(|| missing("cell"))?;
+        let missing =
+            |what: &str| refused(format!("no column is called {what}; the columns are {}", columns_listed(header)));
+        let cell = at("cell").or_else(|| at("cell_name")).or_else(|| at("name")).ok_or_else(|| missing("cell"))?;
         let lifetime = time("lifetime")?.ok_or_else(|| missing("lifetime_min"))?;
         let (n, sd, birth) = (at("n"), time("sd")?, time("birth")?);
         if let (None, Some((column, _))) = (n, sd) {
             let why = format!("column {} is a standard deviation, but no column is called n", column + 1);
             return Err(refused(why));
         }
-        Ok(Columns { cell, lifetime, n, sd, birth, header })
+        Ok(Columns { cell, lifetime, n, sd, birth })
     }
 }
 
-/// A row that cannot be used: the column, and why.
-type Rejected = (usize, &'static str);
-
 /// What a row says.
-struct Row {
+struct Measured {
     cell: String,
     n: u64,
     mean: f64,
@@ -125,32 +116,35 @@ struct Row {
 }
 
 /// Limits of a time, in minutes: sums beyond them could overflow.
-const TIMES: [f64; 2] = [1e-9, 1e12];
+const TIMES_OF_CELLS: [f64; 2] = [1e-9, 1e12];
 
-fn read_row(record: &ByteRecord, columns: &Columns, names: &Names) -> Result<Row, Rejected> {
-    let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
-    let minutes = |(column, unit): TimeColumn| number(text(column)).map(|time| time * unit);
-    let cell = str::from_utf8(text(columns.cell)).ok().and_then(|name| names.understood(name));
-    let cell = cell.ok_or((columns.cell, names.unknown()))?;
-    let mean = minutes(columns.lifetime).filter(|mean| (TIMES[0]..=TIMES[1]).contains(mean));
-    let mean = mean.ok_or((columns.lifetime.0, "must be a time above 0"))?;
-    let n = match columns.n {
+/// Minutes in a column that are in the limits.
+fn minutes<'r>(row: Row<'r>, (column, unit): TimeColumn, least: f64, allowed: &str) -> Result<f64, Rejected<'r>> {
+    let value = Value::new(row, column);
+    let time = value.number().map_err(|(value, why)| (value, format!("{allowed} ({why})")))? * unit;
+    if (least..=TIMES_OF_CELLS[1]).contains(&time) { Ok(time) } else { Err((value, allowed.to_owned())) }
+}
+
+fn read_row<'r>(row: Row<'r>, columns: &Columns, names: &Names) -> Result<Measured, Rejected<'r>> {
+    let row = fitting(row)?;
+    let at = |column: usize| Value::new(row, column);
+    let cell = at(columns.cell);
+    let cell = names.understood(&cell.written()).ok_or_else(|| (cell, names.unknown().to_owned()))?;
+    let mean = minutes(row, columns.lifetime, TIMES_OF_CELLS[0], "must be a time above 0")?;
+    let n = match columns.n.map(at) {
         None => 1,
-        Some(column) => {
-            let n = number(text(column)).filter(|n| (1.0..=1e9).contains(n) && n.fract() == 0.0);
-            n.ok_or((column, "must be a number of embryos, at least 1"))? as u64
+        Some(value) => {
+            let n = value.number().ok().filter(|n| (1.0..=1e9).contains(n) && n.fract() == 0.0);
+            n.ok_or((value, "must be a number of embryos, at least 1".to_owned()))? as u64
         }
     };
-    let optional = |column: Option<TimeColumn>, least: f64, why: &'static str| match column {
-        Some(column) if !text(column.0).is_empty() => {
-            let fine = |time: &f64| (least..=TIMES[1]).contains(time);
-            minutes(column).filter(fine).map(Some).ok_or((column.0, why))
-        }
-        _ => Ok(None),
+    let optional = |column: Option<TimeColumn>, least: f64, allowed: &str| {
+        let given = column.filter(|(column, _)| !row.text(*column).is_empty());
+        given.map(|column| minutes(row, column, least, allowed)).transpose()
     };
     let sd = optional(columns.sd, 0.0, "must be a time of 0 or more, or empty")?;
-    let birth = optional(columns.birth, -TIMES[1], "must be a time, or empty")?;
-    Ok(Row { cell, n, mean, sd, birth })
+    let birth = optional(columns.birth, -TIMES_OF_CELLS[1], "must be a time, or empty")?;
+    Ok(Measured { cell, n, mean, sd, birth })
 }
 
 impl Lifetimes {
@@ -171,22 +165,22 @@ impl Lifetimes {
         let (line, header) = table.header(|_| false)?;
         let columns = Columns::of(&header, file, line)?;
         let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };
-        let mut rows: Vec<Vec<Row>> = Vec::new();
+        let mut rows: Vec<Vec<Measured>> = Vec::new();
         // Indices of cells, and the lines of their first rows.
         let mut places: HashMap<String, (usize, u64)> = HashMap::new();
-        while let Some((line, record)) = table.next_row()? {
+        while let Some(record) = table.next_row()? {
             let row = match read_row(record, &columns, names) {
                 Ok(row) => row,
-                Err((column, why)) => {
-                    found.skip((file, line), (column, &columns.header), record, why.to_owned());
+                Err(rejected) => {
+                    found.skip(file, &rejected);
                     continue;
                 }
             };
-            let next = (rows.len(), line);
+            let next = (rows.len(), record.line);
             match places.get(&row.cell) {
                 Some((_, before)) if columns.n.is_some() => {
                     let why = format!("a second row of this cell; the first is on line {before}");
-                    found.skip((file, line), (columns.cell, &columns.header), record, why);
+                    found.skip(file, &(Value::new(record, columns.cell), why));
                     continue;
                 }
                 Some((at, _)) => rows[*at].push(row),
@@ -223,9 +217,8 @@ impl Lifetimes {
         }
     }
 
-    fn skip(&mut self, (file, line): (&str, u64), (at, header): (usize, &[String]), record: &ByteRecord, why: String) {
-        let rejected = (Value::new((line, record), header, at), why);
-        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, &rejected));
+    fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
+        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, rejected));
     }
 
     /// The lifetime of a cell.
@@ -242,7 +235,7 @@ impl Lifetimes {
 }
 
 /// One row as it is, or the mean over several of one embryo each.
-fn averaged(rows: &[Row], names: &Names) -> Option<Lifetime> {
+fn averaged(rows: &[Measured], names: &Names) -> Option<Lifetime> {
     let first = rows.first()?;
     let founder = names.founder(&first.cell)?.to_owned();
     let births: Vec<f64> = rows.iter().filter_map(|row| row.birth).collect();
@@ -282,8 +275,8 @@ pub fn slopes<'a>(cells: impl IntoIterator<Item = (&'a str, f64, f64)>) -> Slope
         all.push(point);
         founders.entry(founder.to_owned()).or_default().push(point);
     }
-    let founders = founders.into_iter().filter_map(|(founder, points)| Some((founder, trend(&points)?)));
-    Slopes { all: trend(&all), founders: founders.collect() }
+    let founders = founders.into_iter().filter_map(|(founder, points)| Some((founder, power(&points)?)));
+    Slopes { all: power(&all), founders: founders.collect() }
 }
 
 /// Two measured sisters.

@@ -11,12 +11,12 @@
 //! Rodrigues et al. (2024), CC BY 4.0: 83 two-cell embryos over the dosage of PAR-6, wild type, heterozygous and after RNAi.
 
 use furrow_input::InputError;
+use furrow_input::table::malformed;
 use serde::Deserialize;
 
 use crate::dose::{DoseGroup, Spread};
 use crate::events::{Division, GroupSummary, MotherSummary, divisions, place};
 use crate::lifetimes::Lifetimes;
-use crate::table::malformed;
 use crate::volumes::{ReadOptions, Volumes};
 
 /// The table, as shipped.

@@ -11,7 +11,8 @@ pub struct Trend {
     /// The line.
     #[serde(flatten)]
     pub line: Line,
-    /// Two-sided, by Student's t with n − 2 degrees of freedom.
+    /// Two-sided, by Student's t with n − 2 degrees of freedom. Of a [`power`] of two sizes it is not a number, nor are the errors and
+    /// the shares of the variation.
     pub p: f64,
 }
 
@@ -20,6 +21,23 @@ pub fn trend(points: &[[f64; 2]]) -> Option<Trend> {
     let line = line(points)?;
     let p = slope_p(&line)?;
     Some(Trend { line, p })
+}
+
+/// Volumes that differ by no more than this factor, as those of sisters of an equal division, are one size.
+const ONE_SIZE: f64 = 1.25;
+
+/// The line of ln y over ln volume, whose slope is an exponent; as [`trend`], but a line through two sizes always fits: its error, its p value
+/// and its shares of the variation are not numbers.
+pub fn power(points: &[[f64; 2]]) -> Option<Trend> {
+    let mut trend = trend(points)?;
+    let mut sizes: Vec<f64> = points.iter().map(|[ln_volume, _]| *ln_volume).collect();
+    sizes.sort_by(f64::total_cmp);
+    let line = &mut trend.line;
+    if sizes.chunk_by(|a, b| b - a <= ONE_SIZE.ln()).count() < 3 {
+        (line.slope_error, line.intercept_error) = (f64::NAN, None);
+        (line.r_squared, line.r_squared_about_mean, trend.p) = (f64::NAN, f64::NAN, f64::NAN);
+    }
+    Some(trend)
 }
 
 /// Probability of a slope as far from 0, of either sign, if y did not depend on x; by Student's t.

@@ -17,14 +17,14 @@ use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use furrow_input::table::{Numbers, Row, Table, split_unit, text};
 use furrow_input::{InputError, csv_value, open_file};
 use serde::Serialize;
 
 use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
+use crate::layout::{ChiColumns, Columns, DivisionColumns};
 use crate::names::{Names, understood};
-use crate::table::{Table, number};
 use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
 /// Options for reading a table.
@@ -34,6 +34,8 @@ pub struct ReadOptions {
     pub voxel: Option<f64>,
     /// Group of rows without one.
     pub group: Option<String>,
+    /// Unit of tables whose headings and columns give no unit.
+    pub unit: Option<Unit>,
     /// Names of cells in long tables and of cells that were followed; grids have Sulston's.
     pub names: Names,
 }
@@ -98,7 +100,7 @@ impl Skipped {
             file: file.to_owned(),
             line: value.line,
             column: format!("{} ({})", value.column + 1, value.name),
-            value: String::from_utf8_lossy(&value.text[..value.text.len().min(80)]).into_owned(),
+            value: text(&value.text[..value.text.len().min(80)]).into_owned(),
             why: why.clone(),
         }
     }
@@ -162,13 +164,38 @@ pub(crate) struct Value<'r> {
     column: usize,
     name: &'r str,
     pub(crate) text: &'r [u8],
+    numbers: Numbers,
 }
 
 impl<'r> Value<'r> {
-    pub(crate) fn new((line, record): (u64, &'r csv::ByteRecord), header: &'r [String], column: usize) -> Value<'r> {
-        let name = header.get(column).map_or("", String::as_str);
-        Value { line, column, name, text: record.get(column).unwrap_or_default().trim_ascii() }
+    pub(crate) fn new(row: Row<'r>, column: usize) -> Value<'r> {
+        Value { line: row.line, column, name: row.name(column), text: row.text(column), numbers: row.numbers }
     }
+
+    /// The number, or the reason why the text is not a number.
+    pub(crate) fn number(self) -> Result<f64, Rejected<'r>> {
+        self.numbers.read(self.text).map_err(|why| (self, why))
+    }
+
+    /// A heading as a value.
+    pub(crate) fn of_heading(line: u64, column: usize, name: &'r str) -> Value<'r> {
+        Value { line, column, name, text: name.as_bytes(), numbers: Numbers::default() }
+    }
+
+    /// Its place, for an error.
+    pub(crate) fn field(&self) -> String {
+        format!("{} on line {}, column {}", self.name, self.line, self.column + 1)
+    }
+
+    /// The text; an apostrophe that guards it in spreadsheets is no part of it.
+    pub(crate) fn written(self) -> String {
+        csv_value(&text(self.text)).to_owned()
+    }
+}
+
+/// The row, unless it is longer than the heading.
+pub(crate) fn fitting(row: Row<'_>) -> Result<Row<'_>, Rejected<'_>> {
+    row.surplus().map_or(Ok(row), |(column, why)| Err((Value::new(row, column), why)))
 }
 
 /// A value that cannot be used, and why.
@@ -182,16 +209,17 @@ impl Volumes {
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
-        let (line, header) = table.header(|header| header.iter().skip(1).any(|name| understood(name).is_some()))?;
+        let is_grid = |header: &[String]| header.iter().skip(1).any(|name| understood(split_unit(name).0).is_some());
+        let (line, header) = table.header(is_grid)?;
         self.names = options.names.clone();
         let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
-            self.read_divisions(&mut table, file, options, &header, &columns)?
+            self.read_divisions(&mut table, file, options, &columns)?
         } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
-            self.read_chi(&mut table, file, options, &header, &columns)?
+            self.read_chi(&mut table, file, options, &columns)?
         } else if let Some(columns) = Columns::of(&header, (file, line))? {
-            self.read_long(&mut table, file, options, &header, &columns)?
+            self.read_long(&mut table, file, options, &columns)?
         } else {
-            self.read_grid(&mut table, file, options, &header)?
+            self.read_grid(&mut table, (file, line), options, &header)?
         };
         let unit = if unit == Unit::Voxels && options.voxel.is_some() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)
@@ -232,7 +260,7 @@ impl Volumes {
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
         for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {
-            let value = Value { line: *line, column: 0, name: "name", text: name.as_bytes() };
+            let value = Value { name: "name", ..Value::of_heading(*line, 0, name) };
             let refused = |why: &str| Err((value, why.to_owned()));
             let noted = match volume {
                 _ if !names.is_cell(name) => refused(names.unknown()),
@@ -264,7 +292,7 @@ impl Volumes {
         match self.unit.replace(unit).filter(|before| *before != unit) {
             Some(before) => {
                 let before = before.symbol();
-                let allowed = format!("{before}, the unit of the tables before (--voxel gives voxels their size)");
+                let allowed = format!("{before}, the unit of the tables before (a voxel's edge in µm converts voxels)");
                 Err(InputError::not_allowed(file, "unit", unit.symbol(), allowed))
             }
             None => Ok(()),
@@ -283,110 +311,7 @@ impl Volumes {
         InputError::require(self.used > 0, file, "volumes", value, format!("at least one that can be used ({why})"))
     }
 
-    fn read_long<R: Read>(
-        &mut self,
-        table: &mut Table<'_, R>,
-        file: &str,
-        options: &ReadOptions,
-        header: &[String],
-        columns: &Columns,
-    ) -> Result<Unit, InputError> {
-        let named = Unit::of_column(&header[columns.volume]);
-        let (mut said, mut largest) = (None, 0.0_f64);
-        while let Some(row) = table.next_row()? {
-            let at = |column: usize| Value::new(row, header, column);
-            if let Some(column) = columns.unit {
-                note_unit(file, &at(column), &mut said)?;
-            }
-            let factor = if said.or(named) == Some(Unit::Voxels) { options.voxel_volume() } else { 1.0 };
-            match self.read_row(columns, at, options, factor) {
-                Ok(volume) => largest = largest.max(volume),
-                Err(rejected) => self.skip(file, &rejected),
-            }
-        }
-        // Without a unit, numbers that never exceed 1 are fractions.
-        let bare = if largest <= 1.5 { Unit::Relative } else { Unit::CubicMicrometres };
-        Ok(said.or(named).unwrap_or(bare))
-    }
-
-    /// Adds the volume, times `factor`, of a row of a long table, and returns it as written.
-    fn read_row<'r>(
-        &mut self,
-        columns: &Columns,
-        at: impl Fn(usize) -> Value<'r>,
-        options: &ReadOptions,
-        factor: f64,
-    ) -> Result<f64, Rejected<'r>> {
-        let volume = positive(at(columns.volume))?;
-        let (cell, embryo) = (at(columns.cell), at(columns.embryo));
-        let name = str::from_utf8(cell.text).ok().and_then(|name| options.names.understood(name)).ok_or_else(|| {
-            (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
-        })?;
-        if embryo.text.is_empty() {
-            return Err((embryo, "no name of an embryo".to_owned()));
-        }
-        let text = |value: Value<'_>| csv_value(&String::from_utf8_lossy(value.text)).to_owned();
-        let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
-        let given = options.group.clone().filter(|_| group.is_empty());
-        let embryo = self.embryo(given.unwrap_or(group), text(embryo));
-        let cell_place = self.cell(embryo, &name, cell.line);
-        let frame = columns.frame.map(&at);
-        let frame = frame.map(|frame| number(frame.text).ok_or((frame, "not a number".to_owned()))).transpose()?;
-        if let Some(n) = columns.n.map(&at)
-            && !n.text.is_empty()
-            && number(n.text).is_none_or(|n| n < 1.0)
-        {
-            return Err((n, "not a number of frames".to_owned()));
-        }
-        let lifespan = &mut self.embryos[embryo].cells[cell_place];
-        lifespan.note(volume * factor, frame, cell.line).map_err(|why| (cell, why))?;
-        self.used += 1;
-        Ok(volume)
-    }
-
-    fn read_grid<R: Read>(
-        &mut self,
-        table: &mut Table<'_, R>,
-        file: &str,
-        options: &ReadOptions,
-        header: &[String],
-    ) -> Result<Unit, InputError> {
-        let embryo = self.embryo(options.group.clone().unwrap_or_default(), embryo_of_file(file));
-        let mut places: Vec<Option<usize>> = vec![None];
-        for (column, name) in header.iter().enumerate().skip(1) {
-            let known = understood(name);
-            if known.is_none() {
-                let value = Value { line: 1, column, name, text: name.as_bytes() };
-                self.skip(file, &(value, "no name of Sulston's".to_owned()));
-            }
-            places.push(known.map(|name| self.cell(embryo, &name, 1)));
-        }
-        while let Some(row) = table.next()? {
-            for column in 1..row.1.len() {
-                let value = Value::new(row, header, column);
-                // An empty field: the cell does not exist in this frame.
-                if value.text.is_empty() || value.text.eq_ignore_ascii_case(b"nan") {
-                    continue;
-                }
-                let noted = match places.get(column) {
-                    None => Err((value, "no column has a name for it".to_owned())),
-                    Some(None) => continue,
-                    Some(Some(cell)) => positive(value).and_then(|volume| {
-                        let lifespan = &mut self.embryos[embryo].cells[*cell];
-                        let noted = lifespan.note(volume * options.voxel_volume(), Some(row.0 as f64), value.line);
-                        noted.map_err(|why| (value, why))
-                    }),
-                };
-                match noted {
-                    Ok(()) => self.used += 1,
-                    Err(rejected) => self.skip(file, &rejected),
-                }
-            }
-        }
-        Ok(Unit::Voxels)
-    }
-
-    fn embryo(&mut self, group: String, name: String) -> usize {
+    pub(crate) fn embryo(&mut self, group: String, name: String) -> usize {
         let embryos = &mut self.embryos;
         *self.embryo_places.entry((group.clone(), name.clone())).or_insert_with(|| {
             embryos.push(Embryo { name, group, cells: Vec::new() });
@@ -394,7 +319,7 @@ impl Volumes {
         })
     }
 
-    fn cell(&mut self, embryo: usize, name: &str, line: u64) -> usize {
+    pub(crate) fn cell(&mut self, embryo: usize, name: &str, line: u64) -> usize {
         let cells = &mut self.embryos[embryo].cells;
         *self.cell_places.entry((embryo, name.to_owned())).or_insert_with(|| {
             cells.push(Lifespan { cell: name.to_owned(), sum: 0.0, frames: 0, line, seen: BTreeSet::new() });
@@ -409,7 +334,7 @@ impl Volumes {
 
 impl Lifespan {
     /// Adds a value, or says why it is one too many.
-    fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Result<(), String> {
+    pub(crate) fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Result<(), String> {
         if let Some(frame) = frame {
             if !self.seen.insert(frame.to_bits()) {
                 return Err(format!("a second volume of this cell in frame {frame}"));
@@ -426,37 +351,18 @@ impl Lifespan {
     }
 }
 
-/// Requires one unit in all rows.
-fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(), InputError> {
-    let text = String::from_utf8_lossy(value.text);
-    let field = format!("{} on line {}, column {}", value.name, value.line, value.column + 1);
-    let refused = |allowed: String| InputError::not_allowed(file, &field, &text, allowed);
-    let unit = Unit::written(&text).ok_or_else(|| refused("um3, voxels or relative".to_owned()))?;
-    match said.replace(unit) {
-        Some(before) if before != unit => Err(refused(format!("{}, the unit of the rows before", before.symbol()))),
-        _ => Ok(()),
-    }
-}
-
 /// Limits of a volume in any unit; sums beyond them could overflow.
 const VOLUMES: [f64; 2] = [1e-100, 1e100];
 
-/// Whether a text is a number but for its decimal comma, as spreadsheets of many countries write it.
-fn has_decimal_comma(text: &[u8]) -> bool {
-    let commas = text.iter().filter(|byte| **byte == b',').count();
-    let point = text.iter().map(|byte| if *byte == b',' { b'.' } else { *byte }).collect::<Vec<u8>>();
-    commas == 1 && number(&point).is_some()
-}
-
 /// A volume, which is positive.
 pub(crate) fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
-    let why = match number(value.text) {
-        Some(volume) if volume > VOLUMES[0] && volume < VOLUMES[1] => return Ok(volume),
-        Some(volume) if volume > 0.0 => "a volume must be from 1e-100 to 1e100",
-        Some(_) => "a volume must be above 0",
-        None if value.text.is_empty() => "no volume",
-        None if has_decimal_comma(value.text) => "not a number: decimals need a point, as in 12.5",
-        None => "not a number",
+    if value.text.is_empty() {
+        return Err((value, "no volume".to_owned()));
+    }
+    let why = match value.number()? {
+        volume if volume > VOLUMES[0] && volume < VOLUMES[1] => return Ok(volume),
+        volume if volume > 0.0 => "a volume must be from 1e-100 to 1e100",
+        _ => "a volume must be above 0",
     };
     Err((value, why.to_owned()))
 }

@@ -235,3 +235,19 @@ proptest! {
         let _ = found.read_mask(&whole[..], "m.png", Some(1));
     }
 }
+
+/// Memory is not taken for more pixels than the file can hold.
+#[test]
+fn a_small_file_that_declares_a_huge_picture_is_refused() {
+    let mut bytes = grey([2, 2], &[0; 4]);
+    bytes[16..20].copy_from_slice(&10_000_u32.to_be_bytes());
+    bytes[20..24].copy_from_slice(&10_000_u32.to_be_bytes());
+    let mut checksum = flate2::Crc::new();
+    checksum.update(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&checksum.sum().to_be_bytes());
+    let said = Contours::default().read_mask(&bytes[..], "m.png", None).unwrap_err().to_string();
+    assert!(said.contains("10000 × 10000 pixels cannot be in"), "{said}");
+    let endless = std::io::repeat(0);
+    let said = Contours::default().read_mask(endless, "zero", None).unwrap_err().to_string();
+    assert!(said.contains("it does not begin as one"), "{said}");
+}

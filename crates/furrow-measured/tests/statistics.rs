@@ -96,7 +96,26 @@ fn rank_correlations_are_those_of_scipy() {
     }
     assert!(rank_correlation(&[[1.0, 2.0], [2.0, 3.0]]).is_none());
     assert!(rank_correlation(&[[1.0, 2.0], [1.0, 3.0], [1.0, 4.0]]).is_none());
-    assert_eq!(rank_correlation(&[[1.0, 2.0], [2.0, 3.0], [3.0, 4.0]]).unwrap().p, 0.0);
+}
+
+/// With few pairs the orders are counted: of 4! orders two are as strong as a perfect one.
+#[test]
+fn correlations_of_few_pairs_are_tested_exactly() {
+    let found = |y: &[f64]| {
+        let points: Vec<[f64; 2]> = y.iter().enumerate().map(|(x, y)| [x as f64, *y]).collect();
+        let found = rank_correlation(&points).unwrap();
+        assert_eq!(found.method, if y.len() < 10 { Method::Exact } else { Method::Asymptotic });
+        found.p
+    };
+    assert_eq!(found(&[1.0, 2.0, 3.0]), 2.0 / 6.0);
+    assert_eq!(found(&[4.0, 3.0, 2.0, 1.0]), 2.0 / 24.0);
+    // Table of Glasser & Winter (1961): Σd² of 4 of five pairs, ρ = .8, has the two-sided probability .1333.
+    assert_eq!(found(&[2.0, 1.0, 4.0, 3.0, 5.0]), 16.0 / 120.0);
+    // By hand: of the twelve distinct orders of 1, 1, 2, 3 one rises and one falls.
+    assert_eq!(found(&[1.0, 1.0, 2.0, 3.0]), 2.0 / 12.0);
+    let nine: Vec<f64> = (0..9).map(f64::from).collect();
+    assert_eq!(found(&nine), 2.0 / 362_880.0);
+    assert!(found(&(0..10).map(f64::from).collect::<Vec<_>>()) < 1e-10);
 }
 
 /// The two regressions of χ under compression: errors of slope and intercept, and R² about 0 and about the mean.

@@ -20,7 +20,7 @@ pub fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest],
         let test = k.checked_sub(1).and_then(|k| tests.get(k)).map_or(String::new(), |test| {
             format!("  larger than above: U = {}, p = {:.3e} {}", test.test.u, test.test.p, test.stars)
         });
-        let (name, sd) = (bin.name(), plus_minus(bin.sd));
+        let (name, sd) = (bin.name(), plus_minus(bin.sd, bin.n));
         let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
     }
     if !model.is_empty() {

@@ -93,6 +93,7 @@ fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result
     interrupt::finish();
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show_all(progress);
+    interrupt::finish();
     let (memo, scheduling) = (context.memo()?, context.scheduling(&show));
     let model = over_dose(&settings.cell, &cue, measured, settings.numerics, &memo, &scheduling)?;
     Ok((settings.cell.r0, model))
@@ -119,7 +120,7 @@ fn text(measured: &MeasuredDoses, model: &ModelDoses, cell: &str) -> String {
 
 fn row(group: &DoseGroup) -> String {
     let DoseGroup { name, n, dose, larger_share, chi_area, chi_volume } = group;
-    let spread = |Spread { mean, sd }: &Spread| format!("{mean:.3}{}", plus_minus(*sd));
+    let spread = |Spread { mean, sd }: &Spread| format!("{mean:.3}{}", plus_minus(*sd, *n));
     let [dose, share, area, volume] = [dose, larger_share, chi_area, chi_volume].map(spread);
     format!("{name:<12}{n:>4} {dose:>13} {share:>15} {area:>13} {volume:>15}")
 }
@@ -134,7 +135,7 @@ fn ended(model: &DoseModel) -> String {
 
 fn trend_text(trend: &DoseTrend) -> String {
     let mut out = String::new();
-    if let Some(RankCorrelation { n, rho, p }) = trend.spearman {
+    if let Some(RankCorrelation { n, rho, p, .. }) = trend.spearman {
         let _ = writeln!(out, "Trend of {n} divisions: Spearman ρ = {rho:+.3}, p = {p:.3e}");
     }
     for (name, line) in [

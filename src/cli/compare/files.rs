@@ -5,6 +5,7 @@ use furrow_measured::events::Division;
 use furrow_measured::trend::{AdjacentTest, VolumeBin};
 
 use crate::cli::error::CliError;
+use crate::cli::interrupt;
 use crate::cli::output::records_csv;
 use furrow_analysis::compare::volumes::GroupBeside;
 use furrow_formats::files::FileSet;
@@ -93,5 +94,5 @@ fn write_all<const N: usize>(folder: &Path, names: &[&str; N], tables: [Vec<u8>;
     for (name, bytes) in names.iter().zip(tables) {
         files.stage(name, &bytes)?;
     }
-    Ok(files.commit()?)
+    Ok(interrupt::defer(|| files.commit())?)
 }

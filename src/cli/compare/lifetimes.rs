@@ -20,6 +20,7 @@ use furrow_measured::lifetimes::{Agreement, Lifetimes, mean_volumes};
 use furrow_measured::names::Names;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::Trend;
+use furrow_measured::statistics::SPREAD_FROM;
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -120,9 +121,13 @@ fn text(found: &LifetimesBeside) -> String {
     out += &founders_text(found);
     out += &order_text(&found.order);
     let off = |which: &str, deviation: Option<Deviation>| {
-        deviation.map_or(String::new(), |Deviation { cells, rms_ln, with_sd, within_two_sd }| {
+        deviation.map_or(String::new(), |deviation| {
+            let Deviation { cells, rms_ln, mean_ln, too_short, too_long, with_sd, within_two_sd } = deviation;
             let off = 100.0 * rms_ln;
-            format!("the model's lifetimes of {cells} cells{which} are off by {off:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most 2 sd\n")
+            format!(
+                "the model's lifetimes of {cells} cells{which} are off by {off:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most 2 sd; \
+                 {too_short} are too short, {too_long} too long (mean of ln {mean_ln:+.2})\n"
+            )
         })
     };
     let deviation = off("", found.deviation) + &off(" without a measured volume", found.deviation_without_volume);
@@ -142,11 +147,12 @@ fn cell_text(cell: &CellBeside) -> String {
         (None, None) => "not born".to_owned(),
         (None, Some(true)) => "-".to_owned(),
     };
-    let measured = mean_sd(cell.measured.mean, cell.measured.sd);
+    let measured = mean_sd(cell.measured.mean, cell.measured.sd, cell.measured.n);
     format!("{:<12}{:>5}{measured:>18}{model:>18}\n", cell.measured.cell, cell.measured.n)
 }
 
-fn mean_sd(mean: f64, sd: Option<f64>) -> String {
+fn mean_sd(mean: f64, sd: Option<f64>, n: u64) -> String {
+    let sd = sd.filter(|_| n >= SPREAD_FROM as u64);
     format!("{mean:.1}{}", sd.map_or(String::new(), |sd| format!(" ± {sd:.1}")))
 }
 
@@ -156,6 +162,10 @@ fn founders_text(found: &LifetimesBeside) -> String {
         .to_owned();
     let slopes = |slope: Option<Trend>, model: Option<Trend>| {
         let measured = slope.map_or(format!("{:>16}{:>8}{:>8}{:>12}", "-", "-", "-", "-"), |Trend { line, p }| {
+            // Two sizes have a slope alone.
+            if p.is_nan() {
+                return format!("{:>16.3}{:>8}{:>8}{:>12}", line.slope, line.n, "-", "-");
+            }
             let slope = format!("{:.3} ± {:.3}", line.slope, line.slope_error);
             format!("{slope:>16}{:>8}{:>8.3}{p:>12.2e}", line.n, line.r_squared)
         });
@@ -165,7 +175,7 @@ fn founders_text(found: &LifetimesBeside) -> String {
     for row in &found.founders {
         let FounderBeside { founder, n, mean, sd, model, model_n, .. } = row;
         let model = model.map_or("-".to_owned(), |model| format!("{model:.1} of {model_n}"));
-        let (measured, slopes) = (mean_sd(*mean, *sd), slopes(row.slope, row.model_slope));
+        let (measured, slopes) = (mean_sd(*mean, *sd, *n as u64), slopes(row.slope, row.model_slope));
         let _ = writeln!(out, "{founder:<8}{n:>7}{measured:>18}{model:>18}{slopes}");
     }
     let _ = writeln!(out, "{:<51}{}", "all", slopes(found.slope, found.model_slope));

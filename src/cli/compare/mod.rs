@@ -18,7 +18,7 @@ use furrow_analysis::scenarios_of;
 use furrow_input::InputError;
 use furrow_lineage::{Lineage, Tree};
 use furrow_measured::significance::slope_p;
-use furrow_measured::statistics::Line;
+use furrow_measured::statistics::{Line, SPREAD_FROM};
 use furrow_measured::volumes::Skipped;
 
 #[derive(Debug, Args)]
@@ -73,13 +73,14 @@ fn significance(line: &Line) -> String {
     format!(" (degrees of freedom {}{p})", line.degrees_of_freedom())
 }
 
-fn plus_minus(sd: Option<f64>) -> String {
-    sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"))
+/// A standard deviation behind a mean; nothing for so few values that it says little.
+fn plus_minus(sd: Option<f64>, n: usize) -> String {
+    sd.filter(|_| n >= SPREAD_FROM).map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
 /// Trees of several lineages with the parameters of the command, in one run.
 fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
-    // Until here Ctrl-C stops the command at once, also while it reads tables.
+    // Until here only files were read, which Ctrl-C stops at once.
     interrupt::finish();
     context.settings.check_divisions("settings")?;
     let scenarios = scenarios_of(lineages, &context.settings, context.quantisation);

@@ -61,6 +61,10 @@ pub struct VolumesArgs {
     /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm
     #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number, requires = "files")]
     voxel: Option<f64>,
+    /// Unit of tables without one: um3, voxels or relative; default voxels for a grid of whole numbers, for others relative if no
+    /// number is above 1.5 and µm³ if one is
+    #[arg(help_heading = "Tables", long, value_name = "UNIT", value_parser = str::parse::<Unit>, requires = "files")]
+    unit: Option<Unit>,
     /// Two groups to regress on each other, such as wt,ctrl
     #[arg(help_heading = "Statistics", long, value_name = "X,Y")]
     regress: Option<String>,
@@ -269,7 +273,7 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<Measured, CliError> {
     // Two conditions are two groups, if their tables name none.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
-        let options = ReadOptions { voxel: args.voxel, group, names: cells.clone() };
+        let options = ReadOptions { voxel: args.voxel, group, unit: args.unit, names: cells.clone() };
         for file in files {
             volumes.read_file(file, &options)?;
         }
@@ -348,7 +352,7 @@ fn group_text(group: &GroupBeside) -> String {
             Some(Modelled { outcome: Some(outcome), .. }) => outcome.name().to_owned(),
             _ => "-".to_owned(),
         };
-        let chi = format!("{:.3}{}", measured.mean, plus_minus(measured.sd));
+        let chi = format!("{:.3}{}", measured.mean, plus_minus(measured.sd, measured.n));
         let (model, first, band) = (of(model), of(given_first), band.map_or(String::new(), band_text));
         let (mother, n, signed) = (&measured.mother, measured.n, measured.mean_signed);
         let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>+8.3} {model:>16} {first:>22}{band}");

@@ -87,9 +87,11 @@ fn clock_text(found: &FittedClock) -> String {
     for FittedLaw { founder, exponent, se, n, lifetime_min, at_volume, r_squared, .. } in
         found.exponents.iter().chain([&found.all])
     {
+        let known = |number: Option<f64>, digits: usize| number.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+        let (se, r_squared) = (known(*se, 4), known(*r_squared, 3));
         let _ = writeln!(
             out,
-            "{founder:<8} {n:>5}   {exponent:>8.4} {se:>8.4} {r_squared:>6.3} {lifetime_min:>9.2}   {at_volume:>9.5}"
+            "{founder:<8} {n:>5}   {exponent:>8.4} {se:>8} {r_squared:>6} {lifetime_min:>9.2}   {at_volume:>9.5}"
         );
     }
     for few in &found.few {
@@ -100,6 +102,9 @@ fn clock_text(found: &FittedClock) -> String {
         );
     }
     out += "Founders with one cell or two get the exponent of all cells.\n";
+    if found.exponents.iter().any(|law| law.se.is_none()) {
+        out += "An exponent without an error rests on two sizes: a line through two points always fits.\n";
+    }
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for Unused { cell, why } in &found.skipped {
         match reasons.iter_mut().find(|(known, _)| known == why) {

@@ -10,7 +10,7 @@ use furrow_measured::lifetimes::{
 };
 use furrow_measured::published::SOURCE;
 use furrow_measured::significance::Trend;
-use furrow_measured::statistics::{mean, sd};
+use furrow_measured::statistics::{SPREAD_FROM, mean, sd};
 use furrow_measured::volumes::Volumes;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -33,9 +33,9 @@ pub struct CellBeside {
 }
 
 impl CellBeside {
-    /// (model − measured)/sd.
+    /// (model − measured)/sd, of [`SPREAD_FROM`] embryos or more.
     pub fn off(&self) -> Option<f64> {
-        let sd = self.measured.sd.filter(|sd| *sd > 0.0)?;
+        let sd = self.measured.sd.filter(|sd| *sd > 0.0 && self.measured.n >= SPREAD_FROM as u64)?;
         Some((self.model? - self.measured.mean) / sd)
     }
 }
@@ -91,7 +91,13 @@ pub struct Deviation {
     pub cells: usize,
     /// Root mean square of ln(model/measured).
     pub rms_ln: f64,
-    /// Of these cells, with a standard deviation over embryos.
+    /// Its mean: negative where the model's lifetimes are too short.
+    pub mean_ln: f64,
+    /// Cells with a shorter lifetime in the model.
+    pub too_short: usize,
+    /// Cells with a longer one.
+    pub too_long: usize,
+    /// Of these cells, with a standard deviation over [`SPREAD_FROM`] embryos or more.
     pub with_sd: usize,
     /// Of these, within two of it.
     pub within_two_sd: usize,
@@ -228,12 +234,15 @@ fn founders_beside(cells: &[CellBeside], measured: &Slopes, model: Option<&Slope
 
 fn deviation(cells: &[CellBeside], of: fn(&CellBeside) -> bool) -> Option<Deviation> {
     let chosen = || cells.iter().filter(|cell| of(cell));
-    let ratios: Vec<f64> = chosen().filter_map(|cell| Some((cell.model? / cell.measured.mean).ln().powi(2))).collect();
+    let ratios: Vec<f64> = chosen().filter_map(|cell| Some((cell.model? / cell.measured.mean).ln())).collect();
     let off: Vec<f64> = chosen().filter_map(CellBeside::off).collect();
     let within_two_sd = off.iter().filter(|off| off.abs() <= 2.0).count();
     (!ratios.is_empty()).then(|| Deviation {
         cells: ratios.len(),
-        rms_ln: mean(&ratios).sqrt(),
+        rms_ln: mean(&ratios.iter().map(|ratio| ratio * ratio).collect::<Vec<_>>()).sqrt(),
+        mean_ln: mean(&ratios),
+        too_short: ratios.iter().filter(|ratio| **ratio < 0.0).count(),
+        too_long: ratios.iter().filter(|ratio| **ratio > 0.0).count(),
         with_sd: off.len(),
         within_two_sd,
     })

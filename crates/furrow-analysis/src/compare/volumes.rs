@@ -10,7 +10,7 @@ use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
 use furrow_lineage::batch::{Memo, phase, scheduler};
 use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
-use furrow_measured::statistics::{BoxPlot, Line, box_plot, line, line_through_origin, mean};
+use furrow_measured::statistics::{BoxPlot, Line, SPREAD_FROM, box_plot, line, line_through_origin, mean};
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use serde::Serialize;
@@ -47,9 +47,12 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// (model − measured)/sd of a χ.
+    /// (model − measured)/sd of a χ, of [`SPREAD_FROM`] embryos or more.
     pub fn off(&self, chi: f64) -> Option<f64> {
-        self.measured.sd.filter(|sd| *sd > 0.0).map(|sd| (chi - self.measured.mean) / sd)
+        self.measured
+            .sd
+            .filter(|sd| *sd > 0.0 && self.measured.n >= SPREAD_FROM)
+            .map(|sd| (chi - self.measured.mean) / sd)
     }
 }
 

@@ -14,7 +14,7 @@ use furrow_input::InputError;
 use furrow_lineage::{FounderClock, Lineage};
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
 use furrow_measured::names::birth;
-use furrow_measured::significance::trend;
+use furrow_measured::significance::power;
 use furrow_measured::statistics::mean;
 use furrow_measured::volumes::{Unit, Volumes};
 use serde::Serialize;
@@ -26,8 +26,8 @@ pub struct FittedLaw {
     pub founder: String,
     /// Exponent of the lifetime over the volume, with the sign changed.
     pub exponent: f64,
-    /// Its standard error.
-    pub se: f64,
+    /// Its standard error; not given for two sizes, because a line through two points always fits.
+    pub se: Option<f64>,
     /// Cells.
     pub n: usize,
     /// Lifetime at `at_volume`, in minutes.
@@ -36,10 +36,10 @@ pub struct FittedLaw {
     pub at_volume: f64,
     /// The smallest and the largest of them.
     pub volumes: [f64; 2],
-    /// Share of the variation of ln lifetime that the line explains.
-    pub r_squared: f64,
-    /// Two-sided p value of the exponent.
-    pub p: f64,
+    /// Share of the variation of ln lifetime that the line explains; as `se`.
+    pub r_squared: Option<f64>,
+    /// Two-sided p value of the exponent; as `se`.
+    pub p: Option<f64>,
 }
 
 /// A founder with too few cells for a line of its own.
@@ -128,18 +128,19 @@ fn centre(points: &[[f64; 2]]) -> [f64; 2] {
 }
 
 fn law(founder: &str, points: &[[f64; 2]]) -> Option<FittedLaw> {
-    let found = trend(points)?;
+    let found = power(points)?;
+    let known = |number: f64| (!number.is_nan()).then_some(number);
     let [at_volume, lifetime_min] = centre(points);
     Some(FittedLaw {
         founder: founder.to_owned(),
         exponent: -found.line.slope,
-        se: found.line.slope_error,
+        se: known(found.line.slope_error),
         n: found.line.n,
         lifetime_min,
         at_volume,
         volumes: [f64::min, f64::max].map(|pick| points.iter().map(|point| point[0]).fold(points[0][0], pick).exp()),
-        r_squared: found.line.r_squared,
-        p: found.p,
+        r_squared: known(found.line.r_squared),
+        p: known(found.p),
     })
 }
 

@@ -1,5 +1,7 @@
 //! A canvas for lines, areas and text.
 
+use furrow_input::printable;
+
 use super::style::Colour;
 
 /// How a line is drawn.
@@ -142,8 +144,10 @@ impl Canvas {
         self.words(Words { at, content, size, anchor, colour, bold, upwards: false, halo });
     }
 
+    /// Adds a line of text; a table may hold characters that no picture can show, and that would break one in SVG.
     pub(super) fn words(&mut self, words: Words) {
-        self.elements.push(Element::Text(words));
+        let content = printable(&words.content).into_owned();
+        self.elements.push(Element::Text(Words { content, ..words }));
     }
 
     /// Cuts off what `draw` draws outside [left, top, right, bottom].

@@ -11,6 +11,12 @@ use super::polygons::{Contours, LeftOut};
 /// Pixels that a mask has at most.
 const MOST_PIXELS: usize = 100_000_000;
 
+/// Bytes that one byte of compressed data unpacks to at most.
+const UNPACKS_TO: usize = 1032;
+
+/// What begins a PNG picture.
+const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+
 /// A picture by its values: grey values, or labels.
 struct Picture {
     width: usize,
@@ -52,8 +58,15 @@ fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputErr
     let refused = |reason: String| InputError::other_file(file, "a mask, a PNG picture", reason);
     // The decoder has to seek, which cannot be done in a pipe: all is read before, up to two bytes for each pixel that is allowed.
     let mut bytes = Vec::new();
-    from.take(2 * MOST_PIXELS as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
+    let mut from = from.take(2 * MOST_PIXELS as u64);
+    from.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
+    if bytes != SIGNATURE {
+        return Err(refused("it does not begin as one".to_owned()));
+    }
+    from.read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
+    let length = bytes.len();
     let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), Limits { bytes: 16 * MOST_PIXELS });
+    decoder.set_ignore_text_chunk(true);
     decoder.set_transformations(if labels { Transformations::IDENTITY } else { Transformations::EXPAND });
     let mut reader = decoder.read_info().map_err(|e| refused(e.to_string()))?;
     let [width, height] = [reader.info().width as usize, reader.info().height as usize];
@@ -61,6 +74,11 @@ fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputErr
         return Err(refused(format!("{width} × {height} pixels; at most {MOST_PIXELS} are read")));
     }
     let size = reader.output_buffer_size().ok_or_else(|| refused("it is too large".to_owned()))?;
+    // Each row begins with the number of its filter.
+    let row = 1 + width.saturating_mul(reader.info().bits_per_pixel()).div_ceil(8);
+    if height.saturating_mul(row) > length.saturating_mul(UNPACKS_TO) {
+        return Err(refused(format!("{width} × {height} pixels cannot be in {length} bytes")));
+    }
     let mut buffer = vec![0; size];
     let frame = reader.next_frame(&mut buffer).map_err(|e| refused(e.to_string()))?;
     if labels && !matches!(frame.color_type, ColorType::Grayscale | ColorType::Indexed) {

@@ -6,12 +6,11 @@
 use std::collections::HashMap;
 use std::io::Read;
 
-use csv::ByteRecord;
+use furrow_input::table::{Row, Table, columns_listed, malformed, split_unit, text};
 use furrow_input::{InputError, shown};
 use serde::Serialize;
 
 use super::Contour;
-use crate::table::{Table, listed, malformed, names, number};
 
 /// A contour as it was measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +49,7 @@ pub struct Contours {
     pub left_out: Vec<LeftOut>,
 }
 
-/// The points of a contour, and what is wrong with one.
+/// The points of a contour, and the first error in one, with its line.
 #[derive(Default)]
 struct Ring {
     name: String,
@@ -66,36 +65,23 @@ impl Contours {
     /// A table without the required columns.
     pub fn read_table(&mut self, from: impl Read, file: &str) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
-        let Some((line, record)) = table.next()? else {
-            return Err(malformed(file, 1, "the table is empty; its columns are x and y, a row for each point"));
-        };
-        let bare = record.len() == 2 && record.iter().all(|text| number(text.trim_ascii()).is_some());
-        let (columns, contour) = if bare { ([0, 1], None) } else { places(record, file)? };
-        let mut rings: Vec<Ring> = Vec::new();
-        let mut known: HashMap<String, usize> = HashMap::new();
-        let mut take = |line: u64, record: &ByteRecord| {
-            let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
-            let name = contour.map_or(String::new(), |at| String::from_utf8_lossy(text(at)).into_owned());
-            let place = *known.entry(name).or_insert_with_key(|name| {
-                rings.push(Ring { name: name.clone(), first_line: line, ..Ring::default() });
-                rings.len() - 1
-            });
-            // An unreadable point would leave a dent, so its contour is not used.
-            let Ring { points, wrong, .. } = &mut rings[place];
-            points.push(columns.map(|column| {
-                number(text(column)).unwrap_or_else(|| {
-                    let text = shown(&String::from_utf8_lossy(text(column)));
-                    wrong.get_or_insert((line, format!("column {}: {text} is not a finite number", column + 1)));
-                    f64::NAN
-                })
-            }));
-        };
-        if bare {
-            take(line, record);
+        let numbers = table.numbers();
+        let bare =
+            |header: &[String]| header.len() == 2 && header.iter().all(|text| numbers.read(text.as_bytes()).is_ok());
+        let (line, header) = table.header(|_| false)?;
+        let is_bare = bare(&header);
+        let (columns, contour) = if is_bare { ([0, 1], None) } else { places(&header, (file, line))? };
+        let mut rings = Rings::default();
+        if is_bare {
+            let point = [0, 1].map(|k| numbers.read(header[k].as_bytes()));
+            rings.add(String::new(), line as u64, point.map(|x| x.unwrap_or(f64::NAN)), None);
         }
-        while let Some((line, record)) = table.next()? {
-            take(line, record);
+        while let Some(row) = table.next_row()? {
+            let name = contour.map_or(String::new(), |at| text(row.text(at)).into_owned());
+            let (point, wrong) = point(row, columns);
+            rings.add(name, row.line, point, wrong);
         }
+        let rings = rings.0;
         if rings.is_empty() {
             return Err(malformed(file, 1, "the table has columns but no points"));
         }
@@ -133,16 +119,49 @@ impl Contours {
     }
 }
 
+/// Rings in the order of their first points, found by their names.
+#[derive(Default)]
+struct Rings(Vec<Ring>, HashMap<String, usize>);
+
+impl Rings {
+    /// Adds a point to the ring of this name.
+    fn add(&mut self, name: String, line: u64, point: [f64; 2], wrong: Option<String>) {
+        let Rings(rings, known) = self;
+        let place = *known.entry(name).or_insert_with_key(|name| {
+            rings.push(Ring { name: name.clone(), first_line: line, ..Ring::default() });
+            rings.len() - 1
+        });
+        // An unreadable point would leave a dent, so its contour is not used.
+        rings[place].points.push(point);
+        if let Some(why) = wrong {
+            rings[place].wrong.get_or_insert((line, why));
+        }
+    }
+}
+
+/// The point of a row, and its first error.
+fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
+    let mut wrong = row.surplus().map(|(_, why)| why);
+    let point = columns.map(|column| {
+        row.numbers.read(row.text(column)).unwrap_or_else(|why| {
+            let text = shown(&text(row.text(column)));
+            wrong.get_or_insert(format!("column {}: {text} is {why}", column + 1));
+            f64::NAN
+        })
+    });
+    (point, wrong)
+}
+
 /// The columns of the points, and of the name of their contour.
-fn places(header: &ByteRecord, file: &str) -> Result<([usize; 2], Option<usize>), InputError> {
-    let names: Vec<String> = names(header).iter().map(|name| name.to_lowercase()).collect();
+fn places(header: &[String], (file, line): (&str, usize)) -> Result<([usize; 2], Option<usize>), InputError> {
+    let names: Vec<String> = header.iter().map(|name| split_unit(name).0.to_lowercase()).collect();
     let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
     if let (Some(x), Some(y)) = (find(&["x", "x_um", "x_px", "r"]), find(&["y", "y_um", "y_px", "z"])) {
         return Ok(([x, y], find(&["contour", "stage", "frame", "id"])));
     }
     let message = format!(
         "a table of contours has the columns x and y (or r and z), and contour if it has several; the columns here are {}",
-        listed(&names)
+        columns_listed(header)
     );
-    Err(malformed(file, 1, message))
+    Err(malformed(file, line, message))
 }

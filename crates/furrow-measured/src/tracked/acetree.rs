@@ -17,7 +17,7 @@ use super::spots::{Spot, Spots};
 use super::{
     Format, TimeUnit, TrackOptions, TrackedLineage, archive, embryo_of, sphere_of_pixels, unit_of_pixels, whole,
 };
-use crate::table::{Table, malformed, number};
+use furrow_input::table::{Table, malformed, number};
 
 /// Columns that every line has.
 const COLUMNS: [&str; 10] =

@@ -12,7 +12,7 @@ use furrow_input::{InputError, open_file};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
 use crate::names::{birth, understood};
-use crate::table::{Table, malformed, number};
+use furrow_input::table::{Table, malformed};
 
 /// Names of the column that has the cell and the time.
 const CELL_TIME: [&str; 2] = ["cellTime", "Cell & Time"];
@@ -47,6 +47,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let size = place(&header, &["size"]);
     let mut spots = Spots::of(&file);
     let mut cells: HashMap<String, Vec<usize>> = HashMap::new();
+    let numbers = table.numbers();
     while let Some((line, row)) = table.next()? {
         let text = |at: usize| String::from_utf8_lossy(row.get(at).unwrap_or_default().trim_ascii()).into_owned();
         let (name, time) = match at {
@@ -59,7 +60,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
                 }
             },
         };
-        let Some(frame) = number(time.as_bytes()).filter(|frame| *frame >= 0.0) else {
+        let Some(frame) = numbers.read(time.as_bytes()).ok().filter(|frame| *frame >= 0.0) else {
             spots.skip(&file, line, "time", &time, "must be a number of frames from 0");
             continue;
         };
@@ -69,7 +70,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         }
         let name = understood(&name).unwrap_or(name);
         let written = size.map(text);
-        let diameter = written.as_deref().and_then(|size| number(size.as_bytes()));
+        let diameter = written.as_deref().and_then(|size| numbers.read(size.as_bytes()).ok());
         let diameter = diameter.filter(|size| *size > 0.0 && *size < 1e30);
         if let (Some(size), None) = (&written, diameter) {
             spots.skip(&file, line, "size", size, "must be a diameter above 0, in pixels");

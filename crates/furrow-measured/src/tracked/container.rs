@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use furrow_input::InputError;
+use furrow_input::{InputError, foreign};
 
-use super::{foreign, zarr};
+use super::zarr;
 
 /// Folders below a container that may be a GEFF, as `tracks.geff` or `tables/tracks.geff`, and most folders looked at.
 const DEEPEST: usize = 2;

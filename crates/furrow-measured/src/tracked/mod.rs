@@ -7,7 +7,6 @@
 //! | `spot_tables` | spots and links of TrackMate and Mastodon as CSV |
 //! | `geff`, `zarr`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
-//! | `foreign` | files of other kinds, which errors name |
 //! | `spots` | spots and links of any format, as cells |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
@@ -20,7 +19,6 @@ mod acetree;
 mod archive;
 mod cd;
 mod container;
-pub(crate) mod foreign;
 mod geff;
 mod lifetimes;
 mod rounds;
@@ -32,7 +30,7 @@ mod zarr;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use furrow_input::{InputError, open_file};
+use furrow_input::{InputError, foreign, open_file};
 use serde::Serialize;
 
 pub use rounds::{Absent, TrackedRounds};

@@ -17,8 +17,8 @@ use super::spots::{Spot, Spots};
 use super::{
     Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels, whole,
 };
-use crate::table::{Table, malformed, number};
 use crate::volumes::Unit;
+use furrow_input::table::{Table, malformed};
 
 /// Columns of the two tables, each under any of several names, and how their files are called.
 struct Layout {
@@ -118,10 +118,17 @@ fn below(text: &[u8]) -> Option<Below> {
     }
 }
 
+/// Reads the first line of a heading. The lines below it may be longer or empty.
+fn first_line<R: Read>(table: &mut Table<'_, R>) -> Result<Vec<String>, InputError> {
+    let (_, names) = table.header(|_| true)?;
+    table.name_columns(Vec::new());
+    Ok(names)
+}
+
 impl Heading {
     /// Reads the heading of a table, in which `ids` are the columns of ids.
     fn of<R: Read>(table: &mut Table<'_, R>, layout: &Layout, ids: &[&[&str]]) -> Result<Heading, InputError> {
-        let (_, names) = table.header(|_| true)?;
+        let names = first_line(table)?;
         let of = |wanted: &[&str]| names.iter().position(|name| wanted.contains(&name.as_str()));
         let is_id = |name: &String| ids.iter().any(|ids| ids.contains(&name.as_str()));
         let places: Vec<usize> = (0..names.len()).filter(|at| is_id(&names[*at])).collect();
@@ -186,9 +193,12 @@ fn opened<'f>(
 ) -> Result<(Table<'f, File>, Heading), InputError> {
     let heading = Heading::of(&mut Table::open(open_file(path)?, file)?, layout, ids)?;
     let mut table = Table::open(open_file(path)?, file)?;
-    for _ in 0..heading.lines {
+    first_line(&mut table)?;
+    for _ in 1..heading.lines {
         table.next()?;
     }
+    // From here on a row that is longer is an error.
+    table.name_columns(heading.names.clone());
     Ok((table, heading))
 }
 
@@ -217,6 +227,7 @@ fn read_spots(
         None if radius.is_some() && options.pixel.is_none() => Unit::Relative,
         _ => unit_of_pixels(options),
     };
+    let numbers = table.numbers();
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -226,7 +237,7 @@ fn read_spots(
         };
         let (id, time) = (whole(layout.spot[1][0], id)?, whole(layout.spot[2][0], frame)? as f64);
         let size = radius.map(|at| row.get(at).unwrap_or_default().trim_ascii());
-        let radius = size.and_then(number).filter(|radius| *radius > 0.0 && *radius < 1e30);
+        let radius = size.and_then(|size| numbers.read(size).ok()).filter(|radius| *radius > 0.0 && *radius < 1e30);
         if let (Some(size), None) = (size, radius) {
             spots.skip(&file, line, layout.spot[3][0], &text(size), "must be a radius above 0");
         }

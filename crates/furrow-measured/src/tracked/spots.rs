@@ -6,8 +6,8 @@ use furrow_input::InputError;
 
 use super::{Format, TimeUnit, TrackedCell, TrackedLineage};
 use crate::names::{birth, is_cell, understood};
-use crate::table::malformed;
 use crate::volumes::{Skipped, Unit, note};
+use furrow_input::table::malformed;
 
 /// A cell in one frame.
 #[derive(Clone, Debug)]

@@ -33,7 +33,14 @@ fn lifetimes_over_volumes_are_those_of_scipy() {
     same(&found.all.unwrap(), &expected["all"]);
     let names: Vec<&str> = found.founders.keys().map(String::as_str).collect();
     assert_eq!(names, ["AB", "C", "E", "MS"]);
-    found.founders.iter().for_each(|(founder, trend)| same(trend, &expected[founder]));
+    same(&found.founders["AB"], &expected["AB"]);
+    // A mother and her daughters, which are of one size: two sizes always lie on a line.
+    for founder in ["C", "E", "MS"] {
+        let Trend { line, p } = found.founders[founder];
+        close(line.slope, &expected[founder]["slope"]);
+        assert!([line.slope_error, line.r_squared, p].iter().all(|x| x.is_nan()), "{founder}");
+        assert!(serde_json::to_value(line).unwrap()["r_squared"].is_null());
+    }
 }
 
 #[test]
@@ -106,13 +113,34 @@ fn rows_that_cannot_be_used_are_told_with_their_place() {
         "5: 1 (cell) = \"nuc\": no name of Sulston's",
         "6: 2 (n) = \"0\": must be a number of embryos, at least 1",
         "7: 3 (lifetime_min) = \"-1\": must be a time above 0",
-        "8: 3 (lifetime_min) = \"\": must be a time above 0",
+        "8: 3 (lifetime_min) = \"\": must be a time above 0 (empty)",
         "9: 4 (sd_min) = \"-1\": must be a time of 0 or more, or empty",
-        "10: 5 (birth_min) = \"x\": must be a time, or empty",
-        "11: 3 (lifetime_min) = \"\": must be a time above 0",
+        "10: 5 (birth_min) = \"x\": must be a time, or empty (not a number)",
+        "11: 3 (lifetime_min) = \"\": must be a time above 0 (empty)",
     ];
     assert_eq!(said, expected);
     assert_eq!((found.used, found.skipped_count), (1, 8));
+}
+
+/// Decimal commas, empty columns, numbers of rows and units in headings, as spreadsheets and pandas write them.
+#[test]
+fn tables_of_spreadsheets_are_read() {
+    let plain = read("cell,lifetime_min\nAB,17.9\nP1,19.8\n");
+    for table in [
+        "cell;lifetime_min\nAB;17,9\nP1;19,8\n",
+        "cell,lifetime_min,,\nAB,17.9,,\n,,,\nP1,19.8,,\n",
+        ",Cell,Lifetime (min)\n0,AB,17.9\n1,P1,19.8\n",
+        "Unnamed: 0\tcell name\tlifetime [minutes]\n0\tAB\t17,9\n1\tP1\t19,8\n",
+    ] {
+        let found = read(table);
+        assert_eq!((found.cells, found.skipped_count), (plain.cells.clone(), 0), "{table}");
+    }
+    let found = read("cell,lifetime_min\nAB,17,9\nP1,19.8\nABa,\"18,6\"\n");
+    let why: Vec<&str> = found.skipped.iter().map(|skipped| skipped.why.as_str()).collect();
+    assert_eq!((found.used, why[0]), (1, "line 2 has 3 fields, the heading 2"));
+    assert!(why[1].starts_with("must be a time above 0 (not a number: decimals need a point"), "{}", why[1]);
+    let said = Lifetimes::read(&b"cell,Lifetime (frames)\nAB,17\n"[..], "t.csv").unwrap_err().to_string();
+    assert!(said.contains("\"Lifetime (frames)\", must be one of min, s, h"), "{said}");
 }
 
 #[test]

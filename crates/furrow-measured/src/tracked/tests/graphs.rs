@@ -90,6 +90,8 @@ fn wrong_spots_and_links_are_refused_with_their_place() {
             &with(&[(11, 12)]),
             "film_edges.csv:14:1: a second link from \"ID11\" (film_spots.csv:6) to \"AB\"",
         ),
+        (spots("ID11,11,0,", "ID11,11,0,5,"), &fine, "film_spots.csv:6:1: line 6 has 12 fields, the heading 11"),
+        (spots("", ""), &fine.replace("ID13 →", "ID13, →"), "film_edges.csv:7:1: line 7 has 5 fields, the heading 4"),
         (spots("", ""), &with(&[(12, 13)]), "both at time 3: links must lead to a later time"),
         (spots("", ""), &with(&[(10, 99)]), "film_edges.csv:14:1: SPOT_TARGET_ID = \"99\": must be the ID of a spot"),
         (
@@ -119,6 +121,21 @@ fn wrong_spots_and_links_are_refused_with_their_place() {
     let (_folder, path) = trackmate(&spots("180,3,15", "180,3,0"), &fine);
     let skipped = &tracked(&path).skipped[0];
     assert_eq!((skipped.line, skipped.column.as_str(), skipped.value.as_str()), (7, "RADIUS", "0"));
+}
+
+/// As Excel saves them where decimals have a comma, with a column that has no name and no values.
+#[test]
+fn spots_with_decimal_commas_are_those_with_points() {
+    let written = |table: &str| table.replace(',', ";").replace('\n', ";\n");
+    let spots = |sign: char| written(TRACKMATE_SPOTS).replace(";15;1;", &format!(";15{sign}5;1;"));
+    let volumes = [',', '.'].map(|sign| {
+        let (_folder, path) = trackmate(&spots(sign), &written(&trackmate_edges(&EDGES)));
+        let lineage = tracked(&path);
+        assert_eq!((lives(&lineage), lineage.skipped_count), (LIVES.to_vec(), 0));
+        lineage.cells.iter().map(|cell| cell.volume).collect::<Vec<_>>()
+    });
+    assert_eq!(volumes[0], volumes[1]);
+    assert!(volumes[0].contains(&Some(std::f64::consts::FRAC_PI_6 * 31_f64.powi(3))));
 }
 
 /// Two cells that become one, or one that becomes three, cost these cells and not the file.

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use furrow_input::InputError;
+use crate::InputError;
 
 /// What tables and embryos are.
 const WANTED: &str = "a table or an embryo that was followed";
@@ -19,7 +19,7 @@ const MASTODON: &str = "a project of Mastodon: in Mastodon export spots and link
 ///
 /// # Errors
 /// It is of one of the kinds that are known.
-pub(crate) fn refuse(file: &str, head: &[u8]) -> Result<(), InputError> {
+pub fn refuse(file: &str, head: &[u8]) -> Result<(), InputError> {
     match kind(head) {
         Some(kind) => Err(InputError::other_file(file, WANTED, format!("it is {kind}"))),
         None => Ok(()),
@@ -94,7 +94,7 @@ fn is_ctc(text: &str) -> bool {
 ///
 /// # Errors
 /// It is of one of the kinds that are known.
-pub(super) fn refuse_archive(path: &Path, names: &[String]) -> Result<(), InputError> {
+pub fn refuse_archive(path: &Path, names: &[String]) -> Result<(), InputError> {
     let has = |word: &str| names.iter().any(|name| name.ends_with(word));
     let kind = if has("project.xml") || has("model.raw") {
         MASTODON
@@ -111,7 +111,7 @@ pub(super) fn refuse_archive(path: &Path, names: &[String]) -> Result<(), InputE
 }
 
 /// Names the kind of a folder without nuclei and GEFF, and the remedy; `None` if it is not known.
-pub(super) fn folder(folder: &Path) -> Option<String> {
+pub fn folder(folder: &Path) -> Option<String> {
     let has = |name: &str| folder.join(name).exists();
     let kind = match () {
         () if ["man_track.txt", "res_track.txt", "TRA/man_track.txt"].into_iter().any(has) => CTC,

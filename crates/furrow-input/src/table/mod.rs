@@ -1,0 +1,273 @@
+//! Rows of CSV tables with their lines, and errors that name the place.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `heading` | the names of columns, and the units in them |
+//! | `number` | numbers with decimal points or commas |
+//! | `bounded` | a source that ends where a row or the table is too long |
+
+mod bounded;
+mod heading;
+mod number;
+
+use std::borrow::Cow;
+use std::io::{Chain, Cursor, Read};
+
+use csv::ByteRecord;
+
+use crate::{InputError, foreign};
+use bounded::Bounded;
+use heading::is_unnamed;
+
+pub use heading::{NamedUnit, QuantityColumn, TIMES, quantity, split_unit, unified, unit_of, unit_word, units_listed};
+pub use number::{Numbers, number};
+
+/// Bytes at the start of a table that decide how it is written.
+const HEAD: u64 = 1 << 20;
+
+/// A table that is being read row by row.
+pub struct Table<'f, R: Read> {
+    reader: csv::Reader<Bounded<Chain<Cursor<Vec<u8>>, R>>>,
+    record: ByteRecord,
+    file: &'f str,
+    heading: Heading,
+    numbers: Numbers,
+}
+
+/// The names of a table's columns.
+#[derive(Default)]
+struct Heading {
+    names: Vec<String>,
+    /// Columns at the left without a name, as pandas and R write numbers of rows.
+    index: usize,
+    /// Columns up to the last that has a name.
+    named: usize,
+}
+
+/// A row that is no comment and not empty.
+#[derive(Clone, Copy)]
+pub struct Row<'t> {
+    /// Its line.
+    pub line: u64,
+    record: &'t ByteRecord,
+    heading: &'t Heading,
+    /// How its numbers are written.
+    pub numbers: Numbers,
+}
+
+impl<'t> Row<'t> {
+    /// The text in a column, without blanks around it; empty if the row is shorter.
+    pub fn text(&self, column: usize) -> &'t [u8] {
+        self.record.get(column).unwrap_or_default().trim_ascii()
+    }
+
+    /// The name of a column.
+    pub fn name(&self, column: usize) -> &'t str {
+        self.heading.names.get(column).map_or("", String::as_str)
+    }
+
+    /// Fields, those without a name included.
+    pub fn len(&self) -> usize {
+        self.record.len()
+    }
+
+    /// Whether there is no field.
+    pub fn is_empty(&self) -> bool {
+        self.record.is_empty()
+    }
+
+    /// The first column with a value for which the heading has no name, and why the row cannot be used: fields may have been cut at
+    /// a decimal comma.
+    pub fn surplus(&self) -> Option<(usize, String)> {
+        let Heading { names, index, named } = self.heading;
+        let unnamed =
+            |column: &usize| names.get(*column).is_none_or(String::is_empty) && !self.text(*column).is_empty();
+        let column = (*index..self.len()).find(unnamed)?;
+        let fields = (0..self.len()).rev().find(|column| !self.text(*column).is_empty()).map_or(0, |last| last + 1);
+        let line = self.line;
+        Some((
+            column,
+            match fields > *named {
+                true => format!("line {line} has {fields} fields, the heading {named}"),
+                false => format!("line {line} has a value in column {}, which has no name", column + 1),
+            },
+        ))
+    }
+}
+
+impl<'f, R: Read> Table<'f, R> {
+    /// Opens a table. The most frequent of comma, semicolon and tab in its first line that is not empty separates its columns; a line
+    /// `sep=` of Excel, or a line of numbers with decimal commas, decides before.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is not text, or is of [another kind](foreign).
+    pub fn open(mut from: R, file: &'f str) -> Result<Table<'f, R>, InputError> {
+        let mut head = Vec::new();
+        let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.to_owned(), reason: e.to_string() };
+        from.by_ref().take(HEAD).read_to_end(&mut head).map_err(unreadable)?;
+        // Some programs write a byte-order mark before UTF-8.
+        if head.starts_with(b"\xef\xbb\xbf") {
+            head.drain(..3);
+        }
+        foreign::refuse(file, &head)?;
+        if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
+            return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
+        }
+        if head.contains(&0) {
+            return Err(malformed(file, 1, "this is no text: it has a byte 0"));
+        }
+        // Text in a comment says nothing of the columns.
+        let says = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
+        let separator = separator(head.split(|byte| *byte == b'\n').find(says).unwrap_or_default());
+        let numbers = Numbers::of(separator, &head);
+        let mut builder = csv::ReaderBuilder::new();
+        builder.delimiter(separator).flexible(true).has_headers(false);
+        let reader = builder.from_reader(Bounded::new(Cursor::new(head).chain(from)));
+        Ok(Table { reader, record: ByteRecord::new(), file, heading: Heading::default(), numbers })
+    }
+
+    /// How its numbers are written.
+    pub fn numbers(&self) -> Numbers {
+        self.numbers
+    }
+
+    /// The names of the columns, and their line: the first row that is neither empty nor a comment, or one that `is_header` accepts
+    /// although it looks like one. Names such as `Unnamed: 0`, which pandas gives to columns
+    /// without a name, are empty here if they are at the left.
+    ///
+    /// # Errors
+    /// A table without such a row, and as [`next`](Self::next).
+    pub fn header(&mut self, is_header: impl Fn(&[String]) -> bool) -> Result<(usize, Vec<String>), InputError> {
+        while self.advance()? {
+            let mut header = names(&self.record);
+            if !is_empty(&self.record) && (!is_comment(&self.record) || is_header(&header)) {
+                let (line, _) = self.here();
+                let index = header.iter().take_while(|name| is_unnamed(name)).count();
+                header[..index].iter_mut().for_each(String::clear);
+                self.name_columns(header.clone());
+                return Ok((line as usize, header));
+            }
+        }
+        Err(malformed(self.file, 1, "the table is empty; its first line must name its columns"))
+    }
+
+    /// Names the columns, where the heading was read by [`next`](Self::next).
+    pub fn name_columns(&mut self, names: Vec<String>) {
+        let index = names.iter().take_while(|name| name.is_empty()).count();
+        let named = names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1);
+        self.heading = Heading { names, index, named };
+    }
+
+    /// The next row that is neither empty nor a comment; `None` at the end. Whether it is longer than the heading is the caller's to
+    /// ask ([`Row::surplus`]).
+    ///
+    /// # Errors
+    /// As [`next`](Self::next), for a row that cannot be read.
+    pub fn next_row(&mut self) -> Result<Option<Row<'_>>, InputError> {
+        while self.advance()? {
+            if !is_comment(&self.record) && !is_empty(&self.record) {
+                return Ok(Some(self.row()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next row and its line; `None` at the end. Once columns have names, empty rows are passed over.
+    ///
+    /// # Errors
+    /// A row that cannot be read or is longer than the heading, or a table that is too long.
+    #[expect(clippy::should_implement_trait, reason = "a row borrows from the table")]
+    pub fn next(&mut self) -> Result<Option<(u64, &ByteRecord)>, InputError> {
+        let has_names = !self.heading.names.is_empty();
+        while self.advance()? {
+            if has_names && is_empty(&self.record) {
+                continue;
+            }
+            if let Some((_, why)) = self.row().surplus().filter(|_| has_names) {
+                return Err(malformed(self.file, self.here().0 as usize, why));
+            }
+            return Ok(Some(self.here()));
+        }
+        Ok(None)
+    }
+
+    fn here(&self) -> (u64, &ByteRecord) {
+        (self.record.position().map_or(0, csv::Position::line), &self.record)
+    }
+
+    fn row(&self) -> Row<'_> {
+        let (line, record) = self.here();
+        Row { line, record, heading: &self.heading, numbers: self.numbers }
+    }
+
+    /// Reads the next row, if there is one.
+    fn advance(&mut self) -> Result<bool, InputError> {
+        self.reader.get_mut().begin_row();
+        self.reader.read_byte_record(&mut self.record).map_err(|error| {
+            let line = error.position().map_or_else(|| self.reader.position().line(), csv::Position::line);
+            match error.kind() {
+                csv::ErrorKind::Io(error) => malformed(self.file, line.max(1) as usize, error.to_string()),
+                _ => malformed(self.file, line.max(1) as usize, error.to_string()),
+            }
+        })
+    }
+}
+
+/// What separates the columns of a line.
+fn separator(line: &[u8]) -> u8 {
+    if let Some(named) = line.strip_prefix(b"sep=").and_then(<[u8]>::first) {
+        return *named;
+    }
+    let decimal_commas = |separator: &u8| {
+        let fields = || line.split(|byte| byte == separator);
+        let numbers = Numbers::of(*separator, line);
+        fields().count() > 1 && fields().all(|field| numbers.read(field).is_ok())
+    };
+    let outside_quotes = |separator: u8| {
+        let mut quoted = false;
+        line.iter()
+            .filter(|byte| {
+                quoted ^= **byte == b'"';
+                **byte == separator && !quoted
+            })
+            .count()
+    };
+    [b';', b'\t'].into_iter().find(decimal_commas).unwrap_or_else(|| {
+        [b'\t', b';', b','].into_iter().max_by_key(|separator| outside_quotes(*separator)).unwrap_or(b',')
+    })
+}
+
+/// Whether a row is a comment, or the line by which Excel names the separator.
+fn is_comment(row: &ByteRecord) -> bool {
+    row.get(0).is_some_and(|field| field.starts_with(b"#") || field == b"sep=")
+}
+
+/// Whether a row has no value.
+fn is_empty(row: &ByteRecord) -> bool {
+    row.iter().all(|field| field.trim_ascii().is_empty())
+}
+
+/// Text in UTF-8, and any other as if in Latin-1, as older programs write it.
+pub fn text(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect::<String>().into(),
+    }
+}
+
+/// The names of the columns, without blanks around them.
+pub fn names(header: &ByteRecord) -> Vec<String> {
+    header.iter().map(|name| text(name).trim().to_owned()).collect()
+}
+
+/// The first few names of columns, for an error.
+pub fn columns_listed(header: &[String]) -> String {
+    let shown: Vec<String> = header.iter().take(8).map(|name| format!("{name:?}")).collect();
+    let more = header.len().saturating_sub(shown.len());
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
+/// The error at a line of a table.
+pub fn malformed(file: &str, line: usize, message: impl Into<String>) -> InputError {
+    InputError::Malformed { file: file.to_owned(), line, column: 1, message: message.into() }
+}
