@@ -59,8 +59,8 @@ pub fn slope_p(line: &Line) -> Option<f64> {
 
 /// Probability of a t as far from 0; none where it is no number.
 fn two_sided(t: f64, freedom: f64) -> Option<f64> {
-    let tail = StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t.abs());
-    (!t.is_nan()).then(|| (2.0 * tail).min(1.0))
+    let t = Some(t.abs()).filter(|t| !t.is_nan())?;
+    Some((2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t)).min(1.0))
 }
 
 /// A sample by its number of values, their mean and their standard deviation.

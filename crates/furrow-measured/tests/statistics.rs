@@ -142,3 +142,11 @@ fn regressions_have_the_errors_of_scipy() {
         assert_eq!(free.r_squared, free.r_squared_about_mean);
     }
 }
+
+/// Neither has its slope an error, nor has 0/0 a probability.
+#[test]
+fn a_quantity_that_never_varies_has_no_trend() {
+    let points = [[0.0, 3.0], [1.0, 3.0], [2.0, 3.0]];
+    assert!(furrow_measured::significance::trend(&points).is_none());
+    assert!(furrow_measured::significance::power(&points).is_none());
+}
