@@ -1,8 +1,8 @@
 //! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
 
 use furrow_bvp::{
-    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Metric, Solution, Termination,
-    Work, mesh,
+    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Gauss, Metric, Solution,
+    Termination, Work, mesh,
 };
 
 use super::azimuthal_scan::AzimuthalScan;
@@ -219,7 +219,12 @@ const CONTOUR: usize = 240;
 
 /// The contour of the newest point of a branch.
 pub(super) fn newest_contour(branch: &Continuation<Cortex>) -> Vec<[f64; 2]> {
-    observables::contour(&branch.system.gauss, &branch.state.solution, branch.problem.domain, CONTOUR)
+    contour(&branch.system.gauss, &branch.state.solution, branch.problem.domain)
+}
+
+/// The contour of a shape.
+pub(super) fn contour(gauss: &Gauss, y: &Solution, domain: Domain) -> Vec<[f64; 2]> {
+    observables::contour(gauss, y, domain, CONTOUR)
 }
 
 /// A branch followed.
@@ -252,7 +257,7 @@ impl Branch {
             (Err(source), _) => {
                 BranchEnd::Lost(ShapeError::Branch { cell: CellName::of(&branch.problem.cell), source })
             }
-            (_, Some(end @ BranchEnd::NotLocated(_))) => end,
+            (_, Some(end @ (BranchEnd::NotLocated(_) | BranchEnd::Rejoined))) => end,
             (Ok(Termination::ParameterBound(bound)), _) => BranchEnd::Bound(bound),
             (Ok(Termination::PointLimit(points)), _) => BranchEnd::PointLimit(points),
             (Ok(_), stopped) => stopped.unwrap_or(BranchEnd::Enough),

@@ -1,0 +1,75 @@
+//! Where an asymmetric branch comes back to mirror-symmetric shapes: at a pitchfork of theirs.
+//!
+//! ξ_s turns there along the asymmetric branch as at a fold, because the branch goes on as its own mirror image. The equations of the full
+//! contour are singular at the point; on the half contour it is a regular root, as every pitchfork.
+
+use furrow_bvp::{Continuation, Direction, Gauss, MinimallyAugmented, Solution, SymmetryBreaking};
+
+use super::branch::Pitchfork;
+use super::curves::along_scalar;
+use super::locate::pitchfork_at;
+use super::point::XI;
+use crate::cortex::equations::{R, REGULATED, Z};
+use crate::cortex::symmetry::fold;
+use crate::cortex::{Cortex, Domain};
+
+/// How far a full contour is from its mirror image, at places along it: r(u) − r(1 − u) and z(u) + z(1 − u).
+pub(super) fn asymmetry(gauss: &Gauss, y: &Solution) -> Vec<f64> {
+    const PLACES: usize = 32;
+    let (mut here, mut there) = ([0.0; REGULATED], [0.0; REGULATED]);
+    let (here, there) = (&mut here[..y.components], &mut there[..y.components]);
+    let at = |k: usize| {
+        let u = k as f64 / (2 * PLACES) as f64;
+        y.eval(gauss, u, here);
+        y.eval(gauss, 1.0 - u, there);
+        [here[R] - there[R], here[Z] + there[Z]]
+    };
+    (0..=PLACES).flat_map(at).collect()
+}
+
+/// A step that comes back to mirror-symmetric shapes ends with this much of its asymmetry at most, on the line through both ends.
+const LEFT: f64 = 0.5;
+/// A step that begins at a pitchfork does not come back to it.
+const BEGINS: f64 = 1e-3;
+
+/// Where between two shapes, 0 at the first and 1 at the last, their asymmetry vanishes, up to `reach`; none if it does not.
+pub(super) fn vanishes(first: &[f64], last: &[f64], reach: f64) -> Option<f64> {
+    let (mut along, mut length, mut size) = (0.0, 0.0, 0.0);
+    for (a, b) in first.iter().zip(last) {
+        along -= a * (b - a);
+        length += (b - a) * (b - a);
+        size += a * a;
+    }
+    let share = along / length;
+    (share > BEGINS && share <= reach && size - share * along < LEFT * LEFT * length).then_some(share)
+}
+
+/// The pitchfork lies where the last step says, within this share of it.
+const OFF: f64 = 0.3;
+
+/// The pitchfork at this share of the last step of an asymmetric branch, if there is one.
+pub(super) fn rejoined(branch: &Continuation<Cortex>, share: f64) -> Option<Pitchfork> {
+    let history = &branch.state.history;
+    let ((now, newest), (before, _)) = (history.back(0)?, history.back(1)?);
+    let arclength = before + share * (now - before);
+    let mut full = newest.clone();
+    history.extrapolate(arclength, &mut full);
+    // On the mirror-symmetric mesh nearest to that of the branch.
+    let mesh: Vec<f64> = full.mesh.iter().zip(full.mesh.iter().rev()).map(|(a, b)| 0.5 * (a + 1.0 - b)).collect();
+    let mut y = full.clone();
+    fold(&full.on_mesh(&branch.system.gauss, &mesh), &mut y, &mut Direction::default());
+    let cortex = Cortex::new(&branch.problem.cell, Domain::Half, &branch.problem.free);
+    let guess = along_scalar(&y, y.scalars.len(), XI);
+    let breaking = SymmetryBreaking::default();
+    let mut at = MinimallyAugmented::new(cortex, breaking, y.m, branch.metric.clone(), &guess).ok()?;
+    let start = y.clone();
+    let report = at.solve(&mut y, None).ok()?;
+    let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let off = Direction {
+        nodes: difference(&y.nodes, &start.nodes),
+        stages: Vec::new(),
+        scalars: difference(&y.scalars, &start.scalars),
+    };
+    let found = branch.metric.dot(&y.mesh, &off, &off).sqrt() < OFF * (now - before);
+    found.then(|| pitchfork_at(&mut at, y, report, arclength).ok())?
+}
