@@ -12,8 +12,8 @@ use super::error::PointKind;
 use super::locate::{course, end_at_width, folds_near, not_located};
 use super::point::ShapePoint;
 use super::rates::{self, with_rates};
-use super::rejoin::{asymmetry, rejoined, vanishes};
-use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
+use super::rejoin::{asymmetry, mirrored, rejoined, vanishes};
+use crate::cortex::symmetry::{is_mirrored, unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Parameter};
 
@@ -69,6 +69,9 @@ const REACHED: f64 = 1.02;
 const CLOSE: f64 = 3.0;
 const SHRUNK: f64 = 1e-3;
 
+/// Shapes with less than this of the largest asymmetry may be on the way back to mirror-symmetric ones.
+const NEARLY: f64 = 0.3;
+
 /// What a run along an asymmetric branch keeps.
 #[derive(Default)]
 struct Run {
@@ -108,6 +111,15 @@ impl Run {
         self.before = course(branch);
     }
 
+    /// Mirrors the mesh next to mirror-symmetric shapes: on another one the pitchfork there is imperfect, and the branch turns back before
+    /// it in a fold of the mesh's own.
+    fn mirror_mesh(&self, branch: &mut Continuation<Cortex>) {
+        let size = self.asymmetry.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        if size < NEARLY * self.largest && !is_mirrored(&branch.state.solution.mesh) && self.stop.is_none() {
+            branch.move_to(&mirrored(&branch.state.solution.mesh));
+        }
+    }
+
     /// Takes a point in; whether to go on.
     fn take_in(&mut self, point: ShapePoint, threshold: f64) -> bool {
         self.opening &= point.delta_u.abs() < SCALING_RANGE[1];
@@ -137,6 +149,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
                 return false;
             }
             run.folds(branch, advance.passed_fold);
+            run.mirror_mesh(branch);
             rate(&branch.state.solution, run.events.len());
             let point = ShapePoint::newest(branch, run.events.len());
             contours.extend(options.contours.then(|| newest_contour(branch)));

@@ -44,6 +44,11 @@ pub(super) fn vanishes(first: &[f64], last: &[f64], reach: f64) -> Option<f64> {
     (share > BEGINS && share <= reach && size - share * along < LEFT * LEFT * length).then_some(share)
 }
 
+/// The mirror-symmetric mesh nearest to one of the full contour.
+pub(super) fn mirrored(mesh: &[f64]) -> Vec<f64> {
+    mesh.iter().zip(mesh.iter().rev()).map(|(a, b)| 0.5 * (a + 1.0 - b)).collect()
+}
+
 /// The pitchfork lies where the last step says, within this share of it.
 const OFF: f64 = 0.3;
 
@@ -54,8 +59,7 @@ pub(super) fn rejoined(branch: &Continuation<Cortex>, share: f64) -> Option<Pitc
     let arclength = before + share * (now - before);
     let mut full = newest.clone();
     history.extrapolate(arclength, &mut full);
-    // On the mirror-symmetric mesh nearest to that of the branch.
-    let mesh: Vec<f64> = full.mesh.iter().zip(full.mesh.iter().rev()).map(|(a, b)| 0.5 * (a + 1.0 - b)).collect();
+    let mesh = mirrored(&full.mesh);
     let mut y = full.clone();
     fold(&full.on_mesh(&branch.system.gauss, &mesh), &mut y, &mut Direction::default());
     let cortex = Cortex::new(&branch.problem.cell, Domain::Half, &branch.problem.free);
