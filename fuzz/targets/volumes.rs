@@ -8,8 +8,11 @@ use super::{FILE, accepted};
 /// The means and the divisions are the same after they are written as a long table and read again.
 pub fn check(data: &[u8]) {
     let Some((&how, table)) = data.split_first() else { return };
-    let options =
-        ReadOptions { voxel: (how & 1 != 0).then_some(0.25), group: (how & 2 != 0).then(|| "wild type".to_owned()) };
+    let options = ReadOptions {
+        voxel: (how & 1 != 0).then_some(0.25),
+        group: (how & 2 != 0).then(|| "wild type".to_owned()),
+        ..ReadOptions::default()
+    };
     let mut volumes = Volumes::default();
     let Some(()) = accepted(volumes.read(table, FILE, &options)) else { return };
     assert!(volumes.skipped.len() as u64 <= volumes.skipped_count);

@@ -53,8 +53,8 @@ def reproduce(
 ) -> Reproduction:
     """Recomputes figures, tables and movies of the paper, all without an argument, and says what agrees and what differs.
 
-    ``data`` is a table of cell volumes for the measured rows. ``out`` is a folder for pictures, in the ``format`` ``svg`` or
-    ``png``, and tables; ``table`` a file for the Markdown.
+    ``data`` is a table of cell volumes for the measured rows. ``out`` is a folder for pictures, in the ``format`` ``svg``,
+    ``pdf`` or ``png``, and tables; ``table`` a file for the Markdown.
 
     >>> import furrow
     >>> found = furrow.reproduce("S3")

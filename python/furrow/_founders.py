@@ -38,7 +38,8 @@ class Founder:
     ``chi``: Size asymmetry of its division.
     ``rounds``: Rounds in the model.
     ``observed``: Rounds observed.
-    ``last_division_min``: Its last division, in minutes; None without a clock.
+    ``last_division_min``: The last division below it, in minutes; None without a clock.
+    ``last_division_extrapolated``: Whether that follows a lifetime beyond the sizes to which the clock was fitted.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Founder:
     rounds: Rounds | None
     observed: Rounds | None
     last_division_min: float | None = None
+    last_division_extrapolated: bool = False
 
 
 def _rounds(found: Mapping[str, Any] | None) -> Rounds | None:
@@ -75,4 +77,5 @@ def founder_of(found: Mapping[str, Any]) -> Founder:
         rounds=_rounds(found["rounds"]),
         observed=_rounds(found["observed"]),
         last_division_min=found.get("last_division_min"),
+        last_division_extrapolated=found.get("last_division_extrapolated", False),
     )

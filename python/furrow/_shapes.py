@@ -30,7 +30,7 @@ class Drawn(Found):
         self.warnings = warnings
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the picture as SVG or PNG, by the file's extension."""
+        """Writes the picture as SVG, PDF or PNG, by the file's extension."""
         self.drawing.save(path_of("path", path))
 
     def _repr_svg_(self) -> str:

@@ -110,12 +110,12 @@ class Ranges:
         self.tree = tree
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the picture (``.svg``, ``.png``) or, over seeds, the page of the first tree with the ranges (``.html``)."""
+        """Writes the picture (``.svg``, ``.pdf``, ``.png``) or, over seeds, the page of the first tree with the ranges (``.html``)."""
         file = path_of("path", path)
         if not file.endswith(".html"):
             self.drawing.save(file)
         elif self._page is None:
-            raise refused("path", str(path), "a file that ends in .svg or .png: a page is of one tree")
+            raise refused("path", str(path), "a file that ends in .svg, .pdf or .png: a page is of one tree")
         else:
             Path(file).write_text(self._page, encoding="utf-8")
 

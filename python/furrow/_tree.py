@@ -77,7 +77,8 @@ class Tree:
     ``tree.chi``, ``tree.cells["t_end"]``.
 
     Missing values, such as χ of a cell that did not divide, are NaN. If the lineage has a clock, ``tree.cells["birth_min"]``
-    and ``tree.cells["division_min"]`` are in minutes.
+    and ``tree.cells["division_min"]`` are in minutes, and ``tree.cells["lifetime_extrapolated"]`` says which cells divide after a
+    lifetime beyond the sizes to which the clock was fitted.
 
     >>> import furrow
     >>> worm = furrow.tree()

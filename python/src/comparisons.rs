@@ -82,7 +82,7 @@ struct MeasuredVolumes {
 impl VolumesAsked {
     /// Adds tables: as text, and in files. Their rows without a group are of this one.
     fn read_into(&self, volumes: &mut Volumes, (files, text): &Tables, group: &Option<String>) -> Result<(), Error> {
-        let options = ReadOptions { voxel: self.voxel, group: group.clone() };
+        let options = ReadOptions { voxel: self.voxel, group: group.clone(), ..ReadOptions::default() };
         if let Some(text) = text {
             volumes.read(text.as_bytes(), "volumes", &options)?;
         }

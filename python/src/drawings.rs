@@ -22,7 +22,7 @@ pub struct Drawing(Picture);
 /// A picture that is not drawn yet, or one that was pickled.
 enum Picture {
     Canvas(Canvas),
-    Written { svg: String, png: Vec<u8> },
+    Written { svg: String, png: Vec<u8>, pdf: Vec<u8> },
 }
 
 impl Drawing {
@@ -35,7 +35,8 @@ impl Drawing {
         match (&self.0, format) {
             (Picture::Canvas(canvas), format) => canvas.bytes(format).map_err(Error::system),
             (Picture::Written { svg, .. }, Format::Svg) => Ok(svg.clone().into_bytes()),
-            (Picture::Written { png, .. }, _) => Ok(png.clone()),
+            (Picture::Written { pdf, .. }, Format::Pdf) => Ok(pdf.clone()),
+            (Picture::Written { png, .. }, Format::Png) => Ok(png.clone()),
         }
     }
 }
@@ -55,10 +56,14 @@ impl Drawing {
         Ok(PyBytes::new(py, &py.detach(|| self.bytes(Format::Png))?))
     }
 
-    /// Writes it, as SVG or PNG by the file's extension.
+    /// As PDF.
+    fn pdf<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Error> {
+        Ok(PyBytes::new(py, &py.detach(|| self.bytes(Format::Pdf))?))
+    }
+
+    /// Writes it, as SVG, PDF or PNG by the file's extension.
     fn save(&self, py: Python<'_>, path: PathBuf) -> Result<(), Error> {
-        let allowed = "a file that ends in .svg or .png";
-        let format = Format::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), allowed))?;
+        let format = Format::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), Format::ALLOWED))?;
         py.detach(|| write(&path, &self.bytes(format)?))
     }
 
@@ -69,18 +74,18 @@ impl Drawing {
 
     /// Reads what was pickled.
     #[staticmethod]
-    fn _written(svg: String, png: Vec<u8>) -> Drawing {
-        Drawing(Picture::Written { svg, png })
+    fn _written(svg: String, png: Vec<u8>, pdf: Vec<u8>) -> Drawing {
+        Drawing(Picture::Written { svg, png, pdf })
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Drawing>) -> Result<Pickled<'py>, Error> {
         let drawing = slf.get();
-        Ok((slf.get_type().getattr("_written")?, (drawing.svg(), drawing.png(slf.py())?)))
+        Ok((slf.get_type().getattr("_written")?, (drawing.svg(), drawing.png(slf.py())?, drawing.pdf(slf.py())?)))
     }
 }
 
-/// What reads a pickled drawing, with its SVG and PNG.
-type Pickled<'py> = (Bound<'py, PyAny>, (String, Bound<'py, PyBytes>));
+/// What reads a pickled drawing, with its SVG, PNG and PDF.
+type Pickled<'py> = (Bound<'py, PyAny>, (String, Bound<'py, PyBytes>, Bound<'py, PyBytes>));
 
 /// Writes a file whole or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {

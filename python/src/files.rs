@@ -102,7 +102,7 @@ pub fn reproduce(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<(Document, String), Error> {
     let statements = selected(&figures)?;
-    let (extension, format) = one_of("format", format, [("svg", ("svg", Format::Svg)), ("png", ("png", Format::Png))])?;
+    let (extension, format) = one_of("format", format, Format::ALL.map(|one| (one.0, one)))?;
     let settings = given.for_divisions()?;
     let constants = given.named();
     let memo = memo.solved()?;

@@ -146,9 +146,8 @@ impl Given {
         };
         if let Value::Text(text) = value {
             let length = text.parse::<Length>().map_err(|_| "a number of L_h, as 5.4, or of µm, as '17um'".to_owned());
-            let radius = length.and_then(|length| length.in_units(&lineage.units()));
             let refuse = |allowed| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed);
-            *value = Value::Number(radius.map_err(refuse)?);
+            *value = Value::Number(length.map_err(refuse)?.in_units(&lineage.units()));
         }
         Ok(true)
     }

@@ -7,6 +7,7 @@ use furrow_input::open_file;
 use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::dose::Doses;
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
+use furrow_measured::names::Names;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use pyo3::prelude::*;
@@ -23,7 +24,7 @@ use crate::trees::GrownTree;
 fn lifetimes_of(table: &Source, frame_minutes: Option<f64>) -> Result<Lifetimes, Error> {
     Ok(match table {
         (Some(text), _) => Lifetimes::read(text.as_bytes(), "lifetimes")?,
-        (None, Some(file)) => Lifetimes::read_file(file, frame_minutes)?,
+        (None, Some(file)) => Lifetimes::read_file(file, frame_minutes, &Names::default())?,
         (None, None) => jankele2021_lifetimes()?,
     })
 }

@@ -1,5 +1,6 @@
 //! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
+use furrow_analysis::fit::Goodness;
 use furrow_analysis::{EnsembleError, Extent, check_constraints, read_constants, write_constants};
 use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;
@@ -49,6 +50,7 @@ pub fn calibrate(
             "parameters": parameters.collect::<Map<_, _>>(),
             "residuals": found.residuals,
             "rms": found.rms,
+            "goodness": Goodness::of_thresholds(&targets, &found),
             "combinations": found.combinations,
             "iterations": found.iterations,
             "excluded": check_constraints(&targets, &found.cell, &numerics, Extent::Within(f64::INFINITY)).excluded,
@@ -70,7 +72,7 @@ pub fn ensemble(
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, Settings { cell, numerics }) = read(&source, unknowns.as_deref(), &given)?;
-        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, &|_, _| ())?;
+        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, None, &|_, _| ())?;
         let found = json!({
             "parameters": found.parameters.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "values": found.members.iter().map(|member| &member.values).collect::<Vec<_>>(),

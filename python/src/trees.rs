@@ -332,6 +332,10 @@ impl GrownTree {
         dict.set_item("generation", whole(&|id| i64::from(tree.cell(id).generation)))?;
         dict.set_item("mother", whole(&|id| tree.mother(id).map_or(-1, |mother| mother.index() as i64)))?;
         let words = |of: &dyn Fn(CellId) -> Option<String>| PyList::new(py, tree.cells().map(of));
+        if let Some(times) = &times {
+            let beyond = times.iter().map(|cell| cell.lifetime_extrapolated).collect();
+            dict.set_item("lifetime_extrapolated", PyArray1::from_vec(py, beyond))?;
+        }
         dict.set_item("name", words(&|id| Some(tree.cell(id).name.clone()))?)?;
         dict.set_item("founder", words(&|id| Some(tree.founder_name(id).to_owned()))?)?;
         dict.set_item("cue", words(&|id| Some(tree.cell(id).cue.to_string()))?)?;

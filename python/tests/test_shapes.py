@@ -25,8 +25,8 @@ def test_pictures_are_drawn_saved_and_pickled(tmp_path):
     assert "Where division begins" in found.drawing.svg()
     again = pickle.loads(pickle.dumps(found))
     assert again.to_dict() == found.to_dict() and again.drawing.svg() == found.drawing.svg()
-    with pytest.raises(furrow.InputError, match=r"ends in \.svg or \.png"):
-        found.save(tmp_path / "boundary.pdf")
+    with pytest.raises(furrow.InputError, match=r"ends in \.svg, \.pdf or \.png"):
+        found.save(tmp_path / "boundary.bmp")
 
 
 def test_phase_diagrams_are_those_of_the_command_line(cli, memo):

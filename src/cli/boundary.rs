@@ -31,7 +31,7 @@ pub struct BoundaryArgs {
     #[command(flatten)]
     vary: VaryArgs,
     /// Activity ξ_s of --critical
-    #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number, requires = "critical")]
     xi: Option<f64>,
     /// Solves for the value at which the boundary lies at the cell's own activity
     #[arg(help_heading = "Output", long)]

@@ -4,7 +4,7 @@ use super::cell::{CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::messages;
-use super::output::{filled, number, print_as, records_csv, writable_file};
+use super::output::{filled, merged, number, print_as, records_csv, writable_file};
 use super::picture::PlotArgs;
 use super::steady::MOST_AZIMUTHAL;
 use clap::Args;
@@ -12,6 +12,7 @@ use furrow_analysis::{Diagram, diagram};
 use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
+use furrow_lineage::Units;
 use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use furrow_report::{crossing_report, event_report};
@@ -87,12 +88,13 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let found = diagram(&cell, &context.settings.numerics, &options)?;
     messages::warn_of(found.unknown_rates());
-    let document = document(&cell, &found);
+    let units = context.units;
+    let document = merged(document(&cell, &found), filled(json!({ "r0_um": units.micrometres(cell.r0) })));
     if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
         write_atomically(file, &records_csv(HEADER, points)?)?;
     }
     picture.write(|| plot::branch::draw(&cell, &found.branches))?;
-    print_as(context.json, &document, || text(&cell, &found, args.points))
+    print_as(context.json, &document, || text((&cell, &units), &found, args.points))
 }
 
 /// The points of a branch, with `stability` where growth rates beyond axial symmetry are asked for.
@@ -143,8 +145,9 @@ fn document(cell: &Cell, found: &Diagram) -> Value {
     filled(document)
 }
 
-fn text(cell: &Cell, found: &Diagram, points: bool) -> String {
-    let mut out = format!("R0 = {}, ε = {}, cue {}\n", cell.r0, cell.epsilon, cell.cue);
+fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String {
+    let mut out =
+        format!("R0 = {}{}, ε = {}, cue {}\n", cell.r0, units.in_micrometres(cell.r0), cell.epsilon, cell.cue);
     if points {
         out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
         for (name, p) in found.branches.iter().flat_map(|(name, branch)| branch.points.iter().map(move |p| (name, p))) {

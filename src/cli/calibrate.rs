@@ -6,6 +6,7 @@ use super::error::CliError;
 use super::output::print_as;
 use super::picture::PlotArgs;
 use clap::Args;
+use furrow_analysis::fit::Goodness;
 use furrow_analysis::{Exclusion, Extent, Front, check_constraints, front};
 use furrow_cell::Parameter;
 use furrow_cell::settings::Settings;
@@ -65,17 +66,19 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let excluded =
         check_constraints(&targets, &found.cell, &context.settings.numerics, Extent::Within(f64::INFINITY)).excluded;
     picture.write(|| plot::calibration::draw(&targets, &found, &excluded))?;
+    let goodness = Goodness::of_thresholds(&targets, &found);
     let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
     // `combinations` are in the order of the parameters, `excluded` are statements of the targets that these contradict.
     let document = json!({
         "parameters": parameters.collect::<serde_json::Map<_, _>>(),
         "residuals": found.residuals,
         "rms": found.rms,
+        "goodness": goodness,
         "combinations": found.combinations,
         "iterations": found.iterations,
         "excluded": excluded,
     });
-    print_as(context.json, &document, || text(&found, &excluded))
+    print_as(context.json, &document, || text(&found, goodness, &excluded))
 }
 
 /// Searches for the front and prints it.
@@ -107,7 +110,7 @@ fn front_text(found: &Front) -> String {
     out
 }
 
-fn text(found: &Calibration, excluded: &[Exclusion]) -> String {
+fn text(found: &Calibration, goodness: Goodness, excluded: &[Exclusion]) -> String {
     let mut out = String::new();
     for (parameter, value) in &found.parameters {
         let _ = writeln!(out, "{:<10} {value:.9}", parameter.to_string());
@@ -118,6 +121,7 @@ fn text(found: &Calibration, excluded: &[Exclusion]) -> String {
         let _ = writeln!(out, "{:>8} {:>8} {:>12} {:>12.6} {percent:>8.4} %", r.r0, r.epsilon, r.xi_s, r.computed);
     }
     let _ = writeln!(out, "rms deviation {:.3e}, {} steps", found.rms, found.iterations);
+    let _ = writeln!(out, "by the tolerances of the thresholds {goodness}");
     let _ = writeln!(out, "\nrelative change of the thresholds per relative change of the constants, by combination:");
     for c in &found.combinations {
         let parts: Vec<String> =

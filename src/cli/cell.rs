@@ -11,6 +11,7 @@ use super::output::number;
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue};
 use furrow_input::InputError;
+use furrow_lineage::units::size_doubt;
 use furrow_lineage::{Length, Lineage, Units, parse_cue};
 
 // A cue.
@@ -76,7 +77,8 @@ pub fn load_lineage(file: Option<&Path>) -> Result<Lineage, InputError> {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct CellArgs {
-    /// Radius R0 of the sphere with the cell's volume, in L_h; or in µm, such as 17um, if the lineage file has units
+    /// Radius R0 of the sphere with the cell's volume, in L_h, or in µm, such as 17um (L_h is 3.2 µm unless the lineage file says
+    /// otherwise)
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     r0: Length,
     /// Volume of the cell over the volume of its shell, ε
@@ -93,8 +95,9 @@ impl CellArgs {
     /// Names the option, its value and what is allowed.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
         let (cue, units) = self.cue.read()?;
-        context.units = units;
-        let r0 = natural("--r0", self.r0, &context.units)?;
+        context.units = units.asked_in(self.r0);
+        let r0 = self.r0.in_units(&context.units);
+        warn_of_size([r0]);
         set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
         Ok(context.settings.cell.clone().with_cue(cue))
     }
@@ -128,8 +131,7 @@ impl ActiveCellArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct FirstCellArgs {
-    /// Radius R0 of the first cell, in L_h, or in µm, such as 17um, if the lineage file has units; default the lineage's own, else
-    /// 5.4, the preset's
+    /// Radius R0 of the first cell, in L_h, or in µm, such as 17um; default the lineage's own, else 5.4, the preset's
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     pub r0: Option<Length>,
     /// Volume of every cell over the volume of its shell, ε; default 0.87, the preset's
@@ -147,7 +149,7 @@ impl FirstCellArgs {
     /// Names the option, its value and what is allowed.
     pub fn settings(&self, settings: &Settings, units: &Units) -> Result<Settings, InputError> {
         let mut settings = settings.clone();
-        let r0 = self.r0.map(|r0| natural("--r0", r0, units)).transpose()?;
+        let r0 = self.r0.map(|r0| r0.in_units(units));
         let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)];
         set(&mut settings, given)?;
         settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
@@ -169,15 +171,16 @@ pub fn set<const N: usize>(settings: &mut Settings, of: [(&str, &str, Option<f64
 /// # Errors
 /// As [`number`].
 pub fn length(text: &str) -> Result<Length, String> {
-    text.parse().map_err(|_| "must be a number of L_h, as 5.4, or of µm, as 17um".to_owned())
+    let finite = |length: &Length| matches!(length, Length::Natural(x) | Length::Micrometres(x) if x.is_finite());
+    let length = text.parse().ok().filter(finite);
+    length.ok_or_else(|| "must be a finite number of L_h, as 5.4, or of µm, as 17um".to_owned())
 }
 
-/// The length of an option in L_h.
-///
-/// # Errors
-/// It is in µm, and the lineage file does not say how long L_h is.
-pub fn natural(option: &str, given: Length, units: &Units) -> Result<f64, InputError> {
-    given.in_units(units).map_err(|allowed| InputError::not_allowed(option, "r0", given, allowed))
+/// Warns once of radii, in L_h, that are far from those that the constants were made for.
+pub fn warn_of_size(radii: impl IntoIterator<Item = f64>) {
+    if let Some(doubt) = radii.into_iter().find_map(size_doubt) {
+        messages::warning!("{doubt}");
+    }
 }
 
 /// Reads one of several values by its name.

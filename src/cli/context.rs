@@ -6,11 +6,11 @@ use super::messages;
 use super::output::number;
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use furrow_cell::settings::canonical_name;
 use furrow_cell::settings::{self, Settings};
 use furrow_input::InputError;
-use furrow_lineage::Units;
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store};
-use std::io::IsTerminal;
+use furrow_lineage::{Length, Units};
 use std::path::{Path, PathBuf};
 
 // Options of all commands.
@@ -94,7 +94,7 @@ impl Context {
     /// Reads and checks the global options.
     pub fn new(globals: &Globals) -> Result<Context, CliError> {
         messages::set_level(globals);
-        let settings = Settings::load(&globals.preset, globals.config.as_deref(), &globals.set)?;
+        let settings = settings_in(globals, &Units::default())?;
         let quantisation = match globals.r0_step {
             None => Quantisation::DEFAULT,
             Some(step) => Quantisation::with_relative_step(step)
@@ -106,9 +106,18 @@ impl Context {
             quantisation,
             threads: globals.threads.map_or(0, usize::from),
             json: globals.json,
-            progress: !globals.quiet && std::io::stderr().is_terminal(),
+            progress: !globals.quiet,
             globals: globals.clone(),
         })
+    }
+
+    /// The parameters, with a radius in µm by these units.
+    ///
+    /// # Errors
+    /// As [`Settings::load`].
+    pub fn settings_in(&self, units: &Units) -> Result<Settings, InputError> {
+        let changes = self.globals.set.iter().any(|entry| radius_in_micrometres(entry).is_some());
+        if changes { settings_in(&self.globals, units) } else { Ok(self.settings.clone()) }
     }
 
     /// The memo, backed by the cache folder unless the cache is disabled or the default folder cannot be used.
@@ -140,6 +149,23 @@ impl Context {
             ..SchedulerOptions::default()
         }
     }
+}
+
+/// The parameters that the options give.
+fn settings_in(globals: &Globals, units: &Units) -> Result<Settings, InputError> {
+    let natural = |entry: &String| match radius_in_micrometres(entry) {
+        Some(length) => format!("r0={}", length.in_units(units)),
+        None => entry.clone(),
+    };
+    let set: Vec<String> = globals.set.iter().map(natural).collect();
+    Settings::load(&globals.preset, globals.config.as_deref(), &set)
+}
+
+/// The radius that an entry of `--set` gives in µm.
+pub fn radius_in_micrometres(entry: &str) -> Option<Length> {
+    let (key, value) = entry.split_once('=')?;
+    let length = value.parse().ok().filter(|length: &Length| matches!(length, Length::Micrometres(_)));
+    length.filter(|_| canonical_name(key.trim()) == Ok("r0"))
 }
 
 /// The cache folder in force: the one named, else `cache` in the working folder if there is one, else the user's.

@@ -15,7 +15,7 @@ use furrow_figures::plot;
 use furrow_formats::frames::{INDEX, check_step, write_frames};
 use furrow_lineage::Units;
 use furrow_lineage::batch::perturbations::perturbations;
-use furrow_lineage::batch::{Failure, replicates};
+use furrow_lineage::batch::{Failure, Memo, replicates};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
@@ -91,14 +91,10 @@ impl Chance {
 
     /// What the noise decides.
     fn text(&self, first: &Division) -> String {
-        let what = |division: &Division| match division.chi() {
-            Some(chi) => format!("χ = {chi:.4}"),
-            None => "no division".to_owned(),
-        };
         format!(
             "the noise decides how unequal: {} with this seed, {} with seed {}; --replicates 20 shows the spread\n",
-            what(first),
-            what(&self.other),
+            found(first),
+            found(&self.other),
             self.seed
         )
     }
@@ -110,6 +106,71 @@ impl Chance {
                 "seed": self.seed, "outcome": self.other.outcome(), "chi": self.other.chi(), "u_furrow": self.other.u_furrow(),
             })),
         })
+    }
+}
+
+/// The same division on twice the mesh.
+struct Finer {
+    intervals: usize,
+    /// Its outcome, or why it failed.
+    other: Result<Division, CliError>,
+    /// Whether it disagrees with the division on the given mesh.
+    differs: bool,
+    /// By how much χ differs, where both divide.
+    uncertainty: Option<f64>,
+}
+
+impl Finer {
+    /// Divides the cell on twice the mesh, if a mesh may be as fine, and compares.
+    fn of(first: &Division, input: &DivisionInput, memo: &Memo, context: &Context) -> Result<Option<Finer>, CliError> {
+        let Some(finer) = input.on_twice_the_mesh() else { return Ok(None) };
+        let (parity, intervals) = (input.cell.is_mirror_symmetric(), finer.numerics.intervals);
+        let mut found = replicates(&finer, 1, memo, &context.scheduling(&|_| ()))?;
+        let other = match (found.divisions.pop(), found.undecided.pop()) {
+            (Some((_, division)), _) => Ok(division),
+            (None, Some(job)) => Err(reason(job.failure)),
+            (None, None) => return Err(CliError::Interrupted),
+        };
+        let differs = other.as_ref().map_or(true, |other| first.depends_on_mesh(other, parity));
+        let uncertainty = other.as_ref().ok().and_then(|other| first.chi_apart(other, parity));
+        Ok(Some(Finer { intervals, other, differs, uncertainty }))
+    }
+
+    /// One line for the terminal.
+    fn text(&self, first: &Division) -> String {
+        let Finer { intervals, other, uncertainty, .. } = self;
+        let what = if uncertainty.is_some() { "how unequal" } else { "whether it divides" };
+        let there = other.as_ref().map_or_else(|error| format!("no answer ({error})"), found);
+        format!(
+            "the mesh decides {what}: {} on this one, {there} on {intervals} intervals; --set intervals={} shows whether it settles\n",
+            found(first),
+            2 * intervals
+        )
+    }
+
+    fn document(&self) -> Value {
+        let there = match &self.other {
+            Ok(other) => json!({ "outcome": other.outcome(), "chi": other.chi(), "u_furrow": other.u_furrow() }),
+            Err(error) => json!({ "why": error.to_string() }),
+        };
+        json!({
+            "depends_on_mesh": self.differs,
+            "chi_uncertainty": self.uncertainty,
+            "twice_the_mesh": filled(merged(json!({ "intervals": self.intervals }), there)),
+        })
+    }
+}
+
+/// How a division ended, in a word.
+fn found(division: &Division) -> String {
+    division.chi().map_or("no division".to_owned(), |chi| format!("χ = {chi:.4}"))
+}
+
+/// Why a division has no outcome.
+fn reason(failure: Failure) -> CliError {
+    match failure {
+        Failure::Unsolved(error) => error.into(),
+        failure => failure.into(),
     }
 }
 
@@ -132,9 +193,16 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
     let until = args.from_steady.then(|| positive("--until", args.until)).transpose()?;
+    let mut finer = None;
     let (mut solved, undecided) = match until {
         Some(until) => disturb(args, &context, &input, until)?,
-        None => solve(args, &context, &input)?,
+        None => {
+            let memo = context.memo()?;
+            let found = solve(args, &context, &input, &memo)?;
+            let Solved { seed, division, .. } = &found.0[0];
+            finer = Finer::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, &context)?;
+            found
+        }
     };
     let chance = until.is_none().then(|| Chance::of(&solved[0].division, &solved[1..], &input.cell)).flatten();
     // With one replicate asked for, the second is there for this alone.
@@ -183,18 +251,19 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         json!({ "replicates": documents }),
         serde_json::to_value(statistics)?,
         chance.as_ref().map_or(json!({}), Chance::document),
+        finer.as_ref().map_or(json!({}), Finer::document),
         json!({ "undecided": undecided }),
     ];
     print_as(context.json, &parts.into_iter().fold(of_cell, merged), || {
         let text = text(&input.cell, &units, &solved, &statistics);
         let chance = chance.filter(|chance| chance.decides).map_or(String::new(), |c| c.text(&solved[0].division));
-        text + &chance + &one_sided(&input.cell, &solved)
+        let finer = finer.filter(|finer| finer.differs).map_or(String::new(), |f| f.text(&solved[0].division));
+        text + &chance + &finer + &one_sided(&input.cell, &solved)
     })
 }
 
 /// Solves all replicates, two at least, as the second tells whether the noise matters; at least one succeeds.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
-    let memo = context.memo()?;
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Memo) -> Result<Replicates, CliError> {
     if args.replicates == 1 {
         let known = |seed| {
             Some(Solved { seed, division: memo.known(&DivisionInput { seed, ..input.clone() })?, perturbation: None })
@@ -209,20 +278,14 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show_all(progress);
     let count = args.replicates.max(2) as usize;
-    let found = replicates(input, count, &memo, &context.scheduling(&show));
+    let found = replicates(input, count, memo, &context.scheduling(&show));
     drop(line);
     let found = found?;
     messages::warn_of(&found.summary.warnings);
     if found.divisions.len() + found.undecided.len() < count {
         return Err(CliError::Interrupted);
     }
-    let failed = found.undecided.into_iter().map(|job| {
-        let error = match job.failure {
-            Failure::Unsolved(error) => error.into(),
-            failure => failure.into(),
-        };
-        (args.seed.wrapping_add(job.id as u64), error)
-    });
+    let failed = found.undecided.into_iter().map(|job| (args.seed.wrapping_add(job.id as u64), reason(job.failure)));
     let solved = found.divisions.into_iter().map(|(seed, division)| Solved { seed, division, perturbation: None });
     // The one that was not asked for may fail without a word.
     let asked = |seed: u64| seed.wrapping_sub(args.seed) < u64::from(args.replicates);
@@ -302,12 +365,12 @@ fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) 
     out
 }
 
-/// Whether a cell that does not divide rests only because every shape here is axisymmetric.
+/// What linear theory says of a cell that does not divide, where a disturbance that is not axisymmetric grows.
 fn one_sided(cell: &Cell, solved: &[Solved]) -> String {
     let rests = solved.iter().any(|one| one.division.chi().is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
-            "it rests only as long as it stays axisymmetric: a one-sided furrow (m = 1) grows above ξ_s = {from:.1}, see furrow steady --azimuthal 1\n"
+            "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory, which does not say how it ends; see furrow steady --azimuthal 1\n"
         ),
         None => String::new(),
     }

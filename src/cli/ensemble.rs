@@ -3,11 +3,13 @@
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
+use super::messages;
 use super::output::{filled, merged, print_as, records_csv, to_json, writable_file, writable_folder};
 use super::picture::Picture;
 use super::progress::ProgressLine;
+use furrow_analysis::ensemble::{EnsembleError, JOURNAL_COLUMNS};
 use furrow_analysis::ranges::{FounderRange, RoundsRange};
-use furrow_analysis::{Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
+use furrow_analysis::{Ensemble, Journal, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
 use furrow_cell::settings::Settings;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot;
@@ -19,7 +21,7 @@ use furrow_lineage::{Lineage, Scenario};
 use furrow_mechanics::calibration::Targets;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -34,14 +36,34 @@ pub fn sample(
 ) -> Result<(), CliError> {
     writable_file("--out", out)?;
     let Settings { cell, numerics } = &context.settings;
+    let definition = json!({
+        "schema": "furrow.ensemble", "provenance": Provenance::current(), "targets": targets, "cell": cell, "numerics": numerics,
+        "members": count, "seed": seed,
+    });
+    let open = |file: &Path| {
+        let file = PathBuf::from(format!("{}.partial.jsonl", file.display()));
+        Journal::open_file(&file, &definition, JOURNAL_COLUMNS.map(str::to_owned).into())
+    };
+    let journal = out.map(open).transpose()?;
+    // Every check is in the journal as soon as it is made.
+    if out.is_some() {
+        interrupt::finish();
+    }
     let line = ProgressLine::new(context.progress);
     let shown = |done, of| line.show_share(done, of, || "sets of constants drawn".to_owned());
-    let found = ensemble(targets, cell, numerics, count, seed, context.threads, &false.into(), &shown);
+    let flag = interrupt::flag();
+    let found = ensemble(targets, cell, numerics, count, seed, context.threads, flag, journal.as_ref(), &shown);
     drop(line);
+    if let (Err(EnsembleError::Interrupted), Some(out)) = (&found, out) {
+        messages::warning!("sets checked so far are kept beside {}; the same command resumes", out.display());
+    }
     let found = found?;
     let table = write_constants(&found.constants());
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
+    }
+    if let Some(journal) = journal {
+        journal.finish().unwrap_or_else(|error| messages::warning!("the file of checked sets: {error}"));
     }
     picture.write(|| plot::calibration::draw_ensemble(&found))?;
     let excluded = found.excluded.iter().map(|(datum, sets)| json!({ "datum": datum, "sets": sets }));

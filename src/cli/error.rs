@@ -50,12 +50,12 @@ impl fmt::Display for CliError {
                 write!(f, "damaged entries: {count}; {then}")
             }
             CliError::Stdout(error) => write!(f, "stdout: {error}"),
-            CliError::Library(error) => write!(f, "{error}{}", hint(error.as_ref())),
+            CliError::Library(error) => write!(f, "{error}"),
         }
     }
 }
 
-/// The option that helps, added to an error of the library.
+/// What helps, added to an error of the library.
 fn hint(error: &(dyn Error + 'static)) -> &'static str {
     const RESUMES: &str = "; solved divisions are kept in the cache (unless --no-cache), and the same command resumes";
     let (grow, fit, shape) = (error.downcast_ref(), error.downcast_ref(), error.downcast_ref());
@@ -72,6 +72,16 @@ fn hint(error: &(dyn Error + 'static)) -> &'static str {
 }
 
 impl CliError {
+    /// What helps, if the command has the options that it names.
+    pub fn hint(&self, options: &[String]) -> &'static str {
+        let CliError::Library(error) = self else { return "" };
+        let hint = hint(error.as_ref());
+        let named =
+            hint.split(|c: char| !c.is_ascii_alphanumeric() && c != '-').filter_map(|word| word.strip_prefix("--"));
+        let has = |name: &str| options.iter().any(|option| option == name);
+        if named.into_iter().all(has) { hint } else { "" }
+    }
+
     /// 2 for bad input, else 1.
     pub fn exit_code(&self) -> u8 {
         let CliError::Library(error) = self else { return if matches!(self, CliError::Usage) { 2 } else { 1 } };

@@ -52,7 +52,6 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
-#[command(defer = true)]
 enum Command {
     /// Grows a lineage from one cell, division by division, until no cell can divide
     ///
@@ -143,7 +142,8 @@ pub fn command() -> clap::Command {
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
 pub fn main() -> ExitCode {
     survive_full_disks();
-    let done = match parse() {
+    let mut options = Vec::new();
+    let done = match parse(&mut options) {
         Ok((globals, command)) => run(&globals, command),
         Err(error) => output::print_usage(&error),
     };
@@ -153,7 +153,7 @@ pub fn main() -> ExitCode {
         Err(CliError::Stdout(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             if !matches!(error, CliError::Usage) {
-                output::eprint(&format!("error: {error}"));
+                output::eprint(&format!("error: {error}{}", error.hint(&options)));
             }
             ExitCode::from(error.exit_code())
         }
@@ -161,8 +161,8 @@ pub fn main() -> ExitCode {
 }
 
 /// Reads the arguments. clap copies the options of all commands into each command it knows: where the first argument names one,
-/// it gets to know that one alone.
-fn parse() -> Result<(Globals, Command), clap::Error> {
+/// it gets to know that one alone. The names of the command's options go to `options`.
+fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
     let commands = Command::augment_subcommands(clap::Command::default());
     let named = std::env::args_os().nth(1).and_then(|name| commands.find_subcommand(name).cloned());
     let mut known = match named {
@@ -170,6 +170,11 @@ fn parse() -> Result<(Globals, Command), clap::Error> {
         None => command(),
     };
     let mut matches = known.try_get_matches_from_mut(std::env::args_os())?;
+    let (mut command, mut below) = (&known, &matches);
+    while let Some((name, matches)) = below.subcommand() {
+        (command, below) = (command.find_subcommand(name).unwrap_or(command), matches);
+    }
+    options.extend(command.get_arguments().filter_map(clap::Arg::get_long).map(str::to_owned));
     Cli::from_arg_matches_mut(&mut matches)
         .and_then(|cli| Ok((cli.globals, Command::from_arg_matches_mut(&mut matches)?)))
         .map_err(|error| error.format(&mut known))

@@ -71,5 +71,6 @@ fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -
 /// # Errors
 /// Says what is allowed; clap adds the option and the value.
 pub fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
+    let finite = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    finite.ok_or_else(|| "must be a finite number, as 0.87 or 1e-3".to_owned())
 }

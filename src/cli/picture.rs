@@ -20,8 +20,8 @@ pub const DENSE: usize = 6;
 // The option of all commands that draw.
 #[derive(Debug, Args)]
 pub struct PlotArgs {
-    /// Draws the result, as SVG or PNG by the file's extension
-    #[arg(help_heading = "Output", long, value_name = "FILE.svg|.png")]
+    /// Draws the result, as SVG, PDF or PNG by the file's extension
+    #[arg(help_heading = "Output", long, value_name = "FILE.svg|.pdf|.png")]
     plot: Option<PathBuf>,
 }
 
@@ -47,17 +47,12 @@ pub type Picture = FormatFile<Format>;
 pub type MovieFile = FormatFile<(MovieFormat, usize)>;
 
 impl PlotArgs {
-    /// Whether the option is given.
-    pub fn is_given(&self) -> bool {
-        self.plot.is_some()
-    }
-
     /// Checks the file before the work that it shows.
     ///
     /// # Errors
-    /// Its extension is neither SVG nor PNG, or it cannot be written.
+    /// Its extension is no format of pictures, or it cannot be written.
     pub fn file(&self) -> Result<Picture, InputError> {
-        FormatFile::new("--plot", self.plot.as_deref(), Format::of, "a file whose name ends in .svg or .png")
+        FormatFile::new("--plot", self.plot.as_deref(), Format::of, Format::ALLOWED)
     }
 }
 

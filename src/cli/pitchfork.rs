@@ -3,7 +3,7 @@
 use super::cell::{CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::{merged, number, print_as};
+use super::output::{filled, merged, number, print_as};
 use clap::Args;
 use furrow_cell::Cell;
 use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
@@ -29,11 +29,15 @@ pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     let options = BranchOptions { xi: [0.0, xi_max], ..BranchOptions::default() };
     let found = pitchfork::first(&cell, &context.settings.numerics, &options)?;
     let Cell { r0, epsilon, cue, .. } = &cell;
-    let document = merged(json!({ "r0": r0, "epsilon": epsilon, "cue": cue }), threshold_report(&found));
+    let document = merged(
+        filled(json!({ "r0": r0, "r0_um": context.units.micrometres(*r0), "epsilon": epsilon, "cue": cue })),
+        threshold_report(&found),
+    );
     print_as(context.json, &document, || {
         format!(
-            "R0 = {r0}, ε = {epsilon}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
+            "R0 = {r0}{}, ε = {epsilon}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
              ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
+            context.units.in_micrometres(*r0),
             found.point.xi_s,
             found.criticality(),
             found.point.elongation,

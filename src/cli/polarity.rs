@@ -1,12 +1,14 @@
 //! `furrow polarity`: PAR polarity at the sizes of the germline.
 
-use super::cell::{length, load_lineage, natural, one_of, positive, set};
+use super::cell::{length, load_lineage, one_of, positive, set};
 use super::context::Context;
 use super::error::CliError;
 use super::messages;
 use super::output::{number, print_as, records_csv, writable_file};
 use clap::Args;
-use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
+use furrow_analysis::polarity::{
+    Follows, NamedCell, PolarisedCell, PolarityStudy, PolarityStudyError, germline, polarity,
+};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::{Length, Units};
@@ -72,7 +74,7 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     let of_lineage = lineage.units().length_um.unwrap_or(LENGTH_UM);
     let length_um = args.length_um.map_or(Ok(of_lineage), |um| positive("--length-um", um))?;
     let units = Units { length_um: Some(length_um), ..lineage.units() };
-    let r0 = args.r0.map(|r0| natural("--r0", r0, &units)).transpose()?;
+    let r0 = args.r0.map(|r0| r0.in_units(&units));
     let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", args.epsilon), ("--xi", "xi_s", args.xi)];
     let settings = &mut context.settings;
     set(settings, given)?;
@@ -84,9 +86,12 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     };
     let chemistry = Chemistry { numerics: settings.numerics, ..Chemistry::new(constants, length_um) };
     let found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
+    if let [PolarisedCell { polarity: Err(error), .. }] = &found.cells[..] {
+        return Err(PolarityStudyError::from(error.clone()).into());
+    }
     for cell in &found.cells {
-        if let Err(error) = &cell.division {
-            messages::warning!("{}: {error}", name(cell));
+        if let Some(why) = cell.why() {
+            messages::warning!("{}: {why}", name(cell));
         }
     }
     if let Some(file) = &args.out {
@@ -120,14 +125,16 @@ impl Shown<'_> {
             "cell", "R0", "R0 (µm)", "S/V (/µm)", "polarised", "u0", "ω", "outcome", "χ"
         );
         for cell in &self.found.cells {
-            let boundary = cell.polarity.map_or(format!("{:>9}  {:>6}  {:>7}", "no", "-", "-"), |found| {
-                format!("{:>9}  {:>6.4}  {:>7.4}", "yes", found.u0, found.omega)
-            });
-            let division = cell.division.as_ref().ok();
+            let boundary = match &cell.polarity {
+                Ok(Some(found)) => format!("{:>9}  {:>6.4}  {:>7.4}", "yes", found.u0, found.omega),
+                Ok(None) => format!("{:>9}  {:>6}  {:>7}", "no", "-", "-"),
+                Err(_) => format!("{:>9}  {:>6}  {:>7}", "unknown", "-", "-"),
+            };
+            let division = cell.division.as_ref().and_then(|division| division.as_ref().ok());
             let outcome = division.map_or("undecided", |division| division.outcome().name());
             // Without a cue the noise decides the side.
             let chi = division
-                .and_then(|division| if cell.polarity.is_some() { division.chi_signed() } else { division.chi() });
+                .and_then(|division| if cell.readings().is_some() { division.chi_signed() } else { division.chi() });
             let chi = chi.map_or("-".to_owned(), |chi| format!("{chi:.4}"));
             let measured = cell.measured.as_ref().map_or("-".to_owned(), |m| {
                 format!(
@@ -136,10 +143,11 @@ impl Shown<'_> {
                     m.sd_signed.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n))
                 )
             });
-            let (name, r0, um, ratio) = (name(cell), cell.r0, self.um(cell.r0), cell.surface_to_volume);
+            let (name, r0, um) = (name(cell), cell.r0, self.um(cell.r0));
+            let ratio = cell.surface_to_volume.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
             let _ = writeln!(
                 out,
-                "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9.4}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"
+                "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"
             );
         }
         out + &self.surface() + &self.limits() + &self.verdict()

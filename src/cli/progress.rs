@@ -2,22 +2,34 @@
 
 use furrow_lineage::batch::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::time::Duration;
+use std::io::IsTerminal;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::output::eprint;
 
 /// The line while the amount of work is not known, and once it is.
 const COUNTS: &str = "{spinner} {elapsed} {msg}";
 const SHARE: &str = "{spinner} {elapsed} [{bar:24}] {pos} of {len} {msg}, {eta} left";
 
-/// A line that shows how far a run has come; only where `shown`.
+/// How often a plain line is printed where stderr is no terminal.
+const EVERY: Duration = Duration::from_secs(30);
+
+/// A line that shows how far a run has come; only where `shown`. Where stderr is no terminal it is printed anew every 30 s.
 pub struct ProgressLine {
     bar: ProgressBar,
+    /// The start, and the time of the last plain line after it.
+    plain: Option<(Instant, Mutex<Duration>)>,
 }
 
 impl ProgressLine {
     /// Starts the line.
     pub fn new(shown: bool) -> ProgressLine {
+        let terminal = std::io::stderr().is_terminal();
+        let plain = (shown && !terminal).then(|| (Instant::now(), Mutex::new(Duration::ZERO)));
+        let shown = shown && terminal;
         let target = if shown { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
-        let line = ProgressLine { bar: ProgressBar::with_draw_target(None, target) };
+        let line = ProgressLine { bar: ProgressBar::with_draw_target(None, target), plain };
         line.set_style(COUNTS);
         if shown {
             line.bar.enable_steady_tick(Duration::from_millis(100));
@@ -28,6 +40,16 @@ impl ProgressLine {
     fn set_style(&self, template: &str) {
         if let Ok(style) = ProgressStyle::with_template(template) {
             self.bar.set_style(style.progress_chars("=> "));
+        }
+    }
+
+    /// Prints a plain line if it is time for one.
+    fn say(&self, text: impl FnOnce() -> String) {
+        let Some((start, last)) = &self.plain else { return };
+        let (now, mut last) = (start.elapsed(), last.lock().unwrap_or_else(PoisonError::into_inner));
+        if now >= *last + EVERY {
+            *last = now;
+            eprint(&format!("{} s: {}", now.as_secs(), text()));
         }
     }
 
@@ -46,14 +68,16 @@ impl ProgressLine {
     /// Shows a message.
     pub fn message(&self, text: String) {
         if !self.bar.is_hidden() {
-            self.bar.set_message(text);
+            return self.bar.set_message(text);
         }
+        self.say(|| text);
     }
 
     /// Shows how many of all are done, what they are, and when the rest will be.
     pub fn show_share(&self, done: usize, of: usize, what: impl FnOnce() -> String) {
         if self.bar.is_hidden() {
-            return;
+            let percent = 100.0 * done as f64 / of.max(1) as f64;
+            return self.say(|| format!("{percent:.0} %, {done} of {of} {}", what()));
         }
         self.bar.set_message(what());
         if self.bar.length() == Some(of as u64) {

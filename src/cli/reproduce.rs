@@ -39,15 +39,12 @@ pub struct ReproduceArgs {
     out: Option<PathBuf>,
     /// File format of the pictures
     #[arg(help_heading = "Output", long, value_name = "KIND", default_value = "svg", requires = "out",
-        value_parser = one_of(FORMATS.map(|format| (format.0, format))))]
+        value_parser = one_of(Format::ALL.map(|format| (format.0, format))))]
     format: (&'static str, Format),
     /// Writes the table as Markdown
     #[arg(help_heading = "Output", long, value_name = "FILE.md")]
     table: Option<PathBuf>,
 }
-
-/// Formats of pictures by the extension of their files.
-const FORMATS: [(&str, Format); 2] = [("svg", Format::Svg), ("png", Format::Png)];
 
 pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();

@@ -39,15 +39,15 @@ pub struct SolveArgs {
     #[command(flatten)]
     wanted: WantedArgs,
     /// First value of the range; see below for the default
-    #[arg(help_heading = "Range", long, value_name = "A", allow_negative_numbers = true, value_parser = number)]
-    from: Option<f64>,
+    #[arg(help_heading = "Range", long, value_name = "A", allow_negative_numbers = true, value_parser = length)]
+    from: Option<Length>,
     /// Last value of the range
-    #[arg(help_heading = "Range", long, value_name = "B", allow_negative_numbers = true, value_parser = number)]
-    to: Option<f64>,
+    #[arg(help_heading = "Range", long, value_name = "B", allow_negative_numbers = true, value_parser = length)]
+    to: Option<Length>,
     /// Values of the scan; more of them tell roots apart that are closer to each other
     #[arg(help_heading = "Range", long, value_name = "N", default_value_t = POINTS as u32, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
-    /// Radius R0 of the cell, in L_h, or in µm, such as 17um, if the lineage file has units
+    /// Radius R0 of the cell, in L_h, or in µm, such as 17um
     #[arg(help_heading = "Cell", long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     r0: Option<Length>,
     /// Volume of the cell over the volume of its shell, ε
@@ -131,7 +131,8 @@ impl SolveArgs {
             Given { option: "--for", parameter, r0: self.r0, epsilon: self.epsilon, xi: self.xi, cue: &self.cue };
         let cell = given.cell(context)?;
         let default = default_range(parameter, &cell);
-        let [from, to] = [self.from.unwrap_or(default[0]), self.to.unwrap_or(default[1])];
+        let from = self.from.map_or(Ok(default[0]), |end| given.end("--from", end, context))?;
+        let to = self.to.map_or(Ok(default[1]), |end| given.end("--to", end, context))?;
         InputError::require(from != to, "--to", "to", to, "different from --from")?;
         // A default range may hold values that are not allowed: gaps.
         let cell = match (self.from, self.to) {

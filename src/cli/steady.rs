@@ -3,7 +3,7 @@
 use super::cell::ActiveCellArgs;
 use super::context::Context;
 use super::error::CliError;
-use super::output::{merged, print_as};
+use super::output::{filled, merged, print_as};
 use super::picture::PlotArgs;
 use clap::Args;
 use furrow_cell::Cell;
@@ -91,6 +91,7 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let Cell { r0, epsilon, xi_s, cue, .. } = &shape.cortex.cell;
     let found = stationary_report(&shape, &spectrum);
     let mut document = merged(json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue }), found);
+    document = merged(document, filled(json!({ "r0_um": context.units.micrometres(*r0) })));
     let disturbed = args.azimuthal.map(|most| azimuthal(&shape, &spectrum, usize::from(most))).transpose()?;
     if let Some(disturbed) = &disturbed {
         let rows = disturbed.iter().map(|row| azimuthal_report(row.m, &row.spectrum, row.mode.as_ref()));
@@ -100,7 +101,8 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     }
     print_as(context.json, &document, || {
         let verdict = if spectrum.is_stable() { "stable" } else { "unstable" };
-        let mut out = format!("R0 = {r0}, ε = {epsilon}, ξ_s = {xi_s}: {verdict}\n");
+        let size = context.units.in_micrometres(*r0);
+        let mut out = format!("R0 = {r0}{size}, ε = {epsilon}, ξ_s = {xi_s}: {verdict}\n");
         let (l, p, h) = (shape.length(), shape.pressure(), shape.elongation());
         let _ = writeln!(out, "L = {l:.6}, p = {p:.6}, H = {h:.6}, equator radius {:.6}", shape.equator_radius());
         if let (Some(middle), Some(pole)) = (shape.regulator_at(0.5), shape.regulator_at(0.0)) {

@@ -7,6 +7,7 @@ use super::messages;
 use super::output::{filled, print_as, writable_folder};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
+use super::tree::tell_who_gets;
 use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
@@ -44,6 +45,9 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
     messages::warn_of(sweep.lineage.doubtful_radii());
+    if sweep.sets_cues_of_trees() {
+        tell_who_gets("the cue", &sweep.lineage, "");
+    }
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;
     let memo = context.memo()?;
@@ -83,7 +87,8 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     print_as(context.json, &filled(document), || {
         let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
         let resumed = if found.resumed > 0 { format!(", {} resumed", found.resumed) } else { String::new() };
-        let counts = format!("{points} points{part}: {} solved, {} reused{resumed}", found.solved, found.reused);
+        let open = if undecided > 0 { format!(", {undecided} undecided") } else { String::new() };
+        let counts = format!("{points} points{part}: {} solved, {} reused{resumed}{open}", found.solved, found.reused);
         format!("{counts}, {elapsed_s:.2} s; files in {out}\n")
     })
 }

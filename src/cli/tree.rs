@@ -1,6 +1,6 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
-use super::cell::{FirstCellArgs, load_lineage, one_of};
+use super::cell::{FirstCellArgs, load_lineage, one_of, warn_of_size};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -59,10 +59,10 @@ pub struct TreeArgs {
     #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub replicates: Option<u32>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
-    #[arg(help_heading = "Numerics", long)]
+    #[arg(help_heading = "Numerics", long, conflicts_with = "constants")]
     pub dynamics: bool,
     /// Axis of tree.svg: generations (default), or minutes by the clock of the lineage file
-    #[arg(help_heading = "Output", long, value_name = "AXIS", value_parser = one_of(TimeAxis::NAMED))]
+    #[arg(help_heading = "Output", long, value_name = "AXIS", value_parser = one_of(TimeAxis::NAMED), conflicts_with = "constants")]
     time_axis: Option<TimeAxis>,
     #[command(flatten)]
     pub plot: PlotArgs,
@@ -246,6 +246,7 @@ fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
     let file = args.lineage.first().map(PathBuf::as_path);
     let (mut lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
     if let Some(text) = args.cue.first() {
+        tell_who_gets(text, &lineage, "");
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
     Ok(Scenario { name: String::new(), folder: String::new(), label: String::new(), cue: None, lineage, settings })
@@ -259,7 +260,9 @@ fn combined(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliErro
     for file in files.chain(built_in) {
         let (lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
         let stem = |file: &Path| file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
-        sources.push(Source { label: file.map_or("c_elegans".to_owned(), stem), lineage, settings });
+        let label = file.map_or("c_elegans".to_owned(), stem);
+        args.cue.iter().for_each(|text| tell_who_gets(text, &lineage, &label));
+        sources.push(Source { label, lineage, settings });
     }
     let cues: Vec<&str> = args.cue.iter().map(String::as_str).collect();
     combine(&sources, &cues).map_err(|error| match error {
@@ -280,14 +283,34 @@ pub fn prepared(
     file: Option<&Path>,
 ) -> Result<(Lineage, TreeSettings), CliError> {
     let mut lineage = load_lineage(file)?;
-    let given = cell.settings(&context.settings, &lineage.units())?;
-    given.check_divisions("settings")?;
-    if cell.r0.is_some() {
+    if let Some(r0) = cell.r0 {
+        let units = lineage.units().asked_in(r0);
+        lineage.units = Some(units).filter(|units| *units != Default::default());
         // The option overrides the radius in the lineage file.
         lineage.forget_first_radius();
     }
+    let given = cell.settings(&context.settings_in(&lineage.units())?, &lineage.units())?;
+    given.check_divisions("settings")?;
+    if lineage.doubtful_radii().is_empty() {
+        warn_of_size([lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0)]);
+    }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
     Ok((lineage, settings))
+}
+
+/// Tells who gets a cue in a lineage that gives none.
+pub fn tell_who_gets(text: &str, lineage: &Lineage, label: &str) {
+    let is_none = text == "none" || text.ends_with("=none");
+    if is_none || !lineage.is_without_cues() {
+        return;
+    }
+    let line = lineage.smaller_line();
+    let names: Vec<&str> = line.iter().map(|&founder| lineage.founders[founder].name.as_str()).collect();
+    let place = if label.is_empty() { String::new() } else { format!("{label}: ") };
+    messages::warning!(
+        "{place}no founder of the lineage has a cue: {text} is given to {}, and to descendants up to the next founder",
+        names.join(", ")
+    );
 }
 
 /// An invalid `--cue`.

@@ -1,6 +1,6 @@
 //! Options that let one parameter of a cell run over a range.
 
-use super::cell::{CueArgs, length, natural};
+use super::cell::{CueArgs, length, warn_of_size};
 use super::context::Context;
 use super::output::number;
 use clap::Args;
@@ -17,13 +17,13 @@ pub struct VaryArgs {
     /// cue.amplitude or regulator.turnover and the like
     #[arg(long, value_name = "NAME")]
     vary: String,
-    /// First value of the parameter
-    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = number)]
-    from: f64,
+    /// First value of the parameter; of r0 also in µm, such as 5um
+    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = length)]
+    from: Length,
     /// Last value of the parameter
-    #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = number)]
-    to: f64,
-    /// Radius R0, if another parameter varies
+    #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = length)]
+    to: Length,
+    /// Radius R0, in L_h, or in µm, such as 17um, if another parameter varies
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     r0: Option<Length>,
     /// Volume fraction ε, if another parameter varies
@@ -54,7 +54,13 @@ impl VaryArgs {
         InputError::require(parameter != Parameter::XiS, "--vary", "vary", "xi_s", allowed)?;
         let given = Given { option: "--vary", parameter, r0: self.r0, epsilon: self.epsilon, xi: None, cue: &self.cue };
         let cell = given.cell(context)?;
-        given.range(cell, [self.from, self.to], context)
+        let [from, to] =
+            [("--from", self.from), ("--to", self.to)].map(|(option, end)| given.end(option, end, context));
+        let range = [from?, to?];
+        if parameter == Parameter::R0 {
+            warn_of_size(range);
+        }
+        given.range(cell, range, context)
     }
 }
 
@@ -79,7 +85,9 @@ impl Given<'_> {
         let parameter = self.parameter;
         let lineage = self.cue.lineage()?;
         context.units = lineage.units();
-        let r0 = self.r0.map(|r0| natural("--r0", r0, &lineage.units())).transpose()?;
+        context.units = self.r0.map_or(context.units, |r0| context.units.asked_in(r0));
+        let r0 = self.r0.map(|r0| r0.in_units(&context.units));
+        warn_of_size(r0);
         let options = [
             ("--r0", Parameter::R0, r0),
             ("--epsilon", Parameter::Epsilon, self.epsilon),
@@ -107,6 +115,18 @@ impl Given<'_> {
             allowed,
         )?;
         Ok(cell)
+    }
+
+    /// An end of the parameter's range, in L_h if the parameter is a radius in µm.
+    ///
+    /// # Errors
+    /// A length in µm, of another parameter.
+    pub fn end(&self, option: &str, end: Length, context: &mut Context) -> Result<f64, InputError> {
+        let fine = self.parameter == Parameter::R0 || matches!(end, Length::Natural(_));
+        let allowed = "a number: only r0 may be in um";
+        InputError::require(fine, option, option.trim_start_matches('-'), end, allowed)?;
+        context.units = context.units.asked_in(end);
+        Ok(end.in_units(&context.units))
     }
 
     /// The cell with its parameter over a range whose values are all allowed.

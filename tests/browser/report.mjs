@@ -7,52 +7,7 @@
 import fs from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
-import { Browser } from "./chromium.mjs";
-
-const [, , program, file, shots] = process.argv;
-const expected = JSON.parse(fs.readFileSync(file, "utf8"));
-const failures = [];
-const measures = {};
-
-function check(what, right, seen) {
-  if (!right) failures.push(`${what}: ${JSON.stringify(seen)}`);
-}
-
-const near = (a, b, tolerance) => Math.abs(a - b) < tolerance;
-const data = (page, id) => page.worth(`({ ...document.getElementById(${JSON.stringify(id)}).dataset })`);
-const shot = async (page, name, whole = true) => shots && page.screenshot(path.join(shots, `${name}.png`), whole);
-
-function complaints(page, name, address) {
-  check(`${name}: the console says nothing`, page.complaints.length === 0, page.complaints);
-  const others = page.requests.filter((request) => request !== address);
-  check(`${name}: nothing is requested`, others.length === 0, others);
-}
-
-/** Moves a slider as a hand does, and gives what is answered. */
-async function slide(page, quantity, value) {
-  await page.worth(`(() => { const s = document.querySelector('input[type=range][data-quantity="${quantity}"]'); s.value = ${value}; s.dispatchEvent(new Event("input", { bubbles: true })); })()`);
-  await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
-  return data(page, "what-if-result");
-}
-
-/** Types a number beside a slider. */
-const type = (page, quantity, value) => page.worth(`(() => { const s = document.querySelector('input[type=number][data-quantity="${quantity}"]'); s.value = ${value}; s.dispatchEvent(new Event("input", { bubbles: true })); })()`);
-const text = (page, id) => page.worth(`document.getElementById(${JSON.stringify(id)}).textContent`);
-
-/** Where a cell is on the screen, between two heights of the drawing: found by looking for it with the pointer. */
-async function place(page, name, [from, to] = [42, 140]) {
-  const found = await page.worth(`(() => {
-    const canvas = document.getElementById("lineage");
-    const { left, top } = canvas.getBoundingClientRect();
-    for (let y = ${from}; y < ${to}; y += 6) for (let x = 0; x < canvas.clientWidth; x += 4) {
-      canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: left + x, clientY: top + y, bubbles: true }));
-      if (canvas.title.startsWith(${JSON.stringify(name)} + ":")) return [left + x + 6, top + y + 2];
-    }
-    return null;
-  })()`);
-  check(`${name} is in view`, found !== null, found);
-  return found ?? [0, 0];
-}
+import { check, complaints, data, expected, frame, measures, near, place, run, shot, shots, slide, text, type } from "./reader.mjs";
 
 /** Where the first full disc of AB's blue is on the screen, by the pixels of the drawing: nothing is asked of the page. */
 async function drawnAB(page) {
@@ -160,14 +115,13 @@ async function growsBesideThePanel(page) {
   const header = await text(page, "summary");
   await page.click(...(await place(page, "P0")));
   await regrows(page);
-  await page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
+  await frame(page);
   const [drawn, shown] = await page.worth(`(() => { const c = document.getElementById("lineage"); return [c.width, c.clientWidth]; })()`);
   check("the drawing is as wide as its place", drawn === shown, [drawn, shown]);
   await page.click(...(await drawnAB(page)));
   check("a click on AB as drawn selects AB", (await text(page, "cell-name")) === "AB", await text(page, "cell-name"));
   const grown = await text(page, "summary");
   check("the header counts the grown cells", grown.includes(`: ${expected.none.cells} cells `), grown);
-  check("the tables say whose they are", await page.worth(`[...document.querySelectorAll(".of-report")].every((note) => !note.hidden)`), "hidden");
   await page.clickOn("#regrow-back");
   check("the header is the report's again", (await text(page, "summary")) === header, await text(page, "summary"));
 }
@@ -208,21 +162,20 @@ async function waits(page) {
 /** Zooming brings up names; searching and folding leave the view where it was. */
 async function staysInView(page) {
   const names = () => page.worth(`Number(document.getElementById("lineage").dataset.names)`);
-  const frame = () => page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
   await page.worth(`document.getElementById("lineage").focus()`);
   await page.key("0");
-  await frame();
+  await frame(page);
   const [few, before] = [await names(), await place(page, "AB")];
   const search = (name) => page.worth(`(() => { const s = document.getElementById("search"); s.value = ${JSON.stringify(name)}; s.dispatchEvent(new Event("input")); s.focus(); })()`);
   await search("ABal");
   await page.key("Enter");
-  await frame();
+  await frame(page);
   const many = await names();
   check("zooming brings up names", many > few + 8, [few, many]);
   await page.worth(`document.getElementById("lineage").focus()`);
   const [x, y] = await place(page, "ABal", [42, 600]);
   await page.key(" ");
-  await frame();
+  await frame(page);
   const [u, v] = await place(page, "ABal", [42, 600]);
   check("a folded cell stays where it is", near(x, u, 16) && near(y, v, 16), [x, y, u, v]);
   await page.key(" ");
@@ -232,9 +185,9 @@ async function staysInView(page) {
   await page.clickOn("#zoom-fit");
   await search("ems");
   await page.key("Enter");
-  await frame();
+  await frame(page);
   await page.key("Escape");
-  await frame();
+  await frame(page);
   const after = await place(page, "AB");
   check("the view is back after a search", near(before[0], after[0], 9) && near(before[1], after[1], 9), [before, after]);
 }
@@ -301,12 +254,11 @@ async function runsInMinutes(browser) {
     await page.until(`document.getElementById("film-state").dataset.cell === "P0"`);
     check("the page is no wider than the screen", (await page.worth("document.documentElement.scrollWidth")) <= width, width);
     check("there is a switch", !(await page.worth(`document.getElementById("time-axis").hidden`)), "hidden");
-    const frame = () => page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
-    await frame();
+    await frame(page);
     const before = await place(page, "E", [42, 500]);
     await page.worth(`document.getElementById("by-minute").click()`);
-    await frame();
-    await frame();
+    await frame(page);
+    await frame(page);
     const [first, after] = [await place(page, "P0", [30, 140]), await place(page, "E", [42, 600])];
     check("E is elsewhere", !near(before[1], after[1], 8), [before, after]);
     const title = await page.worth(`document.getElementById("lineage").title`);
@@ -314,7 +266,7 @@ async function runsInMinutes(browser) {
     check("it is below P0", after[1] > first[1] + 20, [first, after]);
     await shot(page, width < 500 ? "minutes-narrow" : "minutes", false);
     await page.worth(`document.getElementById("by-generation").click()`);
-    await frame();
+    await frame(page);
     const again = await place(page, "E", [42, 500]);
     check("and back", near(again[0], before[0], 9) && near(again[1], before[1], 9), [before, again]);
     complaints(page, "the page in minutes", address);
@@ -458,7 +410,7 @@ async function large(browser) {
   const start = Date.now();
   const page = await browser.open(pathToFileURL(expected.large).href);
   await page.until("document.documentElement.dataset.ready");
-  await page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
+  await frame(page);
   measures.large_ms = Date.now() - start;
   await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
   await shot(page, "large", false);
@@ -470,18 +422,4 @@ async function large(browser) {
   await page.close();
 }
 
-const browser = await Browser.start(program);
-try {
-  await report(browser);
-  await narrow(browser);
-  await explorer(browser);
-  await scenarios(browser);
-  await runsInMinutes(browser);
-  await large(browser);
-  await still(browser);
-} finally {
-  await browser.stop();
-}
-console.log(JSON.stringify(measures));
-failures.forEach((failure) => console.error(failure));
-process.exitCode = failures.length ? 1 : 0;
+await run([report, narrow, explorer, scenarios, runsInMinutes, large, still]);

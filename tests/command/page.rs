@@ -1,6 +1,6 @@
 //! The interactive page and its WebAssembly module give the results of the command line.
 //!
-//! The tests need Node, and one needs Chromium (`FURROW_CHROMIUM` names one), so they are ignored; `.ci/run` runs those whose programs are
+//! The tests need Node, and two need Chromium (`FURROW_CHROMIUM` names one), so they are ignored; `.ci/run` runs those whose programs are
 //! there. `FURROW_SCREENSHOTS` names a folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells, whose opening is
 //! then timed.
 
@@ -139,18 +139,50 @@ fn the_page_writes_cues_as_the_command_line_does() {
     run_script("cue_text.mjs", &[source, file]);
 }
 
-#[test]
-#[ignore = "needs Node and Chromium"]
-fn the_page_says_what_the_command_line_says() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("expected.json");
-    let expected = expected(folder.path());
+/// Runs a script that drives Chromium and compares the page with what is expected.
+fn drive(script: &str, folder: &Path, expected: &Value) {
+    let file = folder.join("expected.json");
     std::fs::write(&file, expected.to_string()).unwrap();
     let mut arguments = vec![PathBuf::from(chromium()), file];
     if let Some(shots) = std::env::var_os("FURROW_SCREENSHOTS").map(PathBuf::from) {
         std::fs::create_dir_all(&shots).unwrap();
         arguments.push(shots);
     }
-    run_script("report.mjs", &arguments);
+    run_script(script, &arguments);
+}
+
+#[test]
+#[ignore = "needs Node and Chromium"]
+fn the_page_says_what_the_command_line_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let expected = expected(folder.path());
+    drive("report.mjs", folder.path(), &expected);
     saved_settings_divide(folder.path(), &expected["sliders"][0]);
+}
+
+/// Whatever is shown: folded, in minutes, grown anew, in µm, at any ε, on dark ground, on a telephone.
+#[test]
+#[ignore = "needs Node and Chromium"]
+fn every_figure_of_the_page_follows() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    let template = Path::new(env!("CARGO_MANIFEST_DIR")).join("lineages/template.ron").display().to_string();
+    let template = template.as_str();
+    for arguments in [["--out", "out"].as_slice(), &["--cue", "none", "--out", "none"], &[template, "--out", "um"]] {
+        answer(folder, &[&["tree", "--cache", "cache"], arguments].concat());
+    }
+    let tree: Value = serde_json::from_slice(&std::fs::read(folder.join("out/tree.json")).unwrap()).unwrap();
+    let mut generations: Vec<u32> = Vec::new();
+    for cell in tree["cells"].as_array().unwrap() {
+        let generation = cell["generation"].as_u64().unwrap() as usize;
+        generations.resize(generations.len().max(generation + 1), 0);
+        generations[generation] += 1;
+    }
+    let report = |of: &str| folder.join(of).join("report.html");
+    let p0 = json!({ "outcome": tree["cells"][0]["outcome"], "chi": tree["cells"][0]["chi"] });
+    let expected = json!({
+        "report": report("out"), "none": report("none"), "micrometres": report("um"),
+        "generations": generations, "p0": p0, "founders": tree["founders"],
+    });
+    drive("figures.mjs", folder, &expected);
 }

@@ -1,5 +1,8 @@
 //! What the command line says of itself, and its warnings.
 
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
 use crate::common::command;
 
 /// The program tells clap of one command where one is named; clap must say the same of it as among all.
@@ -16,6 +19,77 @@ fn help_of_each_command_is_that_among_all() {
             let said = [output.stdout, output.stderr].concat();
             assert_eq!(String::from_utf8(said).unwrap(), expected, "{words:?}");
         }
+    }
+}
+
+/// The words in `text` that look like options, without their dashes.
+fn options(text: &str) -> impl Iterator<Item = &str> {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '-');
+    words.filter_map(|word| word.strip_prefix("--")).filter(|name| name.starts_with(|c: char| c.is_ascii_lowercase()))
+}
+
+/// The long options of a command and of those below it.
+fn all_options(command: &clap::Command, found: &mut BTreeSet<String>) {
+    found.extend(
+        command
+            .get_arguments()
+            .flat_map(|arg| arg.get_long_and_visible_aliases().unwrap_or_default())
+            .map(str::to_owned),
+    );
+    command.get_subcommands().for_each(|command| all_options(command, found));
+}
+
+/// Messages and help name options; `--features` is of cargo.
+#[test]
+fn options_that_sources_name_exist() {
+    let mut known =
+        BTreeSet::from(["help".to_owned(), "version".to_owned(), "features".to_owned(), "no-such-option".to_owned()]);
+    all_options(&furrow::cli::command(), &mut known);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let sources = ["src", "crates"].into_iter().flat_map(|folder| sources_below(&root.join(folder)));
+    let mut seen = 0;
+    for file in sources {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for name in options(&text).filter(|name| name.len() > 1) {
+            assert!(known.contains(name), "{}: --{name}", file.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 200, "{seen}");
+}
+
+fn sources_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = entries.partition(|path| path.is_dir());
+    let files = files.into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "rs"));
+    files.chain(folders.iter().flat_map(|folder| sources_below(folder))).collect()
+}
+
+/// A command's error does not advise an option of another command.
+#[test]
+fn advice_names_options_of_the_command() {
+    let said = |arguments: &[&str]| {
+        let output = command::command(command::HERE, arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let of_pitchfork = said(&["pitchfork", "--r0", "2", "--xi-max", "5", "--set", "intervals=32"]);
+    assert!(of_pitchfork.contains("raise --xi-max"), "{of_pitchfork}");
+    let range = ["--vary", "r0", "--from", "0.2", "--to", "0.25", "--no-folds", "--set", "intervals=32"];
+    let of_boundary = said(&[&["boundary"][..], &range].concat());
+    assert!(of_boundary.contains("pitchfork") && !of_boundary.contains("--xi-max"), "{of_boundary}");
+}
+
+/// A command's own options come before those of all commands.
+#[test]
+fn help_lists_own_options_first() {
+    for words in [&["divide"][..], &["tree"], &["fit", "cue"], &["compare", "volumes"], &["sweep"]] {
+        let output = command::command(command::HERE, &[words, &["--help"]].concat()).output().unwrap();
+        let help = String::from_utf8(output.stdout).unwrap();
+        let place = |option: &str| help.find(option).unwrap_or_else(|| panic!("{words:?}: no {option}: {help}"));
+        let own =
+            ["--r0 <", "--cue <", "--published", "<DIR>"].iter().filter_map(|option| help.find(option)).min().unwrap();
+        assert!(own < place("--preset <") && place("--preset <") < place("--threads <"), "{help}");
     }
 }
 

@@ -121,6 +121,7 @@ fn the_sample_does_not_depend_on_threads() {
             7,
             threads,
             &AtomicBool::new(false),
+            None,
             &|_, _| (),
         )
         .unwrap()

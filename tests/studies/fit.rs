@@ -137,8 +137,11 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     let effort = SearchBudget { particles: 5, moves: 3, seed: 2 };
     let found =
         fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, &AtomicBool::new(false), None).unwrap();
-    assert!(found.chi_squared < 0.1, "{found:?}");
+    assert!(found.goodness.chi_squared < 0.1, "{found:?}");
     assert_eq!(found.numbers.len(), 3);
+    // One measurement cannot say how far three numbers are off.
+    assert_eq!((found.goodness.degrees_of_freedom, found.goodness.p), (0, None));
+    assert!(found.numbers.iter().all(|number| number.sd.is_none()), "{found:?}");
     // One number was measured: one combination of three is held, at most.
     let combinations = found.combinations.as_ref().unwrap();
     assert!(combinations.iter().filter(|held| held.determined).count() <= 1, "{combinations:?}");

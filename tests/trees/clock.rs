@@ -6,7 +6,8 @@ use crate::common::stand_in::{fake, grown};
 use furrow_formats::exchange::{BranchLengths, Exported, Format, check_tree, export};
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_lineage::clock::{Alive, alive, last_divisions};
-use furrow_lineage::{CellTimes, Lineage, Origin, Tree};
+use furrow_lineage::{CellId, CellTimes, Lineage, Origin, Tree};
+use furrow_report::founders_table;
 
 /// Q with the daughters A and B, and further fields of the file and of A.
 fn lineage(fields: &str, of_a: &str) -> Lineage {
@@ -51,7 +52,7 @@ fn cells_live_by_their_volume_and_daughters_are_born_when_their_mother_divides()
     let times = tree.times().unwrap();
     assert!(tree.len() > 20);
     for id in tree.cells() {
-        let CellTimes { birth_min, division_min } = times[id.index()];
+        let CellTimes { birth_min, division_min, .. } = times[id.index()];
         assert_eq!(division_min.is_some(), tree.daughters(id).is_some());
         if let Some(division) = division_min {
             close(division - birth_min, 24.0 / tree.cell(id).volume_fraction.powf(0.28));
@@ -244,11 +245,37 @@ fn exports_have_minutes() {
     let nhx = exported(&tree, Format::Nhx, BranchLengths::None);
     assert!(nhx.contains("birth_min=0:division_min=24]") && nhx.contains("birth_min=24:"), "{nhx}");
     let csv = exported(&tree, Format::Csv, BranchLengths::Time);
-    assert!(csv.lines().next().unwrap().ends_with(",birth_chi,birth_min,division_min"));
-    assert!(csv.lines().nth(1).unwrap().ends_with(",,0,24"), "{csv}");
+    assert!(csv.lines().next().unwrap().ends_with(",birth_min,division_min,lifetime_extrapolated"));
+    assert!(csv.lines().nth(1).unwrap().ends_with(",,0,24,"), "{csv}");
     let graph = exported(&tree, Format::GraphMl, BranchLengths::Minutes);
     assert!(graph.contains(&format!("target=\"B\"><data key=\"length\">{b}</data>")));
     assert!(graph.contains("<data key=\"division_min\">24</data>"));
+}
+
+/// In the table, in tree.json and in exports: those more than half a division smaller than the smallest cell of the fit.
+#[test]
+fn minutes_beyond_the_sizes_of_the_clock_are_marked() {
+    let volumes = |range: &str| grow(&format!("clock: (lifetime_min: 24, exponent: 0.28, volumes: {range}),"), "");
+    let beyond = |tree: &Tree| {
+        let times = tree.times().unwrap();
+        tree.cells().filter(|id| times[id.index()].lifetime_extrapolated).collect::<Vec<_>>()
+    };
+    assert!(beyond(&volumes("(1e-9, 1)")).is_empty());
+    let tree = volumes("(0.1, 1)");
+    let marked = beyond(&tree);
+    assert!(!marked.is_empty() && marked.len() < tree.len() / 2);
+    let small = |id: &&CellId| tree.daughter_count(**id) > 0 && tree.cell(**id).volume_fraction < 0.1 / 2_f64.sqrt();
+    assert_eq!(marked.len(), tree.cells().collect::<Vec<_>>().iter().filter(small).count());
+    let text = tree_to_json(&tree).unwrap();
+    assert_eq!(text.matches("\"lifetime_extrapolated\":true").count(), marked.len());
+    assert_eq!(tree_to_json(&tree_from_json(&text).unwrap()).unwrap(), text);
+    let csv = exported(&tree, Format::Csv, BranchLengths::Time);
+    assert_eq!(csv.lines().filter(|line| line.ends_with(",1")).count(), marked.len());
+    let table = founders_table(&tree, &founder_rows(&tree));
+    assert!(table.contains("* extrapolated: the clock was fitted to cells of other sizes"), "{table}");
+    let wrong = "Lineage(name: \"x\", clock: (lifetime_min: 24, volumes: (0.3, 0.1)), founders: [(name: \"Q\")])";
+    let said = Lineage::parse(wrong, "x.ron").unwrap_err().to_string();
+    assert!(said.contains("clock.volumes = (0.3, 0.1): must be the smallest and the largest volume"), "{said}");
 }
 
 /// A row for each minute, each after the one before; by generation one row a cell as without a clock.
@@ -274,7 +301,7 @@ fn time_points_of_lineagetree_are_minutes() {
         assert!(before[2] == cell || Some(before[2]) == of_mother);
     }
     for id in tree.cells() {
-        let CellTimes { birth_min, division_min } = times[id.index()];
+        let CellTimes { birth_min, division_min, .. } = times[id.index()];
         let own: Vec<f64> = rows.iter().filter(|row| row[2] as usize == id.index()).map(|row| row[1]).collect();
         let end = division_min.map_or(last, |division| division - begin);
         assert!((own[0] - (birth_min - begin)).abs() < 1.0 && (own[own.len() - 1] + 1.0 - end).abs() < 1.0);

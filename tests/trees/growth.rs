@@ -225,6 +225,15 @@ fn with_a_clock_a_drawing_has_cells_at_their_births() {
         let cell = drawing.split("<g>").find(|part| part.starts_with(&format!("<title>{name}:"))).unwrap();
         [number(cell.split("born at ").nth(1).unwrap()), number(cell.split("cy=\"").nth(1).unwrap())]
     };
+    // However short its life, the first cell is drawn as wide as it is. A ring is drawn along its middle.
+    let radius = |name: &str| {
+        let cell = drawing.split(&format!("<title>{name}:")).nth(1).and_then(|cell| cell.split("/>").next()).unwrap();
+        let width = cell.split("stroke-width=\"").nth(1).map_or(0.0, number);
+        number(cell.split(" r=\"").nth(1).unwrap()) + 0.5 * width
+    };
+    let r0 = |name: &str| tree.cell(tree.cells().find(|id| tree.cell(*id).name == name).unwrap()).r0;
+    let [first_cell, second, third] = ["P0", "AB", "EMS"].map(|name| radius(name) / r0(name));
+    assert!((first_cell / second - 1.0).abs() < 0.01 && (first_cell / third - 1.0).abs() < 0.01);
     let birth = |id: &CellId| times[id.index()].birth_min;
     let latest = tree.cells().max_by(|a, b| birth(a).total_cmp(&birth(b))).unwrap();
     let [[first, top], [last, bottom]] = [place("P0"), place(&tree.cell(latest).name)];

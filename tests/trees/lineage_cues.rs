@@ -96,6 +96,30 @@ fn a_cue_in_the_place_of_others_follows_their_rules() {
     assert!(tree.cells().all(|id| tree.cell(id).cue.is_none()));
 }
 
+/// A cue given to a lineage without cues goes to the first cell and to the smaller daughters below it, as in the built-in lineage.
+#[test]
+fn a_cue_for_a_lineage_without_cues_goes_along_the_smaller_daughters() {
+    let founders = "(name: \"Q\", r0: 5.0), (name: \"A\", mother: \"Q\", daughter: larger, cue: \"none\"),
+        (name: \"B\", mother: \"Q\", daughter: smaller)";
+    let given: Cue = "friction:gradient,amplitude=0.2".parse().unwrap();
+    let plain = lineage("", founders);
+    assert!(plain.is_without_cues());
+    let tree = grow(&plain.clone().with_cues_replaced("slow", &given));
+    let carriers = carriers(&tree, "slow");
+    assert!(
+        carriers.contains(&"Ba".to_owned()) && carriers.iter().all(|name| name.starts_with(['Q', 'B'])),
+        "{carriers:?}"
+    );
+    assert_eq!(plain.clone().with_cues_replaced("none", &Cue::none()), plain);
+    let worm = Lineage::c_elegans().unwrap();
+    assert!(!worm.is_without_cues());
+    let again = worm.clone().with_cues_replaced("none", &Cue::none()).with_cues_replaced("germline", &Cue::published());
+    for (founder, other) in worm.founders.iter().zip(&again.founders).filter(|(founder, _)| founder.name != "P4") {
+        let cue = |cue: &Option<String>| cue.clone().filter(|name| name != "none");
+        assert_eq!(cue(&founder.cue), cue(&other.cue), "{}", founder.name);
+    }
+}
+
 /// The table names every founder's cue, counts the cells below that carry one, and says what the names mean.
 #[test]
 fn the_founders_table_has_a_column_of_cues() {

@@ -45,15 +45,15 @@ pub fn dividing(cue: &Cue, settings: &TreeSettings, most: usize) -> [Vec<(String
     })
 }
 
-#[test]
-fn no_radius_ends_a_branch_that_divides() {
+/// Asserts that trees with and without critical radii have the same cells, for three cues that were hard and `count` random ones.
+fn assert_radii_agree_with_divisions(count: usize) {
     let mut random = Mt64::new(20261123);
     let named = [
         "xi_s:band,u0=0.960127,omega=1.183Lh,amplitude=0.945228",
         "activity:gradient,amplitude=0.85",
         "xi_s:band,u0=0.5231,omega=0.03072,amplitude=0.4602",
     ];
-    let random = std::iter::repeat_with(|| strong_cue(&mut random)).take(397);
+    let random = std::iter::repeat_with(|| strong_cue(&mut random)).take(count);
     let cues: Vec<String> = named.into_iter().map(str::to_owned).chain(random).collect();
     let differs = |(number, cue): (usize, &String)| {
         let cell = if number % 2 == 0 { Cell::new(2.1) } else { Cell::gao2026_thresholds(2.1) };
@@ -63,4 +63,15 @@ fn no_radius_ends_a_branch_that_divides() {
     };
     let differ: Vec<String> = cues.par_iter().enumerate().filter_map(differs).collect();
     assert!(differ.is_empty(), "{differ:#?}");
+}
+
+#[test]
+fn no_radius_ends_a_branch_that_divides() {
+    assert_radii_agree_with_divisions(30);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn no_radius_ends_a_branch_that_divides_under_400_cues() {
+    assert_radii_agree_with_divisions(397);
 }

@@ -16,7 +16,7 @@ use crate::common::stand_in::{division, fake, grown};
 const EVERYTHING: &str = r#"Lineage(
     name: "everything", citation: "nobody", naming: ('a', 'p'), units: (length_um: 3, time_min: 2),
     limits: (max_depth: 6, max_cells: 60),
-    clock: (lifetime_min: 24, at_volume: 0.5, exponent: 0.28, tau_min: 4, origin: birth("S"), lifetimes: {"S": 20}),
+    clock: (lifetime_min: 24, at_volume: 0.5, exponent: 0.28, volumes: (0.6, 1), tau_min: 4, origin: birth("S"), lifetimes: {"S": 20}),
     cues: {
         "kappa": kappa(u0: 0.4, omega: 0.1, amplitude: 0.1), "activity": activity(profile: step, u0: 0.6, omega_length: 0.3, amplitude: 0.1),
         "xi_s": xi_s(profile: gradient, amplitude: 0.1), "xi_b": xi_b(u0: 0.4, omega: 0.1, amplitude: 0.1),

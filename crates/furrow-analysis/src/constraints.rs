@@ -6,10 +6,10 @@ use furrow_mechanics::calibration::statements::{GivenWindow, HigherFold};
 use furrow_mechanics::critical::critical_value;
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A statement that is not true of a set of constants.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exclusion {
     /// The statement's place among the targets, as `criticalities[0]`.
     pub datum: String,
@@ -20,7 +20,7 @@ pub struct Exclusion {
 }
 
 /// The check of one set of constants.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ConstraintCheck {
     /// Thresholds ξ_s* in the order of the targets; fewer if one could not be found.
     pub thresholds: Vec<f64>,

@@ -17,7 +17,9 @@
 
 use super::constants::Constants;
 use super::constraints::{ConstraintCheck, Extent, check_constraints};
+use super::journal::Journal;
 use super::sample::seed_of;
+use super::table::Row;
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::{SchedulerError, scheduler};
 use furrow_mechanics::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
@@ -44,6 +46,9 @@ const WIDER: f64 = 1.3;
 const DRAWS: [usize; 2] = [2, 24];
 /// Most draws for each member asked for.
 const MOST: usize = 60;
+
+/// The columns of the journal of an ensemble.
+pub const JOURNAL_COLUMNS: [&str; 1] = ["check"];
 
 /// One admissible set of constants.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -169,6 +174,8 @@ struct Posterior<'a> {
     numerics: &'a Numerics,
     /// The starting values, about which x counts.
     start: Vec<(Parameter, f64)>,
+    /// Checks of an interrupted run, and of this one.
+    journal: Option<&'a Journal>,
 }
 
 impl Posterior<'_> {
@@ -176,9 +183,24 @@ impl Posterior<'_> {
         moved(&self.start, x.as_slice())
     }
 
-    fn draw(&self, proposal: &Proposal, x: DVector<f64>) -> Draw {
-        let cell = with_values(self.cell, &self.values(&x));
+    /// The check of draw number `index`, which an interrupted run may have made.
+    fn check(&self, index: u64, x: &DVector<f64>) -> ConstraintCheck {
+        let index = index as usize;
+        let known = self.journal.and_then(|journal| journal.rows.get(&index)?.cells.first().cloned());
+        if let Some(check) = known.and_then(|check| serde_json::from_value(check).ok()) {
+            return check;
+        }
+        let cell = with_values(self.cell, &self.values(x));
         let check = check_constraints(self.targets, &cell, self.numerics, Extent::UntilExcluded);
+        // A check with a number that JSON does not have is made again.
+        if let (Some(journal), Ok(cell)) = (self.journal, serde_json::to_value(&check)) {
+            journal.append(&Row { index, cells: vec![cell], why: None });
+        }
+        check
+    }
+
+    fn draw(&self, proposal: &Proposal, index: u64, x: DVector<f64>) -> Draw {
+        let check = self.check(index, &x);
         let ln_prior = -0.5 * x.norm_squared() / (PRIOR * PRIOR);
         let ln_weight = ln_prior - check.misfit - proposal.ln_density(&x);
         Draw { x, check, ln_weight }
@@ -246,7 +268,8 @@ fn fitted(draws: &[Draw]) -> Option<Proposal> {
 }
 
 /// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
-/// stops it. `shown` is called with the number of draws checked and the number expected, from any thread.
+/// stops it. A `journal` with the columns [`JOURNAL_COLUMNS`] keeps the checks, from which an interrupted run resumes. `shown` is
+/// called with the number of draws checked and the number expected, from any thread.
 ///
 /// # Errors
 /// [`EnsembleError`].
@@ -258,9 +281,10 @@ pub fn ensemble(
     seed: u64,
     threads: usize,
     cancel: &AtomicBool,
+    journal: Option<&Journal>,
     shown: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Ensemble, EnsembleError> {
-    let posterior = Posterior { targets, cell, numerics, start: targets.starts(cell) };
+    let posterior = Posterior { targets, cell, numerics, start: targets.starts(cell), journal };
     let pool = scheduler::pool(threads)?;
     let mut proposal = posterior.laplace()?;
     let mut draws = 0u64;
@@ -271,7 +295,7 @@ pub fn ensemble(
             if cancel.load(Ordering::Relaxed) {
                 return Err(EnsembleError::Interrupted);
             }
-            let found = posterior.draw(proposal, proposal.draw(seed, index));
+            let found = posterior.draw(proposal, index, proposal.draw(seed, index));
             shown(checked.fetch_add(1, Ordering::Relaxed) + 1, expected);
             Ok(found)
         };

@@ -1,4 +1,4 @@
-//! Finished rows of a sweep under way, from which an interrupted sweep resumes.
+//! Finished rows of a sweep or a sample under way, from which an interrupted one resumes.
 //!
 //! The first line of the file holds the definition of the sweep, every further line one row, appended as soon as it is solved.
 //! A kill in mid-write leaves a torn last line, which is dropped.
@@ -33,14 +33,26 @@ impl Journal {
     /// # Errors
     /// [`WriteError`], also where another run holds the journal, or another sweep filled it.
     pub fn open(folder: &Path, definition: &Value, columns: Vec<String>) -> Result<Journal, WriteError> {
-        let path = folder.join(JOURNAL);
+        Journal::open_file(&folder.join(JOURNAL), definition, columns)
+    }
+
+    /// The same with a file of another name.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_file(path: &Path, definition: &Value, columns: Vec<String>) -> Result<Journal, WriteError> {
+        let (path, folder) = (path.to_owned(), path.parent().unwrap_or(Path::new("")));
         let failed = |source: io::Error| WriteError { path: path.display().to_string(), source };
-        fs::create_dir_all(folder).map_err(failed)?;
+        // The folder of a name alone is the working folder, and has no name.
+        let named = !folder.as_os_str().is_empty();
+        if named {
+            fs::create_dir_all(folder).map_err(failed)?;
+        }
         let (mut file, text) = lock_and_read(&path).map_err(failed)?;
         let head = whole_lines(&text).next().map(serde_json::from_slice::<Value>);
         if head.is_some_and(|head| !head.is_ok_and(|head| same_sweep(&head, definition))) {
             return Err(failed(io::Error::other(
-                "holds finished rows of another sweep; choose another folder, or remove the file",
+                "holds finished rows of another run; write to another place, or remove the file",
             )));
         }
         let mut valid = whole_lines(&text).next().map_or(0, <[u8]>::len);
@@ -84,7 +96,7 @@ impl Journal {
 fn lock_and_read(path: &Path) -> io::Result<(File, Vec<u8>)> {
     let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => return Err(io::Error::other("another run of this sweep is writing it")),
+        Err(TryLockError::WouldBlock) => return Err(io::Error::other("another run is writing it")),
         // File systems without locks are no reason to refuse a sweep.
         Err(TryLockError::Error(_)) | Ok(()) => {}
     }
@@ -136,7 +148,7 @@ mod tests {
             drop(journal);
             assert_eq!(fs::read(&path).unwrap(), whole, "cut at {cut}");
         }
-        assert!(open(json!({"a": 2})).unwrap_err().to_string().contains("another sweep"));
+        assert!(open(json!({"a": 2})).unwrap_err().to_string().contains("another run; write"));
         open(json!({"a": 1, "provenance": 1})).unwrap().finish().unwrap();
         assert!(!path.exists());
     }

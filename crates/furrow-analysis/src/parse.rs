@@ -6,8 +6,8 @@ use super::sweep::{Kind, Sweep};
 use furrow_cell::settings::{self, NumericsOverrides, Overrides, PhysicsOverrides, Settings, canonical_name};
 use furrow_cell::{Cue, Parameter};
 use furrow_input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
-use furrow_lineage::Lineage;
 use furrow_lineage::batch::phase::spaced;
+use furrow_lineage::{Length, Lineage};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -53,8 +53,8 @@ struct AxisDocument {
 #[derive(Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Interval {
-    from: f64,
-    to: f64,
+    from: Length,
+    to: Length,
     count: usize,
 }
 
@@ -123,9 +123,12 @@ impl Sweep {
         std::mem::take(&mut document.physics).apply(&mut settings);
         std::mem::take(&mut document.numerics).apply(&mut settings);
         settings.check_fields(file)?;
-        settings.override_fields(set)?;
         let path = document.lineage.take().map(|path| folder.join(path));
         let lineage = Lineage::load(path.as_deref())?;
+        let in_units =
+            |(name, value): &(&'static str, AxisValue)| (*name, lineage.units().natural(name, value.clone()));
+        let pairs = set.pairs.iter().map(in_units).collect();
+        settings.override_fields(&Overrides { pairs, ..*set })?;
         Check { file, document: &document, settings: &settings, lineage: &lineage }.run()
     }
 }
@@ -150,7 +153,7 @@ impl Check<'_> {
         for (k, given) in document.axes.iter().enumerate() {
             let target = self.target(k, given, &axes)?;
             let sampled = axes.iter().filter(|axis| axis.sampled).count();
-            let values = self.values(k, given, sampled)?;
+            let values = self.values((k, target), given, sampled)?;
             let mut axis =
                 Axis { name: given.parameter.clone(), target, values, cues: vec![], sampled: given.sample.is_some() };
             self.sampled_alike(k, &axis, &axes)?;
@@ -231,19 +234,35 @@ impl Check<'_> {
     }
 
     /// The values of an axis; `sampled` axes before it are.
-    fn values(&self, k: usize, given: &AxisDocument, sampled: usize) -> Result<Vec<AxisValue>, InputError> {
+    fn values(
+        &self,
+        (k, target): (usize, Target),
+        given: &AxisDocument,
+        sampled: usize,
+    ) -> Result<Vec<AxisValue>, InputError> {
         let AxisDocument { parameter, range, list, sample } = given;
         let given = [range.is_some(), list.is_some(), sample.is_some()].into_iter().filter(|given| *given).count();
         self.require(given == 1, format!("axes[{k}]"), shown(parameter), "given with one of range, list, sample")?;
         let Some(Interval { from, to, count }) = range.or(*sample) else {
-            let list = list.clone().unwrap_or_default();
+            let units = self.lineage.units();
+            let natural = |value: &AxisValue| match target {
+                Target::Field(name) => units.natural(name, value.clone()),
+                _ => value.clone(),
+            };
+            let list: Vec<AxisValue> = list.iter().flatten().map(natural).collect();
             self.require(!list.is_empty(), format!("axes[{k}].list"), "[]", "a list of one value at least")?;
             return Ok(list);
         };
         let of = if range.is_some() { "range" } else { "sample" };
-        for (name, value) in [("from", from), ("to", to)] {
-            self.require(value.is_finite(), format!("axes[{k}].{of}.{name}"), value, "a finite number")?;
-        }
+        let end = |name: &str, value: Length| {
+            let is_radius = target == Target::Field("r0");
+            let natural = value.in_units(&self.lineage.units());
+            let fine = natural.is_finite() && (is_radius || matches!(value, Length::Natural(_)));
+            let allowed = if is_radius { "a finite number, or one of µm as in \"17um\"" } else { "a finite number" };
+            self.require(fine, format!("axes[{k}].{of}.{name}"), value, allowed)?;
+            Ok::<f64, InputError>(natural)
+        };
+        let (from, to) = (end("from", from)?, end("to", to)?);
         let allowed = format!("a whole number from 1 to {MOST_POINTS}");
         self.require((1..=MOST_POINTS).contains(&count), format!("axes[{k}].{of}.count"), count, &allowed)?;
         if range.is_some() {

@@ -31,16 +31,16 @@ pub struct PolarisedCell {
     pub name: Option<String>,
     /// Radius R0, in L_h.
     pub r0: f64,
-    /// Surface of its passive shape per volume, in 1/µm.
-    pub surface_to_volume: f64,
-    /// What is read off its polarised state; none where no such state exists.
-    pub polarity: Option<Readings>,
+    /// Surface of its passive shape per volume, in 1/µm; `None` if it has no passive shape.
+    pub surface_to_volume: Option<f64>,
+    /// What is read off its polarised state; `Ok(None)` if it has no such state.
+    pub polarity: Result<Option<Readings>, PolarityError>,
     /// u, A and P from pole to pole; empty without polarity.
     pub profile: Vec<[f64; 3]>,
     /// The cue that follows, or none.
     pub cue: Cue,
-    /// How it divides with this cue, or why that is not known.
-    pub division: Result<Division, DivisionError>,
+    /// How it divides with this cue, or why that is not known; `None` if the cue is not known.
+    pub division: Option<Result<Division, DivisionError>>,
     /// The measured χ of its division.
     pub measured: Option<MotherSummary>,
 }
@@ -162,17 +162,24 @@ pub fn polarity(
     let measured =
         jankele2021()?.into_iter().find(|group| group.group == "wt").map_or(Vec::new(), |group| group.events);
     let of = |NamedCell { name, cell }: &NamedCell| {
-        let state = chemistry.polarised(cell)?;
-        let polarity = state.as_ref().and_then(readings);
-        let cue = polarity.as_ref().map_or(Ok(Cue::none()), |found| cue_of(found, follows, amplitude))?;
-        let cued = cell.clone().with_cue(cue.clone());
+        // One cell without an answer does not cost the others theirs.
+        let state = match chemistry.polarised(cell) {
+            Err(PolarityError::NoPolarity { .. }) => Ok(None),
+            found => found,
+        };
+        let polarity = state.as_ref().map(|state| state.as_ref().and_then(readings)).map_err(Clone::clone);
+        let cue = match &polarity {
+            Ok(Some(found)) => cue_of(found, follows, amplitude)?,
+            _ => Cue::none(),
+        };
+        let input = || DivisionInput { cell: cell.clone().with_cue(cue.clone()), numerics: settings.numerics, seed: 0 };
         Ok(PolarisedCell {
             r0: cell.r0,
-            surface_to_volume: chemistry.membrane(cell)?.surface_to_volume,
-            profile: state.map_or(Vec::new(), |state| profile(&state, PLACES)),
+            surface_to_volume: chemistry.membrane(cell).ok().map(|membrane| membrane.surface_to_volume),
+            profile: state.ok().flatten().map_or(Vec::new(), |state| profile(&state, PLACES)),
+            division: polarity.is_ok().then(|| divide(&input())),
             polarity,
             cue,
-            division: divide(&DivisionInput { cell: cued, numerics: settings.numerics, seed: 0 }),
             measured: measured.iter().find(|event| name.as_ref() == Some(&event.mother)).cloned(),
             name: name.clone(),
         })
@@ -219,15 +226,27 @@ impl PolarityStudy {
 }
 
 impl PolarisedCell {
+    /// What is read off its polarised state, if it has one.
+    pub fn readings(&self) -> Option<&Readings> {
+        self.polarity.as_ref().ok()?.as_ref()
+    }
+
+    /// Why its polarity or its division is not known, if so.
+    pub fn why(&self) -> Option<String> {
+        let division = self.division.as_ref().and_then(|division| division.as_ref().err());
+        self.polarity.as_ref().err().map(ToString::to_string).or(division.map(ToString::to_string))
+    }
+
     fn document(&self, chemistry: &Chemistry) -> Value {
-        let division = self.division.as_ref().ok();
+        let division = self.division.as_ref().and_then(|division| division.as_ref().ok());
         let psi = match chemistry.constants.surface_to_volume {
             SurfaceToVolume::Shape => self.surface_to_volume,
-            SurfaceToVolume::Fixed(psi) => psi,
+            SurfaceToVolume::Fixed(psi) => Some(psi),
         };
         let own = json!({
             "cell": self.name, "r0": self.r0, "r0_um": self.r0 * chemistry.length_um,
-            "surface_to_volume": self.surface_to_volume, "psi": psi, "polarised": self.polarity.is_some(),
+            "surface_to_volume": self.surface_to_volume, "psi": psi,
+            "polarised": self.polarity.as_ref().ok().map(Option::is_some), "why": self.why(),
         });
         let measured =
             self.measured.as_ref().map(|m| json!({ "mean_signed": m.mean_signed, "sd": m.sd_signed, "n": m.n }));
@@ -239,6 +258,32 @@ impl PolarisedCell {
             "u_furrow": division.and_then(|division| division.u_furrow()),
             "measured": measured,
         });
-        filled(merged(merged(own, self.polarity.map_or(json!({}), |found| json!(found))), divided))
+        filled(merged(merged(own, self.readings().map_or(json!({}), |found| json!(found))), divided))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_mechanics::polarity::ParConstants;
+
+    /// ψ is surface over volume of the cell's own shape, or the number that is given for all.
+    #[test]
+    fn the_document_has_the_psi_that_the_chemistry_ran_with() {
+        let cell = PolarisedCell {
+            name: None,
+            r0: 5.4,
+            surface_to_volume: Some(0.18),
+            polarity: Ok(None),
+            profile: Vec::new(),
+            cue: Cue::default(),
+            division: None,
+            measured: None,
+        };
+        for (surface_to_volume, psi) in [(SurfaceToVolume::Shape, 0.18), (SurfaceToVolume::Fixed(0.25), 0.25)] {
+            let constants = ParConstants { surface_to_volume, ..ParConstants::GOEHRING2011 };
+            let document = cell.document(&Chemistry::new(constants, 3.2));
+            assert_eq!((&document["psi"], &document["surface_to_volume"]), (&json!(psi), &json!(0.18)), "{document}");
+        }
     }
 }

@@ -102,13 +102,25 @@ pub fn growers<'s>(
     scenarios.iter().map(grower).collect()
 }
 
-/// A name with what file systems, shells and drawings take everywhere: ASCII letters, digits, `-`, `_` and `.`, and no dot at
-/// an end of it.
+/// Names of devices on Windows, with any extension.
+const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
+
+/// Whether Windows takes a file of that name for a device.
+fn is_device(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or(name).to_lowercase();
+    let port = stem.strip_prefix("com").or(stem.strip_prefix("lpt"));
+    DEVICES.contains(&stem.as_str())
+        || port.is_some_and(|digit| digit.len() == 1 && digit.chars().all(|c| c.is_ascii_digit()))
+}
+
+/// A name with what file systems, shells and drawings take everywhere: ASCII letters, digits, `-`, `_` and `.`, no dot at an end
+/// of it, and no device.
 fn safe(name: &str) -> String {
     let allowed = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' };
     let name: String = name.chars().map(allowed).take(LONGEST).collect();
     match name.trim_matches('.') {
         "" => "scenario".to_owned(),
+        name if is_device(name) => format!("scenario-{name}"),
         name => name.to_owned(),
     }
 }
@@ -150,8 +162,7 @@ fn essence(lineage: &Lineage) -> Lineage {
     for founder in &mut bare.founders {
         founder.cue.iter_mut().for_each(&mut rename);
         founder.cue_rules.iter_mut().for_each(|rule| rename(&mut rule.cue));
-        let r0 = founder.r0.and_then(|length| length.in_units(&units).ok());
-        founder.r0 = r0.map(Length::Natural).or(founder.r0);
+        founder.r0 = founder.r0.map(|length| Length::Natural(length.in_units(&units)));
     }
     bare.cues.clear();
     bare
@@ -177,6 +188,14 @@ mod tests {
         assert_eq!(names(&[source("worm"), other.clone()], &[]), ["worm", "-a-b-K-fer"]);
         other.label = "WORM".to_owned();
         assert_eq!(names(&[source("worm"), other.clone()], &["none"]), ["worm-none", "WORM-none-2"]);
+        for (label, folder) in
+            [("con", "scenario-con"), ("NUL.txt", "scenario-NUL.txt"), ("com1", "scenario-com1"), ("comb", "comb")]
+        {
+            other.label = label.to_owned();
+            assert_eq!(names(std::slice::from_ref(&other), &[]), [folder]);
+            other.label = "x".to_owned();
+            assert_eq!(combine(std::slice::from_ref(&other), &[&format!("{label}=none")]).unwrap()[0].folder, folder);
+        }
         other.label = "run.json".to_owned();
         assert_eq!(names(&[source("..."), other.clone()], &[]), ["scenario", "run.json-2"]);
         other.label = "x".repeat(500);

@@ -76,10 +76,19 @@ impl Sweep {
         if self.axes.0.iter().any(|axis| axis.target == Target::Field("r0")) {
             lineage.forget_first_radius();
         }
-        if self.cue.is_none() && self.axes.0.iter().all(|axis| axis.target != Target::Cue) {
+        if !self.names_cues() {
             return lineage;
         }
         lineage.with_cues_replaced(if cell.cue.is_none() { "none" } else { "given" }, &cell.cue)
+    }
+
+    fn names_cues(&self) -> bool {
+        self.cue.is_some() || self.axes.0.iter().any(|axis| axis.target == Target::Cue)
+    }
+
+    /// Whether it grows trees with cues in place of those of the lineage.
+    pub fn sets_cues_of_trees(&self) -> bool {
+        self.kind == Kind::Tree && self.names_cues()
     }
 
     /// Number of points.

@@ -325,6 +325,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         std::mem::swap(&mut self.solution, &mut self.trial);
         self.arclength += step;
         self.history.push(self.arclength, &self.solution);
+        self.augmented.problem.accepted(&self.solution);
         self.step = self.step_after(step, report.first_correction);
         self.work.steps += 1;
     }
@@ -377,6 +378,12 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
             }
         }
         None
+    }
+
+    /// Estimated error of the two parameters at a point of the curve that was just found, such as a cusp, by their change where the
+    /// intervals are halved.
+    pub fn error_estimate(&self, y: &Solution) -> f64 {
+        self.augmented.error_estimate(y, Some(&self.tangent))
     }
 
     /// The point at an arclength between the last two, and scalar `index` of the tangent there.

@@ -58,9 +58,9 @@ pub use direction::{Direction, LinearCondition, Residual};
 pub use gauss::Gauss;
 pub use invalid::InvalidInput;
 pub use kernels::{AntisymmetricEnd, Kernels};
-pub use linear::{SolutionOperator, System};
+pub use linear::{Place, SolutionOperator, System};
 pub use metric::Metric;
-pub use newton::{Newton, NewtonError, NewtonReport, Settings, SolveError, Solved, Work, solve};
+pub use newton::{Interrupt, Newton, NewtonError, NewtonReport, Settings, SolveError, Solved, Stop, Work, solve};
 pub use problem::{
     BoundaryJacobian, BoundaryValueProblem, CheckError, CollocationPoint, CollocationPoints, Directional,
     EndDerivatives, EndValues, MirrorSymmetric, Mismatch, PointDirection, PointJacobian, PointValues,

@@ -1,6 +1,7 @@
 //! Meshes: equidistribution of a monitor, defect of a solution.
 
 use crate::dense::weighted_maximum;
+use crate::direction::Direction;
 use crate::gauss::{Gauss, MAX_STAGES};
 use crate::invalid::{self, InvalidInput};
 use crate::problem::{BoundaryValueProblem, CollocationPoints};
@@ -92,9 +93,45 @@ pub(crate) fn samples(gauss: &Gauss, mesh: &[f64]) -> Vec<f64> {
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
 /// themselves it is zero.) It is infinite where f is not a number, and everywhere if `y` does not fit the problem.
 pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
+    match residuals(gauss, problem, y) {
+        Some([residuals, values]) => largest_of_intervals(y, &residuals, &values),
+        None => vec![f64::INFINITY; y.intervals()],
+    }
+}
+
+/// [`defect`] of a direction at `y`, of the linearised equation: |d′ − f′(u)d| · h / (1 + |u|) where |d| / (1 + |u|) is 1 at most.
+pub(crate) fn direction_defect<P: BoundaryValueProblem>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+    direction: &Direction,
+) -> Vec<f64> {
+    // Rounding and truncation are about alike.
+    const SHARE: f64 = 1e-5;
+    let mut at = |share: f64| {
+        let mut moved = y.clone();
+        direction.apply(share / direction.norm(y), &mut moved);
+        residuals(gauss, problem, &moved)
+    };
+    let sides = [SHARE, -SHARE].map(&mut at);
+    problem.prepare(&y.scalars);
+    let [Some([mut ahead, values]), Some([behind, _])] = sides else { return vec![f64::INFINITY; y.intervals()] };
+    ahead.iter_mut().zip(&behind).for_each(|(ahead, behind)| *ahead = (*ahead - behind) / (2.0 * SHARE));
+    largest_of_intervals(y, &ahead, &values)
+}
+
+/// The largest residual over 1 + |value| of every interval, infinite where it is not a number.
+fn largest_of_intervals(y: &Solution, residuals: &[f64], values: &[f64]) -> Vec<f64> {
+    let width = y.m * y.components;
+    let intervals = residuals.chunks_exact(width).zip(values.chunks_exact(width));
+    intervals.map(|(r, v)| weighted_maximum(r, v)).map(|r| if r.is_nan() { f64::INFINITY } else { r }).collect()
+}
+
+/// (u′ − f(u)) h where the defect is sampled, and u there. None if `y` does not fit the problem.
+fn residuals<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Option<[Vec<f64>; 2]> {
     let dims = problem.dimensions();
     if y.fits(dims).is_err() || gauss.m != y.m {
-        return vec![f64::INFINITY; y.intervals()];
+        return None;
     }
     problem.prepare(&y.scalars);
     let (n, m) = (y.components, y.m);
@@ -113,14 +150,15 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
     }
     let (mut f, mut g) = (vec![0.0; points * n], vec![0.0; points * dims.integrals]);
     problem.rhs_many(CollocationPoints { first: 0, x: &x, y: &values }, &y.scalars, &mut f, &mut g);
-    let largest = |i: usize| {
-        let (h, range) = (y.mesh[i + 1] - y.mesh[i], i * m * n..(i + 1) * m * n);
-        let (slopes, f) = (&mut slopes[range.clone()], &f[range.clone()]);
-        slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope -= h * f);
-        let largest = weighted_maximum(slopes, &values[range]);
-        if largest.is_nan() { f64::INFINITY } else { largest }
-    };
-    (0..y.intervals()).map(largest).collect()
+    for (x, (slopes, f)) in y.mesh.windows(2).zip(slopes.chunks_exact_mut(m * n).zip(f.chunks_exact(m * n))) {
+        slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope -= (x[1] - x[0]) * f);
+    }
+    Some([slopes, values])
+}
+
+/// The error of a number found on a mesh, of order 2m, from its change where the intervals are halved.
+pub(crate) fn error_of_change(change: f64, m: usize) -> f64 {
+    change.abs() / (1.0 - 0.25f64.powi(m as i32))
 }
 
 /// Monitor for [`equidistribute`] from the defect: proportional to defect^(1/(m+1)) per unit length, bounded below by a

@@ -10,9 +10,20 @@ use furrow_bvp::{
     MinimallyAugmented, PointJacobian, Solution, SymmetryBreaking, Termination, locate, mesh,
 };
 
+#[cfg(feature = "auto")]
+#[path = "textbook/algebraic.rs"]
+mod algebraic;
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
+#[cfg(feature = "auto")]
+#[path = "textbook/ends.rs"]
+mod ends;
+#[path = "textbook/events.rs"]
+mod events;
 mod hostile;
+#[cfg(feature = "auto")]
+#[path = "textbook/orbits.rs"]
+mod orbits;
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;
 
@@ -258,6 +269,8 @@ fn the_folds_of_the_gelfand_problem_end_in_a_cusp() {
     let cusp = curve.turning_point(1).unwrap();
     assert!((cusp.scalars[1] - 0.245780).abs() < 1e-6, "{:?}", cusp.scalars);
     assert!((cusp.scalars[0] / 4.0 - 1.307374).abs() < 1e-6, "{:?}", cusp.scalars);
+    let estimate = curve.error_estimate(&cusp);
+    assert!(estimate < 1e-6, "{estimate:.1e}");
 }
 
 /// Van der Pol's periodic orbit x″ = μ(1 − x²)x′ − x over half its period T, after which (x, x′) is (−x, −x′): x = c, x′ = 0 on

@@ -437,7 +437,7 @@ pub fn names() -> impl Iterator<Item = &'static str> + Clone {
 const INTERVALS_OF_WALL: f64 = 0.96;
 
 /// Most intervals that a mesh may begin with.
-const MOST_INTERVALS: usize = 4096;
+pub const MOST_INTERVALS: usize = 4096;
 
 /// Least and largest active stress g ξ_s/κ, at which the first time steps still find their shapes.
 const STRESS: [f64; 2] = [-150.0, 75.0];

@@ -3,7 +3,7 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`drawing`] | one style, a canvas for SVG and PNG, axes, legends, cells |
+//! | [`drawing`] | one style, a canvas for SVG, PDF and PNG, axes, legends, cells |
 //! | [`plot`] | a picture of what each command computes |
 //! | [`movie`] | a division as a moving picture |
 //!

@@ -75,6 +75,11 @@ pub enum InputError {
 }
 
 impl InputError {
+    /// The error for a file that the system cannot read.
+    pub fn unreadable(file: &std::path::Path, reason: impl ToString) -> Self {
+        InputError::Unreadable { file: file.display().to_string(), reason: reason.to_string() }
+    }
+
     /// The error for a file that is of another kind than `wanted`.
     pub fn other_file(file: impl ToString, wanted: &str, reason: impl ToString) -> Self {
         InputError::OtherFile { file: file.to_string(), wanted: wanted.to_owned(), reason: reason.to_string() }

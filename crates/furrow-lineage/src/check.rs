@@ -56,6 +56,9 @@ fn law_ranges(
     values.into_iter().filter_map(|(field, value, range, allowed)| Some((field, value?, range, allowed)))
 }
 
+/// What `volumes` of a clock may be.
+const VOLUMES_ALLOWED: &str = "the smallest and the largest volume, two fractions of the first cell's above 0";
+
 impl Check<'_> {
     /// `file:line` of the `nth` founder of a name, from 0, where the line is found. It searches the whole text: for errors
     /// only.
@@ -102,6 +105,7 @@ impl Check<'_> {
         self.letters("naming", lineage.naming)?;
         lineage.units().check(self.file)?;
         self.printable("name", &lineage.name)?;
+        self.ensure(!lineage.name.trim().is_empty(), "name", shown(&lineage.name), "the organism's name, not empty")?;
         self.printable("citation", lineage.citation.as_deref().unwrap_or(""))?;
         self.cues()?;
         self.rules(&|| self.file.to_owned(), "cue_rules", &lineage.cue_rules)?;
@@ -138,7 +142,8 @@ impl Check<'_> {
                 "(alone)",
                 allowed,
             )?;
-            let FounderClock { lifetime_min, at_volume, exponent } = own;
+            let FounderClock { lifetime_min, at_volume, exponent, volumes } = own;
+            self.volumes(volumes).map_err(|value| self.founder_error(f, "clock.volumes", value, VOLUMES_ALLOWED))?;
             for (field, value, range, allowed) in law_ranges(lifetime_min, at_volume, exponent) {
                 self.require(f, range.contains(&value), &format!("clock.{field}"), value, allowed)?;
             }
@@ -147,6 +152,9 @@ impl Check<'_> {
         let (lifetime_min, at_volume) = (Some(clock.lifetime_min), Some(clock.at_volume));
         for (field, value, range, allowed) in law_ranges(lifetime_min, at_volume, Some(clock.exponent)) {
             self.ensure(range.contains(&value), &format!("clock.{field}"), value, allowed)?;
+        }
+        if let Err(value) = self.volumes(clock.volumes) {
+            self.ensure(false, "clock.volumes", value, VOLUMES_ALLOWED)?;
         }
         if let Some(tau) = clock.tau_min {
             self.ensure(MINUTES.contains(&tau), "clock.tau_min", tau, MINUTES_ALLOWED)?;
@@ -164,6 +172,12 @@ impl Check<'_> {
             self.ensure(MINUTES.contains(minutes), &field, minutes, MINUTES_ALLOWED)?;
         }
         Ok(())
+    }
+
+    /// Refuses volumes of a clock that are no range: gives them as text.
+    fn volumes(&self, given: Option<[f64; 2]>) -> Result<(), String> {
+        let fit = |[least, most]: [f64; 2]| (1e-12..=most).contains(&least) && most.is_finite();
+        given.filter(|range| !fit(*range)).map_or(Ok(()), |[least, most]| Err(format!("({least}, {most})")))
     }
 
     /// The cues that the file names.
@@ -257,9 +271,7 @@ impl Check<'_> {
 
     fn physics(&self, f: &Founder) -> Checked {
         if let Some(given) = f.r0 {
-            let units = self.lineage.units();
-            let no_unit = |allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed);
-            let r0 = given.in_units(&units).map_err(no_unit)?;
+            let r0 = given.in_units(&self.lineage.units());
             self.require(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;
             self.require(f, SIZES.contains(&r0), "r0", given, "a number of L_h from 1e-6 to 1e6")?;
         }

@@ -27,6 +27,9 @@ pub struct Clock<L = Lifetimes> {
     /// Exponent; 0, which gives all cells one lifetime, if not given.
     #[serde(default)]
     pub exponent: f64,
+    /// The smallest and the largest volume that the law was fitted to, as fractions of the first cell's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volumes: Option<[f64; 2]>,
     /// One τ in minutes. If it is given, the time from the start of a division to its pinch-off, `t_end` · `tau_min`, is added
     /// to lifetimes by the law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -53,6 +56,9 @@ pub struct FounderClock {
     /// As [`Clock::exponent`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
+    /// As [`Clock::volumes`]; unknown where `lifetime_min` is given without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volumes: Option<[f64; 2]>,
 }
 
 /// The event at minute 0.
@@ -135,7 +141,7 @@ impl Clock<WrittenLifetimes> {
     /// Names the file, and the line that is wrong in it.
     pub(super) fn resolved(self, lineage: &str) -> Result<Clock, InputError> {
         // Without `..`: the compiler asks for every field.
-        let Clock { lifetime_min, at_volume, exponent, tau_min, origin, lifetimes } = self;
+        let Clock { lifetime_min, at_volume, exponent, volumes, tau_min, origin, lifetimes } = self;
         let lifetimes = match lifetimes {
             None => None,
             Some(WrittenLifetimes::Inline(lifetimes)) => Some(lifetimes),
@@ -144,7 +150,7 @@ impl Clock<WrittenLifetimes> {
                 Some(read_lifetimes(&read_text(&path)?, &path.display().to_string())?)
             }
         };
-        Ok(Clock { lifetime_min, at_volume, exponent, tau_min, origin, lifetimes })
+        Ok(Clock { lifetime_min, at_volume, exponent, volumes, tau_min, origin, lifetimes })
     }
 }
 
@@ -189,12 +195,22 @@ pub struct LifetimeLaw {
     pub at_volume: f64,
     /// Exponent.
     pub exponent: f64,
+    /// The smallest and the largest volume that the law was fitted to, where they are known.
+    pub volumes: Option<[f64; 2]>,
 }
+
+/// Cells of one generation differ by less than half a division from a measured size of that generation: a factor √2 in volume.
+const HALF_A_DIVISION: f64 = std::f64::consts::SQRT_2;
 
 impl LifetimeLaw {
     /// The lifetime of a cell in minutes; its volume is a fraction of the first cell's.
     pub fn lifetime(&self, volume: f64) -> f64 {
         self.lifetime_min * (volume / self.at_volume).powf(-self.exponent)
+    }
+
+    /// Whether a volume is more than half a division beyond those that the law was fitted to.
+    pub fn extrapolates_to(&self, volume: f64) -> bool {
+        self.volumes.is_some_and(|[least, most]| volume * HALF_A_DIVISION < least || volume > most * HALF_A_DIVISION)
     }
 }
 
@@ -204,15 +220,17 @@ impl Lineage {
         let inherited = match self.mother(founder) {
             Some(mother) => self.lifetime_law(mother)?,
             None => {
-                let Clock { lifetime_min, at_volume, exponent, .. } = *self.clock.as_ref()?;
-                LifetimeLaw { lifetime_min, at_volume, exponent }
+                let Clock { lifetime_min, at_volume, exponent, volumes, .. } = *self.clock.as_ref()?;
+                LifetimeLaw { lifetime_min, at_volume, exponent, volumes }
             }
         };
         let Some(own) = self.founders[founder].clock else { return Some(inherited) };
         let exponent = own.exponent.unwrap_or(inherited.exponent);
         Some(match own.lifetime_min {
-            None => LifetimeLaw { exponent, ..inherited },
-            Some(lifetime_min) => LifetimeLaw { lifetime_min, at_volume: own.at_volume.unwrap_or(1.0), exponent },
+            None => LifetimeLaw { exponent, volumes: own.volumes.or(inherited.volumes), ..inherited },
+            Some(lifetime_min) => {
+                LifetimeLaw { lifetime_min, at_volume: own.at_volume.unwrap_or(1.0), exponent, volumes: own.volumes }
+            }
         })
     }
 
@@ -239,6 +257,9 @@ pub struct CellTimes {
     /// Division; none for a cell without daughters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub division_min: Option<f64>,
+    /// Whether it divides after a lifetime by a law that was fitted to other sizes of cells.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub lifetime_extrapolated: bool,
 }
 
 impl Tree {
@@ -253,11 +274,14 @@ impl Tree {
             // Mothers come before daughters.
             let birth_min = self.mother(id).and_then(|mother| times[mother.index()].division_min).unwrap_or(0.0);
             let divides = self.daughter_count(id) > 0;
-            let division_min = divides.then(|| birth_min + clock.lifetime(cell, &laws[cell.founder]));
-            times.push(CellTimes { birth_min, division_min });
+            let law = &laws[cell.founder];
+            let division_min = divides.then(|| birth_min + clock.lifetime(cell, law));
+            let is_measured = clock.lifetimes.as_ref().is_some_and(|known| known.contains_key(&cell.name));
+            let lifetime_extrapolated = divides && !is_measured && law.extrapolates_to(cell.volume_fraction);
+            times.push(CellTimes { birth_min, division_min, lifetime_extrapolated });
         }
         let zero = self.origin_minute(clock.origin.as_ref(), &times).unwrap_or(0.0);
-        for CellTimes { birth_min, division_min } in &mut times {
+        for CellTimes { birth_min, division_min, .. } in &mut times {
             *birth_min -= zero;
             division_min.iter_mut().for_each(|division| *division -= zero);
         }
@@ -342,11 +366,18 @@ fn round_step(least: f64) -> f64 {
 /// The last division among the descendants of each founder, itself included, in minutes, in the order of the lineage's founders;
 /// none where none divides.
 pub fn last_divisions(tree: &Tree, times: &[CellTimes]) -> Vec<Option<f64>> {
-    let mut last: Vec<Option<f64>> = vec![None; tree.len()];
+    last_times(tree, times).into_iter().map(|last| last?.division_min).collect()
+}
+
+/// The times of the cells of [`last_divisions`].
+pub fn last_times(tree: &Tree, times: &[CellTimes]) -> Vec<Option<CellTimes>> {
+    let mut last: Vec<Option<CellTimes>> = vec![None; tree.len()];
+    let later = |a: CellTimes, b: CellTimes| if b.division_min > a.division_min { b } else { a };
     // From behind, daughters come before their mothers.
     for id in tree.cells().rev() {
         let below = tree.daughters(id).into_iter().flatten().map(|daughter| last[daughter.index()]);
-        last[id.index()] = below.flatten().chain(times[id.index()].division_min).reduce(f64::max);
+        let own = Some(times[id.index()]).filter(|times| times.division_min.is_some());
+        last[id.index()] = below.flatten().chain(own).reduce(later);
     }
     (0..tree.lineage.founders.len()).map(|k| tree.founder_cell(k).and_then(|id| last[id.index()])).collect()
 }

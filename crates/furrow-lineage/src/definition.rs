@@ -194,20 +194,27 @@ impl Lineage {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)
     }
 
-    /// L_h and τ; both unknown where the file does not give them.
+    /// L_h and τ; unknown where the file does not give them, but for the worm's L_h where a radius is in µm.
     pub fn units(&self) -> Units {
-        self.units.unwrap_or_default()
+        let given = self.units.unwrap_or_default();
+        self.founders.iter().filter_map(|founder| founder.r0).fold(given, Units::asked_in)
     }
 
     /// The radius R0 that the file gives a founder, in L_h.
     pub fn given_r0(&self, founder: usize) -> Option<f64> {
-        self.founders[founder].r0.and_then(|length| length.in_units(&self.units()).ok())
+        self.founders[founder].r0.map(|length| length.in_units(&self.units()))
     }
 
     /// Radii that are given as plain numbers, which are of L_h, where a number of µm is more likely; a sentence for each. Only
-    /// files that say how long L_h is can mix the two up.
+    /// files that say how long L_h is can mix the two up. Others with radii in µm are told which L_h they get.
     pub fn doubtful_radii(&self) -> Vec<String> {
         let units = self.units();
+        if let (None, Some(length)) = (self.units.and_then(|units| units.length_um), units.length_um) {
+            return vec![format!(
+                "radii are in µm, and the lineage does not say how long L_h is: {length} µm is taken, the worm's; \
+                 add units: (length_um: …)"
+            )];
+        }
         let doubt = |founder: &Founder| match (founder.r0, units.length_um) {
             (Some(Length::Natural(r0)), Some(_)) if r0 > DOUBTFUL => Some(format!(
                 "founder {:?}: r0 = {r0} is in L_h{}; if it is in µm, write r0: \"{r0}um\"",
@@ -264,7 +271,21 @@ impl Lineage {
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
     }
 
-    /// The same lineage with another cue, under a name, in the place of every cue that its founders or rules give.
+    /// Whether every cue that a founder or a rule names is `none`.
+    pub fn is_without_cues(&self) -> bool {
+        let of_founder = |founder: &Founder| without(founder.cue.iter()) && without(names(&founder.cue_rules));
+        self.founders.iter().all(of_founder) && without(names(&self.cue_rules))
+    }
+
+    /// The first cell and, from mother to daughter, the founders that are the smaller daughter: the line that has the cue in the
+    /// built-in lineage.
+    pub fn smaller_line(&self) -> Vec<usize> {
+        let below = self.daughters();
+        std::iter::successors(Some(self.first()), |&founder| below[founder].map(|(_, smaller)| smaller)).collect()
+    }
+
+    /// The same lineage with another cue, under a name, in the place of every cue that its founders or rules give. If they give none,
+    /// the founders of [`smaller_line`](Self::smaller_line) get it, and descendants up to the next founder inherit it.
     ///
     /// ```
     /// use furrow_cell::Cue;
@@ -275,13 +296,21 @@ impl Lineage {
     /// # Ok::<(), furrow_input::InputError>(())
     /// ```
     pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
-        let mut name = name.to_owned();
+        let (mut name, was_without) = (name.to_owned(), self.is_without_cues());
         if name != "none" {
             // Another cue keeps its name.
             while self.cues.get(&name).is_some_and(|other| other != cue) {
                 name.push('*');
             }
             self.cues.insert(name.clone(), cue.clone());
+            if was_without {
+                for founder in self.smaller_line() {
+                    let founder = &mut self.founders[founder];
+                    (founder.cue, founder.inherit) = (Some(name.clone()), true);
+                    founder.cue_rules.clear();
+                }
+                return self;
+            }
         }
         let of_founders = self
             .founders
@@ -347,6 +376,16 @@ impl Lineage {
         let below = generation.checked_sub(1).and_then(|k| self.founders[founder].letters.get(k));
         below.copied().unwrap_or(self.naming)
     }
+}
+
+/// Names of the cues of rules.
+fn names(rules: &[CueRule]) -> impl Iterator<Item = &String> {
+    rules.iter().map(|rule| &rule.cue)
+}
+
+/// Whether all these names of cues are `none`.
+fn without<'a>(mut names: impl Iterator<Item = &'a String>) -> bool {
+    names.all(|name| name == "none")
 }
 
 /// Reads cues by name, and refuses duplicate names.

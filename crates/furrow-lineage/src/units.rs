@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use furrow_cell::cue::Scale;
+use furrow_cell::settings::Value;
 use furrow_input::InputError;
+use furrow_mechanics::polarity::LENGTH_UM;
 
 /// L_h and τ of an embryo. The paper prints neither: users give them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,9 +30,33 @@ impl Units {
         self.time_min.map(|unit| unit * time)
     }
 
+    /// L_h in µm: the worm's where it is not given, as the presets are the worm's.
+    pub fn length_um(&self) -> f64 {
+        self.length_um.unwrap_or(LENGTH_UM)
+    }
+
+    /// The same; with the worm's L_h where it is not given and a length is in µm, so that answers have µm too.
+    pub fn asked_in(self, length: Length) -> Units {
+        match length {
+            Length::Natural(_) => self,
+            Length::Micrometres(_) => Units { length_um: Some(self.length_um()), ..self },
+        }
+    }
+
+    /// The value of a parameter, in L_h if it is a radius in µm.
+    pub fn natural(&self, name: &str, value: Value) -> Value {
+        match value {
+            Value::Text(text) if name == "r0" => match text.parse() {
+                Ok(length @ Length::Micrometres(_)) => Value::Number(length.in_units(self)),
+                _ => Value::Text(text),
+            },
+            other => other,
+        }
+    }
+
     /// What cues with numbers in µm and seconds are converted with.
     pub fn scale(&self) -> Scale {
-        Scale { length_um: self.length_um, time_s: self.time_min.map(|minutes| 60.0 * minutes) }
+        Scale { length_um: Some(self.length_um()), time_s: self.time_min.map(|minutes| 60.0 * minutes) }
     }
 
     /// A length in L_h as text, followed by µm where L_h is known: ` (17.06 µm)`.
@@ -53,15 +79,29 @@ impl Units {
     }
 }
 
+/// Radii R0 in L_h of the cells that the presets were made for: the zygote's is 5.4, and cells below 1.7 do not divide.
+const MADE_FOR: std::ops::RangeInclusive<f64> = 0.5..=8.0;
+
+/// Says so where a radius, in L_h, is far from those that the presets were made for.
+pub fn size_doubt(r0: f64) -> Option<String> {
+    let [least, most] = [MADE_FOR.start(), MADE_FOR.end()];
+    (r0.is_finite() && !MADE_FOR.contains(&r0)).then(|| {
+        format!(
+            "R0 = {r0:.4} L_h is far from the sizes that the constants were made for, {least} to {most} (the worm's zygote has 5.4); \
+             if it is in µm, write {r0:.4}um, and of another animal say how long L_h is: units: (length_um: …) in its lineage file"
+        )
+    })
+}
+
 /// A length as users write it: a number of L_h, or of µm with the unit behind it.
 ///
 /// ```
 /// use furrow_lineage::{Length, Units};
 ///
 /// let units = Units { length_um: Some(3.0), time_min: None };
-/// assert_eq!("17.1um".parse::<Length>()?.in_units(&units)?, 17.1 / 3.0);
-/// assert_eq!("5.4".parse::<Length>()?.in_units(&Units::default())?, 5.4);
-/// assert!("17.1um".parse::<Length>()?.in_units(&Units::default()).is_err());
+/// assert_eq!("17.1um".parse::<Length>()?.in_units(&units), 17.1 / 3.0);
+/// assert_eq!("5.4".parse::<Length>()?.in_units(&units), 5.4);
+/// assert_eq!("16um".parse::<Length>()?.in_units(&Units::default()), 16.0 / 3.2);
 /// # Ok::<(), String>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,15 +114,10 @@ pub enum Length {
 
 impl Length {
     /// The length in L_h.
-    ///
-    /// # Errors
-    /// The length is in µm, and L_h is not given.
-    pub fn in_units(self, units: &Units) -> Result<f64, String> {
-        const NO_UNIT: &str =
-            "a number of L_h, or of um where the lineage file says how long L_h is, as in units: (length_um: 3.16)";
+    pub fn in_units(self, units: &Units) -> f64 {
         match self {
-            Length::Natural(length) => Ok(length),
-            Length::Micrometres(length) => units.length_um.map(|unit| length / unit).ok_or(NO_UNIT.to_owned()),
+            Length::Natural(length) => length,
+            Length::Micrometres(length) => length / units.length_um(),
         }
     }
 }

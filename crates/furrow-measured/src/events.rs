@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use furrow_input::InputError;
 use serde::Serialize;
 
-use crate::names::{birth, generation};
+use crate::names::generation;
 use crate::statistics::{mean, sd};
 use crate::volumes::Volumes;
 
@@ -90,7 +90,7 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
         let measured = embryo.cells.iter().filter(|cell| cell.frames > 0);
         let known: BTreeMap<&str, f64> = measured.map(|cell| (cell.cell.as_str(), cell.volume())).collect();
         for (&name, &volume) in &known {
-            let Some((mother, other, is_first)) = birth(name) else { continue };
+            let Some((mother, other, is_first)) = volumes.names.birth(name) else { continue };
             let (embryo, group, mother) = (embryo.name.clone(), embryo.group.clone(), mother.to_owned());
             match known.get(other.as_str()) {
                 None => found.half_seen.push(HalfSeen { embryo, group, mother, missing: other }),

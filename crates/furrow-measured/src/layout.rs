@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use furrow_input::InputError;
 use serde::Serialize;
 
-use crate::names::is_cell;
+use crate::names::understood;
 use crate::table::{listed, malformed};
 
 /// Unit of volumes.
@@ -75,7 +75,7 @@ impl Columns {
             let (frame, n, unit) = (find(&["frame", "time", "time_point"]), find(&["n", "n_frames"]), find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
-        if header.iter().skip(1).any(|name| is_cell(name)) {
+        if header.iter().skip(1).any(|name| understood(name).is_some()) {
             return Ok(None);
         }
         let missing = [("cell", cell), ("volume", volume), ("embryo", embryo)];

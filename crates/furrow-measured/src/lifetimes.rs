@@ -13,7 +13,7 @@ use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
 use crate::events::place;
-use crate::names::{birth, founder};
+use crate::names::Names;
 use crate::significance::{Sample, Trend, sign_test, trend, welch};
 use crate::statistics::{mean, sd};
 use crate::table::{Table, listed, malformed, number};
@@ -55,6 +55,8 @@ pub struct Lifetimes {
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
+    /// The names of cells.
+    pub names: Names,
 }
 
 /// Units in the names of columns, and minutes in each.
@@ -125,11 +127,11 @@ struct Row {
 /// Limits of a time, in minutes: sums beyond them could overflow.
 const TIMES: [f64; 2] = [1e-9, 1e12];
 
-fn read_row(record: &ByteRecord, columns: &Columns) -> Result<Row, Rejected> {
+fn read_row(record: &ByteRecord, columns: &Columns, names: &Names) -> Result<Row, Rejected> {
     let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
     let minutes = |(column, unit): TimeColumn| number(text(column)).map(|time| time * unit);
-    let cell = str::from_utf8(text(columns.cell)).ok().filter(|name| founder(name).is_some());
-    let cell = cell.ok_or((columns.cell, "no name of Sulston's"))?.to_owned();
+    let cell = str::from_utf8(text(columns.cell)).ok().and_then(|name| names.understood(name));
+    let cell = cell.ok_or((columns.cell, names.unknown()))?;
     let mean = minutes(columns.lifetime).filter(|mean| (TIMES[0]..=TIMES[1]).contains(mean));
     let mean = mean.ok_or((columns.lifetime.0, "must be a time above 0"))?;
     let n = match columns.n {
@@ -152,20 +154,28 @@ fn read_row(record: &ByteRecord, columns: &Columns) -> Result<Row, Rejected> {
 }
 
 impl Lifetimes {
-    /// Reads a table. Reports name it `file`.
+    /// Reads a table with Sulston's names. Reports name it `file`.
     ///
     /// # Errors
     /// A table without the required columns, or without a row that can be used.
     pub fn read(from: impl Read, file: &str) -> Result<Lifetimes, InputError> {
+        Lifetimes::read_named(from, file, &Names::default())
+    }
+
+    /// Reads a table of cells with these names.
+    ///
+    /// # Errors
+    /// As [`Lifetimes::read`].
+    pub fn read_named(from: impl Read, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
         let mut table = Table::open(from, file)?;
         let (line, header) = table.header(|_| false)?;
         let columns = Columns::of(&header, file, line)?;
-        let mut found = Lifetimes::default();
+        let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };
         let mut rows: Vec<Vec<Row>> = Vec::new();
         // Indices of cells, and the lines of their first rows.
         let mut places: HashMap<String, (usize, u64)> = HashMap::new();
         while let Some((line, record)) = table.next_row()? {
-            let row = match read_row(record, &columns) {
+            let row = match read_row(record, &columns, names) {
                 Ok(row) => row,
                 Err((column, why)) => {
                     found.skip((file, line), (column, &columns.header), record, why.to_owned());
@@ -196,20 +206,20 @@ impl Lifetimes {
             value,
             format!("at least one that can be used ({first})"),
         )?;
-        found.cells = rows.iter().filter_map(|rows| averaged(rows)).collect();
+        found.cells = rows.iter().filter_map(|rows| averaged(rows, names)).collect();
         Ok(found)
     }
 
     /// Reads a file: a table, or cells that another program [followed over time](crate::tracked) with so many minutes from one frame to
-    /// the next.
+    /// the next. Cells have these names.
     ///
     /// # Errors
     /// As [`Lifetimes::read`] and [`TrackedLineage::lifetimes`](crate::tracked::TrackedLineage::lifetimes).
-    pub fn read_file(path: &Path, frame_minutes: Option<f64>) -> Result<Lifetimes, InputError> {
+    pub fn read_file(path: &Path, frame_minutes: Option<f64>, names: &Names) -> Result<Lifetimes, InputError> {
         let name = path.display().to_string();
         match read_tracked(path, &TrackOptions { pixel: None, frame_minutes })? {
-            Some(embryo) => embryo.lifetimes(&name),
-            None => Lifetimes::read(open_file(path)?, &name),
+            Some(embryo) => embryo.lifetimes(&name, names),
+            None => Lifetimes::read_named(open_file(path)?, &name, names),
         }
     }
 
@@ -232,9 +242,9 @@ impl Lifetimes {
 }
 
 /// One row as it is, or the mean over several of one embryo each.
-fn averaged(rows: &[Row]) -> Option<Lifetime> {
+fn averaged(rows: &[Row], names: &Names) -> Option<Lifetime> {
     let first = rows.first()?;
-    let founder = founder(&first.cell)?.to_owned();
+    let founder = names.founder(&first.cell)?.to_owned();
     let births: Vec<f64> = rows.iter().filter_map(|row| row.birth).collect();
     let lives: Vec<f64> = rows.iter().map(|row| row.mean).collect();
     let (n, mean_life, sd) = match rows {
@@ -295,7 +305,7 @@ pub struct Sisters {
 pub fn sisters(lifetimes: &Lifetimes) -> Vec<Sisters> {
     let by_name: HashMap<&str, &Lifetime> = lifetimes.cells.iter().map(|cell| (cell.cell.as_str(), cell)).collect();
     let of = |cell: &Lifetime| {
-        let (mother, other, is_first) = birth(&cell.cell)?;
+        let (mother, other, is_first) = lifetimes.names.birth(&cell.cell)?;
         let other = *by_name.get(other.as_str()).filter(|_| is_first)?;
         let sample = |cell: &Lifetime| Some(Sample { n: cell.n, mean: cell.mean, sd: cell.sd? });
         let lifetimes = [cell.mean, other.mean];
@@ -384,13 +394,14 @@ pub fn cells_over_time(lifetimes: &Lifetimes) -> Option<EmbryoOverTime> {
     let mut divisions: BTreeMap<String, f64> = BTreeMap::new();
     let mut daughters: HashMap<&str, usize> = HashMap::new();
     for cell in &lifetimes.cells {
-        if let (Some((mother, ..)), Some(born)) = (birth(&cell.cell), cell.birth) {
+        if let (Some((mother, ..)), Some(born)) = (lifetimes.names.birth(&cell.cell), cell.birth) {
             divisions.entry(mother.to_owned()).or_insert(born);
             *daughters.entry(mother).or_default() += 1;
         }
     }
     divisions.extend(lifetimes.cells.iter().filter_map(|cell| Some((cell.cell.clone(), cell.division()?))));
-    let is_root = |cell: &&String| birth(cell).is_none_or(|(mother, ..)| !divisions.contains_key(mother));
+    let is_root =
+        |cell: &&String| lifetimes.names.birth(cell).is_none_or(|(mother, ..)| !divisions.contains_key(mother));
     let roots = divisions.keys().filter(is_root).cloned().collect();
     let last = divisions.iter().filter(|(cell, _)| daughters.get(cell.as_str()) != Some(&2));
     let known_until = last.map(|(_, min)| *min).min_by(f64::total_cmp)?;

@@ -51,6 +51,39 @@ pub fn birth(name: &str) -> Option<(&str, String, bool)> {
     letters.chars().all(|letter| other_side(letter).is_some()).then(|| (mother, format!("{mother}{other}"), first))
 }
 
+/// The name of a cell as it may be written: with blanks or points between its letters, or a descendant of a founder in
+/// capitals; `None` for anything that is not the name of a cell.
+///
+/// `DVA` is a neuron. Therefore only descendants of AB and MS may be in capitals throughout, and of E, C and D those
+/// that come from a first division along the anterior axis, as all of Sulston's do.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::names::understood;
+/// assert_eq!(understood("AB plp").as_deref(), Some("ABplp"));
+/// assert_eq!(understood("ABAL").as_deref(), Some("ABal"));
+/// assert_eq!(understood("DVA"), None);
+/// ```
+pub fn understood(text: &str) -> Option<String> {
+    let text = text.trim();
+    if is_cell(text) {
+        return Some(text.to_owned());
+    }
+    if text.len() > 2 * LONGEST {
+        return None;
+    }
+    let name: String = text.chars().filter(|c| !c.is_whitespace() && *c != '.').collect();
+    let in_capitals = || {
+        let below = |stem: &&str| {
+            let letters = name.strip_prefix(*stem)?.to_ascii_lowercase();
+            let fine = stem.len() > 1 || letters.starts_with(['a', 'p']);
+            Some(format!("{stem}{letters}")).filter(|_| fine)
+        };
+        name.chars().all(|c| c.is_ascii_uppercase()).then(|| STEMS.iter().find_map(below))?
+    };
+    if is_cell(&name) { Some(name) } else { in_capitals().filter(|name| is_cell(name)) }
+}
+
 /// The mother of a cell, if it has one.
 fn mother(name: &str) -> Option<&str> {
     birth(name).map(|(mother, ..)| mother)
@@ -82,6 +115,109 @@ pub fn generation(name: &str) -> u32 {
     std::iter::successors(mother(name), |name| mother(name)).count() as u32
 }
 
+/// A founder of an animal's lineage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedFounder {
+    /// Its name.
+    pub name: String,
+    /// The place of its mother among the founders; `None` for the first cell.
+    pub mother: Option<usize>,
+    /// Letters of the daughters in the generations below it; the animal's own after these.
+    pub letters: Vec<(char, char)>,
+}
+
+/// The names of an animal's cells: Sulston's, and those that a lineage gives by its rule.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::names::{NamedFounder, Names};
+/// let founder = |name: &str, mother| NamedFounder { name: name.to_owned(), mother, letters: Vec::new() };
+/// let founders = vec![founder("zygote", None), founder("upper", Some(0)), founder("lower", Some(0))];
+/// let names = Names::of(founders, ('1', '2'));
+/// assert_eq!(names.birth("lower21"), Some(("lower2", "lower22".to_owned(), true)));
+/// assert_eq!(names.birth("upper"), Some(("zygote", "lower".to_owned(), true)));
+/// assert_eq!(names.founder("lower21"), Some("lower"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Names {
+    founders: Vec<NamedFounder>,
+    letters: (char, char),
+    /// Whether Sulston's names come first: the lineage has his founders.
+    of_worm: bool,
+}
+
+impl Names {
+    /// Names of a lineage with these founders and letters; Sulston's are known beside them.
+    pub fn of(founders: Vec<NamedFounder>, letters: (char, char)) -> Names {
+        let is_of = |(name, other): (&str, &str)| {
+            let mother = founders.iter().find(|founder| founder.name == name).and_then(|founder| founder.mother);
+            mother.is_some_and(|mother| founders[mother].name == other)
+        };
+        let of_worm = [("AB", "P0"), ("P1", "P0")].into_iter().all(is_of);
+        Names { founders, letters, of_worm }
+    }
+
+    /// The founder (an index) that a cell is or descends from by the lineage's rule, and the letters behind its name.
+    fn place<'a>(&self, name: &'a str) -> Option<(usize, &'a str)> {
+        let has_listed = |k: usize| self.founders.iter().any(|founder| founder.mother == Some(k));
+        self.founders.iter().enumerate().find_map(|(k, founder)| {
+            let letters = name.strip_prefix(founder.name.as_str())?;
+            let named = |(n, letter): (usize, char)| {
+                let (first, second) = self.letters_of(k, n);
+                letter == first || letter == second
+            };
+            let fits = letters.is_empty() || !has_listed(k) && letters.chars().enumerate().all(named);
+            fits.then_some((k, letters))
+        })
+    }
+
+    /// The letters of the daughters that are born `generation` rounds below a founder's own, from 0.
+    fn letters_of(&self, founder: usize, generation: usize) -> (char, char) {
+        self.founders[founder].letters.get(generation).copied().unwrap_or(self.letters)
+    }
+
+    /// As [`birth`].
+    pub fn birth<'a>(&'a self, name: &'a str) -> Option<(&'a str, String, bool)> {
+        let own = || {
+            let (k, letters) = self.place(name)?;
+            let Some((at, last)) = letters.char_indices().next_back() else {
+                let mother = self.founders[k].mother?;
+                let is_sister =
+                    |(other, founder): &(usize, &NamedFounder)| *other != k && founder.mother == Some(mother);
+                let (other, sister) = self.founders.iter().enumerate().find(is_sister)?;
+                return Some((self.founders[mother].name.as_str(), sister.name.clone(), k < other));
+            };
+            let (first, second) = self.letters_of(k, letters.chars().count() - 1);
+            let mother = &name[..name.len() - letters.len() + at];
+            let other = if last == first { second } else { first };
+            Some((mother, format!("{mother}{other}"), last == first))
+        };
+        if self.of_worm { birth(name).or_else(own) } else { own().or_else(|| birth(name)) }
+    }
+
+    /// As [`founder`].
+    pub fn founder<'a>(&'a self, name: &'a str) -> Option<&'a str> {
+        let own = || self.place(name).map(|(k, _)| self.founders[k].name.as_str());
+        if self.of_worm { founder(name).or_else(own) } else { own().or_else(|| founder(name)) }
+    }
+
+    /// As [`is_cell`].
+    pub fn is_cell(&self, name: &str) -> bool {
+        is_cell(name) || self.place(name).is_some()
+    }
+
+    /// As [`understood`]; the lineage's own names have one spelling.
+    pub fn understood(&self, text: &str) -> Option<String> {
+        let text = text.trim();
+        if self.place(text).is_some() { Some(text.to_owned()) } else { understood(text) }
+    }
+
+    /// Why another name is not used.
+    pub fn unknown(&self) -> &'static str {
+        if self.founders.is_empty() || self.of_worm { "no name of Sulston's" } else { "no name of the lineage's cells" }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,6 +238,34 @@ mod tests {
         }
         assert_eq!(generation("ABala"), 4);
         assert_eq!(generation("P0"), 0);
+    }
+
+    #[test]
+    fn blanks_points_and_capitals_are_understood() {
+        for (text, name) in [
+            ("AB al", "ABal"),
+            ("AB.al", "ABal"),
+            (" AB\u{a0}plpa ", "ABplpa"),
+            ("A B.a.l", "ABal"),
+            ("ABAL", "ABal"),
+            ("AB PLP", "ABplp"),
+            ("MSAP", "MSap"),
+            ("E.a", "Ea"),
+            ("EAL", "Eal"),
+            ("CPA", "Cpa"),
+            ("DA", "Da"),
+            ("P 4", "P4"),
+        ] {
+            assert_eq!(understood(text).as_deref(), Some(name), "{text}");
+        }
+        for name in ["P0", "AB", "P1", "EMS", "MS", "E", "C", "D", "P4", "Z2", "Ea", "Cpa", "Da", "ABplv"] {
+            assert_eq!(understood(name).as_deref(), Some(name));
+        }
+        for other in ["", ".", "DVA", "DD", "CAN", "ADAL", "ABALx", "AbAl", "abal", "EMSA", "P4A", "P5", "Nuc 1", "12"]
+        {
+            assert_eq!(understood(other), None, "{other}");
+        }
+        assert_eq!(understood(&format!("AB{}", " ".repeat(1_000_000))).as_deref(), Some("AB"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Probabilities of slopes, of differences of means and of orders.
 
 use serde::Serialize;
-use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, StudentsT};
 
 use crate::statistics::{Line, line};
 
@@ -18,8 +18,25 @@ pub struct Trend {
 /// The line of least squares with the p value of its slope; none of fewer than three points or where x does not vary.
 pub fn trend(points: &[[f64; 2]]) -> Option<Trend> {
     let line = line(points)?;
-    let p = two_sided(line.slope / line.slope_error, (line.n - 2) as f64)?;
+    let p = slope_p(&line)?;
     Some(Trend { line, p })
+}
+
+/// Probability of a slope as far from 0, of either sign, if y did not depend on x; by Student's t.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::{significance::slope_p, statistics::{line, line_through_origin}};
+/// let points = [[1.0, 1.0], [2.0, 3.0], [3.0, 2.0], [4.0, 5.0]];
+/// // With two degrees of freedom 1 − t/√(2 + t²).
+/// let found = line(&points).unwrap();
+/// let t = found.slope / found.slope_error;
+/// assert!((slope_p(&found).unwrap() - (1.0 - t / (2.0 + t * t).sqrt())).abs() < 1e-12);
+/// // A line through the origin has one more.
+/// assert_eq!(line_through_origin(&points).unwrap().degrees_of_freedom(), 3);
+/// ```
+pub fn slope_p(line: &Line) -> Option<f64> {
+    two_sided(line.slope / line.slope_error, line.degrees_of_freedom() as f64)
 }
 
 /// Probability of a t as far from 0; none where it is no number.
@@ -64,4 +81,17 @@ pub fn welch(a: Sample, b: Sample) -> Option<f64> {
 pub fn sign_test(agree: usize, of: usize) -> f64 {
     let below = agree.checked_sub(1).zip(Binomial::new(0.5, of as u64).ok());
     below.map_or(1.0, |(below, tosses)| tosses.sf(below as u64))
+}
+
+/// Probability of a χ² as large or larger; `None` without degrees of freedom.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::significance::chi_squared_tail;
+/// // With two degrees of freedom e^(−χ²/2).
+/// assert!((chi_squared_tail(3.0, 2).unwrap() - (-1.5_f64).exp()).abs() < 1e-14);
+/// assert_eq!(chi_squared_tail(0.0, 0), None);
+/// ```
+pub fn chi_squared_tail(chi_squared: f64, degrees_of_freedom: usize) -> Option<f64> {
+    Some(ChiSquared::new(degrees_of_freedom as f64).ok()?.sf(chi_squared)).filter(|p| !p.is_nan())
 }

@@ -215,6 +215,13 @@ pub struct Line {
     pub r_squared_about_mean: f64,
 }
 
+impl Line {
+    /// Points less fitted numbers.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.n - if self.intercept_error.is_some() { 2 } else { 1 }
+    }
+}
+
 /// The line of least squares through points (x, y), with an intercept; none of fewer than three points or where x does not vary.
 pub fn line(points: &[[f64; 2]]) -> Option<Line> {
     let centre = [0, 1].map(|k| mean(&points.iter().map(|p| p[k]).collect::<Vec<_>>()));

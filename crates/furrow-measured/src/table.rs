@@ -5,6 +5,8 @@ use std::io::{BufRead, BufReader, Read, Take};
 use csv::ByteRecord;
 use furrow_input::InputError;
 
+use crate::tracked::foreign;
+
 /// Most bytes read of a table, so that an endless one ends.
 const LONGEST: u64 = 1 << 30;
 
@@ -28,6 +30,7 @@ impl<'f, R: Read> Table<'f, R> {
             buffered.consume(3);
         }
         let first = buffered.fill_buf().map_err(unreadable)?;
+        foreign::refuse(file, first)?;
         if first.starts_with(b"\xff\xfe") || first.starts_with(b"\xfe\xff") {
             return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
         }

@@ -23,7 +23,7 @@ use serde::Serialize;
 use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
-use crate::names::is_cell;
+use crate::names::{Names, understood};
 use crate::table::{Table, number};
 use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
@@ -34,6 +34,8 @@ pub struct ReadOptions {
     pub voxel: Option<f64>,
     /// Group of rows without one.
     pub group: Option<String>,
+    /// Names of cells in long tables and of cells that were followed; grids have Sulston's.
+    pub names: Names,
 }
 
 impl ReadOptions {
@@ -144,6 +146,8 @@ pub struct Volumes {
     pub skipped_count: u64,
     /// Whether some are of nuclei rather than of cells.
     pub of_nuclei: bool,
+    /// The names of cells, as the last table was read.
+    pub names: Names,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
@@ -178,7 +182,8 @@ impl Volumes {
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
-        let (line, header) = table.header(|header| header.iter().skip(1).any(|name| is_cell(name)))?;
+        let (line, header) = table.header(|header| header.iter().skip(1).any(|name| understood(name).is_some()))?;
+        self.names = options.names.clone();
         let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
             self.read_divisions(&mut table, file, options, &header, &columns)?
         } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
@@ -203,13 +208,13 @@ impl Volumes {
         }
     }
 
-    /// The volumes of some files, with default options.
+    /// The volumes of some files.
     ///
     /// # Errors
     /// As [`Volumes::read_file`], and files without a volume that can be used.
-    pub fn of_files(files: &[PathBuf]) -> Result<Volumes, InputError> {
+    pub fn of_files(files: &[PathBuf], options: &ReadOptions) -> Result<Volumes, InputError> {
         let mut volumes = Volumes::default();
-        files.iter().try_for_each(|file| volumes.read_file(file, &ReadOptions::default()))?;
+        files.iter().try_for_each(|file| volumes.read_file(file, options))?;
         volumes.require_used(&files.first().map_or(String::new(), |file| file.display().to_string()))?;
         Ok(volumes)
     }
@@ -221,6 +226,8 @@ impl Volumes {
     /// Volumes are in another unit than those before.
     pub fn add_tracked(&mut self, lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
+        let names = &options.names;
+        self.names = names.clone();
         let embryo = self.embryo(options.group.clone().unwrap_or_default(), lineage.name);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
@@ -228,7 +235,7 @@ impl Volumes {
             let value = Value { line: *line, column: 0, name: "name", text: name.as_bytes() };
             let refused = |why: &str| Err((value, why.to_owned()));
             let noted = match volume {
-                _ if !is_cell(name) => refused("no name of Sulston's"),
+                _ if !names.is_cell(name) => refused(names.unknown()),
                 None => refused("no size"),
                 Some(volume) => {
                     let cell = self.cell(embryo, name, *line);
@@ -312,8 +319,8 @@ impl Volumes {
     ) -> Result<f64, Rejected<'r>> {
         let volume = positive(at(columns.volume))?;
         let (cell, embryo) = (at(columns.cell), at(columns.embryo));
-        let name = str::from_utf8(cell.text).ok().filter(|name| is_cell(name)).ok_or_else(|| {
-            (cell, (if cell.text.is_empty() { "no name of a cell" } else { "no name of Sulston's" }).to_owned())
+        let name = str::from_utf8(cell.text).ok().and_then(|name| options.names.understood(name)).ok_or_else(|| {
+            (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
         if embryo.text.is_empty() {
             return Err((embryo, "no name of an embryo".to_owned()));
@@ -322,7 +329,7 @@ impl Volumes {
         let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
         let given = options.group.clone().filter(|_| group.is_empty());
         let embryo = self.embryo(given.unwrap_or(group), text(embryo));
-        let cell_place = self.cell(embryo, name, cell.line);
+        let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(&at);
         let frame = frame.map(|frame| number(frame.text).ok_or((frame, "not a number".to_owned()))).transpose()?;
         if let Some(n) = columns.n.map(&at)
@@ -347,12 +354,12 @@ impl Volumes {
         let embryo = self.embryo(options.group.clone().unwrap_or_default(), embryo_of_file(file));
         let mut places: Vec<Option<usize>> = vec![None];
         for (column, name) in header.iter().enumerate().skip(1) {
-            let known = is_cell(name);
-            if !known {
+            let known = understood(name);
+            if known.is_none() {
                 let value = Value { line: 1, column, name, text: name.as_bytes() };
                 self.skip(file, &(value, "no name of Sulston's".to_owned()));
             }
-            places.push(known.then(|| self.cell(embryo, name, 1)));
+            places.push(known.map(|name| self.cell(embryo, &name, 1)));
         }
         while let Some(row) = table.next()? {
             for column in 1..row.1.len() {

@@ -52,7 +52,7 @@ fn frames_are_averaged_and_grids_are_read() {
     let long = read(b"embryo,cell,frame,volume_um3\ne,AB,1,10\ne,AB,2,14\ne,P1,2,8\n");
     assert_eq!(long.embryos[0].cells.iter().map(|cell| cell.volume()).collect::<Vec<_>>(), [12.0, 8.0]);
     let mut grid = Volumes::default();
-    let options = ReadOptions { voxel: Some(0.25), group: None };
+    let options = ReadOptions { voxel: Some(0.25), ..ReadOptions::default() };
     grid.read(&b",AB,P1,Nuc3\n1,640,,7\n2,1280,320,\n3,,320,\n"[..], "data/Sample04_Volume.csv", &options).unwrap();
     assert_eq!(grid.embryos[0].name, "Sample04");
     assert_eq!(grid.embryos[0].cells.iter().map(|cell| cell.volume()).collect::<Vec<_>>(), [15.0, 5.0]);

@@ -55,6 +55,12 @@ pub extern "C" fn furrow_newick() -> *const u8 {
     answer(tree::as_newick)
 }
 
+/// The sections of a page on a tree: see [`tree::told`].
+#[unsafe(no_mangle)]
+pub extern "C" fn furrow_told() -> *const u8 {
+    answer(tree::told)
+}
+
 /// A curve of pitchforks: see [`edge::edge`].
 #[unsafe(no_mangle)]
 pub extern "C" fn furrow_edge() -> *const u8 {

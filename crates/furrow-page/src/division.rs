@@ -3,8 +3,8 @@
 use furrow_bvp::{Gauss, Solution};
 use furrow_cell::{Cell, CueError, Numerics};
 use furrow_input::InputError;
-use furrow_lineage::FounderPhysics;
 use furrow_lineage::batch::Quantisation;
+use furrow_lineage::{FounderPhysics, Lineage, parse_cue};
 use furrow_mechanics::cortex::equations::{LENGTH, M, PSI, R, REGULATED, Z};
 use furrow_mechanics::cortex::observables::regulator_at;
 use furrow_mechanics::cortex::{Cortex, Domain};
@@ -52,8 +52,10 @@ struct Request {
     r0_step: f64,
     #[serde(default)]
     frames: Wanted,
-    /// Takes the place of the cell's cue: terms as of `--cue`.
+    /// Takes the place of the cell's cue: a name of the lineage, or terms, as of `--cue`.
     cue: Option<String>,
+    /// The lineage that defines names and units of cues.
+    lineage: Option<Lineage>,
 }
 
 /// Half axes a and b of a cell's shell, in L_h: ε = V/(4πab²/3).
@@ -67,10 +69,11 @@ fn shell(cell: &Cell) -> [f64; 2] {
 /// # Errors
 /// A request that cannot be read, a cell outside what is allowed, a division that could not be computed.
 pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
-    let Request { mut cell, numerics, seed, physics, r0_step, frames: wanted, cue } = serde_json::from_slice(request)?;
+    let Request { mut cell, numerics, seed, physics, r0_step, frames: wanted, cue, lineage } =
+        serde_json::from_slice(request)?;
     if let Some(text) = cue {
         let wrong = |error: CueError| InputError::not_allowed("--cue", error.field, error.value, error.allowed);
-        cell.cue = text.parse().map_err(wrong)?;
+        cell.cue = lineage.map_or_else(|| text.parse().map_err(wrong), |lineage| parse_cue(&text, &lineage))?;
     }
     physics.apply(&mut cell);
     // A slider goes anywhere; the cells of a tree are as its lineage says.
@@ -99,6 +102,7 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     // each step. The numbers of a frame are (r, z, painted cue) of each point, then (r, z, force along r, force along z) of each
     // arrow, then, with a regulator, φ of each point.
     let mut found = serde_json::to_value(&division)?;
+    found["cue"] = json!(input.cell.cue);
     found["shell"] = json!(shell(&input.cell));
     found["frames"] = json!(frames);
     found["points"] = json!(film.places.len());
@@ -264,6 +268,20 @@ mod tests {
         assert_eq!(ask(text).unwrap().numbers, numbers);
         let refused = ask("regulator:none,turnover=10,diffusion=0.01,activity=0.3").unwrap_err();
         assert!(refused.to_string().starts_with("--cue: regulator.diffusion = 0.01: must be"), "{refused}");
+    }
+
+    #[test]
+    fn a_cue_may_be_a_name_of_the_lineage() {
+        let lineage = Lineage::c_elegans().unwrap();
+        let ask = |cue: &str| {
+            let request = json!({ "cell": Cell::gao2026_thresholds(1.5), "numerics": Numerics::default(), "seed": 0, "frames": "last", "cue": cue, "lineage": lineage });
+            divide(request.to_string().as_bytes())
+        };
+        let found: Value = serde_json::from_str(&ask("germline").unwrap().text).unwrap();
+        assert_eq!(found["cue"], json!(Cue::published()));
+        assert_eq!(ask("germline").unwrap().numbers, ask("kappa:u0=0.465,omega=0.0577,amplitude=0.1").unwrap().numbers);
+        let refused = ask("germlin").unwrap_err().to_string();
+        assert!(refused.starts_with("--cue: cue = \"germlin\": must be none, germline, or terms"), "{refused}");
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! A founder tree grown anew, by the same functions as `furrow tree`, so that the counts are the same.
 
 use furrow_cell::Cue;
-use furrow_formats::{newick, tree_from_json, tree_to_json};
+use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Grower, Lineage, Scope, Thresholds, TreeSettings, expected_work};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_report::OfTree;
 use serde::Deserialize;
 
 use super::answer::{Answer, PageError};
@@ -59,6 +60,15 @@ pub fn as_newick(request: &[u8]) -> Result<Answer, PageError> {
     Ok(Answer::of(serde_json::to_string(&newick(&tree))?))
 }
 
+/// The sections of a page on a tree, from its `tree.json`.
+///
+/// # Errors
+/// The request is no `tree.json`.
+pub fn told(request: &[u8]) -> Result<Answer, PageError> {
+    let tree = tree_from_json(&String::from_utf8_lossy(request))?;
+    Ok(Answer::of(serde_json::to_string(&OfTree::new(&tree, &founder_rows(&tree)))?))
+}
+
 #[cfg(test)]
 mod tests {
     use std::cell::Cell as Counter;
@@ -91,6 +101,12 @@ mod tests {
         assert_eq!(again.text, first.text);
         let written: String = serde_json::from_str(&as_newick(first.text.as_bytes()).unwrap().text).unwrap();
         assert_eq!(written, newick(&tree));
+        let sections: Value = serde_json::from_str(&told(first.text.as_bytes()).unwrap().text).unwrap();
+        let cells = format!("<p>{} cells from one of R0 = 3 ", tree.len());
+        assert!(sections["summary"].as_str().unwrap().starts_with(&cells), "{sections}");
+        for heading in ["Rounds of division per founder", "Cells over time", "Generations", "Parameters"] {
+            assert!(sections["below"].as_str().unwrap().contains(&format!("<h2>{heading}</h2>")), "{heading}");
+        }
     }
 
     #[test]

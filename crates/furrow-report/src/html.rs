@@ -1,51 +1,71 @@
 //! The report, one self-contained page, and the same page without a tree.
 
-use super::escape;
 use super::observed_table::{MODEL, decimals, observed_columns};
 use super::over_time;
 use super::page::{Page, Shown, data};
 use super::summary::{Generation, TreeSummary};
 use super::svg::{colours, svg};
-use super::table::{cue_text, outcome_name};
+use super::table::{cue_text, outcome_name, short};
 use super::time_axis::TimeAxis;
+use super::{escape, rounded};
 
 use furrow_analysis::LineageRanges;
-use furrow_cell::Cell;
 use furrow_cell::settings::{Settings, listing};
 use furrow_formats::{FounderRow, Provenance, tree_to_json};
 use furrow_lineage::{Lineage, Tree, TreeSettings};
+use serde::Serialize;
 use std::fmt::Write;
 
 /// A tree as a page that computes: its lineage to walk through, divisions played, the founders' table, the generations and the
 /// parameters. Without scripts it shows the drawing and the tables. `spread` has its ranges over seeds, if they are known.
 pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<&LineageRanges>) -> String {
-    let summary = TreeSummary::of(tree);
-    let Cell { epsilon, xi_s, .. } = tree.settings.cell;
-    let (name, cells, first) = (escape(&tree.lineage.name), tree.len(), tree.cell(tree.first()).r0);
-    let ended = summary.ended_text();
-    let mut top = format!(
-        "<p id=\"summary\" class=\"sub\">{cells} cells from one of R0 = {first} at ε = {epsilon}, ξ<sub>s</sub> = {xi_s}. Branches end: {ended}.</p>\n"
-    );
-    if summary.limited() {
-        top += "<p><strong>Some branches were stopped by a limit of the lineage file, not by mechanics.</strong></p>\n";
-    }
-    let parameters = parameters(&tree.lineage, &tree.settings);
+    let name = escape(&tree.lineage.name);
+    let OfTree { summary, below } = OfTree::new(tree, rows);
     let alone =
         |tree_json| Shown { name: "", made: String::new(), colours: colours(&tree.lineage), tree: tree_json, spread };
     let shown: Vec<Shown<'_>> = tree_to_json(tree).ok().map(alone).into_iter().collect();
     Page {
         title: format!("{name} grown from mechanics"),
         heading: format!("{name}, grown from mechanics"),
-        top,
+        top: format!("<div id=\"summary\" class=\"sub\">{summary}</div>\n"),
         above: String::new(),
         still: format!(
             "<section class=\"card\"><h2>Lineage</h2>\n<div class=\"tree\">{}</div></section>\n",
             svg(tree, TimeAxis::Generations)
         ),
-        below: founders(tree, rows) + &over_time::section(tree) + &generations(&summary) + &parameters,
+        below: format!("<div id=\"of-tree\">\n{below}</div>\n"),
         data: data(&tree.lineage, &tree.settings, &shown),
     }
     .html()
+}
+
+/// The sections of a page on the tree in view, as HTML. After it has grown a tree the page asks its module for these of the new one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OfTree {
+    /// The tree in a sentence, below the heading.
+    pub summary: String,
+    /// Its sections below the lineage: founders, cells over time, generations, parameters.
+    pub below: String,
+}
+
+impl OfTree {
+    /// Of a tree and the rows of its founders.
+    pub fn new(tree: &Tree, rows: &[FounderRow]) -> OfTree {
+        let counts = TreeSummary::of(tree);
+        let (cells, ended) = (tree.len(), counts.ended_text());
+        let r0 = tree.cell(tree.first()).r0;
+        let um = tree.lineage.units().in_micrometres(r0);
+        let [r0, epsilon, xi_s] = [r0, tree.settings.cell.epsilon, tree.settings.cell.xi_s].map(short);
+        let mut summary = format!(
+            "<p>{cells} cells from one of R0 = {r0}{um} at ε = {epsilon}, ξ<sub>s</sub> = {xi_s}. Branches end: {ended}.</p>\n"
+        );
+        if counts.limited() {
+            summary += "<p><strong>Some branches were stopped by a limit of the lineage file, not by mechanics.</strong></p>\n";
+        }
+        let parameters = parameters(&tree.lineage, &tree.settings);
+        let below = founders(tree, rows) + &over_time::section(tree) + &generations(&counts) + &parameters;
+        OfTree { summary, below }
+    }
 }
 
 /// The page that computes, without a tree: any cell you choose, and a lineage to grow.
@@ -61,15 +81,11 @@ pub fn explorer(lineage: &Lineage, settings: &TreeSettings) -> String {
         ),
         above: String::new(),
         still: "<p>Everything here is computed by a script, which does not run.</p>\n".to_owned(),
-        below: parameters(lineage, settings),
+        below: format!("<div id=\"of-tree\">\n{}</div>\n", parameters(lineage, settings)),
         data: data(lineage, settings, &[]),
     }
     .html()
 }
-
-/// Said of a table of the report's tree while the page shows another.
-const OF_REPORT: &str =
-    "<p class=\"of-report notice small\" hidden>Of the report's tree, not of the one grown here.</p>\n";
 
 fn founders(tree: &Tree, rows: &[FounderRow]) -> String {
     let observed = observed_columns(rows);
@@ -80,7 +96,7 @@ fn founders(tree: &Tree, rows: &[FounderRow]) -> String {
         columns => format!("<th colspan=\"{columns}\" class=\"s l\">observed</th>"),
     };
     let mut out = format!(
-        "<section class=\"card\"><h2>Rounds of division per founder</h2>\n{OF_REPORT}<div class=\"wrap\"><table><thead><tr><th colspan=\"{own}\"></th><th colspan=\"6\" class=\"s l\">model</th>{seen}</tr>\
+        "<section class=\"card\"><h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"{own}\"></th><th colspan=\"6\" class=\"s l\">model</th>{seen}</tr>\
          <tr><th>founder</th><th>R0</th>{um}<th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th>{}{}</tr></thead><tbody>\n",
         group("th", MODEL.iter().map(|(name, ..)| in_full(name))),
         group("th", observed.iter().map(|(name, ..)| in_full(name)))
@@ -135,7 +151,7 @@ fn generations(summary: &TreeSummary) -> String {
     };
     let rows: String = summary.generations.iter().enumerate().map(row).collect();
     format!(
-        "<section class=\"card\"><h2>Generations</h2>\n{OF_REPORT}<div class=\"wrap\"><table><thead><tr><th>generation</th><th>cells</th><th>divide symmetrically</th><th>asymmetrically</th><th>do not divide</th><th>smallest R0</th><th>largest R0</th></tr></thead><tbody>\n{rows}</tbody></table></div></section>\n"
+        "<section class=\"card\"><h2>Generations</h2>\n<div class=\"wrap\"><table><thead><tr><th>generation</th><th>cells</th><th>divide symmetrically</th><th>asymmetrically</th><th>do not divide</th><th>smallest R0</th><th>largest R0</th></tr></thead><tbody>\n{rows}</tbody></table></div></section>\n"
     )
 }
 
@@ -152,7 +168,7 @@ pub(super) fn parameters(lineage: &Lineage, settings: &TreeSettings) -> String {
     }
     let Provenance { furrow, git_commit, .. } = Provenance::current();
     let commit = git_commit.map_or(String::new(), |commit| format!(", commit {commit}"));
-    let text = escape(&format!("{text}furrow {furrow}{commit}"));
+    let text = escape(&format!("{}furrow {furrow}{commit}", rounded(&text)));
     format!(
         "<section class=\"card\"><h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The shell constants (aspect, p0, w) and the gain of the preset are not printed in the paper; they were recovered by fitting its four printed thresholds.</p>\n<pre>{text}</pre></section>\n"
     )

@@ -25,7 +25,7 @@ pub mod svg;
 pub mod table;
 pub mod time_axis;
 
-pub use html::{explorer, html};
+pub use html::{OfTree, explorer, html};
 pub use scenarios_page::scenarios_page;
 pub use scenarios_table::scenarios_table;
 pub use shapes::{azimuthal_report, crossing_report, event_report, stationary_report, threshold_report};
@@ -38,4 +38,48 @@ pub use time_axis::TimeAxis;
 /// Text with the characters that XML and HTML reserve replaced.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A text in which numbers with many digits are rounded to six of them.
+fn rounded(text: &str) -> String {
+    let is_of_number = |c: char| c.is_ascii_digit() || c == '.';
+    let piece = |piece: &str| {
+        let number = piece.trim_end_matches(|c| !is_of_number(c));
+        let rest = &piece[number.len()..];
+        let long = Some(number).filter(|number| number.len() > 8 && number.contains('.'));
+        match long.and_then(|number| number.parse::<f64>().ok()).filter(|value| *value > 0.0) {
+            Some(value) => {
+                let decimals = (5.0 - value.log10().floor()).clamp(0.0, 20.0);
+                let digits = format!("{value:.*}", decimals as usize);
+                format!(
+                    "{}{rest}",
+                    if decimals > 0.0 { digits.trim_end_matches('0').trim_end_matches('.') } else { &digits }
+                )
+            }
+            None => piece.to_owned(),
+        }
+    };
+    text.split_inclusive(|c| !is_of_number(c)).map(piece).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded;
+
+    #[test]
+    fn long_numbers_are_rounded_and_all_else_stays() {
+        let cases = [
+            ("r0 = 17.40506329113924", "r0 = 17.4051"),
+            (
+                "kappa:band,u0=0.4,omega=0.30000000000000004Lh,amplitude=-1.2345678901e-7",
+                "kappa:band,u0=0.4,omega=0.3Lh,amplitude=-1.23457e-7",
+            ),
+            ("0.000012345678, 1234567.125, 0.0000000000", "0.0000123457, 1234567, 0.0000000000"),
+            ("furrow 0.12.345678, commit 1234567890", "furrow 0.12.345678, commit 1234567890"),
+            ("", ""),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(rounded(text), expected);
+        }
+    }
 }

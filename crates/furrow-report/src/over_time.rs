@@ -1,12 +1,13 @@
 //! Cells alive over time, as a figure of the page.
 
+use std::cmp::Ordering;
 use std::fmt::Write;
 
 use super::escape;
 use super::svg::colours;
 use furrow_analysis::compare::departure::{self, OverTime};
-use furrow_lineage::Tree;
-use furrow_lineage::clock::{alive, last_divisions};
+use furrow_lineage::clock::{alive, last_times};
+use furrow_lineage::{CellTimes, Tree};
 
 /// Size of the figure, and its left, right, top and bottom margins.
 const SIZE: [f64; 2] = [860.0, 330.0];
@@ -57,8 +58,12 @@ pub(super) fn section(tree: &Tree) -> String {
     if let Some(points) = &embryo {
         out += &scale.stairs(points, "stroke=\"currentColor\" stroke-width=\"1.8\" stroke-dasharray=\"6 3\"");
     }
-    out += &lasts(tree, &scale, &last_divisions(tree, &times));
+    let last = last_times(tree, &times);
+    out += &lasts(tree, &scale, &last);
     let origin = tree.time_origin().map_or(String::new(), |origin| escape(&origin.to_string()));
+    let is_extrapolated = last.iter().flatten().any(|last| last.lifetime_extrapolated);
+    let extrapolated =
+        if is_extrapolated { " *: extrapolated, the clock was fitted to cells of other sizes." } else { "" };
     let beside = match embryo {
         None => "",
         Some(_) => {
@@ -68,8 +73,8 @@ pub(super) fn section(tree: &Tree) -> String {
     };
     format!(
         "<section class=\"card\" id=\"over-time\"><h2>Cells over time</h2>\n<p class=\"small\">Cells alive by the lineage's clock; minute 0 is the {origin}. Marks: the last division \
-         among the descendants of each founder.{beside}</p>\n<div class=\"tree\"><svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" font-size=\"12\" \
-         role=\"img\" aria-label=\"Cells alive over time\" style=\"max-width:100%;height:auto\">\n{out}</svg></div></section>\n",
+         among the descendants of each founder.{extrapolated}{beside}</p>\n<div class=\"figure\"><svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" font-size=\"12\" \
+         role=\"img\" aria-label=\"Cells alive over time\">\n{out}</svg></div></section>\n",
         SIZE[0], SIZE[1], SIZE[0]
     )
 }
@@ -115,32 +120,68 @@ fn axes(scale: &Scale) -> String {
     out
 }
 
-/// The last division of each founder above the axis of time, names in rows in which none meets another. Founders with one minute,
-/// as a founder and its mother, are named together.
-fn lasts(tree: &Tree, scale: &Scale, last: &[Option<f64>]) -> String {
-    let colours = colours(&tree.lineage);
-    let mut marks: Vec<(f64, usize)> = last.iter().enumerate().filter_map(|(k, min)| Some(((*min)?, k))).collect();
-    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let bottom = SIZE[1] - MARGINS[3];
-    let (mut out, mut rows): (String, Vec<f64>) = Default::default();
-    for same in marks.chunk_by(|a, b| a.0 == b.0) {
-        let names: Vec<&str> = same.iter().map(|(_, k)| tree.lineage.founders[*k].name.as_str()).collect();
-        // The founder nearest to the cells has the colour.
-        let (min, colour) = (same[0].0, same.last().map_or("#555", |(_, k)| colours[*k]));
-        let words = format!("{}, {min:.0}", names.join(" "));
-        let (x, wide) = (scale.x(min), LETTER * words.chars().count() as f64);
-        let from = (x + 4.0).min(SIZE[0] - MARGINS[1] - wide);
-        let row = rows.iter().position(|end| from > end + 8.0).unwrap_or(rows.len());
-        if row == rows.len() {
-            rows.push(0.0);
-        }
-        rows[row] = from + wide;
-        let (top, base) = (bottom - 6.0 - ROW * (row + 1) as f64 + 4.0, bottom - 8.0 - ROW * row as f64);
-        let words = escape(&words);
-        let _ = writeln!(
-            out,
-            r##"<path d="M{x:.1} {bottom:.1}V{top:.1}" stroke="{colour}" stroke-width="2"/><text x="{from:.1}" y="{base:.1}" font-size="11" fill="{colour}">{words}</text>"##
-        );
+/// A mark at a last division, with a name on its right, or on its left where it would leave the figure.
+struct Mark {
+    x: f64,
+    /// Where the name begins and ends.
+    name: [f64; 2],
+    words: String,
+    colour: &'static str,
+}
+
+impl Mark {
+    /// Whether a row is free for the name: it meets no other name there, and neither line crosses a name.
+    fn fits(&self, row: usize, others: &[(usize, Mark)]) -> bool {
+        let [from, to] = self.name;
+        others.iter().all(|(of, other)| match row.cmp(of) {
+            Ordering::Equal => to + 8.0 < other.name[0].min(other.x) || other.name[1].max(other.x) + 8.0 < from,
+            Ordering::Less => !(from..=to).contains(&other.x),
+            Ordering::Greater => !(other.name[0]..=other.name[1]).contains(&self.x),
+        })
     }
-    out
+}
+
+/// The last division of each founder, in minutes. Founders with one minute, as a founder and its mother, are named together, in the colour
+/// of the one that is nearest to the cells.
+fn marks(tree: &Tree, scale: &Scale, last: &[Option<CellTimes>]) -> Vec<Mark> {
+    let (colours, right) = (colours(&tree.lineage), SIZE[0] - MARGINS[1]);
+    let minute = |(k, last): (usize, &Option<CellTimes>)| {
+        let CellTimes { division_min, lifetime_extrapolated, .. } = (*last)?;
+        Some((division_min?, k, if lifetime_extrapolated { "*" } else { "" }))
+    };
+    let mut minutes: Vec<(f64, usize, &str)> = last.iter().enumerate().filter_map(minute).collect();
+    minutes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mark = |same: &[(f64, usize, &str)]| {
+        let names: Vec<&str> = same.iter().map(|(_, k, _)| tree.lineage.founders[*k].name.as_str()).collect();
+        let ((min, _, star), colour) = (same[0], same.last().map_or("#555", |(_, k, _)| colours[*k]));
+        let words = format!("{}, {min:.0}{star}", names.join(" "));
+        let (x, wide) = (scale.x(min), LETTER * words.chars().count() as f64);
+        let from = if x + 4.0 + wide > right { x - 4.0 - wide } else { x + 4.0 };
+        Mark { x, name: [from, from + wide], words, colour }
+    };
+    minutes.chunk_by(|a, b| a.0 == b.0).map(mark).collect()
+}
+
+/// The last divisions above the axis of time, names in rows. Those on the right of their marks come first, from the last to the first, so
+/// that no line of another is in their way; those on the left then begin with the first.
+fn lasts(tree: &Tree, scale: &Scale, last: &[Option<CellTimes>]) -> String {
+    let (left, mut order): (Vec<Mark>, Vec<Mark>) =
+        marks(tree, scale, last).into_iter().partition(|mark| mark.name[0] < mark.x);
+    order.reverse();
+    order.extend(left);
+    let mut placed: Vec<(usize, Mark)> = Vec::new();
+    for mark in order {
+        let rows = placed.iter().map(|(row, _)| row + 1).max().unwrap_or(0);
+        let row = (0..rows).find(|row| mark.fits(*row, &placed)).unwrap_or(rows);
+        placed.push((row, mark));
+    }
+    let bottom = SIZE[1] - MARGINS[3];
+    let drawn = |(row, Mark { x, name: [from, _], words, colour }): &(usize, Mark)| {
+        let base = bottom - 8.0 - ROW * *row as f64;
+        let (top, words) = (base - ROW + 6.0, escape(words));
+        format!(
+            "<g class=\"founder\" style=\"--of:{colour}\"><path d=\"M{x:.1} {bottom:.1}V{top:.1}\" stroke-width=\"2\"/><text x=\"{from:.1}\" y=\"{base:.1}\" font-size=\"11\">{words}</text></g>\n"
+        )
+    };
+    placed.iter().map(drawn).collect()
 }

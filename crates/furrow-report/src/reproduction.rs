@@ -97,9 +97,12 @@ pub fn value(value: &Value) -> String {
 
 /// A relative error in percent, to two digits.
 fn off_by(error: f64) -> String {
+    if error == 0.0 {
+        return "0".to_owned();
+    }
     let percent = 100.0 * error;
     let digits = (1 - percent.log10().floor() as i32).clamp(0, 9) as usize;
-    if error == 0.0 { "0".to_owned() } else { format!("{percent:.digits$} %") }
+    format!("{percent:.digits$} %")
 }
 
 /// Lines for a terminal.

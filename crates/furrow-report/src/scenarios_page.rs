@@ -9,8 +9,8 @@ use super::page::{Page, Shown, data};
 use super::spread;
 use super::summary::TreeSummary;
 use super::svg::{colours, small};
+use super::table::short;
 use furrow_analysis::{LineageRanges, Range};
-use furrow_cell::Cell;
 use furrow_formats::tree_to_json;
 use furrow_lineage::{Scenario, Tree};
 
@@ -30,11 +30,11 @@ pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree], spreads: &[Lineage
         })
     });
     let (Some(first), shown) = (trees.first(), shown.collect::<Vec<_>>()) else { return String::new() };
-    let Cell { epsilon, xi_s, .. } = first.settings.cell;
+    let [epsilon, xi_s] = [first.settings.cell.epsilon, first.settings.cell.xi_s].map(short);
     let still: String =
         pairs().enumerate().map(|(k, (scenario, tree))| drawing(k + 1, scenario, tree, &palette)).collect();
     let parameters = format!(
-        "<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n{}",
+        "<div id=\"of-tree\">\n<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n{}</div>\n",
         parameters(&first.lineage, &first.settings)
     );
     Page {

@@ -1,9 +1,9 @@
 //! The lineage as a drawing.
 
-use super::escape;
 use super::summary::{Generation, TreeSummary};
 use super::table::{outcome_name, short};
 use super::time_axis::{TimeAxis, TimeScale};
+use super::{escape, rounded};
 use furrow_cell::Cell;
 use furrow_lineage::{CellId, CellTimes, Lineage, Side, Tree};
 use furrow_mechanics::division::Outcome;
@@ -205,13 +205,15 @@ fn y_of(node: CellId, layout: &Layout) -> f64 {
     layout.top + layout.down[node.index()]
 }
 
-/// Largest radius of a disc that does not meet those of its daughters: in minutes a short life leaves little room.
-fn room_below(node: CellId, layout: &Layout) -> f64 {
-    let life = layout.minutes.as_ref().and_then(|scale| {
-        let times = scale.times[node.index()];
-        Some(0.48 * (scale.at(times.division_min?) - scale.at(times.birth_min)))
-    });
-    life.map_or(f64::INFINITY, |room| room.max(layout.frame.discs[1]))
+/// The largest radius at which a disc is clear of its daughters' discs.
+fn room_below(tree: &Tree, node: CellId, layout: &Layout) -> f64 {
+    let place = |id: CellId| Some((layout.x[id.index()]?, y_of(id, layout)));
+    let away = |daughter: CellId| {
+        let ((x, y), (to, down)) = (place(node)?, place(daughter)?);
+        Some(0.48 * (to - x).hypot(down - y))
+    };
+    let room = tree.daughters(node).into_iter().flatten().filter_map(away).fold(f64::INFINITY, f64::min);
+    room.max(layout.frame.discs[1])
 }
 
 /// The last division of each founder and its descendants, as a line below all of them with its minute. Founders below which there are
@@ -228,8 +230,10 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
             }
         }
     }
-    let mark = |(founder, min): (usize, Option<f64>)| {
-        let min = min?;
+    let mark = |(founder, last): (usize, Option<CellTimes>)| {
+        let CellTimes { division_min, lifetime_extrapolated, .. } = last?;
+        let min = division_min?;
+        let extrapolated = if lifetime_extrapolated { ", extrapolated" } else { "" };
         let node = tree.founder_cell(founder)?;
         let names = &tree.lineage.founders;
         let is_mother = names.iter().any(|other| other.mother.as_ref() == Some(&names[founder].name));
@@ -239,7 +243,7 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
         let (base, from, to) = (y + 21.0, from - 6.0, to + 6.0);
         let copy = |paint: &str| {
             format!(
-                r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{name}: last division, {min:.0} min</text>"##
+                r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{name}: last division, {min:.0} min{extrapolated}</text>"##
             )
         };
         let halo = r##"fill="#fff" stroke="#fff" stroke-width="3" stroke-linejoin="round""##;
@@ -249,7 +253,7 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
 "##
         ))
     };
-    scale.last_divisions.iter().copied().enumerate().filter_map(mark).collect()
+    scale.last_times.iter().copied().enumerate().filter_map(mark).collect()
 }
 
 fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String {
@@ -279,7 +283,7 @@ fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String
 fn disc(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> Option<String> {
     let (x, y) = (layout.x[node.index()]?, y_of(node, layout));
     let cell = tree.cell(node);
-    let radius = disc_radius(tree, cell.r0, layout).min(room_below(node, layout));
+    let radius = disc_radius(tree, cell.r0, layout).min(room_below(tree, node, layout));
     let colour = colours[cell.founder];
     let shape = match (cell.fate.terminal_reason(), cell.fate.outcome()) {
         (Some(_), _) => {
@@ -309,7 +313,7 @@ fn title(tree: &Tree, node: CellId) -> String {
     let outcome = outcome_name(cell.fate.outcome());
     let mut title = format!("{}: {side}R0 = {:.4}{size}, {outcome}", cell.name, cell.r0);
     if !cell.cue.is_none() {
-        let _ = write!(title, ", cue {}", cell.cue);
+        let _ = write!(title, ", cue {}", rounded(&cell.cue.to_string()));
     }
     if let Some(chi) = cell.fate.chi() {
         let _ = write!(title, ", χ = {chi:.4}");
@@ -324,8 +328,9 @@ fn title(tree: &Tree, node: CellId) -> String {
 }
 
 /// When a cell is born and divides, behind its title.
-fn times_text(CellTimes { birth_min, division_min }: CellTimes) -> String {
-    let divides = division_min.map_or(String::new(), |min| format!(", divides at {min:.1} min"));
+fn times_text(CellTimes { birth_min, division_min, lifetime_extrapolated }: CellTimes) -> String {
+    let mark = if lifetime_extrapolated { " (extrapolated)" } else { "" };
+    let divides = division_min.map_or(String::new(), |min| format!(", divides at {min:.1} min{mark}"));
     format!("; born at {birth_min:.1} min{divides}")
 }
 

@@ -6,7 +6,7 @@ use furrow_cell::Parameter;
 use furrow_formats::FounderRow;
 use furrow_lineage::{CellId, TerminalReason, Tree, TreeCell};
 use furrow_mechanics::division::Outcome;
-use furrow_mechanics::equilibria::azimuthal_threshold::furrows_one_sided;
+use furrow_mechanics::equilibria::azimuthal_threshold::grows_one_sided;
 use std::fmt::Write;
 
 /// A number rounded to six decimals.
@@ -54,7 +54,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     if one_sided > 0 {
         let _ = writeln!(
             out,
-            "{one_sided} of these cells rest only as long as they stay axisymmetric: a one-sided furrow (m = 1) grows in them, see furrow steady --azimuthal 1."
+            "{one_sided} of these cells rest only while they keep their axis: a bend to one side (m = 1) grows in them by linear theory, which does not say how it ends; see furrow steady --azimuthal 1."
         );
     }
     if summary.limited() {
@@ -63,7 +63,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     out
 }
 
-/// Cells at the ends of branches that would furrow from one side.
+/// Cells at rest at the ends of branches in which a disturbance m = 1 grows.
 fn one_sided(tree: &Tree) -> usize {
     let rests = |cell: &TreeCell| {
         matches!(
@@ -72,7 +72,7 @@ fn one_sided(tree: &Tree) -> usize {
         )
     };
     let rests = |id: &CellId| rests(tree.cell(*id));
-    tree.cells().filter(rests).filter(|id| furrows_one_sided(&tree.parameters(*id))).count()
+    tree.cells().filter(rests).filter(|id| grows_one_sided(&tree.parameters(*id))).count()
 }
 
 /// The columns of a table, each after a blank.
@@ -118,16 +118,22 @@ fn rounds(rows: &[FounderRow]) -> String {
     out + "\n"
 }
 
+/// What a mark behind minutes means.
+const EXTRAPOLATED: &str = "  * extrapolated: the clock was fitted to cells of other sizes\n";
+
 /// Founders in a line of their last divisions.
 const IN_A_LINE: usize = 8;
 
 /// The last division among each founder's descendants, in minutes.
 fn last_divisions(tree: &Tree, rows: &[FounderRow]) -> String {
     let Some(origin) = tree.time_origin() else { return String::new() };
-    let last = |row: &FounderRow| Some(format!("{} {:.0}", row.name, row.last_division_min?));
+    let mark = |row: &FounderRow| if row.last_division_extrapolated { "*" } else { "" };
+    let last = |row: &FounderRow| Some(format!("{} {:.0}{}", row.name, row.last_division_min?, mark(row)));
     let last: Vec<String> = rows.iter().filter_map(last).collect();
     let lines = last.chunks(IN_A_LINE).map(|some| some.join(", ")).collect::<Vec<_>>().join(",\n  ");
-    format!("last divisions of descendants, in minutes from the {origin}:\n  {lines}\n\n")
+    let is_marked = rows.iter().any(|row| row.last_division_extrapolated);
+    let note = if is_marked { EXTRAPOLATED } else { "" };
+    format!("last divisions of descendants, in minutes from the {origin}:\n  {lines}\n{note}\n")
 }
 
 /// The cues that the table names.

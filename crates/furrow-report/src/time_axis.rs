@@ -1,6 +1,6 @@
 //! The axis of time of a drawn tree: generations, or minutes by the lineage's clock.
 
-use furrow_lineage::clock::last_divisions;
+use furrow_lineage::clock::last_times;
 use furrow_lineage::{CellId, CellTimes, Tree};
 
 /// What runs downwards in a drawing of a tree.
@@ -23,8 +23,8 @@ impl TimeAxis {
 pub(super) struct TimeScale {
     /// By node.
     pub(super) times: Vec<CellTimes>,
-    /// The last division by founder, as [`last_divisions`] gives it.
-    pub(super) last_divisions: Vec<Option<f64>>,
+    /// The times of the last cell that divides, by founder, as [`last_times`] gives them.
+    pub(super) last_times: Vec<Option<CellTimes>>,
     /// The last birth that is drawn.
     pub(super) last: f64,
     first: f64,
@@ -41,7 +41,7 @@ impl TimeScale {
         let births = || drawn.iter().map(|id| times[id.index()].birth_min);
         let (first, last) = (births().fold(f64::INFINITY, f64::min), births().fold(f64::NEG_INFINITY, f64::max));
         let per_min = if last > first { length / (last - first) } else { 0.0 };
-        Some(TimeScale { last_divisions: last_divisions(tree, &times), times, last, first, per_min })
+        Some(TimeScale { last_times: last_times(tree, &times), times, last, first, per_min })
     }
 
     /// How far down a minute is.

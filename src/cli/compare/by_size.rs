@@ -8,7 +8,7 @@ use furrow_measured::statistics::{Line, RankCorrelation};
 use furrow_measured::trend::{AdjacentTest, EmbryoTrend, VolumeBin, VolumeTrend};
 use furrow_measured::volumes::Unit;
 
-use super::plus_minus;
+use super::{plus_minus, significance};
 
 /// Bins of the volume, each with its test and the model's cell of its mean size, where there are such.
 pub fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest], model: &[BinModel]) -> String {
@@ -39,8 +39,12 @@ pub fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest],
 
 /// The trend over all divisions, and within embryos if there are several.
 pub fn trend_text(trend: &VolumeTrend) -> String {
-    let Some(Line { slope, slope_error, n, .. }) = trend.line else { return String::new() };
-    let mut out = format!("Trend: χ changes by {slope:+.4} ± {slope_error:.4} per decade of volume ({n} divisions)");
+    let Some(line) = trend.line else { return String::new() };
+    let Line { slope, slope_error, n, .. } = line;
+    let mut out = format!(
+        "Trend: χ changes by {slope:+.4} ± {slope_error:.4}{} per decade of volume ({n} divisions)",
+        significance(&line)
+    );
     if let Some(RankCorrelation { rho, p, .. }) = trend.spearman {
         let _ = write!(out, "; Spearman ρ = {rho:+.3}, p = {p:.3e}");
     }

@@ -1,7 +1,7 @@
 //! `furrow compare counts`: rounds beside the observed ones.
 
 use super::super::messages;
-use super::trees_of;
+use super::{skipped_text, trees_of};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::output::print_as;
@@ -12,7 +12,7 @@ use furrow_figures::plot;
 use furrow_formats::read_tree;
 use furrow_input::InputError;
 use furrow_lineage::Lineage;
-use furrow_measured::tracked::{TrackOptions, TrackedLineage, read_embryo};
+use furrow_measured::tracked::{Absent, TrackOptions, read_embryo};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,11 @@ pub struct CountsArgs {
 
 pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
-    let measured = args.measured.as_deref().map(read_measured).transpose()?;
+    let read = |path: &Path| {
+        let embryo = read_embryo(path, &TrackOptions::default())?;
+        Ok::<_, InputError>((embryo, path.display().to_string()))
+    };
+    let measured = args.measured.as_deref().map(read).transpose()?;
     let tree = match &args.tree {
         Some(file) => read_tree(file)?,
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
@@ -50,17 +54,11 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
         Some((measured, file)) => counts_beside(&tree, measured, file)?,
         None => counts(&tree, &source)?,
     };
+    if let Some(first) = found.skipped.first() {
+        messages::warning!("{} values or cells are not used; the first is {first}", found.skipped_count);
+    }
     picture.write(|| plot::rounds::draw(&tree))?;
     print_as(context.json, &found, || counts_text(&found))
-}
-
-/// An embryo that was followed, and the name of its file.
-fn read_measured(path: &Path) -> Result<(TrackedLineage, String), InputError> {
-    let lineage = read_embryo(path, &TrackOptions::default())?;
-    if let Some(first) = lineage.skipped.first() {
-        messages::warning!("{} values are not used; the first is {first}", lineage.skipped_count);
-    }
-    Ok((lineage, path.display().to_string()))
 }
 
 fn counts_text(found: &Counts) -> String {
@@ -76,6 +74,13 @@ fn counts_text(found: &Counts) -> String {
             let counts = READINGS.map(|reading| format!("{:>20}", count_text(reading, founder.counts.get(reading))));
             let _ = writeln!(out, "{}", counts.concat().trim_end());
         }
+        out.push('\n');
+    }
+    for Absent { founder, why } in &found.absent {
+        let _ = writeln!(out, "no row for {founder}: {why}");
+    }
+    out += &skipped_text(&[(&found.skipped, found.skipped_count)]);
+    if !found.absent.is_empty() || !found.skipped.is_empty() {
         out.push('\n');
     }
     if !found.sentence.is_empty() {

@@ -11,10 +11,11 @@ use furrow_lineage::{Length, parse_cue};
 use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread};
 use furrow_measured::statistics::{Line, RankCorrelation};
 
-use super::{check_bins, plus_minus, skipped_text};
-use crate::cli::cell::{length, load_lineage, natural, set};
+use super::{check_bins, plus_minus, significance, skipped_text};
+use crate::cli::cell::{length, load_lineage, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
+use crate::cli::interrupt;
 use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
@@ -36,7 +37,7 @@ pub struct DoseArgs {
     /// Edges of the bins of the dose, ascending; default 0.2 apart
     #[arg(help_heading = "Statistics", long, value_name = "D,D,..", value_delimiter = ',', value_parser = number, requires = "file")]
     bins: Option<Vec<f64>>,
-    /// Radius R0 of the model's cell, in L_h, or in µm if the lineage file has units; default the first cell's, 5.4 in gao2026
+    /// Radius R0 of the model's cell, in L_h, or in µm, such as 17um; default the first cell's, 5.4 in gao2026
     #[arg(help_heading = "Model", long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     r0: Option<Length>,
     /// Cue at dose 1, as for furrow divide
@@ -86,9 +87,10 @@ fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result
     let lineage = load_lineage(args.lineage.as_deref())?;
     let cue = parse_cue(&args.cue, &lineage)?;
     let mut settings = context.settings.clone();
-    let r0 = args.r0.map(|r0| natural("--r0", r0, &lineage.units())).transpose()?;
+    let r0 = args.r0.map(|r0| r0.in_units(&lineage.units()));
     set(&mut settings, [("--r0", "r0", r0)])?;
     settings.check_divisions("settings")?;
+    interrupt::finish();
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show_all(progress);
     let (memo, scheduling) = (context.memo()?, context.scheduling(&show));
@@ -140,11 +142,13 @@ fn trend_text(trend: &DoseTrend) -> String {
         ("χ, sizes as areas", trend.chi_area),
         ("χ, sizes as volumes", trend.chi_volume),
     ] {
-        let Some(Line { slope, slope_error, intercept, intercept_error, r_squared, .. }) = line else { continue };
+        let Some(line) = line else { continue };
+        let Line { slope, slope_error, intercept, intercept_error, r_squared, .. } = line;
         let error = intercept_error.unwrap_or_default();
         let _ = writeln!(
             out,
-            "  {name}: slope {slope:+.4} ± {slope_error:.4}, at dose 0 {intercept:.4} ± {error:.4}, R² = {r_squared:.3}"
+            "  {name}: slope {slope:+.4} ± {slope_error:.4}{}, at dose 0 {intercept:.4} ± {error:.4}, R² = {r_squared:.3}",
+            significance(&line)
         );
     }
     out

@@ -4,23 +4,25 @@ use super::{skipped_text, trees_of};
 use crate::cli::cell::{load_lineage, positive};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::print_as;
+use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::departure::{Counts, Departure, LoneDivision};
 use furrow_analysis::compare::lifetimes::{
     CellBeside, Deviation, FounderBeside, LifetimesBeside, Order, SistersBeside, document, lifetimes_beside,
 };
+use furrow_analysis::compare::names_of;
 use furrow_figures::plot;
 use furrow_formats::read_tree;
 use furrow_input::InputError;
-use furrow_lineage::Tree;
+use furrow_lineage::{Lineage, Tree};
 use furrow_measured::lifetimes::{Agreement, Lifetimes, mean_volumes};
+use furrow_measured::names::Names;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::Trend;
-use furrow_measured::volumes::Volumes;
+use furrow_measured::volumes::{ReadOptions, Volumes};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Compares measured lifetimes of cells with those of a tree with a clock
 ///
@@ -44,7 +46,7 @@ pub struct LifetimesArgs {
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
     /// Minutes from one frame to the next, for embryos of programs that count frames
-    #[arg(help_heading = "Tables", long, value_name = "MIN")]
+    #[arg(help_heading = "Tables", long, value_name = "MIN", value_parser = number, requires = "table")]
     frame_minutes: Option<f64>,
     #[command(flatten)]
     plot: PlotArgs,
@@ -52,9 +54,14 @@ pub struct LifetimesArgs {
 
 pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
-    let lifetimes = lifetimes(args)?;
-    let volumes = if args.volumes.is_empty() { jankele2021_volumes()? } else { Volumes::of_files(&args.volumes)? };
-    let tree = tree(args, context)?;
+    let model = Model::read(args.tree.as_deref())?;
+    let names = names_of(model.lineage());
+    let lifetimes = lifetimes(args, &names)?;
+    let volumes = match &args.volumes[..] {
+        [] => jankele2021_volumes()?,
+        files => Volumes::of_files(files, &ReadOptions { names, ..ReadOptions::default() })?,
+    };
+    let tree = model.tree(context)?;
     let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
     picture.write(|| plot::lifetimes::draw(&found, volumes.unit))?;
     let published = [args.table.is_none(), args.volumes.is_empty()];
@@ -66,18 +73,40 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     })
 }
 
-fn lifetimes(args: &LifetimesArgs) -> Result<Lifetimes, InputError> {
+fn lifetimes(args: &LifetimesArgs, names: &Names) -> Result<Lifetimes, InputError> {
     let Some(file) = &args.table else { return jankele2021_lifetimes() };
     let frame_minutes = args.frame_minutes.map(|minutes| positive("--frame-minutes", minutes)).transpose()?;
-    Lifetimes::read_file(file, frame_minutes)
+    Lifetimes::read_file(file, frame_minutes, names)
 }
 
-/// The tree of a file, or one that is grown now.
-fn tree(args: &LifetimesArgs, context: &Context) -> Result<Tree, CliError> {
-    let is_json = |file: &PathBuf| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    match &args.tree {
-        Some(file) if is_json(file) => Ok(read_tree(file)?),
-        file => Ok(trees_of(vec![load_lineage(file.as_deref())?], context)?.remove(0)),
+/// The value of --tree.
+enum Model {
+    Grown(Box<Tree>),
+    ToGrow(Box<Lineage>),
+}
+
+impl Model {
+    fn read(file: Option<&Path>) -> Result<Model, InputError> {
+        let is_json = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+        match file.filter(is_json) {
+            Some(file) => Ok(Model::Grown(Box::new(read_tree(file)?))),
+            None => Ok(Model::ToGrow(Box::new(load_lineage(file)?))),
+        }
+    }
+
+    fn lineage(&self) -> &Lineage {
+        match self {
+            Model::Grown(tree) => &tree.lineage,
+            Model::ToGrow(lineage) => lineage,
+        }
+    }
+
+    /// The tree of the file, or one that is grown now.
+    fn tree(self, context: &Context) -> Result<Tree, CliError> {
+        match self {
+            Model::Grown(tree) => Ok(*tree),
+            Model::ToGrow(lineage) => Ok(trees_of(vec![*lineage], context)?.remove(0)),
+        }
     }
 }
 

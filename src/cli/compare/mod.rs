@@ -17,6 +17,8 @@ use crate::cli::interrupt;
 use furrow_analysis::scenarios_of;
 use furrow_input::InputError;
 use furrow_lineage::{Lineage, Tree};
+use furrow_measured::significance::slope_p;
+use furrow_measured::statistics::Line;
 use furrow_measured::volumes::Skipped;
 
 #[derive(Debug, Args)]
@@ -35,7 +37,6 @@ enum What {
 }
 
 pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
-    interrupt::finish();
     match &args.what {
         What::Counts(args) => counts::run(args, context),
         What::Volumes(args) => volumes::run(args, context),
@@ -66,12 +67,20 @@ fn check_bins(edges: Option<&[f64]>) -> Result<(), InputError> {
     InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
 }
 
+/// The degrees of freedom and the p value of a slope, behind its error.
+fn significance(line: &Line) -> String {
+    let p = slope_p(line).map_or(String::new(), |p| format!(", p = {p:.1e}"));
+    format!(" (degrees of freedom {}{p})", line.degrees_of_freedom())
+}
+
 fn plus_minus(sd: Option<f64>) -> String {
     sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
 /// Trees of several lineages with the parameters of the command, in one run.
 fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
+    // Until here Ctrl-C stops the command at once, also while it reads tables.
+    interrupt::finish();
     context.settings.check_divisions("settings")?;
     let scenarios = scenarios_of(lineages, &context.settings, context.quantisation);
     Ok(grown(&scenarios, None, false, context)?.0.trees)

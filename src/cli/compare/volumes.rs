@@ -2,13 +2,14 @@
 
 use super::super::messages;
 use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
+use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
 use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
-use super::{MOST_SKIPPED, check_bins, files, plus_minus, skipped_text, trees_of};
+use super::{MOST_SKIPPED, check_bins, files, plus_minus, significance, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -17,6 +18,7 @@ use crate::cli::output::{number, print, to_json, writable_folder};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
 use clap::{Args, ValueEnum};
+use furrow_analysis::compare::names_of;
 use furrow_analysis::compare::noise::noise_null;
 use furrow_analysis::compare::volumes::{
     Band, Beside, BinModel, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model,
@@ -57,7 +59,7 @@ pub struct VolumesArgs {
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
     /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm
-    #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number)]
+    #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number, requires = "files")]
     voxel: Option<f64>,
     /// Two groups to regress on each other, such as wt,ctrl
     #[arg(help_heading = "Statistics", long, value_name = "X,Y")]
@@ -66,11 +68,13 @@ pub struct VolumesArgs {
     #[arg(help_heading = "Tables", long, value_name = "NAME,NAME,..", value_delimiter = ',', requires = "files")]
     population: Option<Vec<String>>,
     /// Edges of the bins of the mother's volume, ascending, such as 100,1000,10000; default decades
-    #[arg(help_heading = "Statistics", long, visible_alias = "classes", value_name = "V,V,..", value_delimiter = ',', value_parser = number)]
+    #[arg(help_heading = "Statistics", long, visible_alias = "classes", value_name = "V,V,..", value_delimiter = ',', value_parser = number,
+        requires = "files")]
     bins: Option<Vec<f64>>,
     /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default such that P0 is as large as
     /// measured, and by all mothers where P0 is not
-    #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale)]
+    #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale,
+        requires = "files")]
     length_scale: Option<WantedScale>,
     /// Sets of constants from calibrate --ensemble, which give the model's χ a range
     #[arg(help_heading = "Model", long, value_name = "FILE.csv")]
@@ -124,8 +128,8 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         Some(file) => read_constants(&read_text(file)?, &file.display().to_string())?,
         None => Vec::new(),
     };
-    let measured = read(args)?;
     let lineage = load_lineage(args.lineage.as_deref())?;
+    let measured = read(args, &names_of(&lineage))?;
     let settings: TreeSettings = tree_settings(context.settings.clone(), &lineage, 0, context.quantisation);
     let grow = |lineages| trees_of(lineages, context);
     let (free, firsts) = model(&lineage, settings.cell.r0, &measured.groups, grow)?;
@@ -253,7 +257,7 @@ fn check(args: &VolumesArgs) -> Result<(), InputError> {
     check_bins(args.bins.as_deref())
 }
 
-fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
+fn read(args: &VolumesArgs, cells: &Names) -> Result<Measured, CliError> {
     let mut volumes = Volumes::default();
     if args.files.is_empty() {
         let (source, groups) = match args.published {
@@ -265,7 +269,7 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     // Two conditions are two groups, if their tables name none.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
-        let options = ReadOptions { voxel: args.voxel, group };
+        let options = ReadOptions { voxel: args.voxel, group, names: cells.clone() };
         for file in files {
             volumes.read_file(file, &options)?;
         }
@@ -365,15 +369,13 @@ fn regression_text(regression: &Regression) -> String {
     let Regression { x, y, mothers, only_x, only_y, through_origin, with_intercept } = regression;
     let mut out = format!("χ of {y} over χ of {x}, {} mothers:\n", mothers.len());
     for (name, line) in [("through the origin", through_origin), ("with an intercept", with_intercept)] {
-        let Some(Line { slope, slope_error, intercept, intercept_error, r_squared, r_squared_about_mean, .. }) = line
-        else {
-            continue;
-        };
+        let Some(line) = line else { continue };
+        let Line { slope, slope_error, intercept, intercept_error, r_squared, r_squared_about_mean, .. } = line;
         let rest = match intercept_error {
             Some(error) => format!(", intercept {intercept:+.4} ± {error:.4}, R² = {r_squared:.4} about the mean"),
             None => format!(", R² = {r_squared:.4} about 0, {r_squared_about_mean:.4} about the mean"),
         };
-        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{rest}");
+        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{}{rest}", significance(line));
     }
     for (group, only) in [(x, only_x), (y, only_y)].into_iter().filter(|(_, only)| !only.is_empty()) {
         let shown: Vec<&str> = only.iter().take(MOST_SKIPPED).map(String::as_str).collect();

@@ -12,7 +12,7 @@ use furrow_formats::write_atomically;
 use furrow_input::open_file;
 use furrow_measured::lifetimes::Lifetimes;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
-use furrow_measured::volumes::Volumes;
+use furrow_measured::volumes::{ReadOptions, Volumes};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,7 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
         None => jankele2021_lifetimes()?,
     };
     let volumes = match &args.volumes {
-        Some(file) => Volumes::of_files(std::slice::from_ref(file))?,
+        Some(file) => Volumes::of_files(std::slice::from_ref(file), &ReadOptions::default())?,
         None => jankele2021_volumes()?,
     };
     let files = args.volumes.as_deref().map_or_else(|| "the published volumes".to_owned(), name);

@@ -33,15 +33,6 @@ pub struct ConstantsArgs {
     plot: PlotArgs,
 }
 
-impl ConstantsArgs {
-    /// Whether no option is given.
-    pub(super) fn is_default(&self) -> bool {
-        let ConstantsArgs { lineage, targets, search, out, plot } = self;
-        let given = lineage.lineage.is_some() || targets.targets.is_some() || out.is_some() || plot.is_given();
-        !given && *search == SearchArgs { particles: 24, moves: 20, seed: 0 }
-    }
-}
-
 pub fn run(args: &ConstantsArgs, context: &Context) -> Result<(), CliError> {
     let fit = Fit::new(&args.lineage, context)?;
     let targets = fit.targets(&args.targets)?;

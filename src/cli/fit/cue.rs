@@ -11,7 +11,7 @@ use crate::cli::output::{merged, print_as};
 use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
 use crate::cli::tree::bad_cue;
-use furrow_analysis::fit::{ChiResidual, FittedCue, fit_cue};
+use furrow_analysis::fit::{ChiResidual, FittedCue, Jump, fit_cue};
 use furrow_figures::plot;
 use furrow_input::InputError;
 use std::fmt::Write;
@@ -68,7 +68,11 @@ pub fn run(args: &CueArgs, context: &Context) -> Result<(), CliError> {
 fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     let mut out = format!("cue {}\n\n", found.cue);
     for number in &found.numbers {
-        let sd = number.sd.map_or("undetermined".to_owned(), |sd| format!("± {sd:.4}"));
+        let sd = match (number.sd, found.goodness.error_scale) {
+            (Some(sd), _) => format!("± {sd:.4}"),
+            (None, Some(_)) => "undetermined".to_owned(),
+            (None, None) => "no error".to_owned(),
+        };
         let [from, to] = number.searched;
         let _ = writeln!(out, "{:<18} {:>9.4} {sd}  (searched {from}..{to})", number.name, number.value);
     }
@@ -83,8 +87,14 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
         let heading = "cell           R0         χ measured    model  off by sd\n".to_owned();
         [heading].into_iter().chain(residuals.iter().map(row)).collect()
     };
-    let _ = writeln!(out, "\nχ² = {:.2} over {} divisions", found.chi_squared, found.residuals.len());
+    let errors = match found.goodness.error_scale {
+        None => "; no errors: there are no more divisions than numbers".to_owned(),
+        Some(factor) if factor > 1.0 => format!("; errors are scaled by the misfit, ×{factor:.2}"),
+        Some(_) => String::new(),
+    };
+    let _ = writeln!(out, "\n{} divisions, {}{errors}", found.residuals.len(), found.goodness);
     out += &table(&found.residuals);
+    out += &jumps_text(&found.jumps);
     match &found.combinations {
         None => out += "\nsensitivities skipped (not smooth)\n",
         Some(combinations) => {
@@ -101,4 +111,19 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
         let _ = write!(out, "\n{out_of_sample}, predicted:\n{}", table(&found.out_of_sample));
     }
     out + "\n"
+}
+
+/// Fitted divisions that jump within the errors or within one percent.
+fn jumps_text(jumps: &[Jump]) -> String {
+    if jumps.is_empty() {
+        return String::new();
+    }
+    let mut out = "\nDivisions jump within these errors or within 1 %; errors mean nothing across a jump:\n".to_owned();
+    for Jump { cell, by, best, between: [near, far], chi } in jumps {
+        let [before, behind] = chi.map(|chi| chi.map_or("no division".to_owned(), |chi| format!("χ = {chi:.3}")));
+        let off = 100.0 * (far / best - 1.0);
+        let _ =
+            writeln!(out, "{cell:<8} {before} at {by} = {near:.5}, {behind} at {far:.5} ({off:+.2} % from the best)");
+    }
+    out
 }

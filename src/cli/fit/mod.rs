@@ -13,7 +13,7 @@ use super::error::CliError;
 use super::progress::ProgressLine;
 use furrow_analysis::fit::{FitProgress, NumberAtLimit, SearchBudget, Targets};
 use furrow_analysis::tree_settings;
-use furrow_input::{InputError, parse_document, read_text};
+use furrow_input::{parse_document, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -27,11 +27,8 @@ Examples:
   furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1
   furrow fit clock")]
 pub struct FitArgs {
-    /// What to fit; default constants, with the options below
     #[command(subcommand)]
-    what: Option<What>,
-    #[command(flatten)]
-    constants: constants::ConstantsArgs,
+    what: What,
 }
 
 #[derive(Debug, Subcommand)]
@@ -50,7 +47,7 @@ Examples:
 }
 
 // The lineage that all fits are about.
-#[derive(Clone, Debug, Default, PartialEq, Args)]
+#[derive(Debug, Args)]
 struct LineageArgs {
     /// Founders with their observed rounds; default the built-in C. elegans founders
     #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
@@ -58,7 +55,7 @@ struct LineageArgs {
 }
 
 // What constants and cues are fitted to.
-#[derive(Clone, Debug, Default, PartialEq, Args)]
+#[derive(Debug, Args)]
 struct TargetsArgs {
     /// Observations that constants and cues are fitted to; default the built-in data/embryo.ron
     #[arg(help_heading = "Targets", long, value_name = "TARGETS.ron")]
@@ -66,7 +63,7 @@ struct TargetsArgs {
 }
 
 // A search by a swarm.
-#[derive(Clone, Debug, PartialEq, Args)]
+#[derive(Debug, Args)]
 #[command(next_help_heading = "Search")]
 struct SearchArgs {
     /// Particles of the swarm
@@ -81,10 +78,7 @@ struct SearchArgs {
 }
 
 pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
-    let Some(what) = &args.what else { return constants::run(&args.constants, context) };
-    let allowed = "behind what is fitted, as in furrow fit constants --out fitted.ron";
-    InputError::require(args.constants.is_default(), "fit", "options", "before it", allowed)?;
-    match what {
+    match &args.what {
         What::Constants(args) => constants::run(args, context),
         What::Activity(args) => activity::run(args, context),
         What::Cue(args) => cue::run(args, context),

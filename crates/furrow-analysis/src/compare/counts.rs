@@ -6,7 +6,8 @@
 
 use furrow_input::{InputError, listed, parse_document};
 use furrow_lineage::{Founder, FounderRounds, Lineage, ObservedRounds, Tree, founder_rounds};
-use furrow_measured::tracked::{TrackedLineage, TrackedRounds};
+use furrow_measured::tracked::{Absent, TrackedLineage, TrackedRounds};
+use furrow_measured::volumes::Skipped;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -119,6 +120,14 @@ pub struct Counts {
     pub ends: Vec<TerminalCells>,
     /// Divisions on the way P0, P1, P2, P3, P4 in the model, and in the embryo to Z2 and Z3; `None` for another lineage.
     pub germline: Option<[u32; 2]>,
+    /// Founders without rounds in an embryo that was followed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub absent: Vec<Absent>,
+    /// Values of such an embryo that cannot be used, and its cells with other names than the lineage's; the first of them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub skipped: Vec<Skipped>,
+    /// How many there are.
+    pub skipped_count: u64,
 }
 
 /// Divisions from P0 to Z2 and Z3.
@@ -134,14 +143,25 @@ pub fn counts_beside(tree: &Tree, measured: &TrackedLineage, source_name: &str) 
         // As in the model: the first generation with a terminal cell is the first that does not double fully.
         ObservedAtStage { founder: cell, cells: terminal, min, mean, max, full_doublings: min }
     };
-    let founders: Vec<ObservedAtStage> = measured.rounds(&names).into_iter().map(observed).collect();
+    let cells = super::names_of(&tree.lineage);
+    let (rounds, absent) = measured.rounds(&names, &cells);
+    let founders: Vec<ObservedAtStage> = rounds.into_iter().map(observed).collect();
     let allowed = format!("those of at least one founder: {}", listed(names.iter().copied(), ", "));
     let known = listed(measured.cells.iter().map(|cell| cell.name.as_str()), ", ");
     InputError::require(!founders.is_empty(), source_name, "names", known, allowed)?;
-    let stage = Stage { cells: measured.terminal(), founders };
+    let stage = Stage { cells: measured.terminal(&cells), founders };
     let stages = vec![at_stage(tree, &founder_rounds(tree), &stage)];
-    let lineage = tree.lineage.name.clone();
-    Ok(Counts { lineage, stages, sentence: Vec::new(), ends: ends(tree), germline: None })
+    let (skipped, skipped_count) = measured.skipped_with_names(&cells);
+    Ok(Counts { absent, skipped, skipped_count, ..Counts::of(tree, stages) })
+}
+
+impl Counts {
+    /// Stages alone.
+    fn of(tree: &Tree, stages: Vec<StageCounts>) -> Counts {
+        let (lineage, ends) = (tree.lineage.name.clone(), ends(tree));
+        let (sentence, absent, skipped) = (Vec::new(), Vec::new(), Vec::new());
+        Counts { lineage, stages, sentence, ends, germline: None, absent, skipped, skipped_count: 0 }
+    }
 }
 
 /// A tree beside the observed embryo: the worm's stages if the tree's lineage has the worm's counts, else its own counts. Errors
@@ -151,13 +171,12 @@ pub fn counts_beside(tree: &Tree, measured: &TrackedLineage, source_name: &str) 
 /// The tree's lineage has no observed counts.
 pub fn counts(tree: &Tree, source_name: &str) -> Result<Counts, InputError> {
     let rounds = founder_rounds(tree);
-    let lineage = tree.lineage.name.clone();
     let observed: Stages = parse_document(STAGES, "sulston1983_stages.ron", "observed stages", "Stages")?;
     if !is_worm(&tree.lineage, &observed)? {
         let own = own_counts(tree, &rounds);
         let allowed = "observed counts of at least one founder, in the lineage file that the tree was grown from";
         InputError::require(!own.founders.is_empty(), source_name, "founders.observed", "none", allowed)?;
-        return Ok(Counts { lineage, stages: vec![own], sentence: Vec::new(), ends: ends(tree), germline: None });
+        return Ok(Counts::of(tree, vec![own]));
     }
     let stages: Vec<StageCounts> = observed.stages.iter().map(|stage| at_stage(tree, &rounds, stage)).collect();
     let germline = germline_divisions(tree);
@@ -172,7 +191,7 @@ pub fn counts(tree: &Tree, source_name: &str) -> Result<Counts, InputError> {
         Sentence { reading, ems, germline, elsewhere_not, holds: ems && germline && elsewhere_not }
     });
     let sentence = sentence.collect();
-    Ok(Counts { lineage, stages, sentence, ends: ends(tree), germline: Some([germline, GERMLINE]) })
+    Ok(Counts { sentence, germline: Some([germline, GERMLINE]), ..Counts::of(tree, stages) })
 }
 
 /// Whether a lineage has the observed counts of the worm.

@@ -173,7 +173,7 @@ pub fn document(
 
 /// The lifetime of a cell that divides.
 fn lifetime(times: &[CellTimes], id: CellId) -> Option<f64> {
-    let CellTimes { birth_min, division_min } = times[id.index()];
+    let CellTimes { birth_min, division_min, .. } = times[id.index()];
     Some(division_min? - birth_min)
 }
 

@@ -15,3 +15,16 @@ pub mod dose;
 pub mod lifetimes;
 pub mod noise;
 pub mod volumes;
+
+use furrow_lineage::Lineage;
+use furrow_measured::names::{NamedFounder, Names};
+
+/// The names that a lineage gives its cells.
+pub fn names_of(lineage: &Lineage) -> Names {
+    let founder = |(k, founder): (usize, &furrow_lineage::Founder)| NamedFounder {
+        name: founder.name.clone(),
+        mother: lineage.mother(k),
+        letters: founder.letters.clone(),
+    };
+    Names::of(lineage.founders.iter().enumerate().map(founder).collect(), lineage.naming)
+}

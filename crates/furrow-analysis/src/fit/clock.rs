@@ -34,6 +34,8 @@ pub struct FittedLaw {
     pub lifetime_min: f64,
     /// The geometric mean of the cells' volumes, as a fraction of the first cell's.
     pub at_volume: f64,
+    /// The smallest and the largest of them.
+    pub volumes: [f64; 2],
     /// Share of the variation of ln lifetime that the line explains.
     pub r_squared: f64,
     /// Two-sided p value of the exponent.
@@ -135,6 +137,7 @@ fn law(founder: &str, points: &[[f64; 2]]) -> Option<FittedLaw> {
         n: found.line.n,
         lifetime_min,
         at_volume,
+        volumes: [f64::min, f64::max].map(|pick| points.iter().map(|point| point[0]).fold(points[0][0], pick).exp()),
         r_squared: found.line.r_squared,
         p: found.p,
     })
@@ -169,31 +172,40 @@ impl FittedClock {
     fn founder_clocks(&self) -> impl Iterator<Item = (&str, FounderClock)> {
         let own = self.exponents.iter().map(|law| {
             let (lifetime_min, at_volume) = (Some(law.lifetime_min), Some(law.at_volume));
-            (law.founder.as_str(), FounderClock { lifetime_min, at_volume, exponent: Some(law.exponent) })
+            (
+                law.founder.as_str(),
+                FounderClock { lifetime_min, at_volume, exponent: Some(law.exponent), volumes: Some(law.volumes) },
+            )
         });
         own.chain(self.few.iter().map(|few| {
             let (lifetime_min, at_volume) = (Some(few.lifetime_min), Some(few.at_volume));
-            let exponent = Some(self.all.exponent);
-            (few.founder.as_str(), FounderClock { lifetime_min, at_volume, exponent })
+            let (exponent, volumes) = (Some(self.all.exponent), Some(self.all.volumes));
+            (few.founder.as_str(), FounderClock { lifetime_min, at_volume, exponent, volumes })
         }))
     }
 
     /// The clock as a lineage file: one that differs from the built-in lineage, or without `base` one with the fields to copy.
     pub fn as_ron(&self, base: Option<&str>) -> String {
-        let law = |lifetime: f64, volume: f64, exponent: f64| {
-            format!("lifetime_min: {lifetime:.2}, at_volume: {volume:.5}, exponent: {exponent:.4}")
+        let law = |lifetime: f64, volume: f64, exponent: f64, [least, most]: [f64; 2]| {
+            format!(
+                "lifetime_min: {lifetime:.2}, at_volume: {volume:.5}, exponent: {exponent:.4}, volumes: ({least:.5}, {most:.5})"
+            )
         };
         let mut out = "// Found by furrow fit clock.\nLineage(\n".to_owned();
         if let Some(base) = base {
             let _ = writeln!(out, "    base: {base:?},");
         }
-        let FittedLaw { lifetime_min, at_volume, exponent, .. } = self.all;
+        let FittedLaw { lifetime_min, at_volume, exponent, volumes, .. } = self.all;
         let origin = self.origin.as_ref().map(|first| format!(", origin: division({first:?})"));
-        let (law_of_all, origin) = (law(lifetime_min, at_volume, exponent), origin.unwrap_or_default());
+        let (law_of_all, origin) = (law(lifetime_min, at_volume, exponent, volumes), origin.unwrap_or_default());
         let _ = writeln!(out, "    clock: ({law_of_all}{origin}),\n    founders: [");
-        for (name, FounderClock { lifetime_min, at_volume, exponent }) in self.founder_clocks() {
+        for (name, FounderClock { lifetime_min, at_volume, exponent, volumes }) in self.founder_clocks() {
             let of = [lifetime_min, at_volume, exponent].map(|value| value.unwrap_or(f64::NAN));
-            let _ = writeln!(out, "        (name: {name:?}, clock: ({})),", law(of[0], of[1], of[2]));
+            let _ = writeln!(
+                out,
+                "        (name: {name:?}, clock: ({})),",
+                law(of[0], of[1], of[2], volumes.unwrap_or([f64::NAN; 2]))
+            );
         }
         out + "    ],\n)\n"
     }

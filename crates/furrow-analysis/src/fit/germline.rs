@@ -7,12 +7,15 @@
 //!
 //! A swarm minimises it over the numbers of the cue's terms, and a simplex refines the minimum. The sensitivities of χ to
 //! those numbers, exact by the divisions' tangents and passed from mother to daughter with the radius, show how well the
-//! measurements determine each number, and which combinations they leave open.
+//! measurements determine each number, and which combinations they leave open. Where χ² is larger than its degrees of freedom,
+//! the errors grow by the factor of the misfit ([`super::goodness`]); a division that jumps within them is named ([`super::jumps`]).
 
 use super::error::{FitError, check_cancelled};
+use super::goodness::Goodness;
+use super::jumps::{Jump, jumps};
 use super::search::{FitProgress, Limit, NumberAtLimit, SearchBudget, ShowProgress, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
-use furrow_cell::cue::{Profile, Quantity, RegulatorQuantity, Width};
+use super::unknowns::{Unknown, unknowns};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
 use furrow_lineage::{Daughter, Lineage, Mother, Place, TreeSettings};
@@ -24,16 +27,6 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes and strengths;
-/// turnovers, diffusions and half-saturations of a regulator.
-const PLACES: [f64; 2] = [0.05, 0.95];
-const WIDTHS: [f64; 2] = [0.01, 0.5];
-const LENGTHS: [f64; 2] = [0.05, 5.0];
-const AMPLITUDES: [f64; 2] = [0.005, 2.0];
-const TURNOVERS: [f64; 2] = [0.1, 100.0];
-const DIFFUSIONS: [f64; 2] = [0.05, 20.0];
-const HALVES: [f64; 2] = [0.1, 100.0];
-const SATURATING: [f64; 2] = [0.005, 200.0];
 /// Misfit, in standard deviations, of a cell that does not divide.
 const UNDIVIDED: f64 = 10.0;
 /// Steps of the simplex, and its edges in the unit cube.
@@ -44,7 +37,7 @@ const FINER: f64 = 1e-2;
 const FINEST: f64 = 1e-8;
 /// What is tried, in errors.
 const CUES: &str = "cues";
-/// Combinations are open if a factor e, or a shift over all of u, changes χ by less than a standard deviation.
+/// Combinations are open if a factor e, or a shift over all of u, changes χ by less than a standard deviation, scaled by the misfit.
 const OPEN: f64 = 1.0;
 
 /// A measured χ beside the model's.
@@ -73,7 +66,7 @@ pub struct CueNumber {
     pub value: f64,
     /// Between which values was searched.
     pub searched: [f64; 2],
-    /// Its standard deviation, if the measurements determine it.
+    /// Its standard deviation, scaled by the misfit, if the measurements determine it.
     pub sd: Option<f64>,
 }
 
@@ -84,8 +77,11 @@ pub struct FittedCue {
     pub cue: String,
     /// Its numbers.
     pub numbers: Vec<CueNumber>,
-    /// χ² of the fit.
-    pub chi_squared: f64,
+    /// χ² of the fit, its degrees of freedom and its probability.
+    #[serde(flatten)]
+    pub goodness: Goodness,
+    /// Fitted divisions that jump next to the best cue.
+    pub jumps: Vec<Jump>,
     /// Measurements beside the model.
     pub residuals: Vec<ChiResidual>,
     /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; `None` where an outcome is not smooth.
@@ -99,68 +95,6 @@ pub struct FittedCue {
     pub at_limit: Vec<NumberAtLimit>,
     /// Cues tried.
     pub tried: usize,
-}
-
-/// How a number of the cue is searched.
-struct Unknown {
-    parameter: Parameter,
-    limits: [f64; 2],
-    /// By its logarithm; else evenly.
-    logarithmic: bool,
-    /// Sign of an amplitude, which the search keeps.
-    sign: f64,
-}
-
-impl Unknown {
-    fn value(&self, share: f64) -> f64 {
-        let [from, to] = self.limits;
-        let share = share.clamp(0.0, 1.0);
-        self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
-    }
-
-    /// The factor from a derivative by the number to one by its logarithm, where that is searched.
-    fn scale(&self, share: f64) -> f64 {
-        if self.logarithmic { self.value(share) } else { 1.0 }
-    }
-}
-
-fn unknowns(cue: &Cue) -> Vec<Unknown> {
-    let cell = Cell::new(1.0).with_cue(cue.clone());
-    let of = |parameter: Parameter| {
-        let value = parameter.get(&cell);
-        let limits = limits(parameter, cue);
-        let logarithmic = limits != PLACES;
-        let sign = if logarithmic { value.signum() } else { 1.0 };
-        // A turnover of 0 says that there is none.
-        let searched = parameter != Parameter::Regulator(RegulatorQuantity::Turnover) || value != 0.0;
-        searched.then_some(Unknown { parameter, limits, logarithmic, sign })
-    };
-    Parameter::of_cue(cue).into_iter().filter_map(of).collect()
-}
-
-/// Between which values a number of a cue is searched.
-fn limits(parameter: Parameter, cue: &Cue) -> [f64; 2] {
-    let of_spread = |quantity, profile: Option<Profile>| match (quantity, profile.and_then(|profile| profile.width())) {
-        (Quantity::U0, _) => PLACES,
-        (Quantity::Omega, Some(Width::Length(_))) => LENGTHS,
-        (Quantity::Omega, _) => WIDTHS,
-        (Quantity::Amplitude, _) => AMPLITUDES,
-    };
-    let source = || cue.regulator().and_then(|regulator| regulator.source).map(|source| source.profile);
-    match parameter {
-        Parameter::Cue { term, quantity } => of_spread(quantity, cue.terms().get(term).map(|term| term.profile)),
-        Parameter::Regulator(RegulatorQuantity::Source(quantity)) => of_spread(quantity, source()),
-        Parameter::Regulator(RegulatorQuantity::Turnover) => TURNOVERS,
-        Parameter::Regulator(RegulatorQuantity::Diffusion) => DIFFUSIONS,
-        Parameter::Regulator(RegulatorQuantity::Half(_)) => HALVES,
-        // A coupling that saturates gives less than its strength.
-        Parameter::Regulator(RegulatorQuantity::Strength(field))
-            if cue.regulator().is_some_and(|of| of.quantity(RegulatorQuantity::Half(field)).is_some()) =>
-        {
-            SATURATING
-        }
-        _ => AMPLITUDES,
-    }
 }
 
 /// Divisions of founders, each from its mother's.
@@ -251,12 +185,12 @@ impl Chain<'_> {
 }
 
 /// The objective of the fit.
-struct Objective<'a> {
+pub(super) struct Objective<'a> {
     lineage: &'a Lineage,
-    targets: &'a Targets,
+    pub targets: &'a Targets,
     settings: &'a TreeSettings,
     template: &'a Cue,
-    unknowns: Vec<Unknown>,
+    pub unknowns: Vec<Unknown>,
     cancel: &'a AtomicBool,
     tried: AtomicUsize,
     /// Most cues that are tried.
@@ -267,7 +201,7 @@ struct Objective<'a> {
 }
 
 impl Objective<'_> {
-    fn check_cancelled(&self) -> Result<(), FitError> {
+    pub fn check_cancelled(&self) -> Result<(), FitError> {
         check_cancelled(self.cancel, self.tried.load(Ordering::Relaxed), CUES)
     }
 
@@ -277,6 +211,18 @@ impl Objective<'_> {
             unknown.parameter.set(&mut cell, unknown.value(*share));
         }
         cell.cue
+    }
+
+    /// χ of each measurement with a cue.
+    pub fn chi(&self, cue: &Cue) -> Vec<Option<f64>> {
+        let found = self.residuals(cue, &BTreeMap::new(), &self.targets.chi);
+        found.iter().map(|residual| residual.computed).collect()
+    }
+
+    /// χ of a cell over its own radius, with a cue; `None` if it does not divide.
+    pub fn chi_over_r0(&self, cue: &Cue, name: &str, r0: f64) -> Option<f64> {
+        let volumes = BTreeMap::new();
+        divide(&self.chain(cue, &volumes).input(self.founder(name)?, r0)?).ok()?.chi()
     }
 
     fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
@@ -400,12 +346,14 @@ pub fn fit_cue(
 fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
     let cue = objective.cue(place);
     let sensitivities = objective.sensitivities(place);
-    let combinations = sensitivities.as_ref().map(|rows| held(rows, &objective.targets.chi)).transpose()?;
+    let goodness = Goodness::of(chi_squared, objective.targets.chi.len(), place.len());
+    let held = |rows: &Vec<Vec<f64>>| held(rows, &objective.targets.chi, goodness);
+    let combinations = sensitivities.as_ref().map(held).transpose()?;
     let sd = |k: usize| {
-        let held = combinations.as_ref()?;
+        let (held, factor) = (combinations.as_ref()?, goodness.error_scale?);
         // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
         let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
-        let relative = sum.sqrt();
+        let relative = factor * sum.sqrt();
         let scale = objective.unknowns[k].scale(place[k]).abs();
         (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
     };
@@ -422,14 +370,16 @@ fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Resul
         let share = if searched[0] > searched[1] { 1.0 - share } else { share };
         Some(NumberAtLimit { name: name.clone(), value: *value, limit: Limit::at(share)?, searched: *searched })
     };
+    let residuals = objective.fitted(place);
     let at_limit = numbers.iter().zip(place).filter_map(limited).collect();
     let others = objective.targets.out_of_sample.iter();
     let out_of_sample = others.flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi)).collect();
     Ok(FittedCue {
         cue: cue.to_string(),
+        jumps: jumps(objective, &cue, &numbers, &residuals)?,
         numbers,
-        chi_squared,
-        residuals: objective.fitted(place),
+        goodness,
+        residuals,
         sensitivities,
         combinations,
         out_of_sample,
@@ -439,29 +389,38 @@ fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Resul
 }
 
 /// Directions of the cue's numbers by how firmly the measurements hold them.
-fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Combination>, FitError> {
+fn held(rows: &[Vec<f64>], measured: &[MeasuredChi], goodness: Goodness) -> Result<Vec<Combination>, FitError> {
     let weighted: Vec<Vec<f64>> =
         rows.iter().zip(measured).map(|(row, m)| row.iter().map(|x| x / m.sd).collect()).collect();
     let Svd { values, right, .. } = Svd::of_rows(&weighted)?;
     let of = |(k, components): (usize, Vec<f64>)| {
         let singular_value = values.get(k).copied().unwrap_or(0.0);
-        Combination { singular_value, determined: singular_value > OPEN, components }
+        Combination {
+            singular_value,
+            determined: singular_value > OPEN * goodness.error_scale.unwrap_or(1.0),
+            components,
+        }
     };
     Ok(right.into_iter().enumerate().map(of).collect())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::unknowns::AMPLITUDES;
     use super::*;
 
     /// The published cue in the units of the search, and its objective.
     fn of_the_embryo<T>(then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
+        of_cue(Cue::published(), then)
+    }
+
+    /// A cue in the units of the search, and its objective.
+    fn of_cue<T>(template: Cue, then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
         let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
         // Differences of divisions need them solved as finely as their tangents.
         let mut settings = TreeSettings::default();
         settings.numerics.time_tolerance *= FINER;
         settings.numerics.noise = 0.0;
-        let template = Cue::published();
         let unknowns = unknowns(&template);
         let cell = Cell::gao2026_thresholds(1.0).with_cue(template.clone());
         let share = |unknown: &Unknown| {
@@ -473,30 +432,6 @@ mod tests {
         let (lineage, targets, settings, template) = (&lineage, &targets, &settings, &template);
         let (of, least, progress) = (0, Mutex::new(f64::INFINITY), None);
         then(&Objective { lineage, targets, settings, template, unknowns, cancel, tried, of, least, progress }, place)
-    }
-
-    #[test]
-    fn every_number_of_a_regulator_is_searched_in_its_range() {
-        let cue: Cue = "tension:gradient,amplitude=-0.3+regulator:step,u0=0.4,omega=-0.3Lh,amplitude=1,turnover=10,diffusion=1,kappa=-0.2,tension=30,tension.half=10"
-            .parse()
-            .unwrap();
-        let cell = Cell::new(1.0).with_cue(cue.clone());
-        let found = unknowns(&cue);
-        assert_eq!(found.iter().map(|unknown| unknown.parameter).collect::<Vec<_>>(), Parameter::of_cue(&cue));
-        for Unknown { parameter, limits: [from, to], logarithmic, sign } in found {
-            let size = sign * parameter.get(&cell);
-            assert!(
-                (from..=to).contains(&size) && (logarithmic || sign == 1.0),
-                "{parameter}: {size} from {from} to {to}"
-            );
-            // Both ends are allowed.
-            for end in [from, to] {
-                assert!(parameter.validate(sign * end).is_ok(), "{parameter} = {end}");
-            }
-        }
-        let still = "regulator:none,turnover=0,diffusion=1,activity=0.3".parse().unwrap();
-        let names: Vec<String> = unknowns(&still).iter().map(|unknown| unknown.parameter.to_string()).collect();
-        assert_eq!(names, ["regulator.diffusion", "regulator.activity"]);
     }
 
     #[test]
@@ -519,6 +454,19 @@ mod tests {
                     assert!(off < 0.02 * expected.abs() + 1e-3, "row {i}, {of}: {} {expected}", row[k]);
                 }
             }
+        });
+    }
+
+    #[test]
+    fn errors_grow_with_the_misfit() {
+        of_the_embryo(|objective, place| {
+            let [good, poor] = [1.0, 4.0].map(|chi_squared| complete(objective, &place, chi_squared).unwrap());
+            assert_eq!((poor.goodness.degrees_of_freedom, poor.goodness.error_scale), (1, Some(2.0)));
+            assert!((poor.goodness.p.unwrap() - 0.0455).abs() < 1e-4, "{:?}", poor.goodness);
+            let errors: Vec<_> =
+                good.numbers.iter().zip(&poor.numbers).filter_map(|(good, poor)| Some([good.sd?, poor.sd?])).collect();
+            assert!(!errors.is_empty(), "{:?}", good.numbers);
+            assert!(errors.iter().all(|[good, poor]| (poor / good - 2.0).abs() < 1e-12), "{errors:?}");
         });
     }
 

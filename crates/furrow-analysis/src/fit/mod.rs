@@ -7,6 +7,9 @@
 //! | [`activity`] | the activity that each founder would need for its observed rounds |
 //! | [`clock`] | how lifetimes depend on volume, by founder |
 //! | [`germline`] | the cue that gives the measured χ of the germline |
+//! | `unknowns` | the numbers of a cue, and between which values they are searched |
+//! | [`jumps`] | fitted divisions that jump next to the best cue |
+//! | [`goodness`] | χ², degrees of freedom, p and the factor on errors |
 //! | [`document`] | results as JSON and as configuration files |
 //! | [`search`] | derivative-free search |
 //! | [`error`] | why a fit fails |
@@ -17,8 +20,11 @@ pub mod constants;
 pub mod document;
 pub mod error;
 pub mod germline;
+pub mod goodness;
+pub mod jumps;
 pub mod search;
 pub mod targets;
+mod unknowns;
 
 pub use crate::ranges::Reading;
 pub use activity::{FounderActivity, activities};
@@ -27,5 +33,7 @@ pub use constants::{Evaluated, FittedConstants, fit_constants};
 pub use document::activities_at_limit;
 pub use error::FitError;
 pub use germline::{ChiResidual, FittedCue, fit_cue};
+pub use goodness::Goodness;
+pub use jumps::Jump;
 pub use search::{FitProgress, Limit, NumberAtLimit, SearchBudget};
 pub use targets::Targets;

@@ -1,16 +1,15 @@
-//! Figures 4 to 6: the lineage that the model grows, beside the embryo.
+//! Figures 4 and 5: the lineage that the model grows, beside the embryo.
 
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use super::readings::chi_in_words;
 use crate::compare::counts::counts;
 use crate::tree_settings;
 use furrow_cell::settings::Settings;
-use furrow_cell::{Cell, Cue};
 use furrow_input::InputError;
 use furrow_lineage::{EndRule, Grower, Lineage, Thresholds, Tree, TreeCell, founder_rounds};
-use furrow_measured::events::{Division as Measured, MotherSummary, summaries};
+use furrow_measured::events::Division as Measured;
 use furrow_measured::published::{SOURCE, jankele2021_divisions};
-use furrow_measured::statistics::{line_through_origin, mean, rank_sum};
+use furrow_measured::statistics::{mean, rank_sum};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::{Outcome, divide};
 use std::borrow::Cow;
@@ -20,7 +19,7 @@ use std::collections::BTreeMap;
 const ZYGOTE_VOLUME: f64 = 20_890.0;
 
 /// Grows a lineage with the constants of the settings.
-fn grow(figure: &Figure<'_>, lineage: &Lineage) -> Result<Tree, ReproduceError> {
+pub fn grow(figure: &Figure<'_>, lineage: &Lineage) -> Result<Tree, ReproduceError> {
     let context = figure.context;
     let numerics = context.converged();
     let settings = Settings { numerics, ..context.settings.clone() };
@@ -33,7 +32,7 @@ fn grow(figure: &Figure<'_>, lineage: &Lineage) -> Result<Tree, ReproduceError> 
     Ok(tree)
 }
 
-fn cell_named<'t>(tree: &'t Tree, name: &str) -> Option<&'t TreeCell> {
+pub fn cell_named<'t>(tree: &'t Tree, name: &str) -> Option<&'t TreeCell> {
     tree.cells().map(|id| tree.cell(id)).find(|cell| cell.name == name)
 }
 
@@ -80,28 +79,55 @@ pub fn divisions(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let chi = chi_of(&tree, GERMLINE);
     let outcome = cell_named(&tree, "P4").and_then(|cell| cell.fate.outcome());
     let p4 = if outcome.is_some_and(|outcome| outcome != Outcome::Arrested) { "divides" } else { "does not divide" };
-    let holds = match chi {
-        [Some(p0), Some(p1), Some(p2), Some(p3)] => {
-            let largest = p0.max(p1).max(p2);
-            largest < 0.25 && p3 >= 2.0 * largest
+    figure.judge("germline", escalates(&chi), format!("{}; P4 {p4}", joined(&chi)));
+    Ok(())
+}
+
+/// Whether all cells divide, each more unequally than the one before.
+fn escalates(chi: &[Option<f64>]) -> bool {
+    chi.windows(2).all(|pair| pair[0].zip(pair[1]).is_some_and(|(before, next)| next > before))
+}
+
+/// Cells of AB's descent that figure 5C shows, by falling volume.
+const DESCENT: [&str; 4] = ["ABa", "ABal", "ABalap", "ABalaa"];
+
+/// Figure 5C: χ along AB's descent, of the model and of a table of the user's that has all of these divisions.
+pub fn descent(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let tree = grow(figure, &Lineage::c_elegans()?)?;
+    let chi = chi_of(&tree, DESCENT);
+    figure.judge("descent_model", escalates(&chi), joined(&chi));
+    if let Some((table, divisions)) = figure.context.measured {
+        let means = DESCENT.map(|name| {
+            let chi: Vec<f64> = divisions.iter().filter(|d| d.mother == name).map(Measured::chi).collect();
+            (!chi.is_empty()).then(|| mean(&chi))
+        });
+        if means.iter().all(Option::is_some) {
+            figure
+                .findings
+                .push(Finding::judged("descent_measured", (escalates(&means), joined(&means))).noting(table));
         }
-        _ => false,
-    };
-    figure.judge("germline", holds, format!("{}; P4 {p4}", joined(&chi)));
+    }
     Ok(())
 }
 
 /// Values by decades of volume in µm³.
 type Decades = BTreeMap<i32, Vec<f64>>;
 
-/// Whether means fall from each decade to the next larger one, and in words.
-fn falls(decades: &Decades) -> (bool, String) {
-    let means: Vec<f64> = decades.values().map(|chi| mean(chi)).collect();
-    let falls = means.len() > 1 && means.windows(2).all(|pair| pair[1] < pair[0]);
-    let named = decades.iter().zip(&means).map(|((decade, chi), mean)| {
-        format!("{mean:.2} from {} µm³ (n = {})", 10_i64.pow(decade.unsigned_abs()), chi.len())
+/// The fewest divisions of a decade that are compared with others.
+const ENOUGH: usize = 5;
+
+/// Whether means fall from each decade with enough divisions to the next larger one, in words, and p that χ is larger in the
+/// smaller one.
+fn falls(decades: &Decades) -> (bool, String, String) {
+    let enough: Vec<&Vec<f64>> = decades.values().filter(|chi| chi.len() >= ENOUGH).collect();
+    let falls = enough.len() > 1 && enough.windows(2).all(|pair| mean(pair[1]) < mean(pair[0]));
+    let named = decades.iter().map(|(decade, chi)| {
+        let left_out = if chi.len() < ENOUGH { ", left out" } else { "" };
+        format!("{:.2} from {} µm³ (n = {}{left_out})", mean(chi), 10_i64.pow(decade.unsigned_abs()), chi.len())
     });
-    (falls, named.collect::<Vec<_>>().join(", "))
+    let tests = enough.windows(2).filter_map(|pair| Some(format!("{:.1e}", rank_sum(pair[0], pair[1])?.p)));
+    let tests = tests.collect::<Vec<_>>().join(", ");
+    (falls, named.collect::<Vec<_>>().join(", "), format!("one-sided p of neighbouring decades {tests}"))
 }
 
 /// Figure 5B: χ over the mother's volume, of the model and as measured.
@@ -114,22 +140,23 @@ pub fn volumes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
             decades.entry(decade).or_default().push(chi);
         }
     }
-    figure.findings.push(Finding::judged("volume_trend", falls(&decades)).noting("volumes by P0's 20,890 µm³"));
+    let (holds, text, tests) = falls(&decades);
+    let note = format!("volumes by P0's 20,890 µm³; {tests}");
+    figure.findings.push(Finding::judged("volume_trend", (holds, text)).noting(note));
     let (table, divisions) = measured(figure)?;
     let mut decades = Decades::new();
-    for division in divisions.iter() {
+    for division in divisions.iter().filter(|division| !OF_GERMLINE.contains(&division.mother.as_str())) {
         decades.entry(division.mother_volume().log10().floor() as i32).or_default().push(division.chi());
     }
-    let (holds, text) = falls(&decades);
-    let all: Vec<&Vec<f64>> = decades.values().collect();
-    let tests = all.windows(2).filter_map(|pair| Some(format!("{:.3}", rank_sum(pair[0], pair[1])?.p)));
-    let note = format!("{table}; p of neighbouring decades {}", tests.collect::<Vec<_>>().join(", "));
-    figure.findings.push(Finding::judged("volume_decades", (holds, text)).noting(note));
+    let (holds, text, tests) = falls(&decades);
+    figure.findings.push(Finding::judged("volume_decades", (holds, text)).noting(format!("{table}; {tests}")));
     Ok(())
 }
 
 /// The germline's cells, and χ that follows from their mean volumes as the paper prints them.
-const GERMLINE: [&str; 4] = ["P0", "P1", "P2", "P3"];
+pub const GERMLINE: [&str; 4] = ["P0", "P1", "P2", "P3"];
+/// Cells that are not somatic.
+const OF_GERMLINE: [&str; 7] = ["P0", "P1", "P2", "P3", "P4", "Z2", "Z3"];
 const PRINTED: [f64; 3] = [0.184, 0.183, 0.374];
 
 /// Figure 5D: χ of the germline, of the model and as measured.
@@ -138,6 +165,14 @@ pub fn germline(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let chi = chi_of(&tree, GERMLINE);
     let near = |k: usize| chi[k].is_some_and(|chi: f64| (chi / PRINTED[k] - 1.0).abs() < 0.25);
     figure.judge("germline_model", near(0) && near(1), joined(&chi));
+    let late = match chi {
+        [Some(p0), Some(p1), Some(p2), Some(p3)] => {
+            let largest = p0.max(p1).max(p2);
+            largest < 0.25 && p3 >= 2.0 * largest
+        }
+        _ => false,
+    };
+    figure.judge("germline_late", late, joined(&chi));
     let (table, divisions) = measured(figure)?;
     figure.findings.push(by_ranks(&divisions).noting(table));
     Ok(())
@@ -160,52 +195,4 @@ fn by_ranks(divisions: &[Measured]) -> Finding {
     let means = all.each_ref().map(|chi| Some(mean(chi)));
     let text = format!("{}; p = {:.3}, {:.1e}, {:.3}", joined(&means), p[0], p[1], p[2]);
     Finding::judged("germline_trend", (p[0] > 0.1 && p[1] < 0.001 && p[2] < 0.05, text))
-}
-
-/// Groups of a table whose embryos are compressed, or not.
-const COMPRESSED: [&str; 2] = ["uncompressed", "compressed"];
-
-/// The slope of χ in compressed embryos over that in others, by mother; none if there are no such groups.
-fn slope(divisions: &[Measured]) -> Option<Finding> {
-    let groups = summaries(divisions);
-    let [x, y] = COMPRESSED.map(|name| groups.iter().find(|group| group.group == name));
-    let (x, y) = (x?, y?);
-    let both = |event: &MotherSummary| {
-        let other = y.events.iter().find(|other| other.mother == event.mother)?;
-        Some([event.mean, other.mean])
-    };
-    let points: Vec<[f64; 2]> = x.events.iter().filter_map(both).collect();
-    let line = line_through_origin(&points)?;
-    let note = format!("R² = {:.3} of {} mothers", line.r_squared, points.len());
-    Some(Finding::new("compression_slope", line.slope).noting(note))
-}
-
-/// Figure 6B: χ of the germline in looser shells.
-pub fn compression(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let tree = grow(figure, &Lineage::c_elegans()?)?;
-    let finding = compressed(figure, &tree)?;
-    figure.findings.push(finding);
-    figure.findings.extend(figure.context.measured.and_then(|(_, divisions)| slope(divisions)));
-    Ok(())
-}
-
-/// χ of the germline's cells, as large as in the tree, in looser shells and in that of the tree.
-fn compressed(figure: &mut Figure<'_>, tree: &Tree) -> Result<Finding, ReproduceError> {
-    let (mut rises, mut words) = (true, Vec::new());
-    for name in GERMLINE {
-        let Some(cell) = cell_named(tree, name) else {
-            return Ok(Finding::not_computed("compression", format!("{name} is not born")));
-        };
-        let context = figure.context;
-        let input = |epsilon: f64| {
-            let cell = Cell { r0: cell.r0, epsilon, ..context.settings.cell.clone() };
-            context.input(cell.with_cue(Cue::published()))
-        };
-        let divisions = figure.divisions([0.83, 0.85, 0.87].map(input).to_vec())?;
-        let chi: Option<Vec<f64>> = divisions.iter().map(|division| division.as_ref()?.chi()).collect();
-        rises &= chi.as_ref().is_some_and(|chi| chi.windows(2).all(|pair| pair[1] > pair[0]));
-        let each = chi.map_or("-".to_owned(), |chi| joined(&chi.into_iter().map(Some).collect::<Vec<_>>()));
-        words.push(format!("{name} {each}"));
-    }
-    Ok(Finding::judged("compression", (rises, words.join("; "))))
 }

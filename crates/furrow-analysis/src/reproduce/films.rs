@@ -59,10 +59,6 @@ fn narrowed(film: &Trajectory, part: f64) -> Option<Snapshot> {
     (0..film.times().len()).map(|k| film.step(k)).find(narrow)
 }
 
-fn nearest(places: &[Place], u: f64) -> Option<&Place> {
-    places.iter().min_by(|a, b| (a.u - u).abs().total_cmp(&(b.u - u).abs()))
-}
-
 /// Figure 1, text: where the passive shape is curved.
 pub fn rest_shape(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let Some(film) = film(figure, figure.context.cell(EQUAL, 0.87)) else { return Ok(()) };
@@ -114,12 +110,8 @@ pub fn concentration(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let share = |part: f64| {
         let still = narrowed(&film, part)?;
         let neck = still.neck?.u;
-        let force = |inside: &dyn Fn(f64) -> bool| -> f64 {
-            let pairs = still.places.windows(2).filter(|pair| inside(0.5 * (pair[0].u + pair[1].u)));
-            let size = |place: &Place| place.active_force().iter().map(|f| f * f).sum::<f64>().sqrt();
-            pairs.map(|pair| 0.5 * (size(&pair[0]) + size(&pair[1])) * (pair[1].u - pair[0].u)).sum()
-        };
-        Some(force(&|u| (u - neck).abs() < 0.05) / force(&|_| true))
+        let size = |place: &Place| place.active_force().iter().map(|f| f * f).sum::<f64>().sqrt();
+        Some(integral(&still.places, size, |u| (u - neck).abs() < 0.05) / integral(&still.places, size, |_| true))
     };
     let shares: Option<Vec<f64>> = [0.6, 0.4, 0.2, 0.05].map(share).into_iter().collect();
     let Some(shares) = shares else {
@@ -158,34 +150,78 @@ pub fn slip(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// Figure S2: the balance of normal forces.
+/// The widths, in parts of the first, at which figure S2 takes the normal forces apart.
+const STAGES: [f64; 4] = [0.8, 0.5, 0.2, 0.05];
+
+/// Figure S2: the balance of normal forces, of an equal division and of an unequal one.
 pub fn balance(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let finding = match Trajectory::compute(&figure.context.input(figure.context.cell(EQUAL, 0.87))) {
-        Ok(film) => Finding::judged("balance", narrowed(&film, 0.5).map_or((false, OPEN_NECK.to_owned()), balanced)),
-        Err(error) => Finding::not_computed("balance", error),
-    };
-    figure.findings.push(finding);
+    type Judge = fn(&[Snapshot]) -> (bool, String);
+    let judges: [(&str, f64, Judge); 2] = [("balance", EQUAL, concentrated), ("balance_unequal", UNEQUAL, lopsided)];
+    for (id, r0, judge) in judges {
+        let finding = match Trajectory::compute(&figure.context.input(figure.context.cell(r0, 0.87))) {
+            Ok(film) => {
+                let stills: Option<Vec<Snapshot>> = STAGES.iter().map(|part| narrowed(&film, *part)).collect();
+                Finding::judged(id, stills.map_or((false, OPEN_NECK.to_owned()), |stills| judge(&stills)))
+            }
+            Err(error) => Finding::not_computed(id, error),
+        };
+        figure.findings.push(finding);
+    }
     Ok(())
 }
 
-/// Whether the normal forces add up to nothing, with the forces at the neck in words.
-fn balanced(still: Snapshot) -> (bool, String) {
+/// The largest sum of the normal forces of a step, relative to the largest of them.
+fn unbalanced(still: &Snapshot) -> f64 {
     // The first and the last place are the poles, where no equation is solved.
     let inner = || still.places.iter().skip(1).take(still.places.len().saturating_sub(2));
     let largest = inner().flat_map(|place| place.normal.parts()).fold(0.0, |most: f64, force| most.max(force.abs()));
-    let left = inner().map(|place| place.normal.residual().abs()).fold(0.0, f64::max);
-    let names = ["active", "viscous", "elastic", "pressure", "shell"];
-    let at_neck = still.neck.and_then(|neck| nearest(&still.places, neck.u)).map(|place| place.normal.parts());
-    // Adding 0 takes the sign from a zero.
-    let rounded = |force: f64| (10.0 * force).round() / 10.0 + 0.0;
-    let parts: Vec<String> =
-        at_neck.iter().flatten().zip(names).map(|(force, name)| format!("{name} {:+.1}", rounded(*force))).collect();
-    // The sum is rounding and the tolerance of Newton's method, which differ between machines.
-    let text = match left < 1e-5 * largest {
-        true => format!("balanced; at the neck {}", parts.join(", ")),
-        false => format!("off by {:.1e} of the largest", left / largest),
+    inner().map(|place| place.normal.residual().abs()).fold(0.0, f64::max) / largest
+}
+
+/// Whether the normal forces of some steps add up to nothing, and in words. The sum is rounding and the tolerance of Newton's method,
+/// which differ between machines.
+fn balanced(stills: &[Snapshot]) -> (bool, String) {
+    let off = stills.iter().map(unbalanced).fold(0.0, f64::max);
+    if off < 1e-5 { (true, "balanced".to_owned()) } else { (false, format!("off by {off:.1e} of the largest")) }
+}
+
+/// ∫ of a size over u where `inside` holds, by trapezoids.
+fn integral(places: &[Place], size: impl Fn(&Place) -> f64, inside: impl Fn(f64) -> bool) -> f64 {
+    let pairs = places.windows(2).filter(|pair| inside(0.5 * (pair[0].u + pair[1].u)));
+    pairs.map(|pair| 0.5 * (size(&pair[0]) + size(&pair[1])) * (pair[1].u - pair[0].u)).sum()
+}
+
+/// Figure S2a: whether the active normal force gathers ever more at the equator.
+fn concentrated(stills: &[Snapshot]) -> (bool, String) {
+    let (holds, text) = balanced(stills);
+    let size = |place: &Place| place.normal.active.abs();
+    let share =
+        |still: &Snapshot| integral(&still.places, size, |u| away(u) < 0.05) / integral(&still.places, size, |_| true);
+    let shares: Vec<f64> = stills.iter().map(share).collect();
+    let rises = shares.windows(2).all(|pair| pair[1] > pair[0]);
+    let shares = shares.iter().map(|share| format!("{:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ");
+    (holds && rises, format!("{text}; share of the active force at the equator {shares}"))
+}
+
+/// Figure S2b: whether the furrow leaves the equator, and the active and the viscous force do so with it.
+fn lopsided(stills: &[Snapshot]) -> (bool, String) {
+    let (balanced, text) = balanced(stills);
+    let distances = |of: fn(&Place) -> f64| -> Vec<f64> {
+        let moment = |places: &[Place], lever: fn(&Place) -> f64| {
+            integral(places, |place| lever(place) * of(place).abs(), |_| true)
+        };
+        stills
+            .iter()
+            .map(|still| away(moment(&still.places, |place| place.u) / moment(&still.places, |_| 1.0)))
+            .collect()
     };
-    (left < 1e-5 * largest, text)
+    let forces = [distances(|place| place.normal.active), distances(|place| place.normal.viscous)];
+    let leaves = |of: &Vec<f64>| of.first().zip(of.last()).is_some_and(|(first, last)| last > first && *last > AWAY);
+    let furrow_leaves = stills.last().and_then(furrow).is_some_and(|place| away(place.u) > AWAY);
+    let [active, viscous] =
+        [&forces[0], &forces[1]].map(|of| of.iter().map(|off| format!("{off:.3}")).collect::<Vec<_>>().join(", "));
+    let holds = balanced && furrow_leaves && forces.iter().all(leaves);
+    (holds, format!("{text}; centres of the forces from the equator: active {active}, viscous {viscous}"))
 }
 
 /// The cell of a movie.
@@ -198,16 +234,14 @@ pub fn movie(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         _ => context.cell(ZYGOTE, 0.87).with_cue(Cue::published()),
     };
     let Some(film) = film(figure, cell) else { return Ok(()) };
+    if figure.statements[0].apart.is_some() {
+        return Ok(());
+    }
     let division = &film.division;
     let chi = division.chi().map_or(String::new(), |chi| format!(", χ = {chi:.3}"));
     let outcome = format!("{}{chi}", division.outcome());
     let last = film.step(film.times().len());
     let (holds, text) = match figure.name() {
-        "Movie 1" => (division.outcome() == Outcome::Symmetric, outcome),
-        "Movie 2" => {
-            let (slips, words) = slipping(&film);
-            (slips && division.outcome() == Outcome::Asymmetric, format!("{outcome}; furrow {words}"))
-        }
         "Movie 3" => {
             let width = first_width(&film);
             let shallow = last.neck.is_some_and(|neck| neck.radius > 0.5 * width && away(neck.u) < AT_EQUATOR);

@@ -5,7 +5,7 @@
 //! | [`paper`] | the statements of `data/paper.ron`, by figure |
 //! | [`context`] | what figures share: settings, memo, findings, artifacts |
 //! | `readings` | χ of a sweep along one axis |
-//! | `films`, `sweeps`, `branches`, `embryo`, `perturbed` | the figures |
+//! | `films`, `sweeps`, `thresholds`, `branches`, `embryo`, `compression`, `perturbed` | the figures |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -23,6 +23,7 @@
 //! ```
 
 mod branches;
+mod compression;
 pub mod context;
 mod embryo;
 mod films;
@@ -31,6 +32,7 @@ pub mod paper;
 mod perturbed;
 mod readings;
 mod sweeps;
+mod thresholds;
 
 use std::time::Instant;
 
@@ -144,16 +146,20 @@ fn compute(figure: &str) -> Compute {
         "1C" => films::concentration,
         "1D" => films::slip,
         "2A" => sweeps::sizes,
-        "2B" => sweeps::over_radius,
+        "2B" => thresholds::over_radius,
         "2C" | "2D" | "2E" | "2F" | "2I" | "2J" | "2K" | "2L" | "S3" | "S4" => branches::shapes,
         "2G" => sweeps::confinement,
-        "2H" => sweeps::over_confinement,
-        "3B" | "3C" | "3D" | "3E" => sweeps::over_axis,
+        "2H" => thresholds::over_confinement,
+        "3B" | "3E" => sweeps::over_axis,
+        "3C" => sweeps::over_amplitude,
+        "3D" => sweeps::cued_sizes,
         "4B" => embryo::divisions,
         "4C" => embryo::rounds,
         "5B" => embryo::volumes,
+        "5C" => embryo::descent,
         "5D" => embryo::germline,
-        "6B" => embryo::compression,
+        "6B" => compression::compression,
+        "6C" => compression::lineages,
         "S2" => films::balance,
         "S5" => perturbed::shapes,
         "Movie 1" | "Movie 2" | "Movie 3" | "Movie 4" => films::movie,

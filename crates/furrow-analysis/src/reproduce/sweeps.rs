@@ -1,17 +1,19 @@
-//! Figures 2A, 2B, 2G, 2H and 3: χ over size, over confinement, and over the place of a cue.
+//! Figures 2A, 2G and 3: χ over size, over confinement, and over the place of a cue.
 
-use super::context::{Artifact, Figure, Finding, PUBLISHED_STEPS, ReproduceError};
+use super::context::{Artifact, Figure, Finding, PUBLISHED_CONFINEMENT, PUBLISHED_STEPS, ReproduceError};
 use super::films::{away, leaves_equator, place_of_furrow};
 use super::paper::{Criterion, OverAxis, Study};
 use super::readings::{ChiPoint, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
+use super::thresholds::cued_boundary;
 use crate::Row;
-use furrow_cell::{Cell, Numerics, Parameter};
-use furrow_lineage::batch::phase::{PhasePlane, spaced};
+use furrow_cell::cue::Quantity;
+use furrow_cell::{Cue, Numerics, Parameter, ZYGOTE};
+use furrow_lineage::batch::phase::spaced;
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::FurrowPlace;
 use furrow_mechanics::critical::{critical_radius, critical_value};
 use furrow_mechanics::division::{DivisionInput, Outcome, Statistics, Trajectory};
-use furrow_mechanics::equilibria::{StepBudget, curves};
+use furrow_mechanics::equilibria::StepBudget;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -93,7 +95,7 @@ pub fn over_axis(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
 }
 
 /// A condition on two numbers.
-type Compares = fn(f64, f64) -> bool;
+pub type Compares = fn(f64, f64) -> bool;
 
 /// Whether all cells below some size in these limits rest and all above divide.
 fn at_rest(readings: &[ChiPoint], [from, to]: [f64; 2]) -> (bool, String) {
@@ -150,6 +152,38 @@ fn steep(readings: &[ChiPoint]) -> (bool, String) {
     let [small, large] = [2.0, 2.6].map(|r0| chi_at(readings, r0));
     let falls = small.zip(large).is_some_and(|(small, large)| small >= 3.0 * large);
     (falls, format!("χ = {} at R0 = 2.0, {} at 2.6", chi_in_words(small), chi_in_words(large)))
+}
+
+/// Amplitudes of strong cues, each twice the one before, and the largest relative change of χ that counts as saturated.
+const STRONG: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+const SATURATED: f64 = 0.1;
+
+/// Figure 3C: χ over the place of the cue, and over its amplitude where that is large.
+pub fn over_amplitude(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    over_axis(figure)?;
+    let context = figure.context;
+    let input = |amplitude: f64| {
+        let mut cell = context.cell(ZYGOTE, PUBLISHED_CONFINEMENT).with_cue(Cue::published());
+        Parameter::Cue { term: 0, quantity: Quantity::Amplitude }.set(&mut cell, amplitude);
+        context.input(cell)
+    };
+    let divisions = figure.divisions(STRONG.map(input).to_vec())?;
+    let chi: Vec<Option<f64>> = divisions.iter().map(|division| division.as_ref()?.chi()).collect();
+    let close = |pair: &[Option<f64>]| pair[0].zip(pair[1]).is_some_and(|(a, b)| (b / a - 1.0).abs() < SATURATED);
+    let each = chi.iter().zip(STRONG).map(|(chi, amplitude)| match chi {
+        Some(chi) => format!("{chi:.3} at {amplitude}"),
+        None => format!("no division at {amplitude}"),
+    });
+    let text = format!("χ over Δκ: {}", each.collect::<Vec<_>>().join(", "));
+    figure.judge("cue_saturation", chi.windows(2).all(close), text);
+    Ok(())
+}
+
+/// Figure 3D: χ over R0 with the cue, and where cells with it fail.
+pub fn cued_sizes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    over_axis(figure)?;
+    cued_boundary(figure);
+    Ok(())
 }
 
 /// Figure 2A: χ over R0 without a cue.
@@ -253,52 +287,4 @@ fn confinement_edge(figure: &mut Figure<'_>) -> Result<Option<f64>, ReproduceErr
         }
     }
     Ok(Some(0.5 * (low + high)))
-}
-
-/// Figure 2B: the curve of pitchforks over R0, and outcomes about it.
-pub fn over_radius(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let cell = figure.context.cell(2.0, 0.87);
-    thresholds(figure, "plane_thresholds", &cell, Parameter::R0, [1.5, 2.4], |a, b| b < a);
-    let unequal = figure.statements.iter().find_map(|statement| Some((&statement.id, statement.over.as_ref()?)));
-    if let Some((id, over)) = unequal {
-        let [file, text, axis] = shipped(over.study);
-        let (sweep, rows) = figure.sweep(text, file)?;
-        let judged = judged(over, |held| readings(&sweep, &rows, axis, held), "converged", PUBLISHED_STEPS[0]);
-        figure.findings.push(Finding::judged(id, judged));
-    }
-    let (across, up) = (spaced(1.6, 5.4, 20), spaced(10.0, 30.0, 9));
-    let numerics = figure.context.converged();
-    figure.plane(PhasePlane { cell, numerics, parameter: Parameter::R0, across, up, seed: 0 })
-}
-
-/// Figure 2H: the curve of pitchforks over ε, and outcomes about it.
-pub fn over_confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let cell = figure.context.cell(2.22, 0.87);
-    thresholds(figure, "confinement_thresholds", &cell, Parameter::Epsilon, [0.6, 0.92], |a, b| b > a);
-    let (across, up) = (spaced(0.54, 0.92, 20), spaced(3.0, 27.0, 9));
-    let numerics = figure.context.converged();
-    figure.plane(PhasePlane { cell, numerics, parameter: Parameter::Epsilon, across, up, seed: 0 })
-}
-
-/// Whether ξ_s* goes one way along the curve of pitchforks.
-fn thresholds(
-    figure: &mut Figure<'_>,
-    id: &str,
-    cell: &Cell,
-    parameter: Parameter,
-    range: [f64; 2],
-    in_order: Compares,
-) {
-    let finding = match curves::pitchfork_curve(cell, &figure.context.converged(), parameter, range) {
-        Ok(curve) => {
-            let mut points = curve.points;
-            points.sort_by(|a, b| a.value.total_cmp(&b.value));
-            let xi: Vec<f64> = points.iter().map(|point| point.xi_s).collect();
-            let ends = [xi.first(), xi.last()].map(|xi| xi.copied().unwrap_or(f64::NAN));
-            let holds = xi.len() > 1 && xi.windows(2).all(|pair| in_order(pair[0], pair[1]));
-            Finding::judged(id, (holds, format!("ξ_s* = {:.2} to {:.2}", ends[0], ends[1])))
-        }
-        Err(error) => Finding::not_computed(id, error),
-    };
-    figure.findings.push(finding);
 }

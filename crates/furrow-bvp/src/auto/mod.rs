@@ -18,6 +18,7 @@ use crate::problem::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, EndDerivatives, EndValues, MirrorSymmetric,
     PointDirection, PointJacobian, PointValues,
 };
+use crate::solution::Solution;
 
 pub use num_dual::DualNum;
 pub use numbers::{Jet, Number};
@@ -69,6 +70,9 @@ pub trait Equations {
 
     /// The parts h(p) of the integral conditions.
     fn offsets<D: Number>(&self, _p: &[D], _h: &mut [D]) {}
+
+    /// As [`BoundaryValueProblem::accepted`].
+    fn accepted(&mut self, _y: &Solution) {}
 
     /// As [`BoundaryValueProblem::kernels`].
     fn kernels(&self, _stages: usize) -> Kernels {
@@ -182,6 +186,10 @@ impl<E: Equations> Auto<E> {
 impl<E: Equations> BoundaryValueProblem for Auto<E> {
     fn dimensions(&self) -> Dimensions {
         self.0.dimensions()
+    }
+
+    fn accepted(&mut self, y: &Solution) {
+        self.0.accepted(y);
     }
 
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {

@@ -16,6 +16,12 @@ pub trait VectorField {
     /// Parameters p.
     fn parameters(&self) -> usize;
 
+    /// The velocities of so many first components depend on the other components and on p only, never on one another: see
+    /// [`Dimensions::quadratures`].
+    fn quadratures(&self) -> usize {
+        0
+    }
+
     /// v(y, p) into `v`, which is zero before.
     fn velocity<D: Number>(&self, y: &[D], p: &[D], v: &mut [D]);
 }
@@ -24,7 +30,8 @@ pub trait VectorField {
 ///
 /// Boundary conditions of this crate involve one end each. A common value c = y(0) = y(1) among the scalar unknowns makes
 /// periodicity such a pair: y(0) − c = 0 and y(1) − c = 0. An orbit may be shifted in time; the phase condition
-/// ∫ y · y₀′ dx = 0 selects the shift that is nearest to a reference orbit y₀. Scalar unknowns are c, T and p, in this order.
+/// ∫ y · y₀′ dx = 0 selects the shift that is nearest to a reference orbit y₀, which in a continuation is the newest point. Scalar
+/// unknowns are c, T and p, in this order.
 /// With one parameter the problem lacks one condition, and [`Continuation`](crate::Continuation) follows the orbit in it. With
 /// none the problem is square, for [`solve`](crate::solve).
 ///
@@ -99,7 +106,14 @@ impl<V: VectorField> Equations for PeriodicOrbit<V> {
     fn dimensions(&self) -> Dimensions {
         let n = self.field.components();
         let scalars = n + 1 + self.field.parameters();
-        Dimensions { components: n, scalars, left: n, right: n, integrals: 1, ..Dimensions::default() }
+        let quadratures = self.field.quadratures();
+        Dimensions { components: n, quadratures, scalars, left: n, right: n, integrals: 1, ..Dimensions::default() }
+    }
+
+    fn accepted(&mut self, y: &Solution) {
+        if y.fits(self.dimensions()).is_ok() && y.m == self.gauss.m {
+            self.reference.clone_from(y);
+        }
     }
 
     fn rhs<D: Number>(&self, _: f64, y: &[D], p: &[D], f: &mut [D]) {

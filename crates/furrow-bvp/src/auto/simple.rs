@@ -98,6 +98,13 @@ impl SimpleProblem {
         self
     }
 
+    /// The derivatives of so many first components depend on the other components and on p only, never on one another: see
+    /// [`Dimensions::quadratures`]. Newton's steps are then cheaper, and more components fit.
+    pub fn quadratures(mut self, count: usize) -> SimpleProblem {
+        self.0.dimensions.quadratures = count;
+        self
+    }
+
     /// With so many conditions at the left end: `residuals` takes y there and p and writes what is to be zero.
     pub fn left_conditions(
         mut self,

@@ -10,6 +10,7 @@
 
 use crate::continuation::{Continuation, Passed, Unfolding, belongs, distances};
 use crate::direction::{Direction, Residual};
+use crate::mesh::error_of_change;
 use crate::problem::Directional;
 use crate::problem::derivatives::{power_residuals, second_residual};
 use crate::solution::Solution;
@@ -62,9 +63,14 @@ pub struct BranchPoint {
     pub tangents: [Direction; 2],
     /// ½ d²λ/ds² along both branches.
     pub curvatures: [f64; 2],
+    /// Estimated error of λ, by the change where the intervals are halved; infinite if the point is not found there.
+    pub error: f64,
     /// Distance between the two branches next to the point: what rounding and the mesh leave of 0.
     pub gap: f64,
 }
+
+/// A correction below this leaves an error of 1e-10, too small for the estimate.
+const ROUGH: f64 = 1e-5;
 
 /// Ratio of the slopes of λ at which one of the branches is taken to have an extremum there.
 const EXTREMUM: f64 = 1e-6;
@@ -128,11 +134,21 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     let [first, second] = &tangents;
     let curvatures =
         [[first, second], [second, first]].map(|tangents| curvature(unfolding, problem, &y, tangents, mixed));
-    problem.prepare(&state.solution.scalars);
     if curvatures.iter().any(|c| !c.is_finite()) {
+        problem.prepare(&state.solution.scalars);
         return Err(singular);
     }
-    Ok(BranchPoint { arclength: before + place[0], tangents, curvatures, gap: unfolding.gap(), solution: y })
+    let gap = unfolding.gap();
+    let last = y.scalars.len() - 1;
+    let refined = unfolding.on_halved(problem, &y, ROUGH);
+    let error = refined.map_or(f64::INFINITY, |refined| error_of_change(refined.scalars[last] - y.scalars[last], y.m));
+    *work += std::mem::take(&mut unfolding.work);
+    problem.prepare(&state.solution.scalars);
+    if let Some(passed) = passed {
+        // The unfolded system now belongs to the finer mesh.
+        passed.unfolded = false;
+    }
+    Ok(BranchPoint { arclength: before + place[0], tangents, curvatures, error, gap, solution: y })
 }
 
 /// ½ d²λ/ds² along the first of the tangents, the parameter's component of η; `mixed` is the product of both.

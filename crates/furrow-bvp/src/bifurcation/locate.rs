@@ -20,6 +20,8 @@ pub struct Located<P, S> {
     pub solution: Solution,
     /// Its arclength along the branch, interpolated.
     pub arclength: f64,
+    /// Estimated error of the parameter, see [`MinimallyAugmented::error_estimate`].
+    pub error: f64,
     /// How Newton converged.
     pub report: AugmentedReport,
 }
@@ -42,7 +44,7 @@ pub fn last_fold<P: Directional + Clone>(branch: &mut Continuation<P>) -> Result
 ///
 /// # Errors
 /// The last error of Newton, if it leaves the bracket from all starts.
-pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
+pub fn between_last_points<P: Directional + Clone, S: Singularity<P> + Clone>(
     branch: &mut Continuation<P>,
     singularity: S,
     signs: [f64; 2],
@@ -84,7 +86,8 @@ pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
         match augmented.solve(&mut y, None) {
             Ok(report) if (low - 0.05..=high + 0.05).contains(&position(&y)) => {
                 let arclength = before + position(&y) * (now - before);
-                return Ok(Located { augmented, solution: y, arclength, report });
+                let error = augmented.error_estimate(&y, None);
+                return Ok(Located { augmented, solution: y, arclength, error, report });
             }
             Ok(_) => {
                 let position = position(&y);

@@ -18,6 +18,7 @@ use std::ops::AddAssign;
 use crate::direction::{Direction, LinearCondition};
 use crate::invalid::{InvalidInput, length};
 use crate::linear::System;
+use crate::mesh::{self, error_of_change};
 use crate::metric::{self, Metric};
 use crate::newton::Work;
 use crate::problem::Directional;
@@ -98,6 +99,9 @@ impl AddAssign<AugmentedReport> for Work {
 /// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
 /// follows from them, are those of the iterate before it.
 const SMALL: f64 = 1e-6;
+
+/// A correction below this leaves an error of 1e-10, too small for an estimate.
+const ROUGH: f64 = 1e-5;
 
 /// Most iterations.
 const MOST_ITERATIONS: usize = 15;
@@ -323,5 +327,46 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         direction.add(self.slopes[0], &self.basis[1]);
         self.metric.normalise(&y.mesh, &mut direction);
         direction
+    }
+}
+
+impl<P: Directional + Clone, S: Singularity<P> + Clone> MinimallyAugmented<P, S> {
+    /// Estimates the error of the free parameters at a singular point that was found at `y`, by their change where the intervals
+    /// are halved; infinite if the point is not found there. With two free parameters `along` is the tangent of the curve.
+    pub fn error_estimate(&self, y: &Solution, along: Option<&Direction>) -> f64 {
+        let free = y.scalars.len() - self.conditions.len().min(y.scalars.len());
+        let change = |refined: Solution| {
+            let changes = refined.scalars[free..].iter().zip(&y.scalars[free..]).map(|(to, from)| (to - from).abs());
+            error_of_change(changes.fold(0.0, f64::max), y.m)
+        };
+        self.on_halved(y, along).map_or(f64::INFINITY, change)
+    }
+
+    /// The singular point on the mesh of halved intervals, to the accuracy that an estimate needs.
+    fn on_halved(&self, y: &Solution, along: Option<&Direction>) -> Result<Solution, SingularError> {
+        let (gauss, finer) = (&self.system.gauss, mesh::halved(&y.mesh));
+        let moved = |direction: &Direction| {
+            let mut direction = direction.clone();
+            metric::transfer_direction(gauss, &y.mesh, &finer, &mut direction);
+            direction
+        };
+        let mut refined = y.on_mesh(gauss, &finer);
+        let closing = along.map(|along| {
+            let mut closing = LinearCondition::default();
+            self.metric.plane_through(&refined, &moved(along), &mut closing);
+            closing
+        });
+        let (problem, singularity, reference) =
+            (self.problem.clone(), self.singularity.clone(), moved(&self.reference));
+        let mut point = MinimallyAugmented::new(problem, singularity, y.m, self.metric.clone(), &reference)?;
+        let mut report = AugmentedReport::default();
+        while report.iterations < MOST_ITERATIONS {
+            point.correction(&refined, closing.as_ref(), &mut report)?;
+            point.step.apply((FARTHEST / report.correction).min(1.0), &mut refined);
+            if report.correction < ROUGH {
+                return Ok(refined);
+            }
+        }
+        Err(SingularError::Stalled { iterations: report.iterations, correction: report.correction })
     }
 }

@@ -1,4 +1,8 @@
 //! Continuation to an accuracy: the mesh is refined where the defect of a point is above the tolerance, and coarsened again.
+//!
+//! Where folds and branch points are depends on the tangent and on a second, nearly null direction, which may need more
+//! intervals than the point itself: along a branch of zeros that has no defect at all. Their defects count as well. An
+//! eigenvalue has an error of order h^(2m), the defect of its vectors is of order h^(m+1), and the bound on it follows from that.
 
 use crate::mesh;
 use crate::metric;
@@ -6,6 +10,7 @@ use crate::newton::NEWTON_SHARE;
 use crate::problem::BoundaryValueProblem;
 
 use super::branch::{Continuation, SHORTER, patient};
+use super::passing;
 use super::settings::ContinuationError;
 use super::state::Advance;
 
@@ -27,11 +32,35 @@ pub(super) enum Held {
 impl<P: BoundaryValueProblem> Continuation<P> {
     /// Largest defect of the newest point, see [`mesh::defect`].
     pub fn defect(&mut self) -> f64 {
-        self.defects().into_iter().fold(0.0, f64::max)
+        largest(&mesh::defect(&self.system.gauss, &mut self.problem, &self.state.solution))
     }
 
-    fn defects(&mut self) -> Vec<f64> {
-        mesh::defect(&self.system.gauss, &mut self.problem, &self.state.solution)
+    /// The largest defect of the newest point; and for every interval the largest of point, tangent and nearly null direction, the
+    /// last two scaled to the tolerance of the point.
+    fn defects(&mut self, tolerance: f64) -> (f64, Vec<f64>) {
+        let Continuation { problem, system, state, null, .. } = self;
+        let (gauss, y) = (&system.gauss, &state.solution);
+        let mut defects = mesh::defect(gauss, problem, y);
+        let own = largest(&defects);
+        let m = y.m as f64;
+        let scale = tolerance / tolerance.min(1.0).powf((m + 1.0) / (2.0 * m));
+        for direction in [&state.tangent, &*null] {
+            let size = direction.norm(y);
+            if direction.check(y).is_ok() && size > 0.0 && size.is_finite() {
+                let of_direction = mesh::direction_defect(gauss, problem, y, direction);
+                defects.iter_mut().zip(of_direction).for_each(|(all, one)| *all = all.max(scale * one));
+            }
+        }
+        (own, defects)
+    }
+
+    /// Determinant and nearly null direction by the factors at the newest point.
+    pub(super) fn take_over_factors(&mut self) {
+        let determinant = self.system.determinant();
+        (self.state.orientation, self.log_determinant) = (determinant.sign, determinant.log_abs);
+        if self.settings.tolerance.is_some() {
+            self.null = passing::nearly_null(&mut self.system);
+        }
     }
 
     /// One step to a point whose defect is below `tolerance`. A point whose mesh cannot be refined, since Newton fails on the
@@ -42,6 +71,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         loop {
             let saved = self.state.clone();
             let advance = self.step()?;
+            self.null = passing::nearly_null(&mut self.system);
             let error = match self.refine(tolerance, Held::Arclength) {
                 Ok(defect) => return Ok(Advance { defect: Some(defect), ..advance }),
                 Err(error) => error,
@@ -49,7 +79,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             let shorter = SHORTER * (self.state.arclength - saved.arclength);
             self.state = saved;
             self.exact = false;
-            if matches!(error, ContinuationError::MeshLimit { .. }) || shorter < self.settings.min_step {
+            let ended = matches!(error, ContinuationError::MeshLimit { .. } | ContinuationError::Stopped { .. });
+            if ended || shorter < self.settings.min_step {
                 return Err(error);
             }
             self.state.step = shorter;
@@ -61,14 +92,17 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let limit = self.settings.max_intervals;
         let mut refinement = mesh::Refinement::new(tolerance, limit);
         loop {
-            let defects = self.defects();
-            let defect = defects.iter().copied().fold(0.0, f64::max);
-            if defect <= tolerance {
+            let (defect, defects) = self.defects(tolerance);
+            if largest(&defects) <= tolerance {
                 return Ok(defect);
             }
             let y = &self.state.solution;
             let grid = refinement.next(&defects, y.m).map(|next| mesh::redistributed(&y.mesh, &defects, y.m, next));
             let Some(grid) = grid.filter(|grid| mesh::check(grid).is_ok()) else {
+                if defect <= tolerance {
+                    // As well as the mesh allows for its directions.
+                    return Ok(defect);
+                }
                 let parameter = self.state.parameter();
                 return Err(ContinuationError::MeshLimit { limit, parameter, defect, tolerance });
             };
@@ -79,7 +113,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Moves to a mesh of fewer intervals where they do.
     fn coarsen(&mut self, tolerance: f64) {
-        let defects = self.defects();
+        if self.null.check(&self.state.solution).is_err() && self.factorise_newest().is_ok() {
+            self.take_over_factors();
+        }
+        let (_, defects) = self.defects(tolerance);
         let y = &self.state.solution;
         let intervals = y.intervals();
         let needed = mesh::intervals_for(&defects, y.m, tolerance).max(FEWEST);
@@ -108,9 +145,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         std::mem::swap(&mut self.state.solution, &mut self.trial);
         self.exact = false;
         self.exact_tangent().map_err(|failure| self.lost(parameter, failure.into()))?;
+        self.take_over_factors();
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         Ok(())
     }
+}
+
+fn largest(defects: &[f64]) -> f64 {
+    defects.iter().copied().fold(0.0, f64::max)
 }
 
 /// The tolerance of a corrector whose points are to have a defect below `tolerance`.

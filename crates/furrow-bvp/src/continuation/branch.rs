@@ -13,7 +13,7 @@ use crate::invalid::InvalidInput;
 use crate::linear::System;
 use crate::mesh;
 use crate::metric::{self, Metric};
-use crate::newton::{Newton, NewtonReport, NewtonScratch, Work};
+use crate::newton::{Meter, Newton, NewtonError, NewtonReport, NewtonScratch, Work};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
@@ -98,6 +98,8 @@ pub struct Continuation<P> {
     pub(super) conditions: Vec<LinearCondition>,
     pub(super) trial: Solution,
     tangent: Direction,
+    /// Nearly the null direction beside the tangent at the newest point, where a tolerance is set.
+    pub(super) null: Direction,
     weight: Vec<f64>,
     /// The branch point that the last step has passed, from its detection.
     pub(crate) passed: Option<Passed>,
@@ -106,7 +108,7 @@ pub struct Continuation<P> {
     /// The flip of orientation in the step that is tried leads to another branch, however it is shortened.
     elsewhere: bool,
     /// ln |bordered determinant| at the newest point, or at a prediction of it; NaN if not known.
-    log_determinant: f64,
+    pub(super) log_determinant: f64,
     /// The factors in `system` are those of the newest point.
     pub(super) exact: bool,
     /// Steps up to this length are corrected with the factors of the point that they start from.
@@ -134,7 +136,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             settings.newton.tolerance = newton_tolerance(settings.newton.tolerance, tolerance);
         }
         let mut system = System::new(dims, guess.m);
-        let mut scratch = NewtonScratch::default();
+        let meter = Meter::new(settings.budget, settings.max_intervals, &settings.interrupt);
+        let mut scratch = NewtonScratch::metered(meter);
         let mut conditions = vec![LinearCondition::default()];
         let mut solution = guess;
         let last = dims.scalars - 1;
@@ -164,14 +167,16 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Resumes a run, or starts one from a point whose tangent is known (e.g. a branch switched to).
     /// A state may have been read from a file: one that does not fit the problem is refused by the first
     /// [`advance`](Self::advance).
-    pub fn resume(problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
+    pub fn resume(mut problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
         if state.history.is_empty() {
             state.history.push(state.arclength, &state.solution);
         }
+        problem.accepted(&state.solution);
         let system = System::new(problem.dimensions(), state.solution.m);
         Continuation {
             trial: state.solution.clone(),
             tangent: Direction::default(),
+            null: Direction::default(),
             problem,
             system,
             settings,
@@ -199,6 +204,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.check()
     }
 
+    fn renew_budget(&mut self) {
+        let ContinuationSettings { budget, max_intervals, interrupt, .. } = &self.settings;
+        self.scratch.meter = Meter::new(*budget, *max_intervals, interrupt);
+    }
+
     /// Reverses the direction.
     pub fn reverse(&mut self) {
         self.exact = false;
@@ -216,6 +226,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// changed to what does not fit.
     pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
         self.check()?;
+        self.renew_budget();
         self.remesh();
         match self.settings.tolerance {
             Some(tolerance) => self.advance_to(tolerance),
@@ -228,11 +239,18 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let mut step = self.state.step.min(self.settings.max_step);
         let mut rejected = 0;
         (self.passed, self.elsewhere) = (None, false);
+        if self.state.orientation == 0.0 && self.state.points > 1 && self.factorise_newest().is_ok() {
+            // After a change of the number of intervals. A branch point in this step would not show.
+            self.take_over_factors();
+        }
         loop {
             let source = match self.attempt(step) {
                 Ok(attempt) => return Ok(self.accept(step, attempt, rejected)),
                 Err(failure) => failure,
             };
+            if matches!(source, StepFailure::Newton(NewtonError::Stopped { .. })) {
+                return Err(self.lost(self.state.parameter(), source));
+            }
             rejected += 1;
             step *= SHORTER;
             if rejected == DOUBTFUL {
@@ -247,7 +265,13 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     }
 
     pub(super) fn lost(&self, parameter: f64, source: StepFailure) -> ContinuationError {
-        ContinuationError::Lost { parameter, arclength: self.state.arclength, source }
+        let arclength = self.state.arclength;
+        match source {
+            StepFailure::Newton(NewtonError::Stopped { reason, .. }) => {
+                ContinuationError::Stopped { reason, parameter, arclength }
+            }
+            source => ContinuationError::Lost { parameter, arclength, source },
+        }
     }
 
     /// Makes the point of an attempt the newest.
@@ -261,6 +285,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.arclength += step;
         self.state.points += 1;
         self.state.history.push(self.state.arclength, &self.state.solution);
+        self.problem.accepted(&self.state.solution);
         self.state.step = step * growth(report, cosine, self.settings.min_cosine);
         self.work += Work { steps: 1, rejected, ..Work::default() };
         self.work += report;
@@ -427,10 +452,16 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Carries the run over to another mesh.
     pub fn move_to(&mut self, grid: &[f64]) {
         self.exact = false;
-        self.passed = None;
-        let gauss = &self.system.gauss;
-        metric::transfer_direction(gauss, &self.state.solution.mesh, grid, &mut self.state.tangent);
+        let (gauss, from) = (&self.system.gauss, &self.state.solution.mesh);
+        metric::transfer_direction(gauss, from, grid, &mut self.state.tangent);
         self.metric.normalise(grid, &mut self.state.tangent);
+        if self.null.check(&self.state.solution).is_ok() {
+            metric::transfer_direction(gauss, from, grid, &mut self.null);
+        }
+        if let Some(Passed { solution, basis, unfolded }) = &mut self.passed {
+            basis.iter_mut().for_each(|direction| metric::transfer_direction(gauss, from, grid, direction));
+            (*solution, *unfolded) = (solution.on_mesh(gauss, grid), false);
+        }
         if grid.len() != self.state.solution.mesh.len() {
             // The sign of the determinant depends on the number of intervals.
             self.state.orientation = 0.0;
@@ -488,6 +519,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.exact_tangent().map_err(|failure| self.lost(value, failure.into()))?;
         // The points before stay, so that what lies between them and the new one can still be located.
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
+        self.problem.accepted(&self.state.solution);
         if let Some(tolerance) = self.settings.tolerance {
             self.refine(tolerance, Held::Parameter(value))?;
         }
@@ -520,6 +552,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// [`ContinuationError::Lost`] if the corrector fails there.
     pub fn at(&mut self, value: f64) -> Result<Solution, ContinuationError> {
         self.check()?;
+        self.renew_budget();
         self.exact = false;
         let mut y = self.state.solution.clone();
         if let Some((before, share)) = self.between_last_points(value) {

@@ -1,15 +1,14 @@
 //! Whether a step has passed a branch point, or jumped to another branch.
 
-use crate::direction::Direction;
+use crate::direction::{Direction, Residual};
 use crate::linear::System;
-use crate::mesh;
-use crate::metric::{self, Metric};
+use crate::metric::Metric;
 use crate::newton::Work;
 use crate::problem::BoundaryValueProblem;
 use crate::problem::derivatives::second_differences;
 use crate::solution::Solution;
 
-use super::unfolding::{Unfolding, uneven};
+use super::unfolding::{CONVERGED, Unfolding, uneven};
 
 /// Branches nearer to each other than this cross, as far as the rounding of β can tell.
 const CLOSED: f64 = 1e-5;
@@ -31,10 +30,12 @@ pub(crate) struct Passed {
 
 /// The direction that belongs to the smallest singular value, nearly, from factors near a branch point: a second null direction.
 pub(super) fn nearly_null(system: &mut System) -> Direction {
-    let dims = system.dimensions();
-    let weights: Vec<f64> = uneven(dims.right + dims.integrals).map(|w| -w).collect();
-    let mut direction = Direction::default();
-    system.solve_ends(weights.split_at(dims.right).into(), &mut direction);
+    let (mut residual, mut direction, integrals) =
+        (system.zero_residual(), Direction::default(), system.dimensions().integrals);
+    let Residual { left, right, border, .. } = &mut residual;
+    let conditions = right.iter_mut().chain(&mut border[..integrals]).chain(left);
+    conditions.zip(uneven()).for_each(|(row, weight)| *row = weight);
+    system.solve(&residual, &mut direction);
     direction
 }
 
@@ -90,13 +91,7 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
 /// Whether the branches that cross at `y` in the unfolded problem, with a gap in the problem itself, cross there on a finer mesh.
 fn is_closed<P: BoundaryValueProblem>(unfolding: &mut Unfolding<P>, problem: &mut P, y: &Solution) -> bool {
     let gap = unfolding.gap();
-    let finer = mesh::halved(&y.mesh);
-    let gauss = unfolding.system.gauss.clone();
-    let (mut refined, mut basis) = (y.on_mesh(&gauss, &finer), unfolding.basis.clone());
-    for direction in &mut basis {
-        metric::transfer_direction(&gauss, &y.mesh, &finer, direction);
-    }
-    unfolding.solve_from(problem, &mut refined, basis).is_some() && unfolding.gap() < SHRINKS * gap
+    unfolding.on_halved(problem, y, CONVERGED).is_some() && unfolding.gap() < SHRINKS * gap
 }
 
 /// The point at a share of the way.

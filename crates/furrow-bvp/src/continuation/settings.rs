@@ -4,7 +4,7 @@ use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
 use crate::invalid::{self, InvalidInput};
 use crate::metric::Metric;
-use crate::newton::{Newton, NewtonError};
+use crate::newton::{BUDGET, Interrupt, Newton, NewtonError, Stop};
 use crate::solution::Solution;
 
 /// Settings of a continuation.
@@ -30,6 +30,10 @@ pub struct ContinuationSettings {
     pub tolerance: Option<f64>,
     /// Most intervals of a refined mesh.
     pub max_intervals: usize,
+    /// Most work of one step, in factorisations of a mesh of `max_intervals`.
+    pub budget: f64,
+    /// Ends a step from outside.
+    pub interrupt: Interrupt,
 }
 
 impl Default for ContinuationSettings {
@@ -44,6 +48,8 @@ impl Default for ContinuationSettings {
             remesh_every: 1,
             tolerance: None,
             max_intervals: 2000,
+            budget: BUDGET,
+            interrupt: Interrupt::default(),
         }
     }
 }
@@ -56,6 +62,7 @@ impl ContinuationSettings {
     pub fn check(&self) -> Result<(), InvalidInput> {
         let ContinuationSettings { first_step, min_step, max_step, min_cosine, remesh_above, remesh_every, .. } = *self;
         self.newton.check()?;
+        invalid::setting("the budget", self.budget, self.budget > 0.0, "a number above 0")?;
         invalid::positive("first_step", first_step)?;
         invalid::positive("min_step", min_step)?;
         invalid::setting("max_step", max_step, max_step > 0.0, "a number above 0")?;
@@ -121,6 +128,16 @@ pub enum ContinuationError {
         arclength: f64,
         /// The last failure.
         source: StepFailure,
+    },
+    /// A step was ended from outside. The state is left at the last point.
+    #[error("{reason} at parameter {parameter} after arclength {arclength}")]
+    Stopped {
+        /// Why.
+        reason: Stop,
+        /// Value of λ at the last point.
+        parameter: f64,
+        /// Arclength of the last point.
+        arclength: f64,
     },
     /// The accuracy asked for would need more intervals than allowed.
     #[error(

@@ -3,12 +3,12 @@
 use crate::dimensions::Dimensions;
 use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian};
 
-/// F(x) + βw = 0: multiples of β are added to the right and to the integral conditions. Only these end in the last block of the
-/// elimination, where singular systems show. The value of β is kept here, so that a solution has the scalars of the problem itself.
+/// F(x) + βw = 0: multiples of β are added to all conditions. A left null vector that is zero in all of them is zero everywhere.
+/// The value of β is kept here, so that a solution has the scalars of the problem itself.
 pub(super) struct Unfolded<'a, P> {
     pub inner: &'a mut P,
     pub beta: f64,
-    /// w: of the right conditions, then of the integral ones.
+    /// w: of the right conditions, then of the integral and of the left ones.
     pub weights: &'a [f64],
 }
 
@@ -29,6 +29,15 @@ impl<P: BoundaryValueProblem> Unfolded<'_, P> {
     fn narrow(&self, widened: &[f64]) -> (usize, Vec<f64>) {
         let width = self.inner.dimensions().scalars;
         (width, vec![0.0; widened.len() / (width + 1) * width])
+    }
+
+    /// Adds βw to conditions, for the weights from `first` on.
+    fn unfold(&self, first: usize, out: &mut BoundaryJacobian<'_>) {
+        let rows = out.rp.chunks_exact_mut(self.inner.dimensions().scalars + 1);
+        for ((r, row), w) in out.r.iter_mut().zip(rows).zip(&self.weights[first..]) {
+            *r += w * self.beta;
+            row[row.len() - 1] = *w;
+        }
     }
 }
 
@@ -71,16 +80,15 @@ impl<P: BoundaryValueProblem> BoundaryValueProblem for Unfolded<'_, P> {
         let (width, mut rp) = self.narrow(out.rp);
         self.inner.left(y, p, &mut BoundaryJacobian { r: out.r, ry: out.ry, rp: &mut rp });
         widen(&rp, width, out.rp);
+        let Dimensions { right, integrals, .. } = self.inner.dimensions();
+        self.unfold(right + integrals, out);
     }
 
     fn right(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
         let (width, mut rp) = self.narrow(out.rp);
         self.inner.right(y, p, &mut BoundaryJacobian { r: out.r, ry: out.ry, rp: &mut rp });
         widen(&rp, width, out.rp);
-        for (k, (r, w)) in out.r.iter_mut().zip(self.weights).enumerate() {
-            *r += w * self.beta;
-            out.rp[k * (width + 1) + width] = *w;
-        }
+        self.unfold(0, out);
     }
 
     fn integral_offset(&self, k: usize, p: &[f64], hp: &mut [f64]) -> f64 {

@@ -20,7 +20,8 @@ use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::Gauss;
 use crate::linear::System;
-use crate::metric::Metric;
+use crate::mesh;
+use crate::metric::{self, Metric};
 use crate::newton::Work;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
@@ -62,11 +63,11 @@ const FARTHEST: f64 = 0.5;
 const SEPARATE: f64 = 1e-6;
 
 /// Iterations end with a correction below this: what it leaves is of the order of its square.
-const CONVERGED: f64 = 3e-9;
+pub(super) const CONVERGED: f64 = 3e-9;
 
 /// Weights w of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
 /// the symmetries of a problem do not make them useless.
-pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
+pub(super) fn uneven() -> impl Iterator<Item = f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     std::iter::repeat_with(move || {
         state ^= state << 13;
@@ -74,7 +75,6 @@ pub(super) fn uneven(count: usize) -> impl Iterator<Item = f64> {
         state ^= state << 17;
         0.25 + (state >> 11) as f64 / (1u64 << 53) as f64
     })
-    .take(count)
 }
 
 /// Smaller corrections reuse the form of the previous iterate.
@@ -118,7 +118,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             beta: 0.0,
             work: Work::default(),
             second,
-            weights: uneven(dims.right + dims.integrals).collect(),
+            weights: uneven().take(dims.right + dims.integrals + dims.left).collect(),
             conditions: Default::default(),
             residual: Residual::default(),
             step: Direction::default(),
@@ -132,21 +132,33 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         let [first, second] = &mut self.conditions;
         self.metric.plane_through(y, tangent, first);
         // Any row does that the second null direction is not orthogonal to.
-        second.nodes = uneven(y.nodes.len()).collect();
-        second.scalars = uneven(y.scalars.len()).collect();
+        second.nodes = uneven().take(y.nodes.len()).collect();
+        second.scalars = uneven().take(y.scalars.len()).collect();
         self.beta = 0.0;
         self.linearise(problem, y).ok()?;
         self.basis[0].clone_from(tangent);
-        self.iterate(problem, y)
+        self.iterate(problem, y, CONVERGED)
     }
 
     /// [`solve`](Self::solve) where the null directions are known nearly.
     pub fn solve_from(&mut self, problem: &mut P, y: &mut Solution, basis: [Direction; 2]) -> Option<()> {
         self.basis = basis;
-        self.iterate(problem, y)
+        self.iterate(problem, y, CONVERGED)
     }
 
-    fn iterate(&mut self, problem: &mut P, y: &mut Solution) -> Option<()> {
+    /// Solves for the branch point `y` on the mesh of halved intervals, until a correction is below `enough`. System, basis and form
+    /// then belong to this mesh.
+    pub fn on_halved(&mut self, problem: &mut P, y: &Solution, enough: f64) -> Option<Solution> {
+        let finer = mesh::halved(&y.mesh);
+        let mut refined = y.on_mesh(&self.system.gauss, &finer);
+        for direction in &mut self.basis {
+            metric::transfer_direction(&self.system.gauss, &y.mesh, &finer, direction);
+        }
+        self.iterate(problem, &mut refined, enough).map(|()| refined)
+    }
+
+    /// Newton until a correction is below `enough`.
+    fn iterate(&mut self, problem: &mut P, y: &mut Solution, enough: f64) -> Option<()> {
         (self.beta, self.form) = (0.0, [f64::NAN; 3]);
         for _ in 0..MOST_ITERATIONS {
             self.border(y);
@@ -158,7 +170,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             let damping = (FARTHEST / size).min(1.0);
             self.step.apply(damping, y);
             self.beta += damping * change;
-            if size < CONVERGED {
+            if size < enough {
                 return Some(());
             }
         }

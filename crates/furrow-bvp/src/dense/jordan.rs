@@ -4,12 +4,13 @@ use multiversion::multiversion;
 
 use super::{LANE, Lane, PivotFailure, pivot_among, subtract_scaled, times};
 
-/// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time.
+/// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time. Its result is that of an elimination.
 macro_rules! with_width {
     ($matrix:expr, $lanes:expr, $rows:ident => $body:expr, [$($l:literal)*]) => {
         match $lanes {
             $($l => { let ($rows, _) = $matrix.as_chunks_mut::<$l>(); $body })*
-            other => panic!("blocks of {other} lanes are wider than the kernels are built for"),
+            // Wider than `Dimensions::check` allows.
+            _ => Err(PivotFailure { column: 0, non_finite: true }),
         }
     };
 }

@@ -94,10 +94,7 @@ struct Panel {
 
 impl BlockFactor {
     /// Takes over the sizes, makes room and loads the rows that are carried from the left end. The elimination is complete
-    /// after [`eliminate`](Self::eliminate) and [`factor_last`](Self::factor_last).
-    ///
-    /// # Panics
-    /// If there are not as many conditions as unknowns.
+    /// after [`eliminate`](Self::eliminate) and [`factor_last`](Self::factor_last). There have to be as many conditions as unknowns.
     pub fn begin(&mut self, condensed: &Condensed, ends: &EndJacobian, conditions: &[LinearCondition]) {
         self.reset(condensed, conditions.len());
         let (n, np, lanes) = (self.n, self.np, self.panel_widths().lanes);
@@ -164,7 +161,7 @@ impl BlockFactor {
         let Dimensions { components: n, scalars: np, left: nl, right: nr, integrals: ni, .. } = condensed.dims;
         let nb = ni + conditions;
         let nf = n + np;
-        assert_eq!(nl + nr + nb, nf, "as many conditions as unknowns");
+        debug_assert_eq!(nl + nr + nb, nf, "as many conditions as unknowns");
         (self.n, self.np, self.nl, self.nr, self.ni, self.nb) = (n, np, nl, nr, ni, nb);
         self.intervals = condensed.intervals();
         let Panel { rows, lanes, .. } = self.panel_widths();
@@ -275,15 +272,13 @@ impl BlockFactor {
 
     /// Factorises the last block of the antisymmetric problem, with the right end rows of `end` and without scalar unknowns,
     /// integral and linear conditions. Borders are never pivots, so that up to this block both eliminations are the same.
+    /// End rows and left conditions have to be as many as the components.
     ///
     /// # Errors
     /// If a pivot vanishes.
-    ///
-    /// # Panics
-    /// If the end rows and the left conditions are not as many as the components.
     pub fn factor_antisymmetric(&self, end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
         let n = self.n;
-        assert_eq!(self.nl * n + end.rows.len(), n * n, "as many conditions as unknowns");
+        debug_assert_eq!(self.nl * n + end.rows.len(), n * n, "as many conditions as unknowns");
         let (fl, lanes) = (dense::lanes_for(n), self.panel_widths().lanes);
         let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
         let last = &mut last[..n * fl];

@@ -4,4 +4,4 @@ mod operator;
 mod system;
 
 pub use operator::SolutionOperator;
-pub use system::System;
+pub use system::{Place, System};

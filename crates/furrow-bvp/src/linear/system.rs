@@ -71,6 +71,54 @@ pub(super) enum Progress {
     Factored,
 }
 
+/// A value of the equations, counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Place {
+    /// A component of the right-hand side.
+    #[error("component {component} of the right-hand side at x = {x}")]
+    Rhs {
+        /// The component.
+        component: usize,
+        /// Where.
+        x: f64,
+    },
+    /// A derivative of a component of the right-hand side.
+    #[error("a derivative of component {component} of the right-hand side at x = {x}")]
+    RhsDerivative {
+        /// The component.
+        component: usize,
+        /// Where.
+        x: f64,
+    },
+    /// A condition at the left end, or a derivative of it.
+    #[error("condition {index} at the left end")]
+    Left {
+        /// The condition.
+        index: usize,
+    },
+    /// A condition at the right end, or a derivative of it.
+    #[error("condition {index} at the right end")]
+    Right {
+        /// The condition.
+        index: usize,
+    },
+    /// An integrand, or a derivative of it.
+    #[error("integrand {index} at x = {x}")]
+    Integrand {
+        /// The integral condition.
+        index: usize,
+        /// Where.
+        x: f64,
+    },
+    /// The part of an integral condition that depends on the scalar unknowns alone, or a derivative of it.
+    #[error("integral condition {index}")]
+    Integral {
+        /// The condition.
+        index: usize,
+    },
+}
+
 /// Sizes of a problem as errors name them.
 const SIZES: [&str; 7] = [
     "components of the problem",
@@ -168,6 +216,38 @@ impl System {
         for (row, condition) in border.iter_mut().zip(conditions) {
             *row = metric::evaluate(condition, y) - condition.value;
         }
+    }
+
+    /// The first value of the last evaluation that is not finite.
+    pub(crate) fn undefined(&self) -> Option<Place> {
+        let Dimensions { components: n, scalars: np, integrals: ni, .. } = self.dimensions();
+        let first = |values: &[f64]| values.iter().position(|v| !v.is_finite());
+        let at = |equation: usize, width: usize, values: &[f64], part: fn(usize, f64) -> Place| {
+            let index = first(values)? / width.max(1);
+            let x = self.places.get(index / equation.max(1)).copied().unwrap_or(f64::NAN);
+            Some(part(index % equation.max(1), x))
+        };
+        let Residual { stages, left, right, border, .. } = &self.residual;
+        let Condensed { fy, fp, gy, gp, .. } = &self.condensed;
+        let ends = &self.ends;
+        let condition = |parts: [(&[f64], usize); 3], place: fn(usize) -> Place| {
+            parts.into_iter().find_map(|(values, width)| first(values).map(|index| place(index / width.max(1))))
+        };
+        at(n, 1, stages, |component, x| Place::Rhs { component, x })
+            .or_else(|| condition([(left, 1), (&ends.left[0], n), (&ends.left[1], np)], |index| Place::Left { index }))
+            .or_else(|| {
+                condition([(right, 1), (&ends.right[0], n), (&ends.right[1], np)], |index| Place::Right { index })
+            })
+            .or_else(|| at(ni, 1, &self.integrands, |index, x| Place::Integrand { index, x }))
+            .or_else(|| {
+                condition([(border.get(..ni).unwrap_or_default(), 1), (&ends.offsets, np), (&[], 1)], |index| {
+                    Place::Integral { index }
+                })
+            })
+            .or_else(|| at(n, n, fy, |component, x| Place::RhsDerivative { component, x }))
+            .or_else(|| at(n, np, fp, |component, x| Place::RhsDerivative { component, x }))
+            .or_else(|| at(ni, n, gy, |index, x| Place::Integrand { index, x }))
+            .or_else(|| at(ni, np, gp, |index, x| Place::Integrand { index, x }))
     }
 
     /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
@@ -352,16 +432,6 @@ impl System {
         border[which] = 1.0;
         let right = &[0.0; MAX_UNKNOWNS][..self.dimensions().right];
         self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
-    }
-
-    /// Solves for right-hand sides of the right conditions and of the integral conditions, and zero elsewhere.
-    pub(crate) fn solve_ends(&mut self, [right, integrals]: [&[f64]; 2], out: &mut Direction) {
-        let Dimensions { right: conditions, integrals: ni, .. } = self.dimensions();
-        let mut border = [0.0; MAX_UNKNOWNS];
-        if self.is_factored(Progress::Factored, [right.len(), integrals.len()] == [conditions, ni], out) {
-            border[..ni].copy_from_slice(integrals);
-            self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
-        }
     }
 
     /// Solves J d = 0 with linear condition `which` raised by 1.

@@ -25,9 +25,6 @@ const FIRST_STEP: f64 = 0.1;
 /// A smaller step has met a fold of the path, or a problem without solution.
 const MIN_STEP: f64 = 1e-6;
 
-/// Most times the corrector runs, so that no problem keeps it for ever.
-const MAX_CORRECTIONS: usize = 1500;
-
 /// Bound on the defect on the way.
 const BOUND: f64 = 1e-4;
 
@@ -190,21 +187,22 @@ struct Path<'a, P> {
     scratch: &'a mut NewtonScratch,
     work: &'a mut Work,
     max_intervals: usize,
+    /// Times the corrector may still run.
     corrections: usize,
 }
 
 /// A solution of `problem` with a defect below [`BOUND`], along the path of the guess `origin`; none if the path does
-/// not lead to one.
+/// not lead to one within the limits of intervals and of corrections.
 pub(super) fn solve<P: BoundaryValueProblem>(
     problem: &mut P,
     origin: &Solution,
-    max_intervals: usize,
+    [max_intervals, corrections]: [usize; 2],
     system: &mut System,
     scratch: &mut NewtonScratch,
     work: &mut Work,
 ) -> Option<Solution> {
     let deformed = Deformed::new(problem, origin);
-    Path { deformed, system, scratch, work, max_intervals, corrections: 0 }.run(origin.clone())
+    Path { deformed, system, scratch, work, max_intervals, corrections }.run(origin.clone())
 }
 
 impl<P: BoundaryValueProblem> Path<'_, P> {
@@ -212,7 +210,7 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
     fn run(&mut self, mut y: Solution) -> Option<Solution> {
         let (mut s, mut step) = (0.0, FIRST_STEP);
         let mut before: Option<(f64, Solution)> = None;
-        while self.corrections < MAX_CORRECTIONS {
+        while self.corrections > 0 {
             let next = if s + step > 1.0 - 0.01 * step { 1.0 } else { s + step };
             self.deformed.rest = 1.0 - next;
             let guess = match &before {
@@ -241,7 +239,7 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
 
     /// Newton, and whether it was fast.
     fn corrected(&mut self, mut y: Solution) -> Option<(Solution, bool)> {
-        self.corrections += 1;
+        self.corrections = self.corrections.checked_sub(1)?;
         let report = CORRECTOR.solve(self.system, self.scratch, &mut self.deformed, &mut y, &[], false);
         let Ok(report) = report else {
             self.work.rejected += 1;

@@ -13,9 +13,11 @@
 use crate::dense::PivotFailure;
 use crate::direction::{Direction, LinearCondition};
 use crate::invalid::{self, InvalidInput};
-use crate::linear::System;
+use crate::linear::{Place, System};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
+
+use super::limits::{Meter, Stop};
 
 /// Settings of the iteration.
 ///
@@ -105,9 +107,25 @@ pub enum NewtonError {
         /// Norm of the last correction.
         correction: f64,
     },
-    /// A residual or correction was not finite.
-    #[error("the residual is not finite after {iterations} iterations")]
+    /// A correction was not finite, though all values of the equations were.
+    #[error("the correction is not finite after {iterations} iterations")]
     NonFinite {
+        /// Linear solves done.
+        iterations: usize,
+    },
+    /// A value of the equations or of their derivatives is not finite.
+    #[error("{place} is not finite after {iterations} iterations")]
+    Undefined {
+        /// Which value.
+        place: Place,
+        /// Linear solves done.
+        iterations: usize,
+    },
+    /// It was ended from outside.
+    #[error("{reason} after {iterations} iterations")]
+    Stopped {
+        /// Why.
+        reason: Stop,
         /// Linear solves done.
         iterations: usize,
     },
@@ -129,6 +147,15 @@ pub struct NewtonScratch {
     step: Direction,
     trial_step: Direction,
     trial: Option<Solution>,
+    /// Ends the iteration once its work is spent.
+    pub(crate) meter: Meter,
+}
+
+impl NewtonScratch {
+    /// For iterations that end once the work of the meter is spent.
+    pub(crate) fn metered(meter: Meter) -> NewtonScratch {
+        NewtonScratch { meter, ..NewtonScratch::default() }
+    }
 }
 
 impl Newton {
@@ -234,7 +261,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             self.report.iterations += 1;
             let size = self.scratch.step.norm(self.y);
             if !size.is_finite() {
-                return Err(NewtonError::NonFinite { iterations: self.report.iterations });
+                return Err(self.non_finite());
             }
             if size <= settings.tolerance {
                 self.scratch.step.apply(1.0, self.y);
@@ -252,12 +279,24 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
 
     /// Residual, derivatives and factors at `y`.
     fn factorise(&mut self) -> Result<(), NewtonError> {
-        let Iteration { system, problem, y, conditions, report, .. } = self;
+        let Iteration { system, scratch, problem, y, conditions, report, .. } = self;
+        let iterations = report.iterations;
+        scratch.meter.charge(y.intervals()).map_err(|reason| NewtonError::Stopped { reason, iterations })?;
         system.evaluate(*problem, y, conditions, true);
         report.factorisations += 1;
-        let iterations = report.iterations;
-        let factored = system.condense().and_then(|()| system.factor_blocks(conditions));
-        factored.map_err(|failure| NewtonError::of_pivot(failure, iterations))
+        match system.condense().and_then(|()| system.factor_blocks(conditions)) {
+            Err(failure) if failure.non_finite => Err(self.non_finite()),
+            factored => factored.map_err(|failure| NewtonError::of_pivot(failure, iterations)),
+        }
+    }
+
+    /// The error where a correction or a pivot is not finite.
+    fn non_finite(&self) -> NewtonError {
+        let iterations = self.report.iterations;
+        match self.system.undefined() {
+            Some(place) => NewtonError::Undefined { place, iterations },
+            None => NewtonError::NonFinite { iterations },
+        }
     }
 
     /// Accepts y + λδ with the largest λ that passes the monotonicity test, δ being the correction `step` of norm `size`;
@@ -265,7 +304,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
     /// if λ = 1.
     fn damped_step(&mut self, size: f64) -> Result<Option<f64>, NewtonError> {
         let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
-        let NewtonScratch { step, trial_step, trial } = &mut **scratch;
+        let NewtonScratch { step, trial_step, trial, .. } = &mut **scratch;
         let trial = trial.get_or_insert_with(|| y.clone());
         let mut lambda = 1.0;
         loop {
@@ -283,10 +322,11 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             }
             lambda *= 0.5;
             if lambda < settings.min_damping || report.iterations >= settings.max_iterations {
+                let iterations = report.iterations;
                 return Err(if next.is_finite() {
-                    NewtonError::Stalled { iterations: report.iterations, correction: size }
+                    NewtonError::Stalled { iterations, correction: size }
                 } else {
-                    NewtonError::NonFinite { iterations: report.iterations }
+                    self.non_finite()
                 });
             }
         }

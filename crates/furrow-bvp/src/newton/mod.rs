@@ -3,10 +3,13 @@
 mod condition;
 mod homotopy;
 mod iteration;
+mod limits;
 mod solver;
 mod work;
 
 pub use iteration::{Newton, NewtonError, NewtonReport, NewtonScratch};
-pub(crate) use solver::NEWTON_SHARE;
+pub(crate) use limits::Meter;
+pub use limits::{Interrupt, Stop};
+pub(crate) use solver::{BUDGET, NEWTON_SHARE};
 pub use solver::{Settings, SolveError, Solved, solve};
 pub use work::Work;

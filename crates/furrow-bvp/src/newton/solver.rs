@@ -14,6 +14,7 @@ use crate::solution::Solution;
 use super::condition;
 use super::homotopy;
 use super::iteration::{Newton, NewtonError, NewtonScratch};
+use super::limits::{Interrupt, Meter, Stop};
 use super::work::Work;
 
 /// Settings of [`solve`].
@@ -25,13 +26,29 @@ pub struct Settings {
     pub max_intervals: usize,
     /// The iteration on every mesh. Its tolerance is tightened where that of the defect asks for it.
     pub newton: Newton,
+    /// Most work, in factorisations of a mesh of `max_intervals`.
+    pub budget: f64,
+    /// Most corrections of the homotopy, which is tried where Newton fails; 0 switches it off.
+    pub homotopy: usize,
+    /// Ends the solve from outside.
+    pub interrupt: Interrupt,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { tolerance: 1e-6, max_intervals: 2000, newton: Newton::default() }
+        Settings {
+            tolerance: 1e-6,
+            max_intervals: 2000,
+            newton: Newton::default(),
+            budget: BUDGET,
+            homotopy: 1500,
+            interrupt: Interrupt::default(),
+        }
     }
 }
+
+/// The hardest case that is solved in the table of Cash and Mazzia takes a quarter of it.
+pub(crate) const BUDGET: f64 = 1000.0;
 
 impl Settings {
     /// Checks the settings.
@@ -40,6 +57,7 @@ impl Settings {
     /// [`InvalidInput::Setting`].
     pub fn check(&self) -> Result<(), InvalidInput> {
         invalid::positive("the tolerance", self.tolerance)?;
+        invalid::setting("the budget", self.budget, self.budget > 0.0, "a number above 0")?;
         self.newton.check()
     }
 }
@@ -91,6 +109,16 @@ pub enum SolveError {
         /// The solution of smallest defect.
         best: Box<Solved>,
     },
+    /// It was ended from outside.
+    #[error("{reason} on {intervals} intervals")]
+    Stopped {
+        /// Why.
+        reason: Stop,
+        /// Intervals of the last mesh.
+        intervals: usize,
+        /// The solution of smallest defect on the meshes before, if there is any.
+        best: Option<Box<Solved>>,
+    },
     /// The accuracy asked for would need more intervals than allowed.
     #[error("the limit of {limit} intervals is reached with a defect of {:.3e}", .best.defect)]
     MeshLimit {
@@ -139,7 +167,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 /// On every mesh Newton solves the collocation equations. Where the defect is too large, the mesh is redistributed so that
 /// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for. Where Newton fails,
 /// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
-/// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end.
+/// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end. All of it
+/// has a budget of work, and ends before the next factorisation once the interrupt of the settings is set.
 ///
 /// # Errors
 /// [`SolveError`], with the best solution found on the way.
@@ -195,7 +224,7 @@ pub fn solve<P: BoundaryValueProblem>(
         problem,
         settings,
         system: System::new(dims, guess.m),
-        scratch: NewtonScratch::default(),
+        scratch: NewtonScratch::metered(Meter::new(settings.budget, settings.max_intervals, &settings.interrupt)),
         work: Work::default(),
         best: None,
         guess,
@@ -255,6 +284,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
             let on_finer = match self.newton(&mut finer) {
                 Ok(()) => condition::estimate(&mut self.system, &finer),
+                Err(NewtonError::Stopped { reason, .. }) => return Err(self.stopped(reason, finer.intervals())),
                 Err(_) => f64::INFINITY,
             };
             if on_finer > GROWN * condition || on_finer > SINGULAR {
@@ -270,6 +300,10 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             }
         }
         Ok(Solved { solution: y, defect, condition, work: self.work })
+    }
+
+    fn stopped(&mut self, reason: Stop, intervals: usize) -> SolveError {
+        SolveError::Stopped { reason, intervals, best: self.best.take() }
     }
 
     fn defect(&mut self, y: &Solution) -> f64 {
@@ -302,10 +336,14 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             let Err(source) = self.newton(&mut y) else { return Ok(y) };
             failures += 1;
             let intervals = start.intervals();
+            if let NewtonError::Stopped { reason, .. } = source {
+                return Err(self.stopped(reason, intervals));
+            }
             let last = 2 * intervals > limit;
             if (failures == FAILURES || last) && !std::mem::replace(&mut self.deformed, true) {
-                let Run { problem, system, scratch, work, guess, .. } = self;
-                if let Some(y) = homotopy::solve(*problem, guess, limit, system, scratch, work) {
+                let Run { problem, settings, system, scratch, work, guess, .. } = self;
+                let limits = [limit, settings.homotopy];
+                if let Some(y) = homotopy::solve(*problem, guess, limits, system, scratch, work) {
                     start = y;
                     continue;
                 }

@@ -2,6 +2,7 @@
 
 use crate::dimensions::Dimensions;
 use crate::kernels::Kernels;
+use crate::solution::Solution;
 
 /// Where the right-hand side is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,6 +138,10 @@ pub trait BoundaryValueProblem {
     /// Called after [`prepare`](Self::prepare) with the collocation points of a sweep, where what depends on them alone can be
     /// computed and kept.
     fn prepare_points(&mut self, _x: &[f64], _p: &[f64]) {}
+
+    /// Called with every point that a continuation accepts, for conditions that refer to a solution nearby. The point has to
+    /// fulfil the conditions that follow.
+    fn accepted(&mut self, _y: &Solution) {}
 
     /// f into `f` (length n) and the integrands into `g`.
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]);

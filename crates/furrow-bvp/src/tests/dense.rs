@@ -2,8 +2,7 @@
 //!
 //! Unknowns are ordered nodes, stages, scalars; equations stages, nodes, left, right, border.
 
-use faer::Mat;
-use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use crate::dense::Determinant;
 use crate::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Gauss, Solution};
@@ -19,8 +18,7 @@ pub struct Matrix {
 
 /// The factors of a matrix, with its condition number.
 pub struct Factorised {
-    n: usize,
-    lu: PartialPivLu<f64>,
+    lu: LU<f64, Dyn, Dyn>,
     pub determinant: Determinant,
     /// ‖A‖ ‖A⁻¹‖ in the maximum norm.
     pub condition: f64,
@@ -29,39 +27,41 @@ pub struct Factorised {
 impl Matrix {
     /// By row pivoting.
     pub fn factor(self) -> Factorised {
-        let n = self.n;
-        let matrix = Mat::from_fn(n, n, |i, j| self.a[i * n + j]);
-        let lu = matrix.partial_piv_lu();
-        let mut determinant = Determinant::default();
-        let order = lu.P().arrays().0;
-        for k in 0..n {
-            let (pivot, inversions) = (lu.U()[(k, k)], order[..k].iter().filter(|row| **row > order[k]).count());
-            determinant.sign *= if inversions % 2 == 0 { pivot.signum() } else { -pivot.signum() };
+        let matrix = DMatrix::from_row_slice(self.n, self.n, &self.a);
+        let norm = |m: &DMatrix<f64>| m.row_iter().map(|row| row.lp_norm(1)).fold(0.0, f64::max);
+        let size = norm(&matrix);
+        let lu = matrix.lu();
+        let mut determinant = Determinant { sign: lu.p().determinant(), ..Determinant::default() };
+        for pivot in lu.u().diagonal().iter() {
+            determinant.sign *= pivot.signum();
             determinant.log_abs += pivot.abs().ln();
         }
-        let norm = |m: &Mat<f64>| (0..n).map(|i| (0..n).map(|j| m[(i, j)].abs()).sum()).fold(0.0, f64::max);
-        Factorised { n, determinant, condition: norm(&matrix) * norm(&lu.inverse()), lu }
+        let condition = size * norm(&lu.try_inverse().unwrap());
+        Factorised { determinant, condition, lu }
     }
 }
 
 impl Factorised {
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
-        let x = self.lu.solve(Mat::from_fn(self.n, 1, |i, _| b[i]));
-        (0..self.n).map(|i| x[(i, 0)]).collect()
+        self.lu.solve(&DVector::from_column_slice(b)).unwrap().as_slice().to_vec()
     }
 
     /// Relative error allowed to a solution: two eliminations, each with a backward error of 3 n ε (Higham 2002,
     /// theorem 9.4, with growth that row pivoting keeps small), amplified by the condition number. A tolerance that
     /// would hide errors is refused.
     pub fn tolerance(&self) -> f64 {
-        let tolerance = 6.0 * self.n as f64 * f64::EPSILON * self.condition;
+        let tolerance = 6.0 * self.n() * f64::EPSILON * self.condition;
         assert!(tolerance < 1e-5, "a problem of condition {:.1e} tests nothing", self.condition);
         tolerance
     }
 
     /// Error allowed to ln|det|: its change with the matrix is tr(A⁻¹ δA), at most n ‖A⁻¹‖ ‖δA‖.
     pub fn determinant_tolerance(&self) -> f64 {
-        self.n as f64 * self.tolerance()
+        self.n() * self.tolerance()
+    }
+
+    fn n(&self) -> f64 {
+        self.lu.u().nrows() as f64
     }
 
     /// Asserts that `x` solves A x = b.

@@ -5,7 +5,7 @@ use super::problems::{Counted, Initial, bratu, factored, solved};
 use super::{distance, largest};
 use crate::Direction;
 use crate::newton::NewtonScratch;
-use crate::{BoundaryValueProblem, Gauss, Newton, NewtonError, NewtonReport, Solution, System, mesh};
+use crate::{BoundaryValueProblem, Gauss, Newton, NewtonError, NewtonReport, Place, Solution, System, mesh};
 
 const M: usize = 3;
 
@@ -37,7 +37,7 @@ fn steep() -> Initial {
 #[test]
 fn singular_systems_and_what_is_not_a_number_are_told_apart() {
     let singular = NewtonError::Singular { column: 0, iterations: 0 };
-    let non_finite = |iterations| NewtonError::NonFinite { iterations };
+    let non_finite = |iterations| NewtonError::Undefined { place: Place::Left { index: 0 }, iterations };
     type Equation = fn(f64) -> (f64, f64);
     let cases: [(f64, Equation, usize, f64, NewtonError); 5] = [
         // y(0) is in no condition. The first row to be carried over is zero, whatever the interval does to it.

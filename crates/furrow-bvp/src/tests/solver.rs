@@ -3,7 +3,7 @@
 use super::cash_mazzia::{self, largest_difference};
 use super::problems::{bratu, layer, quadratic};
 use super::second_order::SecondOrder;
-use crate::{Gauss, InvalidInput, NewtonError, Settings, Solution, SolveError, Solved, TooLarge, mesh, solve};
+use crate::{Gauss, InvalidInput, NewtonError, Place, Settings, Solution, SolveError, Solved, TooLarge, mesh, solve};
 
 /// Solves from the straight line between the ends on a uniform mesh.
 fn from_line(problem: &mut SecondOrder, m: usize, intervals: usize, settings: &Settings) -> Result<Solved, SolveError> {
@@ -76,10 +76,13 @@ fn a_right_hand_side_that_is_undefined_between_the_stages_is_not_accepted() {
     let force = |x: f64, _: [f64; 2]| [if x < 1e-3 { f64::NAN } else { 0.0 }, 0.0, 0.0];
     let mut hole = SecondOrder { force: Box::new(force), ends: [0.0, 1.0] };
     let outcome = from_line(&mut hole, 3, 100, &Settings::default());
-    let Err(SolveError::Newton { source: NewtonError::NonFinite { .. }, best: Some(best), .. }) = outcome else {
+    let Err(SolveError::Newton { source: NewtonError::Undefined { place, .. }, best: Some(best), .. }) = outcome else {
         panic!("{outcome:?}")
     };
     assert_eq!(best.defect, f64::INFINITY);
+    let Place::Rhs { component: 1, x } = place else { panic!("{place}") };
+    assert!(x < 1e-3, "{x}");
+    assert_eq!(place.to_string(), format!("component 1 of the right-hand side at x = {x}"));
 }
 
 #[test]

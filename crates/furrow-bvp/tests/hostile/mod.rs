@@ -241,6 +241,7 @@ fn continuation(from: &mut Bytes) -> ContinuationSettings {
         remesh_every: from.byte() % 4,
         tolerance: from.rarely(3).then(|| from.setting(1e-3)),
         max_intervals: from.byte() % 40,
+        ..ContinuationSettings::default()
     }
 }
 
@@ -270,7 +271,8 @@ pub fn check(data: &[u8]) {
     let y = guess(from, problem.dims);
     values(from, &mut problem, &y);
     let max_intervals = from.byte() % 40;
-    let settings = Settings { tolerance: from.setting(1e-3), max_intervals, newton: newton(from) };
+    let settings =
+        Settings { tolerance: from.setting(1e-3), max_intervals, newton: newton(from), ..Settings::default() };
     if let Ok(solved) = solve(&mut problem, &y, &settings) {
         assert!(solved.defect <= settings.tolerance && solved.solution.check().is_ok());
     }

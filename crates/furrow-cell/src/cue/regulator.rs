@@ -125,13 +125,17 @@ impl Regulator {
     }
 
     /// The same regulator without what does nothing: couplings of strength 0, and a source that makes nothing. None if it acts
-    /// on no field.
+    /// on no field, or is a label that nothing makes, which stays at φ = 0.
     pub(super) fn simplified(&self) -> Option<Regulator> {
         let acts = |coupling: &&Coupling| coupling.strength != 0.0;
         let couplings: Vec<Coupling> = self.couplings.iter().filter(acts).copied().collect();
         // What is made is k A f.
         let source = self.source.filter(|source| source.amplitude != 0.0 && self.turnover != 0.0);
-        (!couplings.is_empty()).then(|| Regulator { source, couplings, ..self.clone() })
+        (!couplings.is_empty() && (self.diluted || self.turnover != 0.0)).then(|| Regulator {
+            source,
+            couplings,
+            ..self.clone()
+        })
     }
 
     /// The same regulator with its numbers turned into others, each told which it is.

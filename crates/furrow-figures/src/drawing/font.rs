@@ -3,10 +3,12 @@
 use ttf_parser::Face;
 
 /// DejaVu Sans, without the scripts that no name of a quantity or a cell is written in (`fonts/README.md`).
-const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans.ttf");
+pub(super) const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans.ttf");
 /// Size of an index, and how far it hangs below the line, as shares of the text's size.
 pub(super) const INDEX: f64 = 0.7;
 pub(super) const DROP: f64 = 0.2;
+/// Width of the outline that makes text bold, as a share of its size.
+pub(super) const BOLD: f32 = 0.05;
 
 pub(super) fn face() -> Option<Face<'static>> {
     Face::parse(FONT, 0).ok()

@@ -31,16 +31,20 @@ pub enum Format {
     Svg,
     /// Pixels.
     Png,
+    /// One page, with text as text.
+    Pdf,
 }
 
 impl Format {
-    /// The format that a file's extension names, in any case; `None` if that is neither `.svg` nor `.png`.
+    /// All formats by the extension of their files.
+    pub const ALL: [(&str, Format); 3] = [("svg", Format::Svg), ("pdf", Format::Pdf), ("png", Format::Png)];
+    /// What a file may be called.
+    pub const ALLOWED: &str = "a file whose name ends in .svg, .pdf or .png";
+
+    /// The format that a file's extension names, in any case; `None` for another than [`ALLOWED`](Self::ALLOWED).
     pub fn of(path: &Path) -> Option<Format> {
-        match extension(path)?.as_str() {
-            "svg" => Some(Format::Svg),
-            "png" => Some(Format::Png),
-            _ => None,
-        }
+        let extension = extension(path)?;
+        Format::ALL.into_iter().find_map(|(name, format)| (name == extension).then_some(format))
     }
 }
 
@@ -59,10 +63,11 @@ impl Canvas {
     /// The picture as a file of a format.
     ///
     /// # Errors
-    /// [`FigureError`], for PNG alone.
+    /// [`FigureError`], for PNG and PDF.
     pub fn bytes(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         match format {
             Format::Svg => Ok(self.svg().into_bytes()),
+            Format::Pdf => self.pdf().ok_or(FigureError::Size(self.size)),
             Format::Png => {
                 let (pixels, [width, height]) = self.pixels(DENSITY).ok_or(FigureError::Size(self.size))?;
                 let mut bytes = Vec::new();
@@ -137,9 +142,13 @@ mod tests {
 
     #[test]
     fn formats_follow_the_extension_in_any_case() {
-        for (name, format) in
-            [("a/b.SVG", Some(Format::Svg)), ("x.y.png", Some(Format::Png)), ("svg", None), ("a.pdf", None)]
-        {
+        for (name, format) in [
+            ("a/b.SVG", Some(Format::Svg)),
+            ("x.y.png", Some(Format::Png)),
+            ("svg", None),
+            ("a.pdf", Some(Format::Pdf)),
+            ("a.eps", None),
+        ] {
             assert_eq!(Format::of(Path::new(name)), format);
         }
     }

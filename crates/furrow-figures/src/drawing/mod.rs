@@ -1,4 +1,4 @@
-//! Drawing for all pictures: one style, a canvas for SVG and PNG, charts, legends, cells.
+//! Drawing for all pictures: one style, a canvas for SVG, PDF and PNG, charts, legends, cells.
 //!
 //! | file | content |
 //! |---|---|
@@ -18,6 +18,7 @@ pub(crate) mod font;
 pub mod format;
 pub mod legend;
 pub mod panel;
+mod pdf;
 mod raster;
 pub mod regulator;
 pub mod scale;

@@ -2,7 +2,7 @@
 
 use super::canvas::{Anchor, Canvas, Stroke, Words};
 use super::legend::{Marker, point};
-use super::style::{Colour, GRID, INK, text};
+use super::style::{Colour, FAINT, GRID, INK, MUTED, text};
 
 /// Where an axis has ticks and lines of the grid.
 #[derive(Clone, Debug)]
@@ -26,13 +26,15 @@ pub struct Axis {
     pub numbered: bool,
     /// Its ticks.
     pub ticks: Ticks,
+    /// The name of the part below 0, which has no numbers, if there is one.
+    pub strip: Option<&'static str>,
 }
 
 impl Axis {
     /// An axis over a range.
     pub fn new(label: impl Into<String>, range: [f64; 2]) -> Axis {
         let range = if range[1] > range[0] { range } else { [range[0] - 0.5, range[0] + 0.5] };
-        Axis { label: label.into(), range, numbered: true, ticks: Ticks::About(8) }
+        Axis { label: label.into(), range, numbered: true, ticks: Ticks::About(8), strip: None }
     }
 
     /// An axis over all these values, with some room on both sides.
@@ -44,7 +46,7 @@ impl Axis {
     pub fn names(label: impl Into<String>, names: Vec<String>, upright: bool) -> Axis {
         let (first, last) = (-0.5, names.len().max(1) as f64 - 0.5);
         let range = if upright { [last, first] } else { [first, last] };
-        Axis { label: label.into(), range, numbered: true, ticks: Ticks::Names(names) }
+        Axis { label: label.into(), range, numbered: true, ticks: Ticks::Names(names), strip: None }
     }
 
     /// The same from right to left, or from top to bottom.
@@ -91,7 +93,8 @@ impl Axis {
                     format!("{value:.digits$}").replace('-', "\u{2212}")
                 };
                 let inside = (low / step - 1e-9).ceil() as i64..=(high / step + 1e-9).floor() as i64;
-                inside.map(|k| k as f64 * step).map(|value| (value, written(value))).collect()
+                let numbered = inside.filter(|k| self.strip.is_none() || *k >= 0);
+                numbered.map(|k| k as f64 * step).map(|value| (value, written(value))).collect()
             }
         }
     }
@@ -164,6 +167,11 @@ impl Chart<'_> {
         for (y, _) in &up {
             chart.canvas.polyline(&[[left, *y], [right, *y]], grid);
             chart.canvas.polyline(&[[left - 5.0, *y], [left, *y]], thin);
+        }
+        if let Some(name) = chart.y.strip {
+            let zero = bottom - chart.y.share(0.0) * (bottom - top);
+            chart.canvas.rectangle([left, zero], [right - left, bottom - zero], FAINT, 0.5);
+            chart.canvas.text([left - 8.0, 0.5 * (zero + bottom) + 5.5], name, text::TICK, Anchor::End, MUTED);
         }
         chart.border();
         for (x, word) in across.iter().filter(|_| chart.x.numbered) {

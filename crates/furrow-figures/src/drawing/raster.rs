@@ -6,12 +6,9 @@ use tiny_skia::{
 use ttf_parser::{Face, OutlineBuilder};
 
 use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
-use super::font::{self, DROP, INDEX};
+use super::font::{self, BOLD, DROP, INDEX};
 use super::style::Colour;
 use super::svg::HALO;
-
-/// Width of the outline that makes text bold, as a share of its size.
-const BOLD: f32 = 0.05;
 
 impl Canvas {
     /// Red, green and blue of each pixel, row by row, and how many there are across and down; `None` if these are none or

@@ -87,7 +87,7 @@ pub fn draw_cue(found: &FittedCue) -> Canvas {
         Key::Point(style::MODEL, Marker::Diamond),
         "model",
     );
-    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best cue: χ² = {:.1}", found.chi_squared), &legend);
+    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best cue: χ² = {:.1}", found.goodness.chi_squared), &legend);
     let most = all.iter().flat_map(|r| [r.measured + r.sd, r.computed.unwrap_or(0.0)]).fold(0.1, f64::max);
     let cells = all.iter().map(|residual| residual.cell.clone()).collect();
     let label = if predicted { "division (predicted ones behind the line)" } else { "division" };

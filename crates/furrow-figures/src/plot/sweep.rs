@@ -1,18 +1,21 @@
-//! The results of a sweep: χ, or another quantity, over its first dense axis, with a curve for each value of the other axes;
-//! a map of outcomes if two axes are dense.
+//! The results of a sweep: χ, or another quantity, over its first dense axis, with a curve for each value of a second axis and a
+//! panel for each value of the others; a map of outcomes if two axes are dense.
 
 use serde_json::Value;
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, bins, widened};
+use crate::drawing::panel::{Axis, Chart, MARGINS, bins, widened};
 use crate::drawing::style::{self, Colour};
-use crate::drawing::{Canvas, Stroke, scale};
+use crate::drawing::{Anchor, Canvas, Stroke, scale};
 use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_mechanics::division::Outcome;
 
 const WIDTH: f64 = 1000.0;
 const CHART: f64 = 548.0;
+/// Height of one of several panels, and how many panels a picture has at most.
+const PANEL: f64 = 360.0;
+const PANELS: usize = 12;
 /// Fewest values of an axis that count as dense, and of the second with which curves would be too many.
 const DENSE: usize = 8;
 /// Most curves that a legend names.
@@ -72,7 +75,7 @@ fn title(sweep: &Sweep, points: &[Point]) -> String {
         Kind::Pitchfork => "Thresholds",
         Kind::Critical => "Critical radii",
     };
-    format!("{what}: {}", parts.join(", "))
+    if parts.is_empty() { what.to_owned() } else { format!("{what}: {}", parts.join(", ")) }
 }
 
 /// A cue without the numbers that an axis varies, which are in the legend or along the axis.
@@ -136,54 +139,103 @@ fn label(sweep: &Sweep, axis: usize) -> String {
 
 fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Canvas {
     let along = x.map_or(0, |(axis, _)| *axis);
+    let by = Layout::of(sweep, points, along);
+    let (curves, panels) = (grouped(sweep, points, &by.curves), grouped(sweep, points, &by.panels));
+    let shown = panels.len().min(PANELS);
     let axis = sweep.axes.0.get(along);
     let words: Vec<String> =
         axis.map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
     let values = x.map_or_else(|| (0..words.len()).map(|k| k as f64).collect(), |(_, values)| values.clone());
-    let at = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
-    let groups = grouped(sweep, points, along);
-    let division = sweep.kind == Kind::Division;
-    let heights = points.iter().filter_map(|p| p.value.map(|v| (v, p.sd.unwrap_or(0.0))));
-    let mut up = widened(heights.flat_map(|(v, sd)| [v - sd, v + sd]).chain(division.then_some(0.0)), 0.06);
-    let resting = points.iter().any(|p| p.outcome == Some(Outcome::Arrested) && p.value.is_none());
-    let unknown = points.iter().any(|p| p.undecided);
-    if division && (resting || unknown) {
-        up[0] = -(0.06 + 0.03 * groups.len().min(6) as f64) * up[1].max(0.1);
-    }
-    let (alone, outcomes) = (groups.len() < 2, division && groups.len() < 2);
-    let has = |outcome| points.iter().any(|p| p.outcome == Some(outcome) && p.value.is_some());
-    let named = groups.iter().step_by(groups.len().div_ceil(NAMED).max(1)).filter(|_| !alone);
-    let legend = named
-        .fold(Legend::default(), |legend, group| legend.with(Key::Line(group.colour), group.name.as_str()))
-        .with_if(outcomes && has(Outcome::Symmetric), Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
-        .with_if(outcomes && has(Outcome::Asymmetric), Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
-        .with_if(resting, Key::Point(if alone { style::FAILED } else { style::INK }, Marker::Square), "stays at rest")
-        .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided");
-    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
     let across = match x {
         Some(_) => Axis::over(label(sweep, along), values.iter().copied()),
         None => Axis::names(label(sweep, along), words, false),
     };
-    let y = Axis::new(quantity(sweep.kind), up);
-    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, y);
-    for group in groups.iter().filter(|_| !axis.is_some_and(|axis| axis.sampled)) {
-        let mut sorted = group.points.clone();
+    let up = upwards(sweep, points, curves.len());
+    let mut heading = title(sweep, points);
+    if shown < panels.len() {
+        heading += &format!("\nThe first {shown} of {} panels; all points are in results.csv", panels.len());
+    }
+    let columns = if shown > 1 { shown.div_ceil(shown.div_ceil(3)) } else { 1 };
+    let size = [WIDTH / columns as f64, if shown > 1 { PANEL } else { CHART }];
+    let below = size[1] * shown.div_ceil(columns) as f64;
+    let (mut canvas, top) = titled(WIDTH, below, &heading, &legend(sweep, points, &curves));
+    for (k, panel) in panels.iter().take(shown).enumerate() {
+        let at = [(k % columns) as f64 * size[0], top + (k / columns) as f64 * size[1]];
+        let room = if shown > 1 { 24.0 } else { 0.0 };
+        canvas.bold([at[0] + MARGINS[0], at[1] + 18.0], &panel.name, style::text::TICK, Anchor::Start, style::INK);
+        let size = [size[0], size[1] - room];
+        let mut chart = Chart::new(&mut canvas, [at[0], at[1] + room], size, across.clone(), up.clone());
+        let place = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
+        for (k, curve) in curves.iter().enumerate() {
+            let is_here = |point: &&&Point| {
+                by.panels.iter().all(|axis| point.places.get(*axis) == panel.points[0].places.get(*axis))
+            };
+            let here: Vec<&Point> = curve.points.iter().filter(is_here).copied().collect();
+            // Points without a value lie below the axis of χ, the points of each curve on a line of their own.
+            let baseline = up.range[0] * (k as f64 + 1.0) / (curves.len() as f64 + 1.0);
+            let style = (curve.colour, curves.len() < 2, baseline);
+            draw_curve(&mut chart, &here, &place, axis.is_some_and(|axis| axis.sampled), style);
+        }
+    }
+    canvas
+}
+
+/// The axis of what is computed. Points without χ lie in a strip below 0.
+fn upwards(sweep: &Sweep, points: &[Point], curves: usize) -> Axis {
+    let division = sweep.kind == Kind::Division;
+    let heights = points.iter().filter_map(|p| p.value.map(|v| (v, p.sd.unwrap_or(0.0))));
+    let mut range = widened(heights.flat_map(|(v, sd)| [v - sd, v + sd]).chain(division.then_some(0.0)), 0.06);
+    let without = points.iter().any(|point| is_at_rest(point) || point.undecided);
+    if !(division && without) {
+        return Axis::new(quantity(sweep.kind), range);
+    }
+    range[0] = -(0.06 + 0.03 * curves.min(6) as f64) * range[1].max(0.1);
+    Axis { strip: Some("no χ"), ..Axis::new(quantity(sweep.kind), range) }
+}
+
+fn is_at_rest(point: &Point) -> bool {
+    point.outcome == Some(Outcome::Arrested) && point.value.is_none()
+}
+
+/// Names the curves: all of them, or some from the first to the last where they are many and in order.
+fn legend(sweep: &Sweep, points: &[Point], curves: &[Group<'_>]) -> Legend {
+    let alone = curves.len() < 2;
+    let outcomes = sweep.kind == Kind::Division && alone;
+    let has = |outcome| points.iter().any(|p| p.outcome == Some(outcome) && p.value.is_some());
+    let (resting, unknown) = (points.iter().any(is_at_rest), points.iter().any(|p| p.undecided));
+    let count = if alone { 0 } else { curves.len() };
+    let entries = count.min(NAMED);
+    let named = (0..entries).map(|k| &curves[if entries < count { k * (count - 1) / (entries - 1) } else { k }]);
+    named
+        .fold(Legend::default(), |legend, group| legend.with(Key::Line(group.colour), group.name.as_str()))
+        .with_if(entries < count, Key::Nothing, format!("{entries} of {count} curves are named"))
+        .with_if(outcomes && has(Outcome::Symmetric), Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
+        .with_if(outcomes && has(Outcome::Asymmetric), Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
+        .with_if(resting, Key::Point(if alone { style::FAILED } else { style::INK }, Marker::Square), "stays at rest")
+        .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided")
+}
+
+/// Draws the points of one curve, joined where they have an order, in a colour or in the colours of their outcomes.
+fn draw_curve(
+    chart: &mut Chart<'_>,
+    points: &[&Point],
+    at: &impl Fn(&Point) -> f64,
+    sampled: bool,
+    (colour, by_outcome, baseline): (Colour, bool, f64),
+) {
+    if !sampled {
+        let mut sorted = points.to_vec();
         sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
         // Broken where there is nothing.
         for piece in sorted.split(|point| point.value.is_none()) {
             let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
-            chart.line(line, Stroke::solid(group.colour, style::CURVE));
+            chart.line(line, Stroke::solid(colour, style::CURVE));
         }
     }
-    for (k, group) in groups.iter().enumerate() {
-        // Points without a value lie below the axis of χ, those of each curve on a line of their own.
-        let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
-        for point in &group.points {
-            let of_outcome = point.outcome.map_or(style::INK, style::outcome);
-            dot(&mut chart, at(point), point, if alone { of_outcome } else { group.colour }, baseline);
-        }
+    for point in points {
+        let of_outcome = point.outcome.map_or(style::INK, style::outcome);
+        dot(chart, at(point), point, if by_outcome { of_outcome } else { colour }, baseline);
     }
-    canvas
 }
 
 /// A point of a curve, with its standard deviation; one without a value on a base line.
@@ -201,23 +253,41 @@ fn dot(chart: &mut Chart<'_>, x: f64, point: &Point, colour: Colour, baseline: f
     }
 }
 
-/// The points of one curve.
+/// The points of one curve, or of one panel.
 struct Group<'a> {
     name: String,
     colour: Colour,
     points: Vec<&'a Point>,
 }
 
-/// The points by the values of all axes but one and those that are sampled with it.
-fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a>> {
-    let axes = &sweep.axes.0;
-    let sampled = axes.get(along).is_some_and(|axis| axis.sampled);
-    let held = held(sweep, points);
-    let varies = |k: &usize| *k != along && !(sampled && axes[*k].sampled) && !held.contains(k);
-    let others: Vec<usize> = (0..axes.len()).filter(varies).collect();
+/// Which axes tell curves apart, and which panels: the axis with most values is for curves.
+struct Layout {
+    curves: Vec<usize>,
+    panels: Vec<usize>,
+}
+
+impl Layout {
+    /// The layout of curves over the axis `along` and those that are sampled with it.
+    fn of(sweep: &Sweep, points: &[Point], along: usize) -> Layout {
+        let axes = &sweep.axes.0;
+        let sampled = axes.get(along).is_some_and(|axis| axis.sampled);
+        let held = held(sweep, points);
+        let varies = |k: &usize| *k != along && !(sampled && axes[*k].sampled) && !held.contains(k);
+        let others: Vec<usize> = (0..axes.len()).filter(varies).collect();
+        if sampled {
+            return Layout { curves: others, panels: Vec::new() };
+        }
+        let most = others.iter().copied().rev().max_by_key(|k| axes[*k].values.len());
+        let panels = others.into_iter().filter(|k| Some(*k) != most && axes[*k].values.len() > 1).collect();
+        Layout { curves: most.into_iter().collect(), panels }
+    }
+}
+
+/// The points by the values of some axes; all together without an axis.
+fn grouped<'a>(sweep: &Sweep, points: &'a [Point], by: &[usize]) -> Vec<Group<'a>> {
     let mut found: Vec<(Vec<usize>, Vec<&Point>)> = Vec::new();
     for point in points {
-        let key: Vec<usize> = others.iter().filter_map(|k| point.places.get(*k).copied()).collect();
+        let key: Vec<usize> = by.iter().filter_map(|k| point.places.get(*k).copied()).collect();
         match found.iter_mut().find(|(known, _)| *known == key) {
             Some((_, members)) => members.push(point),
             None => found.push((key, vec![point])),
@@ -225,14 +295,14 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
     }
     let count = found.len();
     // What has an order has colours in an order.
-    let ordered = others.len() == 1 && numbers(sweep, others[0]).is_some();
+    let ordered = by.len() == 1 && numbers(sweep, by[0]).is_some();
     let colour = |k: usize| match (count, ordered || count > style::SERIES.len()) {
         (1, _) => style::INK,
         (_, true) => style::ramp(k, count),
         _ => style::SERIES[k],
     };
     let group = |(k, (_, points)): (usize, (Vec<usize>, Vec<&'a Point>))| Group {
-        name: named(sweep, &others, &points[0].places),
+        name: named(sweep, by, &points[0].places),
         colour: colour(k),
         points,
     };

@@ -67,10 +67,10 @@ const fn column(name: &'static str, kind: Kind, note: bool, of: Value) -> Column
 }
 
 /// How many columns are in minutes.
-const MINUTES: usize = 2;
+const MINUTES: usize = 3;
 
 /// All columns, in the order in which they are written.
-pub const COLUMNS: [Column; 20] = [
+pub const COLUMNS: [Column; 21] = [
     column("mother", Kind::Text, false, |tree, id| Some(tree.cell(tree.mother(id)?).name.clone())),
     column("daughter", Kind::Text, false, |tree, id| daughter(tree, id)),
     column("founder", Kind::Text, true, |tree, id| Some(tree.founder_name(id).to_owned())),
@@ -91,7 +91,13 @@ pub const COLUMNS: [Column; 20] = [
     column("birth_chi", Kind::Number, false, |tree, id| birth_chi(tree, id)),
     column("birth_min", Kind::Number, true, |tree, id| number(Some(tree.times(id)?.birth_min))),
     column("division_min", Kind::Number, true, |tree, id| number(tree.times(id)?.division_min)),
+    column("lifetime_extrapolated", Kind::Count, false, |tree, id| extrapolated(tree.times(id)?)),
 ];
+
+/// 1 for a cell that divides after an extrapolated lifetime.
+fn extrapolated(times: CellTimes) -> Option<String> {
+    times.lifetime_extrapolated.then(|| "1".to_owned())
+}
 
 fn number(number: Option<f64>) -> Option<String> {
     number.map(|number| number.to_string())
@@ -156,7 +162,7 @@ impl BranchLengths {
             BranchLengths::Time => tree.cell(cell).fate.t_end(),
             BranchLengths::Generation => Some(if cell == tree.first() { 0.0 } else { 1.0 }),
             BranchLengths::Minutes => {
-                let CellTimes { birth_min, division_min } = tree.times(cell)?;
+                let CellTimes { birth_min, division_min, .. } = tree.times(cell)?;
                 division_min.map(|division| division - birth_min)
             }
             BranchLengths::None => None,

@@ -59,7 +59,8 @@ fn nested(tree: &Tree, after_name: impl Fn(CellId) -> String) -> String {
 /// A name, in quotes where readers would take it for something else: they turn underscores of unquoted names into blanks, and
 /// reserve punctuation. Quotes are doubled inside quotes.
 fn quoted(name: &str) -> String {
-    match name.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '-') {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '.';
+    match name.starts_with(|c: char| c.is_ascii_alphanumeric()) && name.chars().all(plain) {
         true => name.to_owned(),
         false => format!("'{}'", name.replace('\'', "''")),
     }
@@ -85,9 +86,15 @@ mod tests {
 
     #[test]
     fn names_with_reserved_characters_are_quoted() {
-        for (name, written) in
-            [("AB.p-1", "AB.p-1"), ("Q_1", "'Q_1'"), ("a b", "'a b'"), ("it's", "'it''s'"), ("(µ)", "'(µ)'")]
-        {
+        for (name, written) in [
+            ("AB.p1", "AB.p1"),
+            ("-x", "'-x'"),
+            ("", "''"),
+            ("Q_1", "'Q_1'"),
+            ("a b", "'a b'"),
+            ("it's", "'it''s'"),
+            ("(µ)", "'(µ)'"),
+        ] {
             assert_eq!(quoted(name), written);
         }
     }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::provenance::Provenance;
 use furrow_cell::Cue;
-use furrow_lineage::clock::last_divisions;
+use furrow_lineage::clock::last_times;
 use furrow_lineage::{
     CellId, CellTimes, FounderPhysics, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings,
     founder_rounds,
@@ -54,6 +54,9 @@ pub struct FounderRow {
     /// The last division among its descendants and itself, in minutes; none without a clock, or if none divides.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_division_min: Option<f64>,
+    /// Whether the lifetime before that division is by a clock that was fitted to other sizes of cells.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub last_division_extrapolated: bool,
     /// Rounds observed.
     pub observed: Option<ObservedRounds>,
     /// The same, under its former name.
@@ -66,7 +69,7 @@ pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
 }
 
 fn rows_with(tree: &Tree, times: Option<&[CellTimes]>) -> Vec<FounderRow> {
-    let last = times.map(|times| last_divisions(tree, times)).unwrap_or_default();
+    let last = times.map(|times| last_times(tree, times)).unwrap_or_default();
     let mut cued = vec![BTreeMap::new(); tree.lineage.founders.len()];
     for id in tree.cells() {
         let cell = tree.cell(id);
@@ -88,7 +91,10 @@ fn rows_with(tree: &Tree, times: Option<&[CellTimes]>) -> Vec<FounderRow> {
             outcome: cell.and_then(|c| c.fate.outcome()),
             chi: cell.and_then(|c| c.fate.chi()),
             rounds,
-            last_division_min: last.get(founder).copied().flatten(),
+            last_division_min: last.get(founder).and_then(|last| (*last)?.division_min),
+            last_division_extrapolated: last
+                .get(founder)
+                .is_some_and(|last| last.is_some_and(|last| last.lifetime_extrapolated)),
             observed: definition.observed,
             sulston: definition.observed,
         }
@@ -138,6 +144,9 @@ struct Record<'a> {
     birth_min: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     division_min: Option<f64>,
+    /// Whether its lifetime is by a law that was fitted to other sizes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    lifetime_extrapolated: bool,
 }
 
 impl<'a> Record<'a> {
@@ -164,6 +173,7 @@ impl<'a> Record<'a> {
             ended: cell.fate.terminal_reason().cloned(),
             birth_min: times.map(|times| times.birth_min),
             division_min: times.and_then(|times| times.division_min),
+            lifetime_extrapolated: times.is_some_and(|times| times.lifetime_extrapolated),
         }
     }
 }

@@ -5,15 +5,18 @@
 //! in pixels, its name, the weight, and more; column 15 is a name given by hand, which replaces the other. Nuclei
 //! that are not valid were deleted in AceTree and are no cells.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use csv::ByteRecord;
-use furrow_input::{InputError, shown};
+use furrow_input::{InputError, open_file, shown};
 
 use super::spots::{Spot, Spots};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, archive, embryo_of, sphere_of_pixels, unit_of_pixels};
+use super::{
+    Format, TimeUnit, TrackOptions, TrackedLineage, archive, embryo_of, sphere_of_pixels, unit_of_pixels, whole,
+};
 use crate::table::{Table, malformed, number};
 
 /// Columns that every line has.
@@ -40,47 +43,77 @@ fn frame_of(name: &str) -> Option<u32> {
     name[digits..].starts_with("-nuclei").then(|| name[..digits].parse().ok())?
 }
 
-/// The folder with the files of nuclei: this one, or `nuclei` in it.
-fn folder_of(path: &Path) -> Option<PathBuf> {
-    let has_nuclei = |folder: &Path| {
+/// The folders with files of nuclei: this one, and `nuclei` in it.
+fn folders_of(path: &Path) -> Vec<PathBuf> {
+    let has_nuclei = |folder: &PathBuf| {
         let mut entries = fs::read_dir(folder).into_iter().flatten().flatten();
         entries.any(|entry| frame_of(&entry.file_name().to_string_lossy()).is_some())
     };
-    [path.join("nuclei"), path.to_owned()].into_iter().find(|folder| has_nuclei(folder))
+    [path.join("nuclei"), path.to_owned()].into_iter().filter(has_nuclei).collect()
+}
+
+/// Whether a file in a folder or an archive has the nuclei of a frame.
+pub(super) fn is_of_nuclei(name: &str) -> bool {
+    frame_of(name).is_some()
 }
 
 /// Whether a folder holds files of nuclei.
 pub(super) fn is_folder(path: &Path) -> bool {
-    folder_of(path).is_some()
+    !folders_of(path).is_empty()
+}
+
+/// The files of nuclei in a folder or an archive: their frames, names and texts.
+fn files(path: &Path) -> Result<Vec<(u32, String, Vec<u8>)>, InputError> {
+    let folders = folders_of(path);
+    if folders.is_empty() {
+        let file = path.display().to_string();
+        let named = |(frame, name, text)| (frame, format!("{file}/{name}"), text);
+        return Ok(archive::files(path, frame_of)?.into_iter().map(named).collect());
+    }
+    let (mut found, mut length) = (Vec::new(), 0);
+    for folder in folders {
+        for entry in fs::read_dir(&folder).map_err(|e| InputError::unreadable(&folder, e))? {
+            let path = entry.map_err(|e| InputError::unreadable(&folder, e))?.path();
+            let frame = path.file_name().and_then(|name| frame_of(&name.to_string_lossy()));
+            let Some(frame) = frame.filter(|_| path.is_file()) else { continue };
+            let mut text = Vec::new();
+            let left = archive::LONGEST - length;
+            let read = open_file(&path)?.take(left + 1).read_to_end(&mut text);
+            length += read.map_err(|e| InputError::unreadable(&path, e))? as u64;
+            if length > archive::LONGEST {
+                let reason = format!("the files of nuclei are longer than {} MB", archive::LONGEST >> 20);
+                return Err(InputError::unreadable(&folder, reason));
+            }
+            found.push((frame, path.display().to_string(), text));
+        }
+    }
+    Ok(found)
 }
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
-    let mut texts = BTreeMap::new();
-    if let Some(folder) = folder_of(path) {
-        let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.clone(), reason: e.to_string() };
-        for entry in fs::read_dir(&folder).map_err(unreadable)?.flatten() {
-            let Some(frame) = frame_of(&entry.file_name().to_string_lossy()) else { continue };
-            let name = entry.path().display().to_string();
-            let unreadable = |e: std::io::Error| InputError::Unreadable { file: name.clone(), reason: e.to_string() };
-            texts.insert(frame, (name.clone(), fs::read(entry.path()).map_err(unreadable)?));
-        }
-    } else {
-        for (frame, name, text) in archive::files(path, frame_of)? {
-            texts.insert(frame, (format!("{file}/{name}"), text));
-        }
-    }
-    let (Some((&first, _)), Some((&last, _))) = (texts.first_key_value(), texts.last_key_value()) else {
-        let wanted = "an archive of AceTree's nuclei";
+    let mut found = files(path)?;
+    found.sort_by(|a, b| (a.0, &a.1).cmp(&(b.0, &b.1)));
+    let wanted = "an archive of AceTree's nuclei";
+    let (Some(&(first, ..)), Some(&(last, ..))) = (found.first(), found.last()) else {
         return Err(InputError::other_file(file, wanted, "it has no file nuclei/t001-nuclei or of another frame"));
     };
-    if let Some(missing) = (first..=last).find(|frame| !texts.contains_key(frame)) {
-        let why = format!("it has files from t{first:03}-nuclei to t{last:03}-nuclei, but not t{missing:03}-nuclei");
-        return Err(InputError::other_file(file, "an archive of AceTree's nuclei", why));
+    for pair in found.windows(2) {
+        let [(frame, one, _), (next, other, _)] = pair else { continue };
+        if frame == next {
+            let why = format!("{one} and {other} are both of frame {frame}: one of them must be removed");
+            return Err(InputError::other_file(file, wanted, why));
+        }
+        if frame + 1 < *next {
+            let missing = frame + 1;
+            let why =
+                format!("it has files from t{first:03}-nuclei to t{last:03}-nuclei, but not t{missing:03}-nuclei");
+            return Err(InputError::other_file(file, wanted, why));
+        }
     }
     let mut spots = Spots::default();
     let mut before: Option<(u32, Frame)> = None;
-    for (frame, (name, text)) in texts {
+    for (frame, name, text) in found {
         spots.files.push(name);
         let nuclei = read_frame(&mut spots, frame, &text, options)?;
         if let Some((frame, before)) = &before {
@@ -131,11 +164,18 @@ fn read_frame(spots: &mut Spots, frame: u32, text: &[u8], options: &TrackOptions
     Ok(nuclei)
 }
 
+/// The nuclei of a frame that are valid, by their numbers.
+fn in_order(nuclei: &Frame) -> Vec<(u64, &Nucleus)> {
+    let valid = nuclei.iter().filter_map(|(index, nucleus)| Some((*index, nucleus.as_ref()?)));
+    let mut order: Vec<(u64, &Nucleus)> = valid.collect();
+    order.sort_by_key(|(index, _)| *index);
+    order
+}
+
 /// Links the nuclei of a frame to those of the one before, which is `frame`.
 fn link(spots: &mut Spots, frame: u32, before: &Frame, nuclei: &Frame) -> Result<(), InputError> {
-    let mut order: Vec<(u64, &Nucleus)> =
-        nuclei.iter().filter_map(|(index, nucleus)| Some((*index, nucleus.as_ref()?))).collect();
-    order.sort_by_key(|(index, _)| *index);
+    report_one_sided(spots, frame, before, nuclei);
+    let order = in_order(nuclei);
     for (index, nucleus) in order {
         let Some(predecessor) = nucleus.predecessor else { continue };
         let Spot { file, line, .. } = *spots.get(nucleus.spot);
@@ -159,6 +199,26 @@ fn link(spots: &mut Spots, frame: u32, before: &Frame, nuclei: &Frame) -> Result
     Ok(())
 }
 
+/// Reports each successor that a nucleus names and that does not name this nucleus as its predecessor.
+fn report_one_sided(spots: &mut Spots, frame: u32, before: &Frame, nuclei: &Frame) {
+    for (index, nucleus) in in_order(before) {
+        for (k, successor) in nucleus.successors.iter().enumerate() {
+            let Some(successor) = *successor else { continue };
+            let why = match nuclei.get(&successor) {
+                Some(Some(daughter)) if daughter.predecessor == Some(index) => continue,
+                Some(Some(_)) => {
+                    format!("nucleus {successor} of frame {} does not name {index} as where it comes from", frame + 1)
+                }
+                Some(None) => format!("nucleus {successor} of frame {} is not valid", frame + 1),
+                None => format!("frame {} has no nucleus {successor}", frame + 1),
+            };
+            let Spot { file, line, .. } = *spots.get(nucleus.spot);
+            let (file, column) = (spots.files[file].clone(), format!("{} ({})", 4 + k, COLUMNS[3 + k]));
+            spots.skip(&file, line, &column, &successor.to_string(), why);
+        }
+    }
+}
+
 /// The text in a column, from 0; empty if the line is shorter.
 fn text_at(row: &ByteRecord, column: usize) -> String {
     String::from_utf8_lossy(row.get(column).unwrap_or_default().trim_ascii()).into_owned()
@@ -170,7 +230,7 @@ fn link_at(row: &ByteRecord, column: usize, file: &str, line: u64) -> Result<Opt
     if ["", "-1", "nill"].contains(&text.as_str()) {
         return Ok(None);
     }
-    let number = text.parse().ok().filter(|number| *number >= 1);
+    let number = whole(text.as_bytes()).filter(|number| *number >= 1);
     number.map(Some).ok_or_else(|| refused(file, line, column, &text, "-1 or a whole number from 1"))
 }
 

@@ -7,7 +7,12 @@ use flate2::{Crc, read::DeflateDecoder};
 use furrow_input::{InputError, open_file};
 
 /// Most bytes that are read of an archive, and unpacked of it.
-const LONGEST: u64 = 1 << 29;
+pub(super) const LONGEST: u64 = 1 << 29;
+
+/// Bytes that are unpacked of an archive however short it is, and most beyond them for each of its bytes: text is packed to a
+/// tenth.
+const SMALL: u64 = 1 << 26;
+const TIGHTEST: u64 = 100;
 
 /// Lengths of the end record, of an entry of the directory, and of the header before a file, without their names.
 const END: usize = 22;
@@ -54,8 +59,9 @@ pub(super) fn files<K>(
                 header: field(42, 4)?,
             };
             unpacked += entry.length as u64;
-            if unpacked > LONGEST {
-                let reason = format!("its files are longer than {} MB, the most that is unpacked", LONGEST >> 20);
+            let most = LONGEST.min(SMALL.max(TIGHTEST * bytes.len() as u64));
+            if unpacked > most {
+                let reason = format!("its files are longer than {} MB, the most that is unpacked of it", most >> 20);
                 return Err(unreadable(reason));
             }
             let content = unpack(&bytes, &entry)
@@ -65,6 +71,19 @@ pub(super) fn files<K>(
         at += ENTRY + field(28, 2)? + field(30, 2)? + field(32, 2)?;
     }
     Ok(out)
+}
+
+/// The names of the files in an archive.
+///
+/// # Errors
+/// As [`files`].
+pub(super) fn names(path: &Path) -> Result<Vec<String>, InputError> {
+    let names = std::cell::RefCell::new(Vec::new());
+    files(path, |name| {
+        names.borrow_mut().push(name.to_owned());
+        None::<()>
+    })?;
+    Ok(names.into_inner())
 }
 
 /// What the directory says of a file.

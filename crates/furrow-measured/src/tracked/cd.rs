@@ -1,7 +1,8 @@
 //! CD tables of AceTree: a row per cell and time point.
 //!
 //! The columns are `cellTime, cell, time, none, global, local, blot, cross, z, x, y, size, gweight`. `cell` is Sulston's name,
-//! `time` counts frames, `size` is the nucleus's diameter in pixels. A cell's mother follows from its name.
+//! `time` counts frames, `size` is the nucleus's diameter in pixels. A cell's mother follows from its name. Some programs write
+//! `Cell & Time`, as `AB:3`, in place of the columns of cells and times, and no sizes; pandas writes a column of row numbers before.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -10,41 +11,68 @@ use furrow_input::{InputError, open_file};
 
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
-use crate::names::birth;
+use crate::names::{birth, understood};
 use crate::table::{Table, malformed, number};
+
+/// Names of the column that has the cell and the time.
+const CELL_TIME: [&str; 2] = ["cellTime", "Cell & Time"];
+
+/// The place of a column by any of its names.
+fn place(columns: &[impl AsRef<str>], names: &[&str]) -> Option<usize> {
+    let is_it = |column: &str| names.iter().any(|name| column.eq_ignore_ascii_case(name));
+    columns.iter().position(|column| is_it(column.as_ref()))
+}
 
 /// Whether these are the columns of a CD table.
 pub(super) fn is_table(columns: &[&str]) -> bool {
-    columns.first().is_some_and(|first| first.eq_ignore_ascii_case("cellTime"))
+    place(columns, &CELL_TIME).is_some()
+}
+
+/// Where a row has its cell and its time.
+enum Place {
+    Columns(usize, usize),
+    /// Both in one column, with a colon between them.
+    Joined(usize),
 }
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let mut table = Table::open(open_file(path)?, &file)?;
     let (_, header) = table.header(|_| true)?;
-    let column = |name: &str| {
-        let found = header.iter().position(|column| column.eq_ignore_ascii_case(name));
-        let why = || malformed(&file, 1, format!("no column is called {name}; a CD table has cell, time and size"));
-        found.ok_or_else(why)
+    let both = place(&header, &["cell"]).zip(place(&header, &["time"]));
+    let joined = place(&header, &CELL_TIME).map(Place::Joined);
+    let Some(at) = both.map(|(cell, time)| Place::Columns(cell, time)).or(joined) else {
+        return Err(malformed(&file, 1, "no columns are called cell and time, as a CD table has"));
     };
-    let columns = [column("cell")?, column("time")?, column("size")?];
+    let size = place(&header, &["size"]);
     let mut spots = Spots::of(&file);
     let mut cells: HashMap<String, Vec<usize>> = HashMap::new();
     while let Some((line, row)) = table.next()? {
-        let [cell, time, size] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        let name = text(cell);
-        let Some(frame) = number(time).filter(|frame| *frame >= 0.0) else {
-            spots.skip(&file, line, "time", &text(time), "must be a number of frames from 0");
+        let text = |at: usize| String::from_utf8_lossy(row.get(at).unwrap_or_default().trim_ascii()).into_owned();
+        let (name, time) = match at {
+            Place::Columns(cell, time) => (text(cell), text(time)),
+            Place::Joined(at) => match text(at).rsplit_once(':') {
+                Some((cell, time)) => (cell.trim().to_owned(), time.trim().to_owned()),
+                None => {
+                    spots.skip(&file, line, &header[at], &text(at), "must be a cell and a frame, as AB:3");
+                    continue;
+                }
+            },
+        };
+        let Some(frame) = number(time.as_bytes()).filter(|frame| *frame >= 0.0) else {
+            spots.skip(&file, line, "time", &time, "must be a number of frames from 0");
             continue;
         };
         if name.is_empty() {
             spots.skip(&file, line, "cell", "", "must be the name of a cell");
             continue;
         }
-        let diameter = number(size).filter(|size| *size > 0.0 && *size < 1e30);
-        if diameter.is_none() {
-            spots.skip(&file, line, "size", &text(size), "must be a diameter above 0, in pixels");
+        let name = understood(&name).unwrap_or(name);
+        let written = size.map(text);
+        let diameter = written.as_deref().and_then(|size| number(size.as_bytes()));
+        let diameter = diameter.filter(|size| *size > 0.0 && *size < 1e30);
+        if let (Some(size), None) = (&written, diameter) {
+            spots.skip(&file, line, "size", size, "must be a diameter above 0, in pixels");
         }
         let volume = diameter.map(|diameter| sphere_of_pixels(diameter, options));
         let spot = spots.push(Spot { time: frame, name: name.clone(), volume, file: 0, line });

@@ -9,11 +9,11 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use furrow_input::{InputError, shown_number};
+use furrow_input::InputError;
 use serde_json::Value;
 
 use super::spots::{Spot, Spots};
-use super::zarr::{self, Array, Values};
+use super::zarr::{self, Array, Rows, Values};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels};
 use crate::volumes::Unit;
 
@@ -36,9 +36,14 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let Some(axis) = axes.iter().find(|axis| axis["type"] == "time") else {
         return Err(refused("geff.axes", &metadata["axes"], "at least one axis of the type \"time\""));
     };
-    let nodes = Nodes { folder: path.join("nodes"), count: None };
-    let ids = nodes.numbers("ids", &zarr::read(&path.join("nodes/ids"))?)?;
-    let nodes = Nodes { count: Some(ids.len()), ..nodes };
+    let ids = ids(path, &file)?;
+    let mut places = HashMap::new();
+    for (k, id) in ids.iter().enumerate() {
+        if places.insert(*id, k).is_some() {
+            return Err(InputError::not_allowed(&file, "nodes/ids", id, "of one node only"));
+        }
+    }
+    let nodes = Nodes { folder: path.join("nodes"), count: ids.len() };
     let axis_name = axis["name"].as_str().unwrap_or("t");
     let (minutes, time) = match axis["unit"].as_str() {
         Some(unit) => match MINUTES.iter().find(|(name, _)| *name == unit) {
@@ -60,39 +65,41 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let names = nodes.names()?;
     let sizes = Sizes::read(&nodes, metadata, axes, &file, options)?;
     let mut spots = Spots::of(&file);
-    let mut places = HashMap::new();
     for (k, id) in ids.iter().enumerate() {
         let time = times[k].filter(|time| time.is_finite()).ok_or_else(|| {
-            let field = format!("nodes/props/{axis_name} of node {}", shown_number(*id));
+            let field = format!("nodes/props/{axis_name} of node {id}");
             InputError::not_allowed(&file, field, times[k].unwrap_or(f64::NAN), "a number")
         })?;
-        let name = names.get(k).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| shown_number(*id));
+        let name = names.get(k).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| id.to_string());
         let volume = sizes.volume(&mut spots, &file, *id, k);
-        let spot = spots.push(Spot { time: time * minutes, name, volume, file: 0, line: 0 });
-        if places.insert(id.to_bits(), spot).is_some() {
-            return Err(InputError::not_allowed(&file, "nodes/ids", shown_number(*id), "of one node only"));
-        }
+        spots.push(Spot { time: time * minutes, name, volume, file: 0, line: 0 });
     }
     link(&mut spots, &places, path, &file)?;
     spots.lineage(embryo_of(path), Format::Geff, time, sizes.unit)
 }
 
+/// The nodes' ids.
+fn ids(path: &Path, file: &str) -> Result<Vec<i128>, InputError> {
+    let Array { shape, values } = zarr::read(&path.join("nodes/ids"), Rows::Ids)?;
+    let found = format!("{} of shape {shape:?}", values.kind());
+    let ids = values.integers().filter(|_| shape.len() == 1);
+    ids.ok_or_else(|| InputError::not_allowed(file, "nodes/ids", found, "one whole number per node"))
+}
+
 /// Links the nodes of each edge.
-fn link(spots: &mut Spots, places: &HashMap<u64, usize>, path: &Path, file: &str) -> Result<(), InputError> {
-    let edges = zarr::read(&path.join("edges/ids"))?;
-    let (&[count, 2], Values::Numbers(ends)) = (&edges.shape[..], &edges.values) else {
-        let shape = format!("{:?}", edges.shape);
-        return Err(InputError::not_allowed(file, "edges/ids", shape, "numbers in two columns, source and target"));
-    };
-    for row in 0..count {
-        let place = |column: usize| {
-            let id = ends[2 * row + column];
-            let refused =
-                || InputError::not_allowed(file, format!("edges/ids[{row}]"), shown_number(id), "a node's id");
-            places.get(&id.to_bits()).copied().ok_or_else(refused)
+fn link(spots: &mut Spots, places: &HashMap<i128, usize>, path: &Path, file: &str) -> Result<(), InputError> {
+    let Array { shape, values } = zarr::read(&path.join("edges/ids"), Rows::Ids)?;
+    let found = format!("{} of shape {shape:?}", values.kind());
+    let ends = values.integers().filter(|_| matches!(shape[..], [_, 2]));
+    let allowed = "whole numbers in two columns, source and target";
+    let ends = ends.ok_or_else(|| InputError::not_allowed(file, "edges/ids", found, allowed))?;
+    for (row, ends) in ends.chunks_exact(2).enumerate() {
+        let place = |id: i128| {
+            let refused = || InputError::not_allowed(file, format!("edges/ids[{row}]"), id, "a node's id");
+            places.get(&id).copied().ok_or_else(refused)
         };
         // Rows are counted as lines are.
-        spots.link(place(0)?, place(1)?, &format!("{file}/edges/ids"), row as u64 + 1)?;
+        spots.link(place(ends[0])?, place(ends[1])?, &format!("{file}/edges/ids"), row as u64 + 1)?;
     }
     Ok(())
 }
@@ -101,56 +108,62 @@ fn link(spots: &mut Spots, places: &HashMap<u64, usize>, path: &Path, file: &str
 struct Nodes {
     folder: std::path::PathBuf,
     /// How many nodes there are.
-    count: Option<usize>,
+    count: usize,
 }
 
 impl Nodes {
-    /// The numbers of an array with one value per node.
-    fn numbers(&self, name: &str, array: &Array) -> Result<Vec<f64>, InputError> {
-        match &array.values {
-            Values::Numbers(numbers) if self.fits(array) => Ok(numbers.clone()),
-            _ => Err(self.refused(name, array, "one number per node")),
-        }
-    }
-
-    fn fits(&self, array: &Array) -> bool {
-        array.shape.len() == 1 && self.count.is_none_or(|count| count == array.shape[0])
-    }
-
-    fn refused(&self, name: &str, array: &Array, allowed: &str) -> InputError {
-        let kind = if matches!(array.values, Values::Texts(_)) { "texts" } else { "numbers" };
-        let value = format!("{kind} of shape {:?}", array.shape);
-        InputError::not_allowed(self.folder.display().to_string(), name, value, allowed)
-    }
-
-    /// A property that is a number, where it is not missing; `None` if nodes do not have it.
-    fn property(&self, name: &str) -> Result<Option<Vec<Option<f64>>>, InputError> {
+    /// The values of a property, and whether each is missing; `None` if nodes do not have it. Errors say that it must be `allowed`.
+    fn values<T>(
+        &self,
+        name: &str,
+        of: impl Fn(Values) -> Option<Vec<T>>,
+        allowed: &str,
+    ) -> Result<Option<Vec<Option<T>>>, InputError> {
         let folder = self.folder.join("props").join(name);
         // A name that leads elsewhere is no property.
         if name.contains(['/', '\\']) || !folder.join("values").is_dir() {
             return Ok(None);
         }
-        let values = self.numbers(name, &zarr::read(&folder.join("values"))?)?;
-        let mut missing = vec![0.0; values.len()];
-        if folder.join("missing").is_dir() {
-            missing = self.numbers(name, &zarr::read(&folder.join("missing"))?)?;
+        let values = self.array(name, &folder.join("values"), of, allowed)?;
+        if !folder.join("missing").is_dir() {
+            return Ok(Some(values.into_iter().map(Some).collect()));
         }
-        Ok(Some(values.into_iter().zip(missing).map(|(value, missing)| (missing == 0.0).then_some(value)).collect()))
+        let missing = self.array(name, &folder.join("missing"), Values::integers, "one truth value per node")?;
+        let known = |(value, missing): (T, i128)| (missing == 0).then_some(value);
+        Ok(Some(values.into_iter().zip(missing).map(known).collect()))
     }
 
-    /// The nodes' names; empty if they have none.
+    /// An array with one value per node.
+    fn array<T>(
+        &self,
+        name: &str,
+        folder: &Path,
+        of: impl Fn(Values) -> Option<Vec<T>>,
+        allowed: &str,
+    ) -> Result<Vec<T>, InputError> {
+        let Array { shape, values } = zarr::read(folder, Rows::Exactly(self.count))?;
+        let found = format!("{} of shape {shape:?}", values.kind());
+        let fits = shape == [self.count];
+        of(values)
+            .filter(|_| fits)
+            .ok_or_else(|| InputError::not_allowed(self.folder.display().to_string(), name, found, allowed))
+    }
+
+    /// A property that is a number, where it is not missing; `None` if nodes do not have it.
+    fn property(&self, name: &str) -> Result<Option<Vec<Option<f64>>>, InputError> {
+        self.values(name, Values::numbers, "one number per node")
+    }
+
+    /// The names of nodes; empty texts where they are missing.
     fn names(&self) -> Result<Vec<String>, InputError> {
-        for name in ["name", "label"] {
-            let folder = self.folder.join("props").join(name).join("values");
-            if !folder.is_dir() {
-                continue;
-            }
-            let array = zarr::read(&folder)?;
-            match &array.values {
-                Values::Texts(names) if self.fits(&array) => return Ok(names.clone()),
-                // Labels may be numbers.
-                Values::Numbers(_) if name == "label" => {}
-                _ => return Err(self.refused(name, &array, "one text per node")),
+        for (name, may_be_numbers) in [("name", false), ("label", true)] {
+            // Labels may be numbers, and then name nothing.
+            let texts = |values: Values| match values {
+                Values::Texts(texts) => Some(texts),
+                _ => may_be_numbers.then(|| vec![String::new(); self.count]),
+            };
+            if let Some(names) = self.values(name, texts, "one text per node")? {
+                return Ok(names.into_iter().map(Option::unwrap_or_default).collect());
             }
         }
         Ok(Vec::new())
@@ -199,10 +212,10 @@ impl Sizes {
     }
 
     /// The volume of a node.
-    fn volume(&self, spots: &mut Spots, file: &str, id: f64, k: usize) -> Option<f64> {
+    fn volume(&self, spots: &mut Spots, file: &str, id: i128, k: usize) -> Option<f64> {
         let size = self.values.as_ref()?[k]?;
         if !(size > 0.0 && size < 1e30) {
-            let column = format!("{} of node {}", self.property, shown_number(id));
+            let column = format!("{} of node {id}", self.property);
             spots.skip(file, 0, &column, &size.to_string(), "must be above 0");
             return None;
         }

@@ -6,6 +6,8 @@
 //! | `cd` | CD tables of AceTree |
 //! | `spot_tables` | spots and links of TrackMate and Mastodon as CSV |
 //! | `geff`, `zarr`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
+//! | `container` | the GEFF inside a folder |
+//! | `foreign` | files of other kinds, which errors name |
 //! | `spots` | spots and links of any format, as cells |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
@@ -17,6 +19,8 @@
 mod acetree;
 mod archive;
 mod cd;
+mod container;
+pub(crate) mod foreign;
 mod geff;
 mod lifetimes;
 mod rounds;
@@ -26,12 +30,12 @@ mod unpack;
 mod zarr;
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
-pub use rounds::TrackedRounds;
+pub use rounds::{Absent, TrackedRounds};
 
 use crate::volumes::{Skipped, Unit};
 
@@ -73,6 +77,18 @@ impl TrackedCell {
     pub fn lifetime(&self) -> Option<f64> {
         self.mother?;
         Some(self.division? - self.birth)
+    }
+
+    /// The report that it is not used.
+    fn unused(&self, why: &str) -> Skipped {
+        let (file, line) = self.place.clone();
+        Skipped {
+            file,
+            line,
+            column: "name".to_owned(),
+            value: self.name.chars().take(80).collect(),
+            why: why.to_owned(),
+        }
     }
 }
 
@@ -147,28 +163,44 @@ const HEAD: u64 = 4096;
 /// The format of a file or folder of tracked cells; `None` if it is none.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// A file that cannot be read, and a file or folder of another kind that is known.
 pub fn format_of(path: &Path) -> Result<Option<Format>, InputError> {
+    Ok(located(path)?.map(|(format, _)| format))
+}
+
+/// The format of a file or folder, and the folder in it that has the cells.
+fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
+    let here = |format: Format| Some((format, path.to_owned()));
     if path.is_dir() {
-        let is_zarr = path.join("zarr.json").is_file() || path.join(".zgroup").is_file();
-        return Ok(if is_zarr { Some(Format::Geff) } else { acetree::is_folder(path).then_some(Format::AceTree) });
+        if acetree::is_folder(path) {
+            return Ok(here(Format::AceTree));
+        }
+        return Ok(Some((Format::Geff, container::geff_in(path)?)));
     }
     // A pipe can be read only once: it is a plain table.
     if path.exists() && !path.is_file() {
         return Ok(None);
     }
     let mut head = Vec::new();
-    let read = open_file(path)?.take(HEAD).read_to_end(&mut head);
-    read.map_err(|e| InputError::Unreadable { file: path.display().to_string(), reason: e.to_string() })?;
+    open_file(path)?.take(HEAD).read_to_end(&mut head).map_err(|e| InputError::unreadable(path, e))?;
     if head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06") {
-        return Ok(Some(Format::AceTree));
+        let names = archive::names(path)?;
+        if !names.iter().any(|name| acetree::is_of_nuclei(name)) {
+            foreign::refuse_archive(path, &names)?;
+        }
+        return Ok(here(Format::AceTree));
+    }
+    foreign::refuse(&path.display().to_string(), &head)?;
+    if path.file_name().is_some_and(|name| acetree::is_of_nuclei(&name.to_string_lossy())) {
+        let reason = "it has the nuclei of one frame: the folder or the archive with all frames must be given";
+        return Err(InputError::other_file(path.display(), "an embryo that was followed", reason));
     }
     let line = head.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let line = String::from_utf8_lossy(line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line));
     let columns: Vec<&str> =
         line.split([',', ';', '\t']).map(|name| name.trim_matches(|c: char| c == '"' || c.is_whitespace())).collect();
     let cd = cd::is_table(&columns).then_some(Format::CdTable);
-    Ok(cd.or_else(|| spot_tables::format_of(&columns)))
+    Ok(cd.or_else(|| spot_tables::format_of(&columns)).and_then(here))
 }
 
 /// Reads an embryo that was followed; as [`read_tracked`], but a file in none of the formats is an error.
@@ -186,12 +218,12 @@ pub fn read_embryo(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
 /// # Errors
 /// A file that cannot be read or does not follow its format: names the file, line, field, value and what is allowed.
 pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<TrackedLineage>, InputError> {
-    let Some(format) = format_of(path)? else { return Ok(None) };
+    let Some((format, place)) = located(path)? else { return Ok(None) };
     let mut lineage = match format {
         Format::AceTree => acetree::read(path, options),
         Format::CdTable => cd::read(path, options),
         Format::TrackMate | Format::Mastodon => spot_tables::read(path, format, options),
-        Format::Geff => geff::read(path, options),
+        Format::Geff => geff::read(&place, options),
     }?;
     if let Some(minutes) = options.frame_minutes.filter(|_| lineage.time == TimeUnit::Frames) {
         lineage.time = TimeUnit::Minutes;
@@ -201,6 +233,13 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
         }
     }
     Ok(Some(lineage))
+}
+
+/// A whole number from 0, to the last digit; also as `12.0`, which some programs make of it.
+fn whole(text: &[u8]) -> Option<u64> {
+    let text = str::from_utf8(text).ok()?;
+    let digits = text.split_once('.').filter(|(_, rest)| rest.bytes().all(|b| b == b'0')).map_or(text, |(n, _)| n);
+    digits.parse().ok()
 }
 
 /// The volume of a sphere.

@@ -2,7 +2,11 @@
 
 use std::collections::HashMap;
 
+use serde::Serialize;
+
 use super::{TrackedCell, TrackedLineage};
+use crate::names::Names;
+use crate::volumes::{Skipped, note};
 
 /// Divisions from a cell to its last descendants that were followed.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,26 +23,73 @@ pub struct TrackedRounds {
     pub max: u32,
 }
 
+/// A founder without rounds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Absent {
+    /// The founder.
+    pub founder: String,
+    /// Why its rounds are not known.
+    pub why: String,
+}
+
 impl TrackedLineage {
-    /// Rounds of each of these cells that was followed. Of several cells of one name it is the one born first.
-    pub fn rounds(&self, names: &[&str]) -> Vec<TrackedRounds> {
-        let mut first = HashMap::new();
-        for (index, cell) in self.cells.iter().enumerate() {
-            first.entry(cell.name.as_str()).or_insert(index);
+    /// Rounds of these founders, and why some have none. A founder that divided before the recording began has its daughters'
+    /// rounds and one more. Of several cells of one name the one born first is used.
+    pub fn rounds(&self, founders: &[&str], names: &Names) -> (Vec<TrackedRounds>, Vec<Absent>) {
+        let known = self.known(names);
+        let (mut found, mut absent) = (Vec::new(), Vec::new());
+        for founder in founders {
+            let cell = (*founder).to_owned();
+            if let Some(Below { terminal, sum, min, max }) = known.get(*founder).copied() {
+                let mean = sum as f64 / f64::from(terminal);
+                found.push(TrackedRounds { cell, terminal, min, mean, max });
+                continue;
+            }
+            let mut daughters: Vec<&String> =
+                known.keys().filter(|name| names.birth(name).is_some_and(|(mother, ..)| mother == *founder)).collect();
+            daughters.sort();
+            let why = match daughters.first() {
+                Some(only) => format!("it was not followed, and of its daughters only {only}"),
+                None => "neither it nor its daughters were followed".to_owned(),
+            };
+            absent.push(Absent { founder: cell, why });
         }
-        let below = self.below();
-        let of = |name: &&str| {
-            let Below { terminal, sum, min, max } = below[*first.get(name)?];
-            let mean = sum as f64 / f64::from(terminal);
-            Some(TrackedRounds { cell: (*name).to_owned(), terminal, min, mean, max })
-        };
-        names.iter().filter_map(of).collect()
+        (found, absent)
     }
 
-    /// Cells that were not seen to divide, with a name of Sulston's.
-    pub fn terminal(&self) -> u32 {
-        let is_last = |cell: &&TrackedCell| cell.daughters.is_empty() && crate::names::is_cell(&cell.name);
+    /// Divisions below the cells of each name. A mother that was not followed is added if both daughters are known.
+    fn known(&self, names: &Names) -> HashMap<String, Below> {
+        let below = self.below();
+        let mut known = HashMap::new();
+        for (cell, below) in self.cells.iter().zip(below) {
+            known.entry(cell.name.clone()).or_insert(below);
+        }
+        let mut waiting: Vec<String> =
+            self.cells.iter().filter(|cell| cell.mother.is_none()).map(|cell| cell.name.clone()).collect();
+        while let Some(cell) = waiting.pop() {
+            let Some((mother, sister, _)) = names.birth(&cell) else { continue };
+            if let (None, Some(a), Some(b)) = (known.get(mother), known.get(&cell), known.get(&sister)) {
+                let both = a.beside(*b).one_more();
+                known.insert(mother.to_owned(), both);
+                waiting.push(mother.to_owned());
+            }
+        }
+        known
+    }
+
+    /// Cells that were not seen to divide, with a name.
+    pub fn terminal(&self, names: &Names) -> u32 {
+        let is_last = |cell: &&TrackedCell| cell.daughters.is_empty() && names.is_cell(&cell.name);
         self.cells.iter().filter(is_last).count() as u32
+    }
+
+    /// What could not be used, and the cells without a name: the first of them, and how many there are.
+    pub fn skipped_with_names(&self, names: &Names) -> (Vec<Skipped>, u64) {
+        let (mut skipped, mut count) = (self.skipped.clone(), self.skipped_count);
+        for cell in self.cells.iter().filter(|cell| !names.is_cell(&cell.name)) {
+            note(&mut skipped, &mut count, || cell.unused(names.unknown()));
+        }
+        (skipped, count)
     }
 
     /// Divisions below every cell; daughters come after their mothers.
@@ -46,15 +97,8 @@ impl TrackedLineage {
         let mut below = vec![Below { terminal: 1, sum: 0, min: 0, max: 0 }; self.cells.len()];
         for (index, cell) in self.cells.iter().enumerate().rev() {
             let daughters = cell.daughters.iter().map(|daughter| below[*daughter]);
-            let add = |a: Below, b: Below| Below {
-                terminal: a.terminal + b.terminal,
-                sum: a.sum + b.sum,
-                min: a.min.min(b.min),
-                max: a.max.max(b.max),
-            };
-            let Some(both) = daughters.reduce(add) else { continue };
-            let sum = both.sum + u64::from(both.terminal);
-            below[index] = Below { terminal: both.terminal, sum, min: both.min + 1, max: both.max + 1 };
+            let Some(both) = daughters.reduce(Below::beside) else { continue };
+            below[index] = both.one_more();
         }
         below
     }
@@ -67,4 +111,22 @@ struct Below {
     sum: u64,
     min: u32,
     max: u32,
+}
+
+impl Below {
+    /// Below two sisters, counted from each of them.
+    fn beside(self, other: Below) -> Below {
+        Below {
+            terminal: self.terminal + other.terminal,
+            sum: self.sum + other.sum,
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
+    /// The same, counted from their mother.
+    fn one_more(self) -> Below {
+        let Below { terminal, sum, min, max } = self;
+        Below { terminal, sum: sum + u64::from(terminal), min: min + 1, max: max + 1 }
+    }
 }

@@ -2,52 +2,59 @@
 //!
 //! The table of links lies beside that of spots: `…_spots.csv` and `…_edges.csv` of TrackMate, `…-Spot.csv` and `…-Link.csv`
 //! of Mastodon. Both programs repeat their headings: TrackMate has three more lines (names, short names, units), Mastodon two
-//! (names of the parts of a column, units). A spot's name is its label.
+//! (names of the parts of a column, units). Users often remove these lines, so the columns of ids decide how many there are: a
+//! row with an id is data. A spot's name is its label.
 
 use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use csv::ByteRecord;
 use furrow_input::{InputError, listed, open_file, shown};
 
 use super::spots::{Spot, Spots};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels};
+use super::{
+    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels, whole,
+};
 use crate::table::{Table, malformed, number};
 use crate::volumes::Unit;
 
-/// Columns of the two tables, and how their files are called.
+/// Columns of the two tables, each under any of several names, and how their files are called.
 struct Layout {
     /// Label, id, frame and radius of a spot.
-    spot: [&'static str; 4],
+    spot: [&'static [&'static str]; 4],
     /// Columns of the spots that a link leads from and to; two of Mastodon have one name, with their parts below.
-    link: [&'static str; 2],
-    /// Lines of a heading.
+    link: [&'static [&'static str]; 2],
+    /// Most lines of a heading.
     heading: usize,
     /// The words for spots in the name of a file, and for links in that of the other.
     words: [(&'static str, &'static str); 3],
 }
 
 const TRACKMATE: Layout = Layout {
-    spot: ["LABEL", "ID", "FRAME", "RADIUS"],
-    link: ["SPOT_SOURCE_ID", "SPOT_TARGET_ID"],
+    spot: [&["LABEL", "Label"], &["ID", "Spot ID"], &["FRAME", "Frame"], &["RADIUS", "Radius", "R"]],
+    link: [&["SPOT_SOURCE_ID", "Source spot ID", "Source ID"], &["SPOT_TARGET_ID", "Target spot ID", "Target ID"]],
     heading: 4,
     words: [("spots", "edges"), ("Spots", "Edges"), ("spots", "links")],
 };
 
 const MASTODON: Layout = Layout {
-    spot: ["Label", "ID", "Spot frame", "Spot radius"],
-    link: ["Source spot id", "Target spot id"],
+    spot: [&["Label"], &["ID"], &["Spot frame"], &["Spot radius"]],
+    // Without the line of parts the first of two columns of one name is the source; pandas numbers the second one.
+    link: [&["Source spot id", "Link target IDs"], &["Target spot id", "Link target IDs", "Link target IDs.1"]],
     heading: 3,
     words: [("Spot", "Link"), ("spot", "link"), ("spots", "links")],
 };
 
 /// The format of a table by the columns in its first line. Links are recognised too, so that they can be refused.
 pub(super) fn format_of(columns: &[&str]) -> Option<Format> {
-    let has = |name: &str| columns.contains(&name);
-    if has("Spot frame") || has("Link target IDs") {
+    let has = |names: &[&str]| names.iter().any(|name| columns.contains(name));
+    if has(&["Spot frame", "Link target IDs"]) {
         return Some(Format::Mastodon);
     }
-    (has("SPOT_SOURCE_ID") || (has("ID") && has("FRAME") && has("LABEL"))).then_some(Format::TrackMate)
+    let [label, id, frame, _] = TRACKMATE.spot;
+    (has(TRACKMATE.link[0]) || (has(label) && has(id) && has(frame))).then_some(Format::TrackMate)
 }
 
 pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
@@ -82,35 +89,107 @@ fn links_beside(path: &Path, layout: &Layout) -> (Option<PathBuf>, Vec<String>) 
     (found, tried)
 }
 
-/// The names in the heading of a table: the first line, with the second below it where that names parts of a column.
-fn heading(rows: &[ByteRecord], parts: bool) -> Vec<String> {
-    let text = |row: Option<&ByteRecord>, at: usize| {
-        let text = row.and_then(|row| row.get(at)).unwrap_or_default();
-        String::from_utf8_lossy(text).trim().to_owned()
-    };
-    let width = rows.first().map_or(0, ByteRecord::len);
-    let name = |at: usize| match text(rows.get(1), at) {
-        part if parts && !part.is_empty() => part,
-        _ => text(rows.first(), at),
-    };
-    (0..width).map(name).collect()
+/// The heading of a table.
+struct Heading {
+    /// The names of its columns: of the first line, or where the second line names parts of a column, of that.
+    names: Vec<String>,
+    /// The line of units, if it has one.
+    units: Option<ByteRecord>,
+    /// How many lines it has.
+    lines: usize,
 }
 
-/// The lines of a heading.
-fn heading_of<R: std::io::Read>(table: &mut Table<'_, R>, layout: &Layout) -> Result<Vec<ByteRecord>, InputError> {
-    let mut rows = Vec::new();
-    for _ in 0..layout.heading {
-        rows.extend(table.next()?.map(|(_, row)| row.clone()));
+/// A column of ids in a line of a heading below the first.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Below {
+    /// A name, such as `Spot ID`.
+    Name,
+    /// A unit, or nothing.
+    Unit,
+}
+
+/// Reads a column of ids; `None` if the row is data.
+fn below(text: &[u8]) -> Option<Below> {
+    let text = String::from_utf8_lossy(text).trim().to_lowercase();
+    match text.as_str() {
+        "" => Some(Below::Unit),
+        text if text.starts_with('(') && text.ends_with(')') => Some(Below::Unit),
+        text => text.split_whitespace().any(|word| word == "id").then_some(Below::Name),
     }
-    Ok(rows)
 }
 
-/// The place of a column.
-fn column(names: &[String], name: &str, file: &str, allowed: &str) -> Result<usize, InputError> {
-    names.iter().position(|column| column == name).ok_or_else(|| {
-        let here = listed(names.iter().map(String::as_str), ", ");
-        malformed(file, 1, format!("no column is called {name:?}; {allowed}; the columns here are {here}"))
-    })
+impl Heading {
+    /// Reads the heading of a table, in which `ids` are the columns of ids.
+    fn of<R: Read>(table: &mut Table<'_, R>, layout: &Layout, ids: &[&[&str]]) -> Result<Heading, InputError> {
+        let (_, names) = table.header(|_| true)?;
+        let of = |wanted: &[&str]| names.iter().position(|name| wanted.contains(&name.as_str()));
+        let is_id = |name: &String| ids.iter().any(|ids| ids.contains(&name.as_str()));
+        let places: Vec<usize> = (0..names.len()).filter(|at| is_id(&names[*at])).collect();
+        let label = of(layout.spot[0]);
+        let mut found = Heading { names: names.clone(), units: None, lines: 1 };
+        while let Some((_, row)) = table.next()?.filter(|_| found.lines < layout.heading) {
+            let is_empty = |at: usize| row.get(at).is_none_or(|text| text.trim_ascii().is_empty());
+            let kinds: Option<Vec<Below>> = places.iter().map(|at| below(row.get(*at).unwrap_or_default())).collect();
+            let all = |kind: Below| kinds.as_ref().is_some_and(|kinds| kinds.iter().all(|found| *found == kind));
+            match (all(Below::Name), all(Below::Unit) && label.is_none_or(is_empty)) {
+                (true, _) if layout.heading == MASTODON.heading => {
+                    let parts = row.iter().map(|part| String::from_utf8_lossy(part).trim().to_owned());
+                    let named = found.names.iter_mut().zip(parts).filter(|(_, part)| !part.is_empty());
+                    named.for_each(|(name, part)| *name = part);
+                }
+                (true, _) => {}
+                (false, true) => found.units = Some(row.clone()),
+                _ => break,
+            }
+            found.lines += 1;
+        }
+        Ok(found)
+    }
+
+    /// The place of the first column, or of the last, with one of these names.
+    fn place(&self, names: &[&str], is_last: bool) -> Option<usize> {
+        let is_it = |name: &String| names.contains(&name.as_str());
+        if is_last { self.names.iter().rposition(is_it) } else { self.names.iter().position(is_it) }
+    }
+
+    /// The place of a column that must be there.
+    fn column(&self, names: &[&str], is_last: bool, file: &str, allowed: &str) -> Result<usize, InputError> {
+        self.place(names, is_last).ok_or_else(|| {
+            let here = listed(self.names.iter().map(String::as_str), ", ");
+            malformed(file, 1, format!("no column is called {:?}; {allowed}; the columns here are {here}", names[0]))
+        })
+    }
+
+    /// The unit of radii: `None` without a line of units.
+    fn unit(&self, radius: usize, file: &str) -> Result<Option<Unit>, InputError> {
+        let Some(units) = &self.units else { return Ok(None) };
+        let text = String::from_utf8_lossy(units.get(radius).unwrap_or_default());
+        match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
+            "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => {
+                Ok(Some(Unit::CubicMicrometres))
+            }
+            "pixel" | "pixels" | "" => Ok(Some(Unit::Voxels)),
+            _ => {
+                let why = format!("the unit of radii is {}: must be (micron), (µm) or (pixel)", shown(&text));
+                Err(malformed(file, self.lines, why))
+            }
+        }
+    }
+}
+
+/// A table and its heading, ready for the first row below it.
+fn opened<'f>(
+    path: &Path,
+    file: &'f str,
+    layout: &Layout,
+    ids: &[&[&str]],
+) -> Result<(Table<'f, File>, Heading), InputError> {
+    let heading = Heading::of(&mut Table::open(open_file(path)?, file)?, layout, ids)?;
+    let mut table = Table::open(open_file(path)?, file)?;
+    for _ in 0..heading.lines {
+        table.next()?;
+    }
+    Ok((table, heading))
 }
 
 /// Adds the spots of a table, and returns the unit of their volumes.
@@ -122,34 +201,37 @@ fn read_spots(
     options: &TrackOptions,
 ) -> Result<Unit, InputError> {
     let file = path.display().to_string();
-    let mut table = Table::open(open_file(path)?, &file)?;
-    let rows = heading_of(&mut table, layout)?;
-    let names = heading(&rows, false);
-    if heading(&rows, layout.heading == 3).iter().any(|name| layout.link.contains(&name.as_str())) {
+    let [label, id, frame, radius] = layout.spot;
+    let (mut table, heading) = opened(path, &file, layout, &[id, layout.link[0], layout.link[1]])?;
+    if heading.place(layout.link[0], false).is_some() {
         return Err(InputError::other_file(file, "a table of spots", "it has links; they are read with their spots"));
     }
-    let [label, id, frame, radius] = layout.spot;
-    let columns = [label, id, frame].map(|name| column(&names, name, &file, "a table of spots has it"));
+    let columns = [label, id, frame].map(|names| heading.column(names, false, &file, "a table of spots has it"));
     let [label, id, frame] = columns;
     let columns = [label?, id?, frame?];
-    let radius = names.iter().position(|name| name == radius);
-    let unit = radius.map_or(Ok(Unit::Voxels), |at| unit_of(&rows, at, options, &file))?;
-    let in_pixels = unit_in_heading(&rows, radius) != Some(Unit::CubicMicrometres);
+    let radius = heading.place(radius, false);
+    let written = radius.map_or(Ok(None), |at| heading.unit(at, &file))?;
+    // Without a line of units radii say which cell is larger, and no more, unless pixels are given their size.
+    let unit = match written {
+        Some(Unit::CubicMicrometres) => Unit::CubicMicrometres,
+        None if radius.is_some() && options.pixel.is_none() => Unit::Relative,
+        _ => unit_of_pixels(options),
+    };
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let whole = |name: &str, bytes: &[u8]| {
-            let found = number(bytes).filter(|number| *number >= 0.0 && number.fract() == 0.0 && *number < 9e15);
-            let why = format!("{name} = {}: must be a whole number from 0", shown(&text(bytes)));
-            found.ok_or_else(|| malformed(&file, line as usize, why))
+            let why = || format!("{name} = {}: must be a whole number from 0", shown(&text(bytes)));
+            whole(bytes).ok_or_else(|| malformed(&file, line as usize, why()))
         };
-        let (id, time) = (whole("ID", id)? as u64, whole(layout.spot[2], frame)?);
+        let (id, time) = (whole(layout.spot[1][0], id)?, whole(layout.spot[2][0], frame)? as f64);
         let size = radius.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let radius = size.and_then(number).filter(|radius| *radius > 0.0 && *radius < 1e30);
         if let (Some(size), None) = (size, radius) {
-            spots.skip(&file, line, layout.spot[3], &text(size), "must be a radius above 0");
+            spots.skip(&file, line, layout.spot[3][0], &text(size), "must be a radius above 0");
         }
-        let sphere = |d: f64| if in_pixels { sphere_of_pixels(d, options) } else { sphere(d) };
+        let in_um = written == Some(Unit::CubicMicrometres);
+        let sphere = |d: f64| if in_um { sphere(d) } else { sphere_of_pixels(d, options) };
         let volume = radius.map(|radius| sphere(2.0 * radius));
         let spot = spots.push(Spot { time, name: text(label), volume, file: 0, line });
         if let Some(first) = ids.insert(id, spot) {
@@ -161,43 +243,22 @@ fn read_spots(
     Ok(unit)
 }
 
-/// The unit of radii in a heading's last line.
-fn unit_in_heading(rows: &[ByteRecord], radius: Option<usize>) -> Option<Unit> {
-    let text = rows.last()?.get(radius?)?;
-    let text = String::from_utf8_lossy(text).to_lowercase();
-    match text.trim().trim_matches(['(', ')']) {
-        "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => Some(Unit::CubicMicrometres),
-        "pixel" | "pixels" | "" => Some(Unit::Voxels),
-        _ => None,
-    }
-}
-
-/// The unit of volumes: µm³ if radii are in µm, or in pixels of known size.
-fn unit_of(rows: &[ByteRecord], radius: usize, options: &TrackOptions, file: &str) -> Result<Unit, InputError> {
-    let unit = unit_in_heading(rows, Some(radius));
-    let text = rows.last().and_then(|row| row.get(radius)).unwrap_or_default();
-    let text = shown(&String::from_utf8_lossy(text));
-    let why = || malformed(file, rows.len(), format!("the unit of radii is {text}: must be (micron), (µm) or (pixel)"));
-    match unit.ok_or_else(why)? {
-        Unit::Voxels => Ok(unit_of_pixels(options)),
-        unit => Ok(unit),
-    }
-}
-
 /// Adds the links of a table.
 fn read_links(spots: &mut Spots, ids: &HashMap<u64, usize>, path: &Path, layout: &Layout) -> Result<(), InputError> {
     let file = path.display().to_string();
-    let mut table = Table::open(open_file(path)?, &file)?;
-    let names = heading(&heading_of(&mut table, layout)?, layout.heading == 3);
-    let [from, to] = layout.link.map(|name| column(&names, name, &file, "a table of links has it"));
+    let (mut table, heading) = opened(path, &file, layout, &layout.link)?;
+    let ends = [false, true].map(|is_target| {
+        let names = layout.link[usize::from(is_target)];
+        heading.column(names, is_target, &file, "a table of links has it")
+    });
+    let [from, to] = ends;
     let ends = [from?, to?];
     while let Some((line, row)) = table.next()? {
         let mut found = [0; 2];
         for (k, at) in ends.into_iter().enumerate() {
             let text = row.get(at).unwrap_or_default().trim_ascii();
-            let id = number(text).filter(|id| *id >= 0.0 && id.fract() == 0.0).map(|id| id as u64);
-            found[k] = *id.and_then(|id| ids.get(&id)).ok_or_else(|| {
-                let (name, text) = (layout.link[k], shown(&String::from_utf8_lossy(text)));
+            found[k] = *whole(text).and_then(|id| ids.get(&id)).ok_or_else(|| {
+                let (name, text) = (layout.link[k][0], shown(&String::from_utf8_lossy(text)));
                 malformed(&file, line as usize, format!("{name} = {text}: must be the ID of a spot"))
             })?;
         }

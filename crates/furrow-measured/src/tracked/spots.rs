@@ -1,9 +1,11 @@
 //! Spots and the links between them, as cells: chains of spots between divisions.
 
+use std::collections::HashSet;
+
 use furrow_input::InputError;
 
 use super::{Format, TimeUnit, TrackedCell, TrackedLineage};
-use crate::names::{birth, is_cell};
+use crate::names::{birth, is_cell, understood};
 use crate::table::malformed;
 use crate::volumes::{Skipped, Unit, note};
 
@@ -32,6 +34,12 @@ pub(super) struct Spots {
     previous: Vec<Option<usize>>,
     /// The spots after each.
     next: Vec<[Option<usize>; 2]>,
+    /// Spots that links give several mothers. All these links are left out.
+    merged: HashSet<usize>,
+    /// Spots that links give more than two daughters. All these links are left out.
+    shattered: HashSet<usize>,
+    /// Spots that have lost a link: the one that is left leads to a daughter, unless that has the same name.
+    parted: HashSet<usize>,
     skipped: Vec<Skipped>,
     skipped_count: u64,
 }
@@ -42,8 +50,9 @@ impl Spots {
         Spots { files: vec![file.to_owned()], ..Spots::default() }
     }
 
-    /// Adds a spot.
-    pub fn push(&mut self, spot: Spot) -> usize {
+    /// Adds a spot. A name that is one of Sulston's in another spelling becomes it.
+    pub fn push(&mut self, mut spot: Spot) -> usize {
+        spot.name = understood(&spot.name).unwrap_or(spot.name);
         self.spots.push(spot);
         self.previous.push(None);
         self.next.push([None; 2]);
@@ -63,10 +72,11 @@ impl Spots {
         });
     }
 
-    /// Links a spot to one of a later frame, or the other way round. `file` and `line` are those of the link.
+    /// Links a spot to one of a later frame, or the other way round. `file` and `line` say where the link is. Nothing tells which
+    /// of two mothers, or of three daughters, is right: none of their links is used.
     ///
     /// # Errors
-    /// A link within a frame, one given twice, a second mother, a third daughter.
+    /// A link within a frame, or one given twice.
     pub fn link(&mut self, a: usize, b: usize, file: &str, line: u64) -> Result<(), InputError> {
         let name = |spot: usize| self.shown(spot);
         let refused = |why: String| Err(malformed(file, line as usize, why));
@@ -75,23 +85,44 @@ impl Spots {
             let (a, b, time) = (name(a), name(b), self.spots[a].time);
             return refused(format!("a link from {a} to {b}, both at time {time}: links must lead to a later time"));
         }
-        match self.previous[to] {
-            Some(other) if other == from => {
-                return refused(format!("a second link from {} to {}: each must be given once", name(from), name(to)));
-            }
-            Some(other) => {
-                let (to, other, from) = (name(to), name(other), name(from));
-                return refused(format!("{to} has two mothers, {other} and {from}: a cell must have one"));
-            }
-            None => {}
+        if self.previous[to] == Some(from) {
+            return refused(format!("a second link from {} to {}: each must be given once", name(from), name(to)));
         }
-        let Some(place) = self.next[from].iter().position(Option::is_none) else {
-            let (from, to) = (name(from), name(to));
-            return refused(format!("{from} has a third link to a later spot, {to}: a cell has at most two daughters"));
-        };
-        self.next[from][place] = Some(to);
-        self.previous[to] = Some(from);
+        let value = self.spots[to].name.clone();
+        let free = self.next[from].iter().position(Option::is_none);
+        match (self.previous[to], free) {
+            (None, Some(place)) if !self.merged.contains(&to) && !self.shattered.contains(&from) => {
+                self.next[from][place] = Some(to);
+                self.previous[to] = Some(from);
+                return Ok(());
+            }
+            (Some(other), _) => {
+                let why = format!("it comes from {} and from {}: it is left without a mother", name(other), name(from));
+                self.skip(file, line, "link", &value, why);
+                self.merged.insert(to);
+                self.parted.extend([other, from]);
+                self.unlink(to);
+            }
+            (None, None) => {
+                let why = format!("a third link from {}: this cell is left without daughters", name(from));
+                self.skip(file, line, "link", &value, why);
+                self.shattered.insert(from);
+                self.next[from].into_iter().flatten().for_each(|daughter| self.unlink(daughter));
+            }
+            _ => {
+                let why = format!("one more link from {}: links of this cell contradict each other", name(from));
+                self.skip(file, line, "link", &value, why);
+                self.parted.insert(from);
+            }
+        }
         Ok(())
+    }
+
+    /// Takes a spot from its mother.
+    fn unlink(&mut self, spot: usize) {
+        let Some(mother) = self.previous[spot].take() else { return };
+        let [first, second] = self.next[mother];
+        self.next[mother] = if first == Some(spot) { [second, None] } else { [first, None] };
     }
 
     /// A spot in a message.
@@ -106,7 +137,9 @@ impl Spots {
     fn is_born(&self, spot: usize) -> bool {
         let Some(before) = self.previous[spot] else { return true };
         let (name, mother) = (&self.spots[spot].name, &self.spots[before].name);
-        self.next[before][1].is_some() || birth(name).is_some_and(|(named, ..)| named == mother)
+        self.next[before][1].is_some()
+            || self.parted.contains(&before) && !(is_cell(name) && name == mother)
+            || birth(name).is_some_and(|(named, ..)| named == mother)
     }
 
     /// The cells, mothers before daughters.

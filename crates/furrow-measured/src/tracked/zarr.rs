@@ -8,22 +8,69 @@
 
 use std::fs;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flate2::read::{GzDecoder, ZlibDecoder};
-use furrow_input::{InputError, json_field_at, read_text};
+use furrow_input::{InputError, json_field_at, read_text_up_to};
 use serde_json::Value;
 
-/// Most bytes of an array.
+/// Most bytes of a chunk; beyond [`SMALL`], most for each byte of the array's files.
 const LONGEST: usize = 1 << 30;
+const TIGHTEST: usize = 1000;
+
+/// Bytes of a chunk, and rows of an array, that are few whatever its files hold.
+const SMALL: usize = 1 << 26;
+const FEW: usize = 1 << 20;
+
+/// Most bytes of a document with metadata.
+const LONGEST_METADATA: u64 = 4 << 20;
+
+/// Most columns: edges have two.
+const WIDEST: usize = 16;
+
+/// Most rows of ids for each byte of the files with them: ids differ, so that no compression makes them shorter.
+const DENSEST: usize = 64;
 
 /// The values of an array, row by row.
 #[derive(Debug)]
 pub(super) enum Values {
-    /// Numbers, and truth values as 0 and 1.
+    /// Floating-point numbers.
     Numbers(Vec<f64>),
+    /// Whole numbers, to the last digit, and truth values as 0 and 1.
+    Integers(Vec<i128>),
     /// Texts.
     Texts(Vec<String>),
+}
+
+impl Values {
+    /// Numbers; `None` if they are texts.
+    pub fn numbers(self) -> Option<Vec<f64>> {
+        match self {
+            Values::Numbers(numbers) => Some(numbers),
+            Values::Integers(numbers) => Some(numbers.into_iter().map(|number| number as f64).collect()),
+            Values::Texts(_) => None,
+        }
+    }
+
+    /// Whole numbers; `None` if they are texts or have fractions.
+    pub fn integers(self) -> Option<Vec<i128>> {
+        // From 2^53 on not every whole number is a floating-point one.
+        let exact = |number: f64| (number.fract() == 0.0 && number.abs() < 9e15).then_some(number as i128);
+        match self {
+            Values::Integers(numbers) => Some(numbers),
+            Values::Numbers(numbers) => numbers.into_iter().map(exact).collect(),
+            Values::Texts(_) => None,
+        }
+    }
+
+    /// Their kind, for a message.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Values::Numbers(_) => "numbers",
+            Values::Integers(_) => "whole numbers",
+            Values::Texts(_) => "texts",
+        }
+    }
 }
 
 /// An array.
@@ -31,6 +78,15 @@ pub(super) enum Values {
 pub(super) struct Array {
     pub shape: Vec<usize>,
     pub values: Values,
+}
+
+/// How many rows an array may have. Memory is allocated only after the array's files have been found to hold so many.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Rows {
+    /// As many as its files can hold, which differ.
+    Ids,
+    /// So many.
+    Exactly(usize),
 }
 
 /// How an array is stored.
@@ -50,7 +106,7 @@ struct Layout {
 
 /// A JSON document.
 pub(super) fn json(path: &Path) -> Result<Value, InputError> {
-    let (text, file) = (read_text(path)?, path.display().to_string());
+    let (text, file) = (read_text_up_to(path, LONGEST_METADATA)?, path.display().to_string());
     serde_json::from_str(&text).map_err(|error| {
         let at: usize = text.lines().take(error.line().saturating_sub(1)).map(|line| line.len() + 1).sum();
         let field = json_field_at(&text, at + error.column().saturating_sub(1), false);
@@ -72,7 +128,7 @@ pub(super) fn attributes(folder: &Path) -> Result<Value, InputError> {
 ///
 /// # Errors
 /// Names the file, the field, its value and what is allowed.
-pub(super) fn read(folder: &Path) -> Result<Array, InputError> {
+pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
     let third = folder.join("zarr.json");
     let (path, is_third) = if third.is_file() { (third, true) } else { (folder.join(".zarray"), false) };
     let (file, document) = (path.display().to_string(), json(&path)?);
@@ -103,9 +159,8 @@ pub(super) fn read(folder: &Path) -> Result<Array, InputError> {
             "integers, floating-point numbers or bool in little-endian order, or text in UTF-32",
         );
     };
-    let bytes = |of: &[usize]| of.iter().try_fold(size.max(4), |n, k| n.checked_mul(*k));
-    if [&shape, &chunk].iter().any(|of| bytes(of).is_none_or(|bytes| bytes > LONGEST)) {
-        return refused("shape", &document["shape"], &format!("of at most {} MB", LONGEST >> 20));
+    if shape.get(1).is_some_and(|width| *width > WIDEST) {
+        return refused("shape", &document["shape"], &format!("of at most {WIDEST} columns"));
     }
     let (separators, codec) = if is_third { stored_third(&document) } else { stored_second(&document) };
     let codec = match codec {
@@ -113,7 +168,25 @@ pub(super) fn read(folder: &Path) -> Result<Array, InputError> {
         Err(value) => return refused("codecs", &value, ALLOWED_CODECS),
     };
     let fill = document["fill_value"].clone();
-    read_chunks(folder, Layout { shape, chunk, kind, size, separators, codec, fill })
+    let layout = Layout { shape, chunk, kind, size, separators, codec, fill };
+    let files = layout.files(folder)?;
+    let held = files.iter().fold(0_usize, |sum, file| sum.saturating_add(file.length));
+    let most = SMALL.max(held.saturating_mul(TIGHTEST)).min(LONGEST);
+    if layout.chunk.iter().try_fold(size, |n, k| n.checked_mul(*k)).is_none_or(|bytes| bytes > most) {
+        let allowed = format!("of at most {} MB: the array's files have {held} bytes", most >> 20);
+        return refused("chunks", chunks, &allowed);
+    }
+    let (most, allowed) = match rows {
+        Rows::Exactly(rows) => (rows, format!("{rows} rows, one for each node")),
+        Rows::Ids => {
+            let most = layout.chunk[0].saturating_mul(files.len()).min(FEW.max(held.saturating_mul(DENSEST)));
+            (most, format!("at most {most} rows: the array's files have {held} bytes"))
+        }
+    };
+    if layout.shape[0] > most {
+        return refused("shape", &document["shape"], &allowed);
+    }
+    layout.read(&files)
 }
 
 /// Kind and bytes of a type of version 2, such as `<f8`.
@@ -194,73 +267,119 @@ fn coded(codec: &Value, name: &Value) -> Result<Option<String>, Value> {
     }
 }
 
-fn read_chunks(folder: &Path, layout: Layout) -> Result<Array, InputError> {
-    let Layout { shape, chunk, fill, .. } = &layout;
-    let (rows, columns) = (shape[0], shape.get(1).copied().unwrap_or(1));
-    let (chunk_rows, chunk_columns) = (chunk[0], chunk.get(1).copied().unwrap_or(1));
-    let is_text = layout.kind == 'U';
-    let (mut numbers, mut texts) = (Vec::new(), Vec::new());
-    if is_text {
-        texts = vec![fill.as_str().unwrap_or_default().to_owned(); rows * columns];
-    } else {
-        let fill = fill.as_f64().or(fill.as_bool().map(f64::from)).unwrap_or(f64::NAN);
-        numbers = vec![fill; rows * columns];
-    }
-    for i in 0..rows.div_ceil(chunk_rows) {
-        for j in 0..columns.div_ceil(chunk_columns) {
-            let Some(values) = read_chunk(folder, &layout, [i, j])? else { continue };
-            // Chunks at the edge are as long as others; what lies beyond the array is not used.
-            for row in 0..chunk_rows.min(rows - i * chunk_rows) {
-                let width = chunk_columns.min(columns - j * chunk_columns);
-                let (from, to) = (row * chunk_columns, (i * chunk_rows + row) * columns + j * chunk_columns);
-                match &values {
-                    Values::Numbers(found) => numbers[to..to + width].copy_from_slice(&found[from..from + width]),
-                    Values::Texts(found) => texts[to..to + width].clone_from_slice(&found[from..from + width]),
+/// The file of a chunk.
+struct ChunkFile {
+    path: PathBuf,
+    /// Its place in the grid of chunks.
+    place: [usize; 2],
+    /// Bytes.
+    length: usize,
+}
+
+impl Layout {
+    /// The files of chunks. Chunks without a file are of fill values only: there may be very many.
+    fn files(&self, folder: &Path) -> Result<Vec<ChunkFile>, InputError> {
+        let mut found = Vec::new();
+        let mut folders = vec![(folder.to_owned(), String::new())];
+        while let Some((folder, before)) = folders.pop() {
+            let unreadable = |e: std::io::Error| InputError::unreadable(&folder, e);
+            for entry in fs::read_dir(&folder).map_err(unreadable)? {
+                let path = entry.map_err(unreadable)?.path();
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                let key = format!("{before}{name}");
+                if path.is_dir() {
+                    // The deepest are c/0/0.
+                    if before.split('/').count() < 3 {
+                        folders.push((path, key + "/"));
+                    }
+                } else if let Some(place) = self.place(&key).filter(|_| path.is_file()) {
+                    let length = path.metadata().map_err(unreadable)?.len();
+                    found.push(ChunkFile { path, place, length: usize::try_from(length).unwrap_or(usize::MAX) });
                 }
             }
         }
+        found.sort_by_key(|file| file.place);
+        Ok(found)
     }
-    let values = if is_text { Values::Texts(texts) } else { Values::Numbers(numbers) };
-    Ok(Array { shape: layout.shape, values })
-}
 
-/// The values of a chunk; `None` if it has no file, as of fill values only.
-fn read_chunk(folder: &Path, layout: &Layout, place: [usize; 2]) -> Result<Option<Values>, InputError> {
-    let [prefix, separator] = &layout.separators;
-    let numbers: Vec<String> = place[..layout.shape.len()].iter().map(usize::to_string).collect();
-    let path = folder.join(format!("{prefix}{}", numbers.join(separator)));
-    let file = path.display().to_string();
-    if !path.is_file() {
-        return Ok(None);
+    /// The place of a chunk in the grid by the name of its file; `None` for other files.
+    fn place(&self, key: &str) -> Option<[usize; 2]> {
+        let [prefix, separator] = &self.separators;
+        let numbers: Option<Vec<usize>> =
+            key.strip_prefix(&**prefix)?.split(&**separator).map(|n| n.parse().ok()).collect();
+        let numbers = numbers.filter(|numbers| numbers.len() == self.shape.len())?;
+        let inside = |(k, at): (usize, &usize)| *at < self.shape[k].div_ceil(self.chunk[k]);
+        let place = [numbers[0], numbers.get(1).copied().unwrap_or(0)];
+        numbers.iter().enumerate().all(inside).then_some(place)
     }
-    let packed = fs::read(&path).map_err(|e| InputError::Unreadable { file: file.clone(), reason: e.to_string() })?;
-    let refused = |why: String| InputError::other_file(&file, "a chunk of an array", why);
-    let count: usize = layout.chunk.iter().product();
-    let bytes = unpacked(packed, layout.codec.as_deref(), count * layout.size).map_err(refused)?;
-    if bytes.len() != count * layout.size {
-        return Err(refused(format!("it has {} bytes; {count} values have {}", bytes.len(), count * layout.size)));
-    }
-    let word = |bytes: &[u8]| bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte));
-    let number = |bytes: &[u8]| {
-        let (bits, unused) = (word(bytes), 64 - 8 * bytes.len());
-        match (layout.kind, bytes.len()) {
-            ('f', 4) => f64::from(f32::from_bits(bits as u32)),
-            ('f', _) => f64::from_bits(bits),
-            // The highest bit is the sign.
-            ('i', _) => ((bits << unused) as i64 >> unused) as f64,
-            _ => bits as f64,
+
+    /// Reads the values of all chunks.
+    fn read(self, files: &[ChunkFile]) -> Result<Array, InputError> {
+        let (rows, columns) = (self.shape[0], self.shape.get(1).copied().unwrap_or(1));
+        let (chunk_rows, chunk_columns) = (self.chunk[0], self.chunk.get(1).copied().unwrap_or(1));
+        let mut values = self.filled(rows * columns);
+        for file in files {
+            let bytes = self.bytes(file)?;
+            let [i, j] = file.place;
+            // Chunks at the edge are as long as others; what lies beyond the array is not used.
+            let width = chunk_columns.min(columns - j * chunk_columns);
+            for row in 0..chunk_rows.min(rows - i * chunk_rows) {
+                let from = row * chunk_columns * self.size;
+                let to = (i * chunk_rows + row) * columns + j * chunk_columns;
+                self.decode(&bytes[from..from + width * self.size], &mut values, to);
+            }
         }
-    };
-    let text = |bytes: &[u8]| {
-        let points = bytes.chunks_exact(4).map(|point| word(point) as u32).take_while(|point| *point != 0);
-        points.map(|point| char::from_u32(point).unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
-    };
-    let each = bytes.chunks_exact(layout.size.max(1));
-    Ok(Some(if layout.kind == 'U' {
-        Values::Texts(each.map(text).collect())
-    } else {
-        Values::Numbers(each.map(number).collect())
-    }))
+        Ok(Array { shape: self.shape, values })
+    }
+
+    /// Values that no chunk gives.
+    fn filled(&self, count: usize) -> Values {
+        let fill = &self.fill;
+        let whole = fill.as_i64().map(i128::from).or(fill.as_u64().map(i128::from)).or(fill.as_bool().map(i128::from));
+        match self.kind {
+            // A text that all nodes share does not tell them apart.
+            'U' => Values::Texts(vec![String::new(); count]),
+            'f' => Values::Numbers(vec![fill.as_f64().unwrap_or(f64::NAN); count]),
+            _ => Values::Integers(vec![whole.unwrap_or(0); count]),
+        }
+    }
+
+    /// The bytes of a chunk.
+    fn bytes(&self, file: &ChunkFile) -> Result<Vec<u8>, InputError> {
+        let unreadable = |e| InputError::unreadable(&file.path, e);
+        let packed = fs::read(&file.path).map_err(unreadable)?;
+        let refused = |why: String| InputError::other_file(file.path.display(), "a chunk of an array", why);
+        let count: usize = self.chunk.iter().product();
+        let bytes = unpacked(packed, self.codec.as_deref(), count * self.size).map_err(refused)?;
+        if bytes.len() != count * self.size {
+            return Err(refused(format!("it has {} bytes; {count} values have {}", bytes.len(), count * self.size)));
+        }
+        Ok(bytes)
+    }
+
+    /// The values in some bytes, from `to` on.
+    fn decode(&self, bytes: &[u8], values: &mut Values, to: usize) {
+        let word = |bytes: &[u8]| bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte));
+        let float = |bytes: &[u8]| match bytes.len() {
+            4 => f64::from(f32::from_bits(word(bytes) as u32)),
+            _ => f64::from_bits(word(bytes)),
+        };
+        let integer = |bytes: &[u8]| {
+            let (bits, unused) = (word(bytes), 64 - 8 * bytes.len());
+            // The highest bit is the sign.
+            if self.kind == 'i' { i128::from((bits << unused) as i64 >> unused) } else { i128::from(bits) }
+        };
+        let text = |bytes: &[u8]| {
+            let points = bytes.chunks_exact(4).map(|point| word(point) as u32).take_while(|point| *point != 0);
+            points.map(|point| char::from_u32(point).unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+        };
+        let each = bytes.chunks_exact(self.size.max(1));
+        match values {
+            Values::Numbers(all) => all[to..].iter_mut().zip(each).for_each(|(value, bytes)| *value = float(bytes)),
+            Values::Integers(all) => all[to..].iter_mut().zip(each).for_each(|(value, bytes)| *value = integer(bytes)),
+            Values::Texts(all) => all[to..].iter_mut().zip(each).for_each(|(value, bytes)| *value = text(bytes)),
+        }
+    }
 }
 
 /// The bytes of a chunk.

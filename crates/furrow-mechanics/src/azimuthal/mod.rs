@@ -21,6 +21,7 @@ pub mod problem;
 use furrow_bvp::{Direction, Residual, Solution, System};
 use furrow_spectra::{Arnoldi, Krylov};
 
+use crate::cortex::amount::AmountOf;
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::spectrum::{Result, rightmost, sort};
@@ -61,6 +62,8 @@ pub struct Azimuthal {
     problem: Disturbance,
     system: System,
     shifts: Shifts,
+    /// How disturbances change the amount of a conserved regulator; those that turn with φ do not.
+    amount: AmountOf,
     /// The shape, the whole contour.
     shape: Solution,
     /// A disturbance that is zero, on the mesh of the shape.
@@ -113,6 +116,7 @@ impl Azimuthal {
             problem,
             system,
             shifts,
+            amount: if m == 0 { AmountOf::disturbances(cortex, y, &gauss) } else { AmountOf::default() },
             shape: y.clone(),
             found: zero.clone(),
             zero,
@@ -255,10 +259,51 @@ impl Azimuthal {
                 *changed = x[REGULATOR];
             }
         }
+        let excess = self.amount.excess(displaced.iter().zip(&*changed).map(|(w, phi)| [*w, *phi]));
+        changed.iter_mut().for_each(|phi| *phi -= excess);
     }
 }
 
 /// The value of largest modulus.
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0f64, |most, value| if value.abs() > most.abs() { *value } else { most })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cortex::equations::{LENGTH, M, PHI, R};
+    use crate::equilibria::stationary;
+    use furrow_cell::{Cell, Numerics};
+
+    /// Without turnover, flow dilutes a regulator as much as it gathers it, whatever the disturbance: its amount stays.
+    #[test]
+    fn a_step_changes_the_amount_of_a_regulator_by_its_turnover_alone() {
+        let turnover = 2.0;
+        let cue = format!("regulator:none,turnover={turnover},diffusion=1,activity=0.3");
+        let cell = Cell { xi_s: 12.0, ..Cell::new(1.8) }.with_cue(cue.parse().unwrap());
+        let shape = stationary(&cell, &Numerics::default()).unwrap();
+        let (cortex, y) = (Cortex::new(&cell, Domain::Full, &[]), unfold(&shape.solution));
+        let mut disturbances = Azimuthal::new(&cortex, &y, 0);
+        let shift = 3.0;
+        disturbances.factorise(shift).unwrap();
+        let points = disturbances.points();
+        let before: Vec<f64> = (0..2 * points).map(|k| (0.1 * k as f64).sin()).collect();
+        let mut after = before.clone();
+        disturbances.apply(points, &before, &mut after);
+        let length = y.scalars[LENGTH];
+        // ∫ of δφ + c C w over the surface, and of δφ + φ C w, which turns over.
+        let totals = |of: &[f64]| {
+            (0..points).fold([0.0; 2], |[amount, excess], k| {
+                let (state, u) = (y.stage(k / y.m, k % y.m), y.stage_x(&disturbances.system.gauss, k / y.m, k % y.m));
+                let mean = state[M] / cortex.constants().of_state(u, state, length).kappa;
+                let area = disturbances.weights[k] * state[R];
+                let by = |c: f64| area * (of[points + k] + c * mean * of[k]);
+                [amount + by(1.0 + state[PHI]), excess + by(state[PHI])]
+            })
+        };
+        let ([before, _], [after, excess]) = (totals(&before), totals(&after));
+        let lost = shift * (before - after) / (turnover * excess);
+        assert!(before.abs() > 1e-3 && (lost - 1.0).abs() < 1e-5, "{before} {after} {excess}");
+    }
 }

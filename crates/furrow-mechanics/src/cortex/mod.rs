@@ -13,9 +13,11 @@
 //! | `jets` | the same, and first derivatives by parameters, at many points side by side |
 //! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
 //! | [`observables`] | what is read off a shape: elongation, neck, furrow, volumes |
+//! | `amount` | the amount of a regulator without turnover, which belongs to the cell |
 //! | [`forces`] | what acts at a place: curvatures, tensions, velocities, the normal forces by what they come from |
 //! | [`resolution`] | where a mesh has to be fine |
 
+pub(crate) mod amount;
 mod coefficients;
 mod columns;
 pub mod derivatives;

@@ -58,6 +58,9 @@ pub struct Cortex {
     pub carried_past: Vec<Carried>,
     /// Factor on the activity at every collocation point; empty for none.
     pub noise: Vec<f64>,
+    /// Whether a linear condition on the amount of a conserved regulator takes the place of j = 0 at the far end, which at rest
+    /// follows from j = 0 at the near one.
+    pub(crate) amount_is_given: bool,
     constants: Constants<f64>,
     /// The constants with their derivatives by each free parameter.
     sensitivities: Vec<Constants<Dual64>>,
@@ -78,6 +81,7 @@ impl Cortex {
             past: Vec::new(),
             carried_past: Vec::new(),
             noise: Vec::new(),
+            amount_is_given: false,
             constants: Constants::new(cell, |_, v| v),
             sensitivities: Vec::new(),
             along_length: None,
@@ -104,6 +108,11 @@ impl Cortex {
     /// Whether a regulator is carried along, which takes two more components.
     pub fn is_regulated(&self) -> bool {
         self.cell.cue.regulator().is_some()
+    }
+
+    /// Whether the amount of a regulator, ∫ c dA, never changes.
+    pub fn conserves_regulator(&self) -> bool {
+        self.cell.cue.regulator().is_some_and(|regulator| regulator.diluted && regulator.turnover == 0.0)
     }
 
     /// Components of y: seven, or nine with a regulator.
@@ -274,7 +283,9 @@ impl MotionResponse {
 
 impl BoundaryValueProblem for Cortex {
     fn dimensions(&self) -> Dimensions {
-        Cortex::dimensions_for(&self.cell, self.free.len())
+        let mut dimensions = Cortex::dimensions_for(&self.cell, self.free.len());
+        dimensions.right -= usize::from(self.amount_is_given);
+        dimensions
     }
 
     /// Compiled for the sizes of most work: steps and shapes at rest, branches, and curves of cells without a regulator.
@@ -348,18 +359,21 @@ impl BoundaryValueProblem for Cortex {
 
     /// At the far pole r = 0, ψ = π, q = 0, v = 0 \[M.13 poles\]; at the mirror everything odd is at its centre, M.14.
     fn right(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
-        let n = y.len();
+        // The condition that may be left out is the last on either domain.
+        let (n, conditions) = (y.len(), out.r.len());
         let mut put = |k: usize, component: usize, value: f64| {
             out.r[k] = y[component] - value;
             out.ry[k * n + component] = 1.0;
         };
         match self.domain {
             Domain::Full => {
-                let conditions = [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0), (J, 0.0)];
-                let conditions = conditions.into_iter().filter(|(component, _)| *component < n);
-                conditions.enumerate().for_each(|(k, (component, value))| put(k, component, value));
+                let values = [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0), (J, 0.0)].into_iter().take(conditions);
+                values.enumerate().for_each(|(k, (component, value))| put(k, component, value));
             }
-            Domain::Half => odd(n).iter().enumerate().for_each(|(k, &component)| put(k, component, CENTRE[component])),
+            Domain::Half => {
+                let values = odd(n).iter().take(conditions);
+                values.enumerate().for_each(|(k, &component)| put(k, component, CENTRE[component]));
+            }
         }
     }
 

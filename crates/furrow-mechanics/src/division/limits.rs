@@ -13,6 +13,11 @@ const MOST_STEPS: f64 = 1e4;
 /// What is slower than this, in 1/τ and relative to R0, over all of the time that a division is given, is rounding.
 const DRIFT: f64 = 1e-8;
 
+/// A shape slower than this, in 1/τ and relative to R0, creeps: it needs few steps for however long.
+const CREEPING: f64 = 1e-4;
+/// How many times longer than others a shape that creeps is followed.
+const MORE_TIME: f64 = 1e5;
+
 /// What is left of a coefficient that must be positive, relative to its value without a regulator, where no step can be solved any
 /// more.
 pub const TAKEN_AWAY: f64 = 0.02;
@@ -47,6 +52,12 @@ pub fn neutral_drift(stepper: &Stepper) -> Option<f64> {
     let fastest = spectrum.values.iter().map(|rate| rate.re.hypot(rate.im)).fold(1.0, f64::max);
     let growth_rate = spectrum.growth_rate();
     (growth_rate < DRIFT * fastest).then_some(-growth_rate.abs())
+}
+
+/// Whether the newest shape moves too slowly to get anywhere in the time that a division is given, as in a loose shell, where a flow
+/// along the axis pushes the cell against next to nothing: it is followed until it rests, or divides elsewhere.
+pub fn creeps(stepper: &Stepper, t_max: f64) -> bool {
+    stepper.speed() < CREEPING && stepper.history[0].t < MORE_TIME * t_max
 }
 
 /// The coefficient that a regulator has left least of in the newest shape, if that is less than a `share` of its value without.
@@ -87,4 +98,24 @@ pub fn collapsed(stepper: &Stepper) -> Option<DivisionError> {
 fn positive(at: &LocalCoefficients<f64>) -> [f64; 4] {
     let [eta_b, eta_s] = [1.0, -1.0].map(|sign| 0.5 * (at.eta_sum + sign * at.eta_difference));
     [at.kappa, eta_b, eta_s, at.friction]
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::division::{DivisionInput, Outcome, divide};
+    use furrow_cell::Cell;
+
+    /// Friction that differs between the halves makes a cell swim along a loose shell, slower and slower: to rest, or to where it divides.
+    #[test]
+    fn cells_that_creep_along_loose_shells_are_followed_to_their_outcome() {
+        let cue = "friction:step,u0=0.3,omega=0.2,amplitude=0.5";
+        for (r0, epsilon, outcome) in [(2.8, 0.50, Outcome::Arrested), (2.9, 0.50, Outcome::Asymmetric)] {
+            let cell = Cell { epsilon, xi_s: 6.5, ..Cell::new(r0) }.with_cue(cue.parse().unwrap());
+            let division = divide(&DivisionInput::new(cell)).unwrap();
+            assert_eq!(division.outcome(), outcome);
+            // Longer than `t_max`, in a few more steps.
+            assert!(division.t_end > 1e4 && division.work.steps < 200, "{division:?}");
+            assert!(division.growth_rate().is_none_or(|rate| rate < -1e-5), "{division:?}");
+        }
+    }
 }

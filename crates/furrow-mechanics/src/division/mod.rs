@@ -12,7 +12,7 @@
 //! | `rest` | detection of equilibria |
 //! | [`saddle`] | skips the linear growth at a saddle, where a cell waits longer than the time it is given |
 //! | [`oscillation`] | detection of limit cycles |
-//! | `limits` | the step budget, and cells that drift freely |
+//! | `limits` | the step budget, and cells that drift freely or creep |
 //! | [`outcome`] | how a division ended: [`Division`] |
 //! | [`trajectory`] | all shapes of a division, with the forces on them |
 //! | [`statistics`] | statistics of several divisions |
@@ -38,6 +38,7 @@ pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;
 pub use trajectory::{Recorder, Snapshot, Trajectory};
 
+use furrow_cell::settings::MOST_INTERVALS;
 use furrow_cell::{Cell, Numerics};
 
 /// What one division depends on, and all it depends on: equal inputs give bit-identical outcomes.
@@ -55,5 +56,24 @@ impl DivisionInput {
     /// A cell's division with the default discretisation and seed 0.
     pub fn new(cell: Cell) -> DivisionInput {
         DivisionInput { cell, numerics: Numerics::default(), seed: 0 }
+    }
+
+    /// The same on twice as many mesh intervals, if a mesh may have as many.
+    ///
+    /// ```
+    /// use furrow_cell::Cell;
+    /// use furrow_mechanics::division::{DivisionInput, divide};
+    /// // A bud at the pole grows from next to nothing, and cuts itself off or does not.
+    /// let cue = "activity:step,u0=0.2307,omega=0.29531,amplitude=0.7099".parse()?;
+    /// let cell = Cell { epsilon: 0.9533, xi_s: 50.211, ..Cell::new(7.7227) }.with_cue(cue);
+    /// let input = DivisionInput::new(cell);
+    /// let finer = input.on_twice_the_mesh().ok_or("as fine as a mesh may be")?;
+    /// assert!(divide(&input)?.depends_on_mesh(&divide(&finer)?, false));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn on_twice_the_mesh(&self) -> Option<DivisionInput> {
+        let intervals = 2 * self.numerics.intervals;
+        (intervals <= MOST_INTERVALS)
+            .then(|| DivisionInput { numerics: Numerics { intervals, ..self.numerics }, ..self.clone() })
     }
 }

@@ -63,6 +63,10 @@ pub enum Ending {
 /// does 10⁻⁵ to 3·10⁻⁴; where two furrows compete, 10⁻² to 10⁻¹.
 pub const NOISE_TOLERANCE: f64 = 1e-3;
 
+/// χ that moves by more than this on twice the mesh is said to depend on the mesh. To most cells the mesh does below 10⁻³; where two
+/// furrows compete, or a bud at a pole grows from next to nothing, 10⁻² to 1.
+pub const MESH_TOLERANCE: f64 = 5e-3;
+
 /// The outcome of one division and the work it took, as the memo, the store, the tree and answers hold it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "DivisionRow", try_from = "DivisionRow")]
@@ -131,12 +135,20 @@ impl Division {
     /// Whether this and the division of the same cell with another seed agree: the same outcome, and χ within
     /// [`NOISE_TOLERANCE`]; χ with its sign, unless the cell is mirror-symmetric, whose noise decides the side.
     pub fn agrees_with(&self, other: &Division, mirror_symmetric: bool) -> bool {
-        let chi = |of: &Division| if mirror_symmetric { of.chi() } else { of.chi_signed() };
-        let near = match (chi(self), chi(other)) {
-            (Some(a), Some(b)) => (a - b).abs() <= NOISE_TOLERANCE,
-            _ => true,
-        };
+        let near = self.chi_apart(other, mirror_symmetric).is_none_or(|apart| apart <= NOISE_TOLERANCE);
         self.outcome() == other.outcome() && (near || self.outcome() == Outcome::Symmetric)
+    }
+
+    /// The difference between χ of two divisions of a cell, if both divide: of χ with its sign, unless the cell is mirror-symmetric.
+    pub fn chi_apart(&self, other: &Division, mirror_symmetric: bool) -> Option<f64> {
+        let chi = |of: &Division| if mirror_symmetric { of.chi() } else { of.chi_signed() };
+        Some((chi(self)? - chi(other)?).abs())
+    }
+
+    /// Whether the division on twice the mesh says something else: that the cell rests, or divides, or χ beyond [`MESH_TOLERANCE`].
+    pub fn depends_on_mesh(&self, finer: &Division, mirror_symmetric: bool) -> bool {
+        let moved = self.chi_apart(finer, mirror_symmetric).is_some_and(|apart| apart > MESH_TOLERANCE);
+        moved || self.chi().is_some() != finer.chi().is_some()
     }
 
     /// The mirror image of the division under u → 1 − u: the division of the mirrored cell.

@@ -1,12 +1,11 @@
 //! Whether a shape is at rest: the stationary state next to it, and whether that is stable.
 
-use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{BoundaryValueProblem, Newton, Solution, System, mesh};
+use furrow_bvp::{Newton, Solution, mesh};
 
 use super::stepper::{Stepper, change_norm, parity_norm};
 use crate::cortex::equations::{R, Z};
 use crate::cortex::symmetry::unfold;
-use crate::cortex::{Cortex, Domain};
+use crate::cortex::{Cortex, Domain, amount};
 use crate::stability::Stability;
 
 /// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
@@ -123,7 +122,7 @@ fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solutio
         y.nodes.truncate((intervals + 1) * n);
         y.stages.truncate(intervals * here.m * n);
     }
-    let (mut system, mut scratch) = (System::new(cortex.dimensions(), y.m), NewtonScratch::default());
+    let wanted = amount::of(&y);
     let near = |y: &Solution| {
         let whole = if domain == Domain::Full { y.clone() } else { unfold(y) };
         let distance = change_norm(&stepper.system.gauss, here, stepper.cortex.cell.r0, |i, at| {
@@ -131,9 +130,9 @@ fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solutio
         });
         (distance.even.hypot(distance.odd) <= REST_DISTANCE * stepper.cortex.cell.r0).then_some(whole)
     };
-    if NEARBY.solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).is_err() {
+    if amount::solve_at_rest(&NEARBY, &mut cortex, &mut y, wanted).is_err() {
         near(&y)?;
-        Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).ok()?;
+        amount::solve_at_rest(&Newton::default(), &mut cortex, &mut y, wanted).ok()?;
     }
     let whole = near(&y)?;
     let growth_rate = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();

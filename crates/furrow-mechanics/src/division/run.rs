@@ -205,11 +205,15 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
         if newest.t > run.t_max {
             let drifts = if run.fixed.is_none() { limits::neutral_drift(&stepper) } else { None };
             let Cell { r0, epsilon, .. } = *cell;
-            return match (drifts, run.slow_growth_rate) {
-                (Some(_), _) => Ok((run.arrested(&stepper, drifts), None)),
-                (None, Some(growth_rate)) => Err(DivisionError::Critical { r0, growth_rate }),
-                (None, None) => Err(DivisionError::Undecided { r0, epsilon, t_max: run.t_max }),
-            };
+            match (drifts, run.slow_growth_rate) {
+                (Some(_), _) => return Ok((run.arrested(&stepper, drifts), None)),
+                (None, Some(growth_rate)) => return Err(DivisionError::Critical { r0, growth_rate }),
+                // The time in which it creeps does not count.
+                (None, None) if run.fixed.is_none() && limits::creeps(&stepper, run.longest) => {
+                    run.t_max = newest.t + run.longest;
+                }
+                (None, None) => return Err(DivisionError::Undecided { r0, epsilon, t_max: run.t_max }),
+            }
         }
         stepper.adapt(run.parity, 1.5);
     }

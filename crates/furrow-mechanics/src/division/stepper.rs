@@ -15,8 +15,8 @@ use furrow_bvp::{
 };
 
 use super::halves::Halves;
-use crate::cortex::equations::{COMPONENTS, Carried, J, LENGTH, PHI, R, REGULATED, Z};
-use crate::cortex::{Cortex, resolution, symmetry};
+use crate::cortex::equations::{COMPONENTS, Carried, LENGTH, PHI, R, REGULATED, Z};
+use crate::cortex::{Cortex, amount, resolution, symmetry};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
 /// of 48.
@@ -400,28 +400,12 @@ impl Stepper {
         for level in &mut self.history {
             transfer.apply(&level.y, &mut self.trial.y);
             if self.cortex.cell.cue.regulator().is_some_and(|regulator| regulator.diluted) {
-                keep_amount(&self.system.gauss, &level.y, &mut self.trial.y);
+                amount::keep(&self.system.gauss, &level.y, &mut self.trial.y);
             }
             std::mem::swap(&mut level.y, &mut self.trial.y);
         }
         self.work.remeshings += 1;
         self.factored = None;
-    }
-}
-
-/// Gives a shape on a new mesh the amount ∫ c dA of a regulator that it had on the old one.
-fn keep_amount(gauss: &Gauss, before: &Solution, after: &mut Solution) {
-    let amount = |y: &Solution| -> f64 {
-        let of = |(i, s): (usize, &[f64])| {
-            let interval = i / y.m;
-            (y.mesh[interval + 1] - y.mesh[interval]) * gauss.b[i % y.m] * s[R] * (1.0 + s[PHI])
-        };
-        y.stages.chunks_exact(REGULATED).enumerate().map(of).sum()
-    };
-    let factor = amount(before) / amount(after);
-    for state in after.nodes.chunks_exact_mut(REGULATED).chain(after.stages.chunks_exact_mut(REGULATED)) {
-        state[J] *= factor;
-        state[PHI] = (1.0 + state[PHI]) * factor - 1.0;
     }
 }
 

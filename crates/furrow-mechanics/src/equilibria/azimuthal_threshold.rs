@@ -55,8 +55,8 @@ pub fn one_sided_from(cell: &Cell) -> Option<f64> {
     Some(xi_s + (cell.r0 - r0) / (next_r0 - r0) * (next_xi_s - xi_s))
 }
 
-/// Whether a cell that rests would furrow from one side, by [`one_sided_from`]: it rests as long as it keeps its axis.
-pub fn furrows_one_sided(cell: &Cell) -> bool {
+/// Whether disturbances m = 1 grow in a resting cell, by [`one_sided_from`]: it rests as long as it keeps its axis.
+pub fn grows_one_sided(cell: &Cell) -> bool {
     one_sided_from(cell).is_some_and(|from| cell.xi_s > from)
 }
 
@@ -323,6 +323,6 @@ mod tests {
             assert_eq!(one_sided_from(&Cell::new(r0)), None, "{r0}");
         }
         // The preset's critical radius is 1.72: cells just below it would furrow from one side, the smallest would not.
-        assert!(furrows_one_sided(&Cell::new(1.7)) && !furrows_one_sided(&Cell::new(0.7)));
+        assert!(grows_one_sided(&Cell::new(1.7)) && !grows_one_sided(&Cell::new(0.7)));
     }
 }

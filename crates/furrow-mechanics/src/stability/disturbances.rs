@@ -3,6 +3,7 @@
 use furrow_bvp::{CollocationPoint, Direction, Gauss, Residual, Solution, SolutionOperator, System};
 
 use crate::cortex::Cortex;
+use crate::cortex::amount::AmountOf;
 use crate::cortex::equations::{COMPONENTS, J, LENGTH, PHI, PSI, R, REGULATED, Z};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::problem::{MotionResponse, QUADRATURES};
@@ -19,6 +20,7 @@ pub(super) struct Disturbances {
     normal: Vec<[f64; 3]>,
     /// Quadrature weights of the inner product ∫ w² du, and of ∫ (R0 φ)² du.
     pub(super) weights: Vec<f64>,
+    amount: AmountOf,
     /// Numbers per collocation point: 2 with a regulator.
     pub(super) per_point: usize,
     /// The response and what is read as matrices, see [`SolutionOperator::assemble`].
@@ -32,6 +34,7 @@ impl Disturbances {
         self.response.clear();
         self.normal.clear();
         self.weights.clear();
+        self.amount = AmountOf::disturbances(cortex, y, gauss);
         self.per_point = if y.components == REGULATED { 2 } else { 1 };
         let scales = [1.0, cortex.cell.r0 * cortex.cell.r0];
         for i in 0..y.intervals() {
@@ -67,6 +70,14 @@ impl Disturbances {
             rows[..self.per_point].iter().for_each(|row| self.reading.extend(&row[..components]));
         }
         operator.assemble(system, [self.per_point; 2], &self.force, &self.reading);
+    }
+
+    /// Makes a disturbance one that leaves the amount of a conserved regulator as it is.
+    pub(super) fn conserve(&self, disturbance: &mut [f64]) {
+        if self.per_point == 2 {
+            let excess = self.amount.excess(disturbance.as_chunks::<2>().0.iter().copied());
+            disturbance.iter_mut().skip(1).step_by(2).for_each(|phi| *phi -= excess);
+        }
     }
 
     /// s M w, as a residual that was zero or of another w.

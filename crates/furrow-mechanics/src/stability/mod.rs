@@ -129,6 +129,7 @@ impl Stability {
             self.disturbances.load(&mode, &mut self.right_hand_side);
             self.system.solve(&self.right_hand_side, &mut self.update);
             self.disturbances.read(&self.update, &mut next);
+            self.disturbances.conserve(&mut next);
             let largest = next.iter().fold(0.0f64, |most, w| most.max(w.abs()));
             if !(largest.is_finite() && largest > 0.0) {
                 return Err(StabilityError::Factorisation { shift, column: 0 });
@@ -156,7 +157,13 @@ impl Stability {
         let (mut out, mut scalars) = (Spectrum::default(), [0.0; SHAPE_SCALARS]);
         for &parity in parities(cortex.domain) {
             let end = end_of(parity, system, antisymmetric, y.components).map_err(&failed)?;
-            let step = |from: &[f64], to: &mut [f64]| operator.apply(system, end, from, to, &mut scalars);
+            let step = |from: &[f64], to: &mut [f64]| {
+                operator.apply(system, end, from, to, &mut scalars);
+                // Odd disturbances do not change the amount of a regulator.
+                if parity != Parity::Odd {
+                    disturbances.conserve(to);
+                }
+            };
             out.values.extend(rightmost(arnoldi, krylov, &disturbances.weights, step, (parity, shift, wanted))?);
         }
         sort(&mut out.values);
@@ -214,9 +221,10 @@ pub(crate) fn freeze(cortex: &Cortex, y: &Solution) -> (Cortex, Solution) {
 
 #[cfg(test)]
 mod tests {
-    use faer::Mat;
+    use nalgebra::DMatrix;
 
     use super::*;
+    use crate::cortex::amount::{self, AmountOf};
     use crate::cortex::symmetry::unfold;
     use crate::equilibria::{StationaryShape, stationary};
     use furrow_bvp::{Newton, newton::NewtonScratch};
@@ -251,7 +259,7 @@ mod tests {
                 let r = &system.residual;
                 [&r.stages, &r.nodes, &r.left, &r.right, &r.border].into_iter().flatten().copied().collect::<Vec<_>>()
             };
-            let mut out = Mat::<f64>::zeros(size, size);
+            let mut out = DMatrix::<f64>::zeros(size, size);
             for k in 0..size {
                 // Fourth-order differences.
                 let h = 2e-3;
@@ -267,11 +275,10 @@ mod tests {
         positions(&y, &mut cortex.past);
         let mass = derivative(&mut cortex) - &jacobian;
         cortex.rate = 0.0;
-        let minus = Mat::from_fn(size, size, |i, j| -jacobian[(i, j)]);
-        let dense = minus.generalized_eigen(&mass).unwrap();
-        let pairs = (0..size).map(|i| (dense.S_a()[i], dense.S_b()[i]));
-        let finite = pairs.filter(|(a, b)| b.norm() > 1e-8 * a.norm()).map(|(a, b)| a / b);
-        let mut expected: Vec<f64> = finite.filter(|x| x.norm() < 1e3).map(|x| x.re).collect();
+        // J x = −σ M x: the eigenvalues of J⁻¹M are −1/σ, and 0 where the constraint has no rate.
+        let inverse_rates = jacobian.lu().solve(&mass).unwrap().complex_eigenvalues();
+        let finite = inverse_rates.iter().filter(|theta| theta.norm() > 1e-3).map(|theta| -theta.inv());
+        let mut expected: Vec<f64> = finite.map(|x| x.re).collect();
         expected.sort_by(|a, b| b.total_cmp(a));
         assert!(expected.len() > 3, "{expected:?}");
         let spectrum = Stability::new(3).leading(&cortex, &y).unwrap();
@@ -295,6 +302,55 @@ mod tests {
         let [a, b] = [3, 4].map(|k| rate(k, Parity::Even).powi(2));
         let fold = targets[4] + b * (targets[4] - targets[3]) / (a - b);
         assert!((fold - 27.029_71).abs() < 1e-4, "{fold}");
+    }
+
+    /// A step neither makes nor loses any of a regulator without turnover, whatever the disturbance: flow dilutes as much as it gathers.
+    #[test]
+    fn a_step_keeps_the_amount_of_a_conserved_regulator() {
+        for strength in ["activity=0.3", "kappa=-0.2,friction=0.4"] {
+            let (cortex, y) = conserved(strength);
+            let mut stability = Stability::new(y.m);
+            let (mut fixed, state) = freeze(&cortex, &y);
+            let amount = AmountOf::disturbances(&fixed, &state, &y.gauss());
+            stability.linearise(&mut fixed, &state, 3.0).unwrap();
+            stability.system.factor_blocks(&[]).unwrap();
+            stability.right_hand_side = stability.system.zero_residual();
+            let before: Vec<f64> = (0..stability.disturbances.weights.len()).map(|k| (k as f64).sin()).collect();
+            let mut after = before.clone();
+            stability.disturbances.load(&before, &mut stability.right_hand_side);
+            stability.system.solve(&stability.right_hand_side, &mut stability.update);
+            stability.disturbances.read(&stability.update, &mut after);
+            let [before, after] = [before, after].map(|of| amount.excess(of.as_chunks::<2>().0.iter().copied()));
+            assert!(before.abs() > 1e-3 && (after / before - 1.0).abs() < 1e-5, "{strength}: {before} {after}");
+        }
+    }
+
+    /// Rates from the half contour, from the whole one and from the azimuthal equations for m = 0 agree, and 0 is not among them.
+    #[test]
+    fn modes_of_a_conserved_regulator_keep_its_amount() {
+        let (cortex, y) = conserved("activity=0.3");
+        let half = Stability::new(y.m).leading(&cortex, &y).unwrap();
+        let (whole, unfolded) = (Cortex::new(&cortex.cell, Domain::Full, &[]), unfold(&y));
+        let full = Stability::new(y.m).leading(&whole, &unfolded).unwrap();
+        let azimuthal = crate::azimuthal::Azimuthal::new(&cortex, &y, 0).leading().unwrap();
+        for ((h, f), a) in half.values.iter().zip(&full.values).zip(&azimuthal.values).take(2) {
+            assert!(h.re < -1e-2, "{h:?}");
+            assert!((h.re - f.re).abs() < 1e-6 && (h.re - a.re).abs() < 1e-6, "{h:?} {f:?} {a:?}");
+        }
+    }
+
+    /// A cell at rest without turnover of its regulator, found from a shape with turnover.
+    fn conserved(couplings: &str) -> (Cortex, Solution) {
+        let cell = |turnover: f64| {
+            let cue = format!("regulator:none,turnover={turnover},diffusion=1,{couplings}");
+            Cell { xi_s: 15.0, ..Cell::new(1.8) }.with_cue(cue.parse().unwrap())
+        };
+        let StationaryShape { mut solution, .. } = stationary(&cell(10.0), &Numerics::default()).unwrap();
+        let mut cortex = Cortex::new(&cell(0.0), Domain::Half, &[]);
+        let wanted = amount::of(&solution);
+        amount::solve_at_rest(&Newton::default(), &mut cortex, &mut solution, wanted).unwrap();
+        assert!((amount::of(&solution) / wanted - 1.0).abs() < 1e-11 && !cortex.amount_is_given);
+        (cortex, solution)
     }
 
     /// The two parities of the half domain are the modes of the full domain.

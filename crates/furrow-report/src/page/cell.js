@@ -33,21 +33,23 @@ class CellPanel {
       this.onSize();
     }
     element("cell-name").textContent = cell.name;
-    const founders = this.head.lineage.founders;
+    const { founders } = head.lineage;
+    const units = unitsOf(head.lineage);
     const rows = [
       ...(node.isFounder ? [] : [["founder", founders[node.founder].name]]),
       ["generation", String(cell.generation)],
-      ["R0", lengthText(cell.r0)],
+      ["R0", lengthText(cell.r0, units)],
       ["volume", `${(100 * cell.volume_fraction).toFixed(3)} % of ${this.head.cells[0].name}`],
-      ["cue", cueText(cell.cue)],
+      ["cue", rounded(cueText(cell.cue))],
       ...Object.entries(cell.physics ?? {}).map(([name, value]) => [name, number(value, 6)]),
       ["division", cell.outcome ?? "not solved"],
     ];
     if (cell.chi != null) rows.push(["χ", number(cell.chi, 6)]);
     if (cell.u_furrow != null) rows.push(["furrow at u", number(cell.u_furrow, 4)]);
-    if (cell.t_end != null) rows.push([cell.chi == null ? "at rest after" : "pinch-off after", timeText(cell.t_end)]);
-    if (cell.birth_min !== undefined) rows.push(["born at", `${cell.birth_min.toFixed(1)} min`]);
-    if (cell.division_min !== undefined) rows.push(["divides at", `${cell.division_min.toFixed(1)} min, ${(cell.division_min - cell.birth_min).toFixed(1)} min old`]);
+    if (cell.t_end != null) rows.push([cell.chi == null ? "at rest after" : "pinch-off after", timeText(cell.t_end, units)]);
+    if (cell.birth_min !== undefined) rows.push(["born at", `${number(cell.birth_min, 1)} min`]);
+    if (cell.division_min !== undefined) rows.push(["divides at", `${number(cell.division_min, 1)} min, ${number(cell.division_min - cell.birth_min, 1)} min old`]);
+    if (cell.lifetime_extrapolated) rows.push(["", "extrapolated: the clock was fitted to cells of other sizes"]);
     rows.push(...phiRows(cell));
     if (spread) rows.push(...spreadRows(spread));
     const ended = endText(cell.ended);
@@ -102,6 +104,14 @@ class CellPanel {
     const state = element("film-state");
     state.textContent = `Computed here in ${took.toFixed(0)} ms: ${answer.outcome}${answer.chi == null ? "" : `, χ = ${number(answer.chi, 6)}`}. ${this.player.recording.colours()}`;
     Object.assign(state.dataset, { cell: cell.name, outcome: answer.outcome, chi: answer.chi ?? "", took, frames: answer.frames.length });
+  }
+
+  /** Scrolls to the panel where it is below the lineage, as on a telephone, or below the screen. */
+  comeIntoView() {
+    const { top } = element("cell-panel").getBoundingClientRect();
+    if (top < Math.min(element("lineage").getBoundingClientRect().bottom, window.innerHeight)) return;
+    const behavior = matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth";
+    element("cell-panel").scrollIntoView({ behavior, block: "start" });
   }
 
   close() {

@@ -3,7 +3,16 @@
 const page = JSON.parse(element("furrow-data").textContent);
 /** The trees of the page, {name, made, colours, tree}: of a report one, of scenarios several, of the explorer none. */
 const scenarios = page.scenarios.map((scenario, k) => ({ ...scenario, tree: k === 0 ? page.tree : page.others[k - 1] }));
-const units = page.head.lineage.units ?? {};
+
+/** Units of a lineage: L_h in µm and τ in minutes, where it gives them. */
+const unitsOf = (lineage) => lineage.units ?? {};
+
+/** The least of 1, 2, 5, 10, 20, … that is no less than a number. */
+function roundStep(least) {
+  const decade = 10 ** Math.floor(Math.log10(least));
+  const step = [1, 2, 5, 10].find((digit) => digit * decade >= least * (1 - 1e-9)) * decade;
+  return Number(step.toPrecision(1));
+}
 
 /** The cells of a tree.json as nodes that know mother, daughters, and their place. */
 function nodesOf(tree) {
@@ -33,10 +42,14 @@ class Tree {
       const node = this.nodes[k];
       node.below = node.daughters.reduce((sum, daughter) => sum + 1 + daughter.below, 0);
       node.foundersBelow = node.daughters.some((daughter) => daughter.isFounder || daughter.foundersBelow);
-      node.lastDivision = node.daughters.reduce((last, daughter) => Math.max(last, daughter.lastDivision ?? last), node.cell.division_min ?? -Infinity);
-      if (node.lastDivision === -Infinity) node.lastDivision = null;
+      /** The cell that divides last of all below it and itself. */
+      node.last = node.daughters.reduce((last, daughter) => (last && last.division_min >= (daughter.last?.division_min ?? -Infinity) ? last : daughter.last), node.cell.division_min === undefined ? null : node.cell);
       node.folded = false;
     }
+    /** Cells by generation, those that are folded away included. */
+    this.counts = [];
+    for (const { cell } of this.nodes) this.counts[cell.generation] = (this.counts[cell.generation] ?? 0) + 1;
+    this.extrapolates = this.nodes.some(({ cell }) => cell.lifetime_extrapolated);
     /** Whether the cells have minutes: births and divisions in their order. */
     this.timed = this.root.cell.birth_min !== undefined;
     const sorted = (name) => this.nodes.map(({ cell }) => cell[name]).filter((min) => min !== undefined).sort((a, b) => a - b);
@@ -61,8 +74,7 @@ class Tree {
   minuteMarks(row) {
     const first = this.root.cell.birth_min;
     const perMinute = (this.depth * row) / Math.max(1e-9, this.latest - first);
-    const steps = [1, 10, 100, 1000, 10000].flatMap((power) => [power, 2 * power, 5 * power]);
-    const step = steps.find((step) => step * perMinute >= 30) ?? Infinity;
+    const step = Math.max(1, roundStep(30 / perMinute));
     const marks = [];
     for (let k = Math.ceil(first / step); k * step <= this.latest; k++) marks.push(k * step);
     return marks.map((min) => ({ level: this.levelAt(min), name: String(min).replace("-", "\u2212"), cells: this.alive(min) }));
@@ -136,36 +148,27 @@ function poles(lineage) {
   return first === "a" && second === "p" ? ["anterior", "posterior"] : [`daughter ${first}`, `daughter ${second}`];
 }
 
-/** Why branches end, in words, with how many do. */
-function endsText(cells) {
-  const words = { at_rest: "at rest undivided", below_pitchfork: "below the pitchfork boundary", below_cued_fold: "below the cued fold" };
-  const counts = new Map();
-  for (const { ended } of cells) if (ended) counts.set(ended.reason, (counts.get(ended.reason) ?? 0) + 1);
-  return [...counts].sort().map(([reason, count]) => `${count} ${words[reason] ?? reason.replace("max_", "stopped by max_")}`).join(", ");
-}
-
-/** A tree in a sentence: cells, what they were grown from, and why branches end. */
-function treeText({ cells, cell }) {
-  return `${cells.length} cells from one of R0 = ${Number(cells[0].r0.toFixed(6))} at ε = ${cell.epsilon}, ξₛ = ${cell.xi_s}. Branches end: ${endsText(cells)}.`;
-}
-
-const number = (value, digits = 4) => (value === null || value === undefined ? "–" : value.toFixed(digits));
+const number = (value, digits = 4) => (value === null || value === undefined ? "–" : value.toFixed(digits).replace("-", "\u2212"));
 
 /** A length in Lₕ, with µm behind it where the lineage file says how long Lₕ is. */
-function lengthText(value) {
-  const natural = number(value);
-  return units.length_um ? `${natural} Lₕ (${(value * units.length_um).toFixed(2)} µm)` : `${natural} Lₕ`;
+function lengthText(value, { length_um }, digits = 4) {
+  const natural = number(value, digits);
+  return length_um ? `${natural} Lₕ (${(value * length_um).toFixed(2)} µm)` : `${natural} Lₕ`;
 }
 
-function timeText(value) {
+function timeText(value, { time_min }) {
   const natural = value >= 100 ? value.toFixed(1) : value.toFixed(3);
-  return units.time_min ? `${natural} τ (${(value * units.time_min).toFixed(2)} min)` : `${natural} τ`;
+  return time_min ? `${natural} τ (${(value * time_min).toFixed(2)} min)` : `${natural} τ`;
 }
+
+/** A text in which numbers with many digits are rounded to six of them. */
+const rounded = (text) => text.replace(/\d+\.\d+/g, (digits) => (digits.length > 8 ? String(Number(Number(digits).toPrecision(6))) : digits));
 
 /** When a cell is born and divides, where its lineage has a clock. */
-function lifeText({ birth_min, division_min }) {
+function lifeText({ birth_min, division_min, lifetime_extrapolated }) {
   if (birth_min === undefined) return "";
-  return `; born at ${birth_min.toFixed(1)} min${division_min === undefined ? "" : `, divides at ${division_min.toFixed(1)} min`}`;
+  const divides = division_min === undefined ? "" : `, divides at ${number(division_min, 1)} min`;
+  return `; born at ${number(birth_min, 1)} min${divides}${lifetime_extrapolated ? " (extrapolated)" : ""}`;
 }
 
 /** The regulator φ of a division, or of a cell in a tree, as rows of a table. */

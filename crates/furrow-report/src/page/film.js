@@ -9,6 +9,7 @@ class Recording {
   constructor({ answer, numbers }, lineage, mirrored = false) {
     this.answer = answer;
     this.poles = poles(lineage);
+    this.units = unitsOf(lineage);
     this.sign = mirrored ? -1 : 1;
     const { points, arrows, frames } = answer;
     const ends = [3 * points, 3 * points + 4 * arrows, 3 * points + 4 * arrows + (answer.regulated ? points : 0)];
@@ -191,7 +192,7 @@ function drawCell(canvas, recording, frame, { forces = true, size = null } = {})
   paint.lineJoin = "round";
   paint.stroke(outline);
   if (forces) drawForces(paint, recording, frame.arrows, px, py, ink);
-  drawScale(paint, scale, width, height, ink);
+  drawScale(paint, scale, recording.units, width, height, ink);
   drawPoles(paint, recording.poles, width, ink);
   const [left, right] = recording.poles;
   canvas.setAttribute("aria-label", `The cell's contour in its shell: ${left} on the left, ${right} on the right`);
@@ -261,21 +262,26 @@ function drawForces(paint, recording, arrows, px, py, ink) {
   }
 }
 
-function drawScale(paint, scale, width, height, ink) {
+/** Least length of a scale bar, in CSS pixels. */
+const BAR = 36;
+
+/** A bar of 1, 2 or 5 times a power of ten, in µm or in Lₕ; `scale` is the pixels of one Lₕ. */
+function drawScale(paint, scale, { length_um }, width, height, ink) {
+  const pixels = scale / (length_um ?? 1);
+  const length = roundStep(BAR / pixels);
   paint.strokeStyle = paint.fillStyle = ink.faint;
   paint.lineWidth = 1.5;
   paint.beginPath();
   paint.moveTo(12, height - 10);
-  paint.lineTo(12 + scale, height - 10);
+  paint.lineTo(12 + length * pixels, height - 10);
   paint.stroke();
   paint.font = "11px system-ui, sans-serif";
   paint.textAlign = "left";
   paint.textBaseline = "alphabetic";
-  if (units.length_um) {
-    paint.fillText(`${units.length_um} µm`, 12, height - 15);
-  } else {
-    paint.fillText("1 L", 12, height - 15);
-    const wide = paint.measureText("1 L").width;
+  const words = `${length} ${length_um ? "µm" : "L"}`;
+  paint.fillText(words, 12, height - 15);
+  if (!length_um) {
+    const wide = paint.measureText(words).width;
     paint.font = "8px system-ui, sans-serif";
     paint.fillText("h", 12 + wide, height - 13);
     paint.font = "11px system-ui, sans-serif";
@@ -360,8 +366,8 @@ class Player {
     }
     const frame = this.recording.at(this.place);
     this.drawInto(this.canvas);
-    const neck = frame.neck === null ? "no waist yet" : `neck ${number(frame.neck, 3)} Lₕ`;
-    this.label.textContent = `t = ${timeText(frame.t)}, ${neck}`;
+    const neck = frame.neck === null ? "no waist yet" : `neck ${lengthText(frame.neck, this.recording.units, 3)}`;
+    this.label.textContent = `t = ${timeText(frame.t, this.recording.units)}, ${neck}`;
     this.slider.setAttribute("aria-valuetext", this.label.textContent);
   }
 }

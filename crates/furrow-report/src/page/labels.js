@@ -39,8 +39,8 @@ class Labels {
     paint.textAlign = "right";
     paint.font = "10px system-ui, sans-serif";
     for (const node of discs) {
-      if (!node.isFounder || node.foundersBelow || node.lastDivision === null || node.folded) continue;
-      const [from, to, y] = [view.px(node.from) - 5, view.px(node.to) + 5, view.py(view.tree.levelAt(node.lastDivision))];
+      if (!node.isFounder || node.foundersBelow || node.last === null || node.folded) continue;
+      const [from, to, y] = [view.px(node.from) - 5, view.px(node.to) + 5, view.py(view.tree.levelAt(node.last.division_min))];
       paint.strokeStyle = paint.fillStyle = shade(view.colours[node.founder], this.ink);
       paint.lineWidth = 1.2;
       paint.setLineDash([5, 4]);
@@ -49,7 +49,7 @@ class Labels {
       paint.lineTo(to, y);
       paint.stroke();
       paint.setLineDash([]);
-      const words = `${node.cell.name}: last ${node.lastDivision.toFixed(0)} min`;
+      const words = `${node.cell.name}: last ${node.last.division_min.toFixed(0)} min${node.last.lifetime_extrapolated ? "*" : ""}`;
       const wide = paint.measureText(words).width;
       // Nothing of the founder is below.
       if (!this.take([to - wide, y + 9, wide, 11])) continue;

@@ -146,17 +146,27 @@ class LineageView {
     this.put(node.x, this.level(node), x, y);
   }
 
-  /** Radius of a node's disc: as wide as the cell, where there is room for it. */
+  /** Radius of a node's disc when it was last drawn. */
   radius(node) {
-    const room = Math.max(this.gap * (node.to - node.from + 1), 0);
-    const full = (this.largest * Math.pow(this.zoom, 0.2) * node.cell.r0) / this.tree.largest;
-    return Math.max(0.6, Math.min(full, 0.46 * room, 0.42 * this.row, this.roomBelow(node)));
+    return node.radius ?? 0;
   }
 
-  /** Largest radius with which a disc does not meet its daughters': in minutes a short life leaves little room. */
-  roomBelow({ cell }) {
-    if (!this.minutes || cell.division_min === undefined) return Infinity;
-    return 0.48 * (this.py(this.tree.levelAt(cell.division_min)) - this.py(this.tree.levelAt(cell.birth_min)));
+  /** Sizes a disc: as wide as the cell, as far as there is room for it and in the scale of its mother's, which is never smaller. */
+  size(node) {
+    const row = this.tree.generations[node.cell.generation];
+    const beside = [row[node.place - 1], row[node.place + 1]].filter((other) => other).map((other) => Math.abs(other.x - node.x));
+    const room = this.gap * Math.min(...beside);
+    const full = (this.largest * Math.pow(this.zoom, 0.2) * node.cell.r0) / this.tree.largest;
+    const fits = Math.min(0.46 * room, 0.42 * this.row, this.roomBelow(node)) / full;
+    node.scale = Math.min(node.mother?.scale ?? 1, Math.max(0, fits));
+    node.radius = Math.max(0.6, node.scale * full);
+  }
+
+  /** Largest radius with which a disc does not meet its daughters'. */
+  roomBelow(node) {
+    if (node.folded) return Infinity;
+    const away = (daughter) => Math.hypot(this.px(daughter.x) - this.px(node.x), this.py(this.level(daughter)) - this.py(this.level(node)));
+    return 0.48 * Math.min(...node.daughters.map(away));
   }
 
   draw() {
@@ -191,12 +201,14 @@ class LineageView {
     const discs = [];
     this.collect(this.tree.root, lines, discs);
     for (const [key, path] of lines) {
-      const [founder, width] = key.split(" ");
+      const [founder, width, dashes] = key.split(" ");
       paint.strokeStyle = shade(this.colours[founder], ink);
       paint.globalAlpha = 0.55;
       paint.lineWidth = Number(width);
+      paint.setLineDash(dashes ? [4, 3] : []);
       paint.stroke(path);
     }
+    paint.setLineDash([]);
     paint.globalAlpha = 1;
     for (const node of discs) this.drawDisc(node, ink);
     if (!this.small) this.drawNumbers(ink);
@@ -223,7 +235,7 @@ class LineageView {
   /** The rows with a line: generations with their numbers of cells, or round minutes with the cells alive then. */
   marks() {
     if (this.minutes) return this.tree.minuteMarks(this.row);
-    return Array.from({ length: this.tree.depth + 1 }, (_, g) => ({ level: g, name: String(g), cells: this.tree.generations[g]?.length ?? 0 }));
+    return Array.from({ length: this.tree.depth + 1 }, (_, g) => ({ level: g, name: String(g), cells: this.tree.counts[g] }));
   }
 
   /** Rows and their numbers of cells, in gutters over whatever has been moved there. */
@@ -255,8 +267,8 @@ class LineageView {
   collect(root, lines, discs) {
     const stack = [root];
     const row = this.row;
-    const line = (founder, width) => {
-      const key = `${founder} ${width}`;
+    const line = (founder, width, dashes = "") => {
+      const key = `${founder} ${width} ${dashes}`;
       if (!lines.has(key)) lines.set(key, new Path2D());
       return lines.get(key);
     };
@@ -273,11 +285,13 @@ class LineageView {
         continue;
       }
       discs.push(node);
+      this.size(node);
       if (node.folded) continue;
       for (const daughter of node.daughters) {
         const [to, down] = [this.px(daughter.x), this.minutes ? this.py(this.level(daughter)) : y + row];
+        this.size(daughter);
         const width = Math.max(0.5, Math.round(0.52 * this.radius(daughter)) / 2);
-        const path = line(daughter.founder, width);
+        const path = line(daughter.founder, width, this.minutes && node.cell.lifetime_extrapolated ? "dashes" : "");
         path.moveTo(x, y);
         if (this.minutes) {
           // A cell's life runs straight down, its division across.

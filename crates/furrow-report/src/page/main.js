@@ -18,7 +18,10 @@ function setUpLineage(panel, { spreadOf, onSelect }) {
       panel.open({ playing: false });
       onSelect(node);
     },
-    onOpen: () => panel.open(),
+    onOpen: () => {
+      panel.open();
+      panel.comeIntoView();
+    },
   });
   const middle = () => [lineage.width / 2, lineage.height / 2];
   element("zoom-in").addEventListener("click", () => lineage.zoomAt(1.6, ...middle()));
@@ -39,6 +42,7 @@ function drawBy(minutes) {
   element("time-axis").hidden = !lineage.tree.timed;
   element("by-generation").setAttribute("aria-pressed", String(!lineage.minutes));
   element("by-minute").setAttribute("aria-pressed", String(lineage.minutes));
+  element("extrapolated").hidden = !(lineage.minutes && lineage.tree.extrapolates);
   lineage.fit();
 }
 
@@ -99,7 +103,8 @@ class Shown {
     this.grown = null;
     this.overview = null;
     this.regrow = null;
-    this.header = element("summary")?.innerHTML;
+    /** What the page says of its own tree. */
+    this.written = { summary: element("summary")?.innerHTML, below: element("of-tree").innerHTML };
   }
 
   /** The tree in view, and a name for its files. */
@@ -124,17 +129,21 @@ class Shown {
     }
     const node = lineage.tree.byName.get(name) ?? lineage.tree.root;
     lineage.select(node);
-    if (name) this.panel.open();
+    if (name) {
+      this.panel.open();
+      this.panel.comeIntoView();
+    }
   }
 
-  /** A tree that was grown in the page from one of its own. */
-  grew(tree, title) {
+  /** A tree that was grown in the page from one of its own, and what there is to say of it. */
+  grew(tree, title, told) {
     this.grown = tree;
-    this.put(tree, scenarios[this.place]?.colours ?? page.colours, title);
+    this.put(tree, scenarios[this.place]?.colours ?? page.colours, title, told);
+    element("summary")?.querySelector("p").prepend("Grown here: ");
     lineage.select(lineage.tree.root);
   }
 
-  put(tree, colours, title) {
+  put(tree, colours, title, { summary, below } = this.written) {
     element("lineage-part").hidden = false;
     element("lineage-title").textContent = title;
     lineage.measure();
@@ -142,10 +151,9 @@ class Shown {
     drawBy(lineage.minutes);
     element("search").value = "";
     element("search").dispatchEvent(new Event("input"));
-    const summary = element("summary");
-    if (summary && this.grown) summary.textContent = `Grown here: ${treeText(tree)}`;
-    else if (summary) summary.innerHTML = this.header;
-    for (const note of document.querySelectorAll(".of-report")) note.hidden = !this.grown;
+    if (element("summary")) element("summary").innerHTML = summary;
+    element("of-tree").innerHTML = below;
+    watchTables(element("of-tree"));
     this.overview?.mark(this.grown ? -1 : this.place);
   }
 }
@@ -178,7 +186,7 @@ function main() {
   else {
     // A solver that is given up takes all of its work with it: films, sliders and edges have one each.
     whatIf = new WhatIf(new Solver(), new Solver());
-    shown.regrow = new Regrow(whatIf, { onTree: (tree, title) => shown.grew(tree, title), onBack: () => shown.go(shown.place) });
+    shown.regrow = new Regrow(whatIf, { onTree: (...grown) => shown.grew(...grown), onBack: () => shown.go(shown.place) });
     const first = page.tree?.cells[0];
     whatIf.begin({ ...page.head.cell, r0: first?.r0 ?? page.head.cell.r0, cue: first?.cue ?? "none", name: first?.name });
     solverModule().catch((error) => tellWithout(String(error)));
@@ -192,7 +200,7 @@ function main() {
     whatIf?.draw();
     whatIf?.diagram.draw();
   });
-  watchTables();
+  watchTables(document);
   addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !element("cell-panel").hidden) panel.close();
   });
@@ -207,8 +215,8 @@ function tellWithout(why) {
 }
 
 /** A table that is cut at the edge of the screen says so. */
-function watchTables() {
-  for (const frame of document.querySelectorAll(".wrap")) {
+function watchTables(within) {
+  for (const frame of within.querySelectorAll(".wrap")) {
     const table = frame.querySelector("table");
     const told = () => frame.classList.toggle("cut", frame.scrollWidth > frame.clientWidth + 1);
     const watch = new ResizeObserver(told);

@@ -8,15 +8,19 @@ class PhaseDiagram {
   constructor(canvas, onPoint) {
     this.canvas = canvas;
     this.edge = null;
-    this.printed = page.edge;
+    this.printed = page.edge && { epsilon: page.edge.epsilon, pieces: [page.edge.points] };
     this.point = null;
-    this.trace = [];
+    /** Lₕ in µm, where the axis of radii is in µm. */
+    this.lengthUnit = null;
     new ResizeObserver(() => this.draw()).observe(canvas);
     const pick = (event) => {
       const [x, y] = [event.offsetX, event.offsetY];
       const at = ([low, high], share) => low + Math.min(1, Math.max(0, share)) * (high - low);
       const { width, height } = this.inner();
-      onPoint(at(AXES.r0, (x - PAD.left) / width), at(AXES.xi, 1 - (y - PAD.top) / height));
+      // As fine as the sliders.
+      const unit = this.lengthUnit ?? 1;
+      const rounded = (value, decimals) => Number(value.toFixed(decimals));
+      onPoint(rounded(unit * at(AXES.r0, (x - PAD.left) / width), 2) / unit, rounded(at(AXES.xi, 1 - (y - PAD.top) / height), 1));
     };
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
@@ -47,24 +51,26 @@ class PhaseDiagram {
     paint.rect(PAD.left, PAD.top, width, height);
     paint.clip();
     const edge = this.edge ?? this.printed;
-    if (edge) this.drawRest(paint, edge.points, px, py, ink);
+    edge?.pieces.forEach((points, k) => this.drawRest(paint, points, edge.pieces[k + 1]?.[0][0], px, py, ink));
     // For comparison, the edge at the ε that the page begins with.
     const other = this.printed && this.edge && this.edge.epsilon !== this.printed.epsilon ? this.printed : null;
-    if (other) this.drawEdge(paint, other.points, px, py, ink.faint, 1, [4, 3]);
-    if (edge) this.drawEdge(paint, edge.points, px, py, ink.text, 2, []);
+    other?.pieces.forEach((points) => this.drawEdge(paint, points, px, py, ink.faint, 1, [4, 3]));
+    edge?.pieces.forEach((points) => this.drawEdge(paint, points, px, py, ink.text, 2, []));
     this.drawPoint(paint, px, py, ink);
     paint.restore();
     this.drawAxes(paint, px, py, ink);
     if (edge) this.drawLabels(paint, edge, other, px, py, ink);
   }
 
-  /** Where the symmetric, weakly furrowed shape is stable. */
-  drawRest(paint, points, px, py, ink) {
+  /** Where the symmetric, weakly furrowed shape is stable: below a piece of the edge, up to the next piece. */
+  drawRest(paint, points, next, px, py, ink) {
     paint.fillStyle = ink.stays;
     paint.beginPath();
     paint.moveTo(px(points[0][0]), py(0));
     for (const [r0, xi] of points) paint.lineTo(px(r0), py(xi));
-    paint.lineTo(px(points[points.length - 1][0]), py(0));
+    const [end, top] = points[points.length - 1];
+    paint.lineTo(px(next ?? end), py(top));
+    paint.lineTo(px(next ?? end), py(0));
     paint.fill();
   }
 
@@ -117,17 +123,17 @@ class PhaseDiagram {
     paint.font = "11px system-ui, sans-serif";
     paint.textAlign = "center";
     paint.textBaseline = "top";
-    const step = (high, few) => few * Math.ceil(high / (9 * few));
-    for (let r0 = 1; r0 <= AXES.r0[1]; r0 += step(AXES.r0[1], 1)) {
-      paint.fillRect(px(r0), PAD.top + height, 1, 4);
-      paint.fillText(String(r0), px(r0), PAD.top + height + 7);
+    const unit = this.lengthUnit ?? 1;
+    for (const tick of ticks(AXES.r0.map((end) => end * unit))) {
+      paint.fillRect(px(tick / unit), PAD.top + height, 1, 4);
+      paint.fillText(String(tick), px(tick / unit), PAD.top + height + 7);
     }
-    fillSubscripted(paint, ["R", "0", ", in L", "h"], PAD.left + width / 2, PAD.top + height + 23);
+    fillSubscripted(paint, this.lengthUnit ? ["R", "0", ", in µm"] : ["R", "0", ", in L", "h"], PAD.left + width / 2, PAD.top + height + 23);
     paint.textAlign = "right";
     paint.textBaseline = "middle";
-    for (let xi = 0; xi <= AXES.xi[1]; xi += step(AXES.xi[1], 10)) {
-      paint.fillRect(PAD.left - 4, py(xi), 4, 1);
-      paint.fillText(String(xi), PAD.left - 7, py(xi));
+    for (const tick of ticks(AXES.xi)) {
+      paint.fillRect(PAD.left - 4, py(tick), 4, 1);
+      paint.fillText(String(tick), PAD.left - 7, py(tick));
     }
     paint.save();
     paint.translate(12, PAD.top + height / 2);
@@ -145,11 +151,12 @@ class PhaseDiagram {
     paint.fillText("the furrow grows", px(AXES.r0[1]) - 10, PAD.top + 18);
     paint.textAlign = "left";
     paint.fillText("at rest", px(AXES.r0[0]) + 10, PAD.top + this.inner().height - 14);
-    const here = this.threshold(edge.points);
+    const here = edge.pieces.map((points) => this.threshold(points)).find((xi) => xi !== null) ?? null;
     const at = here === null ? "" : ` At this R0 it lies at ξₛ = ${here.toFixed(1)}.`;
     const epsilon = ({ epsilon }) => Number(epsilon.toFixed(4));
     const thin = other ? ` The thin broken line is the edge at ε = ${epsilon(other)}, for comparison.` : "";
-    element("phase-edge").textContent = `The line is the edge of division: pitchforks of cells without a cue at ε = ${epsilon(edge)}, pale where subcritical.${at}${thin}`;
+    const line = edge.why ? `No edge of division was found at ε = ${epsilon(edge)}: ${edge.why}.` : `The line is the edge of division: pitchforks of cells without a cue at ε = ${epsilon(edge)}, pale where subcritical.`;
+    element("phase-edge").textContent = line + at + thin;
   }
 
   /** The activity at which the edge passes the radius of the point, if it does. */
@@ -161,6 +168,13 @@ class PhaseDiagram {
     }
     return null;
   }
+}
+
+/** Round numbers along an axis. */
+function ticks([low, high]) {
+  const step = roundStep((high - low) / 8);
+  const count = Math.floor(high / step) - Math.ceil(low / step) + 1;
+  return Array.from({ length: count }, (_, k) => Number(((Math.ceil(low / step) + k) * step).toPrecision(6)));
 }
 
 /** Writes texts, every second of which is a subscript, with their middle at (x, y). */

@@ -50,7 +50,7 @@ class Regrow {
         state.textContent = `${solved} divisions solved, ${waiting} known to wait`;
       });
       const seconds = (performance.now() - start) / 1000;
-      this.show(answer, request, seconds);
+      this.show(answer, (await this.solver.ask("told", answer)).answer, request, seconds);
       Object.assign(state.dataset, { state: "done", cells: answer.cells.length, seconds, founders: JSON.stringify(answer.founders) });
     } catch (error) {
       state.textContent = error.message === "stopped" ? "stopped" : `The tree could not be grown: ${error.message}`;
@@ -61,31 +61,30 @@ class Regrow {
     element("regrow-stop").hidden = true;
   }
 
-  show(tree, request, seconds) {
+  show(tree, told, request, seconds) {
     const cell = request.cell;
     const cue = request.cue === undefined ? "the lineage's cues" : request.cue === "none" ? "no cue" : `the cue ${request.cue}`;
     const title = `Grown here in ${seconds.toFixed(1)} s with ${cue}, ε = ${cell.epsilon}, ξₛ = ${cell.xi_s}: ${tree.cells.length} cells`;
     element("regrow-state").textContent = title + (this.original ? `; ${this.name} has ${this.original.cells.length}` : "");
     element("regrow-back").textContent = `Back to ${this.name}`;
     element("regrow-back").hidden = !this.original;
-    this.onTree(tree, title);
+    this.onTree(tree, title, told);
     this.compare(tree);
   }
 
   /** Rounds of the founders as grown here beside those of the report and the observed ones. */
   compare(tree) {
     const before = new Map((this.original?.founders ?? []).map((row) => [row.name, row]));
-    const rounds = (row) => (row?.rounds ? `${row.rounds.min} / ${row.rounds.mean.toFixed(2)} / ${row.rounds.max}` : "–");
+    const rounds = (of) => (of ? [of.min, of.mean?.toFixed(2), of.max].map((count) => count ?? "–").join(" / ") : "–");
     const cells = (row) => row?.rounds?.terminal ?? "–";
     const head = ["founder", "R0", "division", "χ", "grown here", "cells"];
     if (this.original) head.push(this.name, "cells");
     const observed = tree.founders.some((row) => row.observed);
     if (observed) head.push("observed", "cells");
-    const seen = (row) => (row.observed ? `${row.observed.min} / ${row.observed.mean.toFixed(2)} / ${row.observed.max}` : "–");
     const lines = tree.founders.map((row) => {
-      const line = [row.name, number(row.r0, 3), row.outcome ?? "–", number(row.chi, 3), rounds(row), cells(row)];
-      if (this.original) line.push(rounds(before.get(row.name)), cells(before.get(row.name)));
-      if (observed) line.push(seen(row), row.observed?.terminal ?? "–");
+      const line = [row.name, number(row.r0, 3), row.outcome ?? "–", number(row.chi, 3), rounds(row.rounds), cells(row)];
+      if (this.original) line.push(rounds(before.get(row.name)?.rounds), cells(before.get(row.name)));
+      if (observed) line.push(rounds(row.observed), row.observed?.terminal ?? "–");
       return line;
     });
     const table = element("regrow-table");

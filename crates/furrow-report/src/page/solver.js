@@ -58,7 +58,7 @@ class Solver {
     else waiting.resolve(data);
   }
 
-  /** Asks for "divide", "regrow", "newick" or "edge"; the promise gives {answer, numbers, took}. */
+  /** Asks for "divide", "regrow", "newick", "told" or "edge"; the promise gives {answer, numbers, took}. */
   async ask(call, request, progress) {
     const opening = (this.worker ??= this.open());
     const worker = await opening;

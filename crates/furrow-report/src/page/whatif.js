@@ -9,6 +9,8 @@ class WhatIf {
     this.edges = edges;
     this.head = page.head;
     this.physics = {};
+    /** What the sliders are at: lengths in Lₕ. */
+    this.values = {};
     this.diagram = new PhaseDiagram(element("phase"), (r0, xi) => {
       this.set("r0", r0);
       this.set("xi_s", xi);
@@ -37,20 +39,28 @@ class WhatIf {
     return [...element("what-if").querySelectorAll(`[data-quantity="${quantity}"]`)];
   }
 
-  /** Puts a value into a slider and the number beside it. */
+  /** What one of a quantity is in its inputs: R0 is in µm there where the lineage says how long Lₕ is. */
+  unit(quantity) {
+    return (quantity === "r0" && unitsOf(this.head.lineage).length_um) || 1;
+  }
+
+  /** Puts a value into a slider and the number beside it, which knows values between the slider's steps. */
   set(quantity, value) {
-    for (const input of this.inputs(quantity)) input.value = input.type === "range" ? value : Number(value.toFixed(6));
+    const shown = Number((value * this.unit(quantity)).toFixed(4));
+    for (const input of this.inputs(quantity)) input.value = shown;
+    this.values[quantity] = Number(value.toFixed(6));
   }
 
   get(quantity) {
-    // The number, not the slider, which knows no values between its steps.
-    return Number(this.inputs(quantity).find((input) => input.type === "number").value);
+    return this.values[quantity];
   }
 
   moved(input) {
+    const { quantity } = input.dataset;
     const value = Number(input.value);
     if (input.value === "" || !Number.isFinite(value)) return;
-    for (const other of this.inputs(input.dataset.quantity)) if (other !== input) other.value = input.value;
+    for (const other of this.inputs(quantity)) if (other !== input) other.value = input.value;
+    this.values[quantity] = Number((value / this.unit(quantity)).toFixed(6));
     this.changed();
   }
 
@@ -69,11 +79,18 @@ class WhatIf {
   /** Makes room for a cell larger or more active than sliders and diagram reach. */
   widen({ r0, xi_s }) {
     for (const [axis, quantity, value] of [["r0", "r0", r0], ["xi", "xi_s", xi_s]]) {
-      if (value <= 0.9 * AXES[axis][1]) continue;
-      AXES[axis][1] = Number((1.25 * value).toPrecision(2));
-      this.inputs(quantity).find((input) => input.type === "range").max = AXES[axis][1];
-      if (axis === "r0") this.diagram.edge = null;
+      if (value > 0.9 * AXES[axis][1]) {
+        AXES[axis][1] = Number((1.25 * value).toPrecision(2));
+        if (axis === "r0") this.diagram.edge = null;
+      }
+      const [unit, slider] = [this.unit(quantity), this.inputs(quantity).find((input) => input.type === "range")];
+      const [min, max] = AXES[axis].map((end) => end * unit);
+      Object.assign(slider, { min, max, step: roundStep((max - min) / 1000) });
+      for (const input of this.inputs(quantity)) input.dataset.unit = unit;
     }
+    const { length_um } = unitsOf(this.head.lineage);
+    element("r0-unit").replaceChildren(...(length_um ? ["µm"] : ["L", make("sub", "h")]));
+    this.diagram.lengthUnit = length_um ?? null;
   }
 
   /** A cue of one term fills the sliders; one of several, a regulator, or one that follows PAR stands as text. */
@@ -86,7 +103,7 @@ class WhatIf {
     const [slid, numbers] = isSlid ? [field, value] : usual;
     element("cue-field").value = slid;
     element("cue-profile").value = numbers.profile ?? "band";
-    for (const quantity of ["amplitude", "u0", "omega"]) if (quantity in numbers) this.set(quantity, numbers[quantity]);
+    for (const [quantity, value] of Object.entries(usual[1])) this.set(quantity, numbers[quantity] ?? value);
   }
 
   /** The cue as the command line takes it: its text, or else what the sliders say. */
@@ -104,6 +121,11 @@ class WhatIf {
   /** The cell that the sliders say, with its cue as text. */
   cell() {
     return { ...this.head.cell, r0: this.get("r0"), epsilon: this.get("epsilon"), xi_s: this.get("xi_s"), cue: this.cue() };
+  }
+
+  /** A cell whose cue is text, as the solver reads it: with the lineage, which has names for cues. */
+  asText(cell) {
+    return { cell: { ...cell, cue: "none" }, cue: cell.cue, lineage: this.head.lineage };
   }
 
   changed() {
@@ -146,7 +168,7 @@ class WhatIf {
   async divide({ cell, physics, asked }, isLast) {
     const { numerics, seed } = this.head;
     try {
-      const found = await this.solver.ask("divide", { ...asText(cell), physics, numerics, seed, frames: "last" });
+      const found = await this.solver.ask("divide", { ...this.asText(cell), physics, numerics, seed, frames: "last" });
       this.recording = new Recording(found, this.head.lineage);
       this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: found.answer.outcome };
       this.tell(found.answer, cell, physics, performance.now() - asked);
@@ -164,7 +186,7 @@ class WhatIf {
   async tryAnotherSeed(first, { cell, physics }, isLast) {
     const { numerics } = this.head;
     const seed = this.head.seed + 1;
-    const other = await this.solver.ask("divide", { ...asText(cell), physics, numerics, seed, frames: "last" }).then((found) => found.answer, () => null);
+    const other = await this.solver.ask("divide", { ...this.asText(cell), physics, numerics, seed, frames: "last" }).then((found) => found.answer, () => null);
     if (!other || !isLast()) return;
     const apart = other.outcome !== first.outcome || Math.abs(other.chi - first.chi) > 1e-3;
     element("what-if-result").dataset.noise = apart ? "decides" : "does not decide";
@@ -191,13 +213,15 @@ class WhatIf {
     const outcome = element("outcome");
     outcome.textContent = answer.outcome;
     outcome.className = `outcome ${answer.outcome}`;
+    const units = unitsOf(this.head.lineage);
     const rows = [];
     if (answer.chi == null) {
-      rows.push(["at rest after", timeText(answer.t_end)]);
+      rows.push(["at rest after", timeText(answer.t_end, units)]);
       if (answer.growth_rate != null) rows.push(["growth rate", `${number(answer.growth_rate)} /τ`]);
     } else {
-      rows.push(["χ", number(answer.chi, 5)], ["furrow at u", number(answer.u_furrow, 4)], ["pinch-off after", timeText(answer.t_end)]);
-      rows.push(["daughters R0", answer.daughters.map((r0) => number(r0, 3)).join(" (u = 0), ") + " (u = 1)"]);
+      rows.push(["χ", number(answer.chi, 5)], ["furrow at u", number(answer.u_furrow, 4)], ["pinch-off after", timeText(answer.t_end, units)]);
+      const length = (r0) => (units.length_um ? `${number(r0 * units.length_um, 2)} µm` : number(r0, 3));
+      rows.push(["daughters R0", answer.daughters.map(length).join(" (u = 0), ") + " (u = 1)"]);
     }
     rows.push(...phiRows(answer));
     rows.push(["answered in", `${took.toFixed(0)} ms`]);
@@ -207,7 +231,9 @@ class WhatIf {
     });
     const chance = cell.cue === "none" && answer.outcome === "asymmetric" ? ` No cue tells the poles apart: chance decides which side is the larger, and here it is that of seed ${this.head.seed}.` : "";
     element("what-if-shows").textContent = [this.recording.shows() + chance, this.recording.colours()].join(" ");
-    element("command").textContent = this.command(cell, physics);
+    // Other lineages may call another cue so, or none.
+    this.cueGiven = cueText(answer.cue);
+    element("command").textContent = this.command({ ...cell, cue: this.cueGiven }, physics);
     element("what-if-command").hidden = false;
     for (const id of ["what-if-settings", "what-if-picture"]) element(id).disabled = false;
   }
@@ -224,7 +250,7 @@ class WhatIf {
   configuration() {
     const { epsilon, xi_s, ...physics } = this.physics;
     const cell = under(this.cell(), physics);
-    const cue = cell.cue === "none" ? "" : ` --cue ${quoted(cell.cue)}`;
+    const cue = cell.cue === "none" ? "" : ` --cue ${quoted(this.cueGiven)}`;
     return configuration(cell, this.head.numerics, ["A cell of the interactive page of furrow. Its division:", `  furrow divide --config furrow.ron --r0 ${cell.r0}${cue} --seed ${this.head.seed}`]);
   }
 
@@ -237,23 +263,22 @@ class WhatIf {
     else canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
   }
 
-  /** The edge at this ε, computed beside. */
+  /** The edge at this ε, computed beside. Until it is there the diagram says of which ε its line is. */
   async followEdge(epsilon) {
     if (this.diagram.edge?.epsilon === epsilon || !(epsilon > 0 && epsilon < 1)) return;
     const { cell, numerics } = this.head;
     try {
       const { answer } = await this.edges.ask("edge", { cell: { ...cell, epsilon }, numerics, range: AXES.r0 });
-      this.diagram.edge = { epsilon, points: answer.points.map(({ r0, xi_s, coefficient }) => [r0, xi_s, coefficient]) };
-    } catch {
-      // Without an edge at this ε the diagram keeps the one it was written with.
-      this.diagram.edge = null;
+      this.diagram.edge = { epsilon, pieces: answer.pieces };
+      // Beyond the top of the diagram nothing of it could be seen.
+      this.widen({ r0: 0, xi_s: Math.min(...answer.pieces.flat().map(([, xi]) => xi)) });
+    } catch (error) {
+      if (error.message === "stopped") return;
+      this.diagram.edge = { epsilon, pieces: [], why: error.message };
     }
     this.diagram.draw();
   }
 }
-
-/** A cell whose cue is text, as the solver reads it. */
-const asText = (cell) => ({ cell: { ...cell, cue: "none" }, cue: cell.cue });
 
 /** The cell with what its founder changes. */
 function under(cell, physics) {

@@ -37,6 +37,20 @@ fn a_growth_rate_above_zero_divides_and_one_below_rests() {
     }
 }
 
+/// With a tenth of the noise a cell waits at its saddle for longer by the time in which the growing mode grows tenfold.
+#[test]
+fn a_wait_at_a_saddle_is_as_long_as_growth_takes() {
+    let cell = Cell::gao2026_thresholds(1.64);
+    let threshold = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s;
+    let cell = Cell { xi_s: threshold * (1.0 + 1e-6), ..cell };
+    let [loud, quiet] = [1e-2, 1e-3].map(|noise| {
+        let numerics = Numerics { noise, ..Numerics::default() };
+        divide(&DivisionInput { numerics, ..DivisionInput::new(cell.clone()) }).unwrap()
+    });
+    let growth = loud.slow_growth_rate.unwrap() * (quiet.t_end - loud.t_end);
+    near("growth by the tenfold", growth, 10f64.ln(), 0.02);
+}
+
 /// The contour of a cell that oscillates, by its lengths at the steps of its division. Its swing is 4·10⁻³. The same lengths with a swing of
 /// 2·10⁻⁴ are a cycle still, and with 5·10⁻⁵, which is what a shape at rest may tremble by, no more: the least is 10⁻⁴.
 #[test]

@@ -13,7 +13,10 @@ use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{BoundaryValueProblem, Gauss, Newton, Solution, System};
 use furrow_cell::{Cell, Numerics, Shell};
 use furrow_mechanics::azimuthal::Azimuthal;
+use furrow_mechanics::azimuthal::equations::W;
+use furrow_mechanics::azimuthal::mode::{Mode, Rigid};
 use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, V, Z};
+use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::stepper::Stepper;
 use furrow_mechanics::stability::{Parity, Stability};
@@ -229,6 +232,29 @@ fn rigid_motions_of_a_free_cell_neither_grow_nor_decay() {
             within(&format!("rigid motion, m = {m}"), *rate, 1e-8);
         }
         assert!(rates[motions] > 1e-3, "{rates:?}");
+    }
+}
+
+/// Points of a cell that is shifted across its axis, or turned about a line across it, move as shift and turn say.
+#[test]
+fn shifts_and_turns_of_the_whole_cell_are_rigid_motions() {
+    let (half, _) = furrow_mechanics::equilibria::passive(&Cell::new(2.0), &Numerics::default()).unwrap();
+    let shape = unfold(&half);
+    let angle = 1e-6f64;
+    let shifted = |[x, z]: [f64; 2]| [x + angle, z];
+    let turned = |[x, z]: [f64; 2]| [x * angle.cos() + z * angle.sin(), z * angle.cos() - x * angle.sin()];
+    for (turns, expected) in [(false, [1.0, 0.0]), (true, [0.0, 1.0])] {
+        let motion = |at| if turns { turned(at) } else { shifted(at) };
+        let n = furrow_mechanics::azimuthal::equations::COMPONENTS;
+        let mut disturbance = shape.resampled(n, &[0.0; 2], |_, _| {});
+        for (y, x) in shape.stages.chunks_exact(COMPONENTS).zip(disturbance.stages.chunks_exact_mut(n)) {
+            let [r, z] = motion([y[R], y[Z]]);
+            x[W] = ((r - y[R]) * y[PSI].sin() + (z - y[Z]) * y[PSI].cos()) / angle;
+        }
+        let mode = Mode { m: 1, rate: 0.0, disturbance, shape: shape.clone() };
+        let Rigid { translation, rotation } = mode.rigid().unwrap();
+        near("share of a shift", translation, expected[0], 1e-5);
+        near("share of a turn", rotation, expected[1], 1e-5);
     }
 }
 

@@ -5,6 +5,7 @@ mod derivatives;
 mod growth_rates;
 mod manufactured;
 mod peer;
+mod random_cells;
 mod regulator;
 mod strong_regulators;
 mod time;

@@ -129,6 +129,36 @@ fn without_turnover_the_amount_of_a_regulator_stays() {
     }
 }
 
+/// k = 0: a cell rests with the amount that it has. A change of the amount neither grows nor decays; if it counted as a mode, the sign
+/// of its rounding error would decide whether the cell rests.
+#[test]
+fn without_turnover_a_cell_comes_to_rest_at_a_rate_that_no_mesh_changes() {
+    let none = "regulator:none,turnover=0";
+    let made = "regulator:band,u0=0.156,omega=0.097,amplitude=-0.36,turnover=0";
+    for (r0, epsilon, xi_s, cue) in [
+        (1.285, 0.87, 25.0, format!("{none},diffusion=5.958,kappa=-0.055")),
+        (1.0753, 0.771, 4.5035, format!("{none},diffusion=7.963,xi_b=-0.3657")),
+        (0.6049, 0.5836, 13.7114, format!("{made},diffusion=1.5638,friction=-0.3")),
+        (1.5, 0.87, 25.0, format!("{none},diffusion=0.3,activity=0.2")),
+    ] {
+        let cell = Cell { epsilon, xi_s, ..cued(r0, &cue) };
+        let found = [48, 96].map(|intervals| solve(cell.clone(), Numerics { intervals, ..Numerics::default() }));
+        let rates =
+            found.each_ref().map(|division| division.growth_rate().unwrap_or_else(|| panic!("{cue}: {division:?}")));
+        println!("{cue}: {rates:?} after {:.1} τ, {} steps", found[0].t_end, found[0].work.steps);
+        assert!(rates[0] < -1e-3 && found[0].t_end < 1e3, "{cue}: {rates:?}");
+        near(&cue, rates[1] / rates[0], 1.0, 1e-2);
+    }
+}
+
+/// A label of the material that nothing makes is the same everywhere for ever, and does nothing.
+#[test]
+fn a_label_that_nothing_makes_does_nothing() {
+    let cell = cued(2.5, "regulator:gradient,amplitude=0.5,turnover=0,diffusion=1,diluted=false,activity=0.3");
+    let found = solve(cell, Numerics::default());
+    assert_eq!(found, solve(Cell::gao2026_thresholds(2.5), Numerics::default()));
+}
+
 /// A sphere without activity in a loose shell, where nothing flows.
 fn sphere(cue: &str) -> Cell {
     let mut cell = Cell { xi_s: 0.0, epsilon: 0.7, ..cued(2.0, cue) };

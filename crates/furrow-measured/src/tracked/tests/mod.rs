@@ -12,6 +12,7 @@ use flate2::{Compression, Crc, write::DeflateEncoder};
 use tempfile::TempDir;
 
 use super::*;
+use crate::names::Names;
 
 /// Nuclei of P0 in frames 1 and 2, AB and P1 from 3 on, AB's daughters from 5 on; P1 is last seen in 6.
 const NUCLEI: [&str; 6] = [
@@ -260,7 +261,8 @@ fn wrong_archives_and_cd_tables_are_refused() {
     assert!(refused(&folder.path().join("not_there.zip")).contains("cannot be read"));
     let header = "cellTime,cell,time,none,size\n";
     for (table, message) in [
-        ("cellTime,cell,time\n".to_owned(), "CD.csv:1:1: no column is called size; a CD table has cell, time and size"),
+        ("cellTime,cell,time\n".to_owned(), "CD.csv: is not CD table with a cell that can be used: it has no spots"),
+        ("cellTime,size\nAB,9\n".to_owned(), "line 2, cellTime: \"AB\": must be a cell and a frame, as AB:3"),
         (header.to_owned(), "CD.csv: is not CD table with a cell that can be used: it has no spots"),
         (
             format!("{header}AB:1,AB,1,0,9\nAB:1,AB,1,0,9\n"),
@@ -279,27 +281,187 @@ fn wrong_archives_and_cd_tables_are_refused() {
     assert_eq!(why, ["must be a diameter above 0, in pixels", "must be the name of a cell", late]);
 }
 
+/// As pandas writes a CD table, and as the programs that segment cells do.
+#[test]
+fn cd_tables_of_other_programs_are_read() {
+    let rows = |table: &str| table.lines().map(str::to_owned).collect::<Vec<_>>();
+    let numbered: String = rows(&cd_table()).iter().map(|row| format!("0,{row}\n")).collect();
+    let numbered = numbered.replacen("0,cellTime", ",cellTime", 1);
+    let joined = rows(&cd_table())
+        .iter()
+        .skip(1)
+        .map(|row| format!("{},7,8,9\n", row.split(',').next().unwrap()))
+        .collect::<String>();
+    for (table, has_sizes) in
+        [(numbered, true), (format!("Cell & Time,X (Pixel),Y (Pixel),Z (Pixel)\n{joined}"), false)]
+    {
+        let (_folder, path) = file("CDembryo.csv", table);
+        let cd = tracked(&path);
+        let mut found = lives(&cd);
+        found.sort_by_key(|life| LIVES.iter().position(|known| known.0 == life.0));
+        assert_eq!((found, cd.skipped_count), (LIVES.to_vec(), 0));
+        assert_eq!(cd.cells.iter().all(|cell| cell.volume.is_some()), has_sizes);
+    }
+}
+
+/// The usual spellings of a cell's name are read; a cell with another name is counted as skipped, and its name is shown.
+#[test]
+fn names_are_understood_or_skipped() {
+    let lifetimes = |from: &str, to: &str| {
+        let texts: Vec<String> = NUCLEI.iter().map(|text| text.replace(from, to)).collect();
+        let folder = nuclei(&texts.iter().map(String::as_str).collect::<Vec<_>>());
+        let options = TrackOptions { pixel: None, frame_minutes: Some(1.0) };
+        let embryo = read_tracked(folder.path(), &options).unwrap().unwrap();
+        let counted = embryo.skipped_with_names(&Names::default());
+        (embryo.lifetimes("embryo", &Names::default()), counted)
+    };
+    for name in ["AB", "A B", "AB.", " AB"] {
+        let (found, (skipped, count)) = lifetimes("AB", name);
+        assert_eq!((found.unwrap().cells[0].cell.as_str(), count), ("AB", 0), "{name} {skipped:?}");
+    }
+    let (found, (skipped, count)) = lifetimes("AB,", "upper,");
+    let error = found.unwrap_err().to_string();
+    assert!(error.contains("the first of 1 skipped") && error.contains("\"upper\": no name of Sulston's"), "{error}");
+    assert_eq!((count, skipped[0].value.as_str(), skipped[0].line), (1, "upper", 1));
+}
+
+/// A mother that divided before the recording has the rounds of her daughters and one more.
+#[test]
+fn rounds_of_mothers_that_were_not_followed_are_those_of_their_daughters() {
+    let rows: Vec<&str> = [
+        "1,1,1,1,-1,0,0,0,9,ABa,0\n",
+        "2,1,2,2,-1,0,0,0,9,ABpl,0\n",
+        "3,1,3,3,-1,0,0,0,9,ABpr,0\n",
+        "4,1,4,4,5,0,0,0,9,EMS,0\n",
+    ]
+    .to_vec();
+    let last = "1,1,1,-1,-1,0,0,0,9,ABa,0\n2,1,2,-1,-1,0,0,0,9,ABpl,0\n3,1,3,-1,-1,0,0,0,9,ABpr,0\n4,1,4,-1,-1,0,0,0,9,MS,0\n5,1,4,-1,-1,0,0,0,9,E,0\n";
+    let first: String = rows.iter().map(|row| row.replacen(&row[..6], &format!("{},1,-1,", &row[..1]), 1)).collect();
+    let folder = nuclei(&[&first, last]);
+    let lineage = tracked(folder.path());
+    let (found, absent) = lineage.rounds(&["P0", "AB", "P1", "EMS", "P2", "MS", "E", "C"], &Names::default());
+    let of = |cell: &str, terminal, min, mean, max| TrackedRounds { cell: cell.to_owned(), terminal, min, mean, max };
+    let expected =
+        [of("AB", 3, 1, 5.0 / 3.0, 2), of("EMS", 2, 1, 1.0, 1), of("MS", 1, 0, 0.0, 0), of("E", 1, 0, 0.0, 0)];
+    assert_eq!(found, expected, "{:?}", lineage.skipped);
+    let why: Vec<String> = absent.iter().map(|absent| format!("{}: {}", absent.founder, absent.why)).collect();
+    let neither = "neither it nor its daughters were followed";
+    assert_eq!(
+        why,
+        [
+            "P0: it was not followed, and of its daughters only AB".to_owned(),
+            "P1: it was not followed, and of its daughters only EMS".to_owned(),
+            format!("P2: {neither}"),
+            format!("C: {neither}"),
+        ]
+    );
+}
+
+/// Errors say what a file of another kind is.
+#[test]
+fn files_of_other_kinds_are_named() {
+    for (name, content, message) in [
+        ("film.xml", "<?xml version=\"1.0\"?>\n<TrackMate version=\"7\">\n", "it is a file of TrackMate (XML)"),
+        ("film.xml", "<embryo>\n<nuclei file=\"a.zip\"/>\n</embryo>\n", "it is AceTree's configuration (XML)"),
+        ("tree.json", "{\n\"format\": 1, \"cells\": []\n}\n", "it is JSON, as furrow's tree.json is"),
+        ("man_track.txt", "1 0 14 0\n2 15 32 1\n3 15 34 1\n", "it is tracks of the Cell Tracking Challenge"),
+        ("tree.nwk", "((ABa:1,ABp:1)AB:2,P1:3)P0;\n", "it is a tree (Newick or Nexus)"),
+        ("tree.nex", "#NEXUS\nbegin trees;\n", "it is a tree (Newick or Nexus)"),
+        ("t.csv.gz", "\u{1f}", ""),
+    ] {
+        let (folder, path) = file(name, content);
+        if message.is_empty() {
+            fs::write(&path, b"\x1f\x8b\x08\0").unwrap();
+        }
+        let error = refused(&path);
+        assert!(error.contains(message) && error.contains("is not a table or an embryo that was followed"), "{error}");
+        let error = crate::lifetimes::Lifetimes::read(fs::File::open(&path).unwrap(), "table").unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+        drop(folder);
+    }
+    for (inside, message) in [
+        ("project.xml", "it is a project of Mastodon"),
+        ("xl/workbook.xml", "it is a workbook of Excel"),
+        ("tracks.geff/.zattrs", "it is a Zarr container in an archive: unpack it"),
+    ] {
+        let (_folder, path) = file("film.zip", zip(&[(inside.to_owned(), vec![1])]));
+        assert!(refused(&path).contains(message), "{}", refused(&path));
+    }
+    let (folder, path) = file("t001-nuclei", NUCLEI[0]);
+    assert!(refused(&path).contains("it has the nuclei of one frame"), "{}", refused(&path));
+    fs::remove_file(path).unwrap();
+    assert!(refused(folder.path()).contains("it is a folder with neither nuclei of AceTree"));
+    fs::write(folder.path().join("man_track.txt"), "").unwrap();
+    assert!(refused(folder.path()).contains("it has tracks of the Cell Tracking Challenge"));
+}
+
+/// Which of two files of one frame is the right one is not known.
+#[test]
+fn two_files_of_one_frame_are_refused() {
+    for other in ["nuclei/t2-nuclei", "nuclei/t002-nuclei~", "t002-nuclei"] {
+        let folder = nuclei(&NUCLEI);
+        fs::write(folder.path().join(other), NUCLEI[1]).unwrap();
+        let error = refused(folder.path());
+        assert!(error.contains("t002-nuclei and ") || error.contains(" and nuclei/t002-nuclei"), "{error}");
+        assert!(error.contains(other) && error.contains("are both of frame 2"), "{error}");
+    }
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    for folder in ["nuclei", "old/nuclei"] {
+        let named = |(k, text): (usize, &&str)| (format!("{folder}/t{:03}-nuclei", k + 1), text.as_bytes().to_vec());
+        files.extend(NUCLEI.iter().enumerate().map(named));
+    }
+    let (_folder, path) = file("embryo.zip", zip(&files));
+    let error = refused(&path);
+    assert!(error.contains("nuclei/t001-nuclei and old/nuclei/t001-nuclei are both of frame 1"), "{error}");
+}
+
+/// A nucleus names a successor, and this names another predecessor.
+#[test]
+fn one_sided_successors_are_reported() {
+    let folder = nuclei(&[
+        "1,1,-1,1,2,0,0,0,9,P0,0\n2,1,-1,3,9,0,0,0,9,X,0\n",
+        "1,1,1,-1,-1,0,0,0,9,AB,0\n2,1,-1,-1,-1,0,0,0,9,P1,0\n3,0,2,-1,-1,0,0,0,9,X,0\n",
+    ]);
+    let lineage = tracked(folder.path());
+    let why: Vec<String> =
+        lineage.skipped.iter().map(|s| format!("{} {} {}: {}", s.line, s.column, s.value, s.why)).collect();
+    assert_eq!(
+        why,
+        [
+            "1 5 (successor 2) 2: nucleus 2 of frame 2 does not name 1 as where it comes from",
+            "2 4 (successor 1) 3: nucleus 3 of frame 2 is not valid",
+            "2 5 (successor 2) 9: frame 2 has no nucleus 9",
+        ]
+    );
+}
+
 #[test]
 fn rounds_count_divisions_to_the_last_cells() {
     let folder = nuclei(&NUCLEI);
     let lineage = tracked(folder.path());
-    let found = lineage.rounds(&["P0", "E", "AB", "P1"]);
+    let (found, absent) = lineage.rounds(&["P0", "E", "AB", "P1"], &Names::default());
     let of = |cell: &str, terminal, min, mean, max| TrackedRounds { cell: cell.to_owned(), terminal, min, mean, max };
     let expected = [of("P0", 3, 1, 5.0 / 3.0, 2), of("AB", 2, 1, 1.0, 1), of("P1", 1, 0, 0.0, 0)];
-    assert_eq!((found, lineage.terminal()), (expected.to_vec(), 3));
+    assert_eq!((found, lineage.terminal(&Names::default())), (expected.to_vec(), 3));
+    assert_eq!((absent.len(), absent[0].why.as_str()), (1, "neither it nor its daughters were followed"));
 }
 
 #[test]
 fn lifetimes_need_minutes_and_both_ends() {
     let folder = nuclei(&NUCLEI);
-    let error = tracked(folder.path()).lifetimes("embryo").unwrap_err().to_string();
+    let error = tracked(folder.path()).lifetimes("embryo", &Names::default()).unwrap_err().to_string();
     assert_eq!(error.split(':').next(), Some("--frame-minutes"), "{error}");
     let options = TrackOptions { pixel: None, frame_minutes: Some(1.5) };
-    let found = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo").unwrap();
+    let found = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo", &Names::default()).unwrap();
     // P0 is there from the start, and the others were not seen to divide.
     let [ab] = &found.cells[..] else { panic!("{found:?}") };
     assert_eq!((ab.cell.as_str(), ab.founder.as_str(), ab.n, ab.mean, ab.birth), ("AB", "AB", 1, 3.0, Some(4.5)));
     let folder = nuclei(&NUCLEI[..2]);
-    let error = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo").unwrap_err().to_string();
+    let error = read_tracked(folder.path(), &options)
+        .unwrap()
+        .unwrap()
+        .lifetimes("embryo", &Names::default())
+        .unwrap_err()
+        .to_string();
     assert!(error.starts_with("embryo: cells = 1: must be at least one cell"), "{error}");
 }

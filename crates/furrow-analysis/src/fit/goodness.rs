@@ -1,0 +1,60 @@
+//! How well a fit meets measurements of known errors.
+
+use furrow_measured::significance::chi_squared_tail;
+use furrow_mechanics::calibration::{Calibration, Targets, Threshold, ThresholdResidual};
+use serde::Serialize;
+
+/// χ² of a fit, with what follows from it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Goodness {
+    /// Σ ((computed − measured)/sd)².
+    pub chi_squared: f64,
+    /// Measurements less fitted numbers; 0 where there are no more measurements than numbers.
+    pub degrees_of_freedom: usize,
+    /// Probability of a χ² as large if the model were right; `None` without degrees of freedom.
+    pub p: Option<f64>,
+    /// Birge's factor √(χ²/ν) on the errors of the numbers, 1 at least; `None` without degrees of freedom, where the misfit says
+    /// nothing of the errors.
+    pub error_scale: Option<f64>,
+}
+
+impl Goodness {
+    /// The goodness of a fit of so many numbers to so many measurements.
+    ///
+    /// # Examples
+    /// ```
+    /// use furrow_analysis::fit::Goodness;
+    /// let poor = Goodness::of(91.0, 4, 3);
+    /// assert_eq!((poor.degrees_of_freedom, poor.error_scale), (1, Some(91_f64.sqrt())));
+    /// assert!(poor.p.unwrap() < 1e-20);
+    /// // Errors that were measured do not shrink where the fit is better than they let expect.
+    /// assert_eq!(Goodness::of(0.5, 6, 2).error_scale, Some(1.0));
+    /// assert_eq!(Goodness::of(0.0, 3, 3).error_scale, None);
+    /// ```
+    pub fn of(chi_squared: f64, measurements: usize, numbers: usize) -> Goodness {
+        let degrees_of_freedom = measurements.saturating_sub(numbers);
+        let (p, error_scale) = match degrees_of_freedom {
+            0 => (None, None),
+            freedom => {
+                let factor = (chi_squared / freedom as f64).sqrt().max(1.0);
+                (chi_squared_tail(chi_squared, freedom), Some(factor))
+            }
+        };
+        Goodness { chi_squared, degrees_of_freedom, p, error_scale }
+    }
+
+    /// The goodness of constants fitted to thresholds, of which the tolerances are the errors.
+    pub fn of_thresholds(targets: &Targets, found: &Calibration) -> Goodness {
+        let of = |(given, residual): (&Threshold, &ThresholdResidual)| (residual.relative / given.tolerance).powi(2);
+        let chi_squared = targets.thresholds.iter().zip(&found.residuals).map(of).sum();
+        Goodness::of(chi_squared, found.residuals.len(), found.parameters.len())
+    }
+}
+
+impl std::fmt::Display for Goodness {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Goodness { chi_squared, degrees_of_freedom, p, .. } = self;
+        write!(f, "χ² = {chi_squared:.2}, degrees of freedom {degrees_of_freedom}")?;
+        p.map_or(Ok(()), |p| write!(f, ", p = {p:.1e}"))
+    }
+}

@@ -1,0 +1,105 @@
+//! The numbers of a cue, and between which values they are searched.
+
+use furrow_cell::cue::{Profile, Quantity, RegulatorQuantity, Width};
+use furrow_cell::{Cell, Cue, Parameter};
+
+/// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes and strengths;
+/// turnovers, diffusions and half-saturations of a regulator.
+const PLACES: [f64; 2] = [0.05, 0.95];
+const WIDTHS: [f64; 2] = [0.01, 0.5];
+const LENGTHS: [f64; 2] = [0.05, 5.0];
+pub(super) const AMPLITUDES: [f64; 2] = [0.005, 2.0];
+const TURNOVERS: [f64; 2] = [0.1, 100.0];
+const DIFFUSIONS: [f64; 2] = [0.05, 20.0];
+const HALVES: [f64; 2] = [0.1, 100.0];
+const SATURATING: [f64; 2] = [0.005, 200.0];
+/// How a number of the cue is searched.
+pub(super) struct Unknown {
+    pub parameter: Parameter,
+    pub limits: [f64; 2],
+    /// By its logarithm; else evenly.
+    pub logarithmic: bool,
+    /// Sign of an amplitude, which the search keeps.
+    pub sign: f64,
+}
+
+impl Unknown {
+    pub fn value(&self, share: f64) -> f64 {
+        let [from, to] = self.limits;
+        let share = share.clamp(0.0, 1.0);
+        self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
+    }
+
+    /// The factor from a derivative by the number to one by its logarithm, where that is searched.
+    pub fn scale(&self, share: f64) -> f64 {
+        if self.logarithmic { self.value(share) } else { 1.0 }
+    }
+}
+
+pub(super) fn unknowns(cue: &Cue) -> Vec<Unknown> {
+    let cell = Cell::new(1.0).with_cue(cue.clone());
+    let of = |parameter: Parameter| {
+        let value = parameter.get(&cell);
+        let limits = limits(parameter, cue);
+        let logarithmic = limits != PLACES;
+        let sign = if logarithmic { value.signum() } else { 1.0 };
+        // A turnover of 0 says that there is none.
+        let searched = parameter != Parameter::Regulator(RegulatorQuantity::Turnover) || value != 0.0;
+        searched.then_some(Unknown { parameter, limits, logarithmic, sign })
+    };
+    Parameter::of_cue(cue).into_iter().filter_map(of).collect()
+}
+
+/// Between which values a number of a cue is searched.
+fn limits(parameter: Parameter, cue: &Cue) -> [f64; 2] {
+    let of_spread = |quantity, profile: Option<Profile>| match (quantity, profile.and_then(|profile| profile.width())) {
+        (Quantity::U0, _) => PLACES,
+        (Quantity::Omega, Some(Width::Length(_))) => LENGTHS,
+        (Quantity::Omega, _) => WIDTHS,
+        (Quantity::Amplitude, _) => AMPLITUDES,
+    };
+    let source = || cue.regulator().and_then(|regulator| regulator.source).map(|source| source.profile);
+    match parameter {
+        Parameter::Cue { term, quantity } => of_spread(quantity, cue.terms().get(term).map(|term| term.profile)),
+        Parameter::Regulator(RegulatorQuantity::Source(quantity)) => of_spread(quantity, source()),
+        Parameter::Regulator(RegulatorQuantity::Turnover) => TURNOVERS,
+        Parameter::Regulator(RegulatorQuantity::Diffusion) => DIFFUSIONS,
+        Parameter::Regulator(RegulatorQuantity::Half(_)) => HALVES,
+        // A coupling that saturates gives less than its strength.
+        Parameter::Regulator(RegulatorQuantity::Strength(field))
+            if cue.regulator().is_some_and(|of| of.quantity(RegulatorQuantity::Half(field)).is_some()) =>
+        {
+            SATURATING
+        }
+        _ => AMPLITUDES,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_of_a_regulator_is_searched_in_its_range() {
+        let cue: Cue = "tension:gradient,amplitude=-0.3+regulator:step,u0=0.4,omega=-0.3Lh,amplitude=1,turnover=10,diffusion=1,kappa=-0.2,tension=30,tension.half=10"
+            .parse()
+            .unwrap();
+        let cell = Cell::new(1.0).with_cue(cue.clone());
+        let found = unknowns(&cue);
+        assert_eq!(found.iter().map(|unknown| unknown.parameter).collect::<Vec<_>>(), Parameter::of_cue(&cue));
+        for Unknown { parameter, limits: [from, to], logarithmic, sign } in found {
+            let size = sign * parameter.get(&cell);
+            assert!(
+                (from..=to).contains(&size) && (logarithmic || sign == 1.0),
+                "{parameter}: {size} from {from} to {to}"
+            );
+            // Both ends are allowed.
+            for end in [from, to] {
+                assert!(parameter.validate(sign * end).is_ok(), "{parameter} = {end}");
+            }
+        }
+        let still = "regulator:none,turnover=0,diffusion=1,activity=0.3".parse().unwrap();
+        let names: Vec<String> = unknowns(&still).iter().map(|unknown| unknown.parameter.to_string()).collect();
+        assert_eq!(names, ["regulator.diffusion", "regulator.activity"]);
+    }
+}

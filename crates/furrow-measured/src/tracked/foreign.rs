@@ -1,0 +1,122 @@
+//! Files of other kinds, which people give in place of a table or of an embryo that was followed: errors name what they are and
+//! say what to do.
+
+use std::path::Path;
+
+use furrow_input::InputError;
+
+/// What tables and embryos are.
+const WANTED: &str = "a table or an embryo that was followed";
+
+/// What tracks of the Cell Tracking Challenge are, and what to do.
+const CTC: &str = "tracks of the Cell Tracking Challenge, which have no names of cells: read are tables with names, and spots with \
+                   names of TrackMate or Mastodon";
+
+/// What a project of Mastodon is, and what to do.
+const MASTODON: &str = "a project of Mastodon: in Mastodon export spots and links to CSV, and give the table of spots";
+
+/// Refuses a file of another kind by the bytes at its start.
+///
+/// # Errors
+/// It is of one of the kinds that are known.
+pub(crate) fn refuse(file: &str, head: &[u8]) -> Result<(), InputError> {
+    match kind(head) {
+        Some(kind) => Err(InputError::other_file(file, WANTED, format!("it is {kind}"))),
+        None => Ok(()),
+    }
+}
+
+/// Names the kind of a file and the remedy; `None` if it may be a table.
+fn kind(head: &[u8]) -> Option<&'static str> {
+    let text = String::from_utf8_lossy(head);
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let has = |word: &str| text.contains(word);
+    if text.starts_with('<') {
+        return Some(match () {
+            () if has("<TrackMate") => {
+                "a file of TrackMate (XML): in TrackMate export spots and edges to CSV, and give the table of spots"
+            }
+            () if has("<embryo") || has("<nuclei") => {
+                "AceTree's configuration (XML): give the archive of nuclei (zip) that it names"
+            }
+            () if has("phyloxml") || has("nexml") => "a tree in XML: furrow writes such files and reads tree.json",
+            () => "XML or HTML: save the table as CSV",
+        });
+    }
+    if text.starts_with('{') || text.starts_with('[') {
+        return Some(match has("\"cells\"") || has("\"format\"") {
+            true => {
+                "JSON, as furrow's tree.json is: that is a model's tree (option --tree, or the first file of compare counts)"
+            }
+            false => "JSON: save the table as CSV",
+        });
+    }
+    if text.starts_with("#NEXUS") || text.starts_with('(') && (has(";") || !text.trim_end().contains('\n')) {
+        return Some(
+            "a tree (Newick or Nexus), which has no sizes and times of measured cells: a table as CSV is read",
+        );
+    }
+    if head.starts_with(b"\x1f\x8b") {
+        return Some("packed by gzip: unpack it");
+    }
+    if head.starts_with(b"\x89HDF") {
+        return Some("a file of HDF5: export the table as CSV, or tracks as GEFF");
+    }
+    if head.starts_with(b"\xd0\xcf\x11\xe0") {
+        return Some("a workbook of Excel: save the sheet as CSV");
+    }
+    if [&b"II*\0"[..], b"MM\0*", b"\x89PNG", b"\xff\xd8\xff", b"%PDF"].iter().any(|magic| head.starts_with(magic)) {
+        return Some("an image or a document: a table as CSV is read");
+    }
+    if text.starts_with("Lineage(") || text.starts_with("#![enable") {
+        return Some("a lineage file (RON), which describes the model: options --lineage and --tree take it");
+    }
+    is_ctc(text).then_some(CTC)
+}
+
+/// Whether these are tracks of the Cell Tracking Challenge: lines of four whole numbers with blanks between them.
+fn is_ctc(text: &str) -> bool {
+    let mut lines = text.lines().peekable();
+    let (mut count, whole) = (0, |word: &str| word.bytes().all(|byte| byte.is_ascii_digit()));
+    while let Some(line) = lines.next() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        // The last line may be cut off.
+        let is_cut = lines.peek().is_none() && count > 0;
+        if !(words.len() == 4 || is_cut) || line.contains([',', ';', '\t']) || !words.into_iter().all(whole) {
+            return false;
+        }
+        count += 1;
+    }
+    count > 0
+}
+
+/// Refuses an archive without files of nuclei, by the names in it.
+///
+/// # Errors
+/// It is of one of the kinds that are known.
+pub(super) fn refuse_archive(path: &Path, names: &[String]) -> Result<(), InputError> {
+    let has = |word: &str| names.iter().any(|name| name.ends_with(word));
+    let kind = if has("project.xml") || has("model.raw") {
+        MASTODON
+    } else if has("xl/workbook.xml") {
+        "a workbook of Excel: save the sheet as CSV"
+    } else if has("content.xml") {
+        "a document of LibreOffice: save the sheet as CSV"
+    } else if has(".zattrs") || has("zarr.json") {
+        "a Zarr container in an archive: unpack it and give the folder"
+    } else {
+        return Ok(());
+    };
+    Err(InputError::other_file(path.display(), WANTED, format!("it is {kind}")))
+}
+
+/// Names the kind of a folder without nuclei and GEFF, and the remedy; `None` if it is not known.
+pub(super) fn folder(folder: &Path) -> Option<String> {
+    let has = |name: &str| folder.join(name).exists();
+    let kind = match () {
+        () if ["man_track.txt", "res_track.txt", "TRA/man_track.txt"].into_iter().any(has) => CTC,
+        () if has("project.xml") => MASTODON,
+        () => return None,
+    };
+    Some(format!("it has {kind}"))
+}
