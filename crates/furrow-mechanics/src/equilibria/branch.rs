@@ -65,6 +65,8 @@ pub struct FoldPoint {
     pub point: ShapePoint,
     /// Whether ξ_s is largest (rather than smallest) here along the branch.
     pub maximum: bool,
+    /// Estimated error of ξ_s; infinite if there is no such point on intervals half as long.
+    pub error: f64,
     /// How the location converged.
     pub report: AugmentedReport,
     /// The shape with (L, p, ξ_s).
@@ -102,6 +104,8 @@ pub struct Pitchfork {
     /// c of ξ_s = ξ_s* + c (u_f − ½)² on the asymmetric branch, u_f the furrow (most negative meridional curvature).
     /// Positive: supercritical.
     pub coefficient: f64,
+    /// Estimated error of ξ_s*; infinite if there is no such point on intervals half as long.
+    pub error: f64,
     /// How the location converged.
     pub report: AugmentedReport,
     /// The shape, on the half domain, with (L, p, ξ_s).
@@ -135,6 +139,14 @@ impl BranchEvent {
         match self {
             BranchEvent::Pitchfork(pitchfork) => &pitchfork.point,
             BranchEvent::Fold(fold) => &fold.point,
+        }
+    }
+
+    /// Estimated error of its ξ_s; infinite if there is no such point on intervals half as long.
+    pub fn error(&self) -> f64 {
+        match self {
+            BranchEvent::Pitchfork(pitchfork) => pitchfork.error,
+            BranchEvent::Fold(fold) => fold.error,
         }
     }
 

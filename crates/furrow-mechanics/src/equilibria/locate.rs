@@ -3,7 +3,7 @@
 use furrow_bvp::locate::{self, Located};
 use furrow_bvp::normal_form::pitchfork_normal_form;
 use furrow_bvp::{
-    AugmentedReport, BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, Gauss, MinimallyAugmented,
+    BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, Gauss, MinimallyAugmented,
     SingularError, Singularity, Solution, SymmetryBreaking, mesh,
 };
 
@@ -44,7 +44,7 @@ fn fold_between(branch: &mut Continuation<Cortex>, maximum: bool) -> Result<Fold
     let found = confirmed(locate::between_last_points(branch, Fold::new(XI), signs)?, Fold::new(XI))?;
     let of = ShapePoint::of(&found.solution, &found.augmented.problem, &found.augmented.system.gauss);
     let point = ShapePoint { arclength: found.arclength, ..of };
-    Ok(FoldPoint { point, maximum, report: found.report, shape: found.solution })
+    Ok(FoldPoint { point, maximum, error: found.error, report: found.report, shape: found.solution })
 }
 
 /// The two folds that one step has passed, or none: the tangents at both of its ends do not show them.
@@ -124,8 +124,7 @@ pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Opt
 /// [`SingularError`].
 pub fn pitchfork_near(branch: &mut Continuation<Cortex>, signs: [f64; 2]) -> Result<Pitchfork, SingularError> {
     let found = locate::between_last_points(branch, SymmetryBreaking::default(), signs)?;
-    let mut found = confirmed(found, SymmetryBreaking::default())?;
-    pitchfork_at(&mut found.augmented, found.solution, found.report, found.arclength)
+    pitchfork_at(confirmed(found, SymmetryBreaking::default())?)
 }
 
 /// A shape as narrow as this, in R0, may need a finer mesh than its branch has.
@@ -149,11 +148,11 @@ fn confirmed<S: Singularity<Cortex>>(
     let mut augmented = MinimallyAugmented::new(problem.clone(), singularity, solution.m, metric.clone(), &along)?;
     let report = augmented.solve(&mut solution, None)?;
     let [from, to] = [coarse, &solution].map(|y| y.scalars[XI]);
-    let moved = (to - from).abs() / (1.0 + from.abs());
-    if moved > MOVES {
-        return Err(SingularError::Stalled { iterations: report.iterations, correction: moved });
+    let error = (to - from).abs();
+    if error > MOVES * (1.0 + from.abs()) {
+        return Err(SingularError::Stalled { iterations: report.iterations, correction: error });
     }
-    Ok(Located { augmented, solution, arclength: *arclength, report })
+    Ok(Located { augmented, solution, arclength: *arclength, error, report })
 }
 
 /// Radius of the narrowest place of a contour beside its poles, if there is one.
@@ -166,18 +165,15 @@ pub(super) fn narrowest(gauss: &Gauss, y: &Solution, domain: Domain) -> Option<f
     }
 }
 
-/// What is said of the pitchfork `y` that an extended system has converged to.
-pub(super) fn pitchfork_at(
-    at: &mut MinimallyAugmented<Cortex, SymmetryBreaking>,
-    y: Solution,
-    report: AugmentedReport,
-    arclength: f64,
-) -> Result<Pitchfork, SingularError> {
-    let form = pitchfork_normal_form(at, &y)?;
+/// What is said of a pitchfork.
+pub(super) fn pitchfork_at(found: Located<Cortex, SymmetryBreaking>) -> Result<Pitchfork, SingularError> {
+    let Located { augmented: mut at, solution: y, arclength, error, report } = found;
+    let form = pitchfork_normal_form(&mut at, &y)?;
     let furrow_shift = furrow_shift(&at.problem, &y, &at.singularity.null);
     Ok(Pitchfork {
         point: ShapePoint { arclength, ..ShapePoint::of(&y, &at.problem, &at.system.gauss) },
         coefficient: form.parameters[0] / (furrow_shift * furrow_shift),
+        error,
         report,
         null: at.singularity.null.clone(),
         furrow_shift,

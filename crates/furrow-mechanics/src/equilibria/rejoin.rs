@@ -3,6 +3,7 @@
 //! ξ_s turns there along the asymmetric branch as at a fold, because the branch goes on as its own mirror image. The equations of the full
 //! contour are singular at the point; on the half contour it is a regular root, as every pitchfork.
 
+use furrow_bvp::locate::Located;
 use furrow_bvp::{Continuation, Direction, Gauss, MinimallyAugmented, Solution, SymmetryBreaking};
 
 use super::branch::Pitchfork;
@@ -75,5 +76,6 @@ pub(super) fn rejoined(branch: &Continuation<Cortex>, share: f64) -> Option<Pitc
         scalars: difference(&y.scalars, &start.scalars),
     };
     let found = branch.metric.dot(&y.mesh, &off, &off).sqrt() < OFF * (now - before);
-    found.then(|| pitchfork_at(&mut at, y, report, arclength).ok())?
+    let error = at.error_estimate(&y, None);
+    found.then(|| pitchfork_at(Located { augmented: at, solution: y, arclength, error, report }).ok())?
 }
