@@ -2,7 +2,7 @@
 
 use furrow_bvp::continuation::State;
 use furrow_bvp::predictor::History;
-use furrow_bvp::{Continuation, ContinuationSettings};
+use furrow_bvp::{Continuation, ContinuationSettings, SingularError};
 
 use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{
@@ -12,7 +12,7 @@ use super::error::PointKind;
 use super::locate::{course, end_at_width, folds_near, not_located};
 use super::point::ShapePoint;
 use super::rates::{self, with_rates};
-use super::rejoin::{asymmetry, mirrored, rejoined, vanishes};
+use super::rejoin::{asymmetry, mirrored, mirrored_monitor, rejoined, vanishes};
 use crate::cortex::symmetry::{is_mirrored, unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Parameter};
@@ -89,13 +89,18 @@ struct Run {
 }
 
 impl Run {
-    /// The pitchfork at which the newest step has come back to mirror-symmetric shapes, if it has.
-    fn rejoined(&mut self, branch: &Continuation<Cortex>) -> Option<Pitchfork> {
+    /// The pitchfork at which the newest step has come back to mirror-symmetric shapes, if it has; why it cannot be located if these have
+    /// been reached nevertheless.
+    fn rejoined(&mut self, branch: &Continuation<Cortex>) -> Option<Result<Pitchfork, SingularError>> {
         let before = std::mem::replace(&mut self.asymmetry, asymmetry(&branch.system.gauss, &branch.state.solution));
-        let size = self.asymmetry.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        self.largest = size.max(self.largest);
-        let reach = if size < SHRUNK * self.largest { CLOSE } else { REACHED };
-        rejoined(branch, vanishes(&before, &self.asymmetry, reach)?)
+        self.largest = self.size().max(self.largest);
+        let symmetric = self.size() < SHRUNK * self.largest;
+        let share = vanishes(&before, &self.asymmetry, if symmetric { CLOSE } else { REACHED })?;
+        Some(rejoined(branch, share)).filter(|found| symmetric || found.is_ok())
+    }
+
+    fn size(&self) -> f64 {
+        self.asymmetry.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
     }
 
     /// Adds the folds of the newest step, up to where the neck becomes too narrow.
@@ -111,11 +116,12 @@ impl Run {
         self.before = course(branch);
     }
 
-    /// Mirrors the mesh next to mirror-symmetric shapes: on another one the pitchfork there is imperfect, and the branch turns back before
-    /// it in a fold of the mesh's own.
+    /// Keeps the mesh mirror-symmetric next to mirror-symmetric shapes: on another one the pitchfork there is imperfect, and the branch turns
+    /// back before it in a fold of the mesh's own.
     fn mirror_mesh(&self, branch: &mut Continuation<Cortex>) {
-        let size = self.asymmetry.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        if size < NEARLY * self.largest && !is_mirrored(&branch.state.solution.mesh) && self.stop.is_none() {
+        let near = self.size() < NEARLY * self.largest;
+        branch.monitor = Some(if near { mirrored_monitor } else { mesh_monitor });
+        if near && !is_mirrored(&branch.state.solution.mesh) && self.stop.is_none() {
             branch.move_to(&mirrored(&branch.state.solution.mesh));
         }
     }
@@ -143,9 +149,10 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     let mut end = None;
     let (ended, rates) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
         branch.follow(options.xi, options.points, |branch, advance| {
-            if let Some(pitchfork) = run.rejoined(branch) {
-                run.stop = Some(BranchEnd::Rejoined);
-                end = Some(pitchfork);
+            if let Some(found) = run.rejoined(branch) {
+                let failed = |source| not_located(branch, PointKind::Pitchfork, source);
+                run.stop = Some(found.as_ref().map_or_else(|source| failed(*source), |_| BranchEnd::Rejoined));
+                end = found.ok();
                 return false;
             }
             run.folds(branch, advance.passed_fold);

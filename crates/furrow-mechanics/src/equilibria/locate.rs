@@ -3,8 +3,8 @@
 use furrow_bvp::locate::{self, Located};
 use furrow_bvp::normal_form::pitchfork_normal_form;
 use furrow_bvp::{
-    BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, Gauss, MinimallyAugmented,
-    SingularError, Singularity, Solution, SymmetryBreaking, mesh,
+    BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, Gauss, MinimallyAugmented, SingularError,
+    Singularity, Solution, SymmetryBreaking, mesh,
 };
 
 use super::branch::{BranchEnd, FoldPoint, Pitchfork};
@@ -47,6 +47,9 @@ fn fold_between(branch: &mut Continuation<Cortex>, maximum: bool) -> Result<Fold
     Ok(FoldPoint { point, maximum, error: found.error, report: found.report, shape: found.solution })
 }
 
+/// Where the parabola of dξ_s/ds falls to this share of its smaller end within a step, dξ_s/ds itself may fall below 0.
+const DIP: f64 = 0.5;
+
 /// The two folds that one step has passed, or none: the tangents at both of its ends do not show them.
 fn two_folds(
     branch: &mut Continuation<Cortex>,
@@ -59,7 +62,8 @@ fn two_folds(
     let (linear, square) = (6.0 * mean - 4.0 * slope - 2.0 * now, 3.0 * slope + 3.0 * now - 6.0 * mean);
     let turn = -0.5 * linear / square;
     let least = slope + 0.5 * linear * turn;
-    if !(turn > 0.0 && turn < 1.0) || least * now > 0.0 || slope * now <= 0.0 {
+    let flat = least * now.signum() < DIP * slope.abs().min(now.abs());
+    if !(turn > 0.0 && turn < 1.0 && flat && slope * now > 0.0) {
         return Ok(Vec::new());
     }
     let (at, newest) = (start + turn * length, state.solution.clone());

@@ -4,9 +4,9 @@
 //! contour are singular at the point; on the half contour it is a regular root, as every pitchfork.
 
 use furrow_bvp::locate::Located;
-use furrow_bvp::{Continuation, Direction, Gauss, MinimallyAugmented, Solution, SymmetryBreaking};
+use furrow_bvp::{Continuation, Direction, Gauss, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
 
-use super::branch::Pitchfork;
+use super::branch::{Pitchfork, mesh_monitor};
 use super::curves::along_scalar;
 use super::locate::pitchfork_at;
 use super::point::XI;
@@ -50,13 +50,27 @@ pub(super) fn mirrored(mesh: &[f64]) -> Vec<f64> {
     mesh.iter().zip(mesh.iter().rev()).map(|(a, b)| 0.5 * (a + 1.0 - b)).collect()
 }
 
-/// The pitchfork lies where the last step says, within this share of it.
-const OFF: f64 = 0.3;
+/// [`mesh_monitor`] made mirror-symmetric: it leaves a mirror-symmetric mesh so.
+pub(super) fn mirrored_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
+    mesh_monitor(cortex, y, weight);
+    let half = weight.len() / 2;
+    let (first, second) = weight.split_at_mut(half);
+    for (a, b) in first.iter_mut().zip(second.iter_mut().rev()) {
+        let mean = 0.5 * (*a + *b);
+        (*a, *b) = (mean, mean);
+    }
+}
 
-/// The pitchfork at this share of the last step of an asymmetric branch, if there is one.
-pub(super) fn rejoined(branch: &Continuation<Cortex>, share: f64) -> Option<Pitchfork> {
+/// The pitchfork at this share of the last step of an asymmetric branch. It lies within the length of the step from there: the step may end
+/// on the mirror-symmetric branch, anywhere beyond the pitchfork.
+///
+/// # Errors
+/// [`SingularError`].
+pub(super) fn rejoined(branch: &Continuation<Cortex>, share: f64) -> Result<Pitchfork, SingularError> {
     let history = &branch.state.history;
-    let ((now, newest), (before, _)) = (history.back(0)?, history.back(1)?);
+    let none = SingularError::Stalled { iterations: 0, correction: f64::NAN };
+    let (now, newest) = history.back(0).ok_or(none)?;
+    let (before, _) = history.back(1).ok_or(none)?;
     let arclength = before + share * (now - before);
     let mut full = newest.clone();
     history.extrapolate(arclength, &mut full);
@@ -66,16 +80,19 @@ pub(super) fn rejoined(branch: &Continuation<Cortex>, share: f64) -> Option<Pitc
     let cortex = Cortex::new(&branch.problem.cell, Domain::Half, &branch.problem.free);
     let guess = along_scalar(&y, y.scalars.len(), XI);
     let breaking = SymmetryBreaking::default();
-    let mut at = MinimallyAugmented::new(cortex, breaking, y.m, branch.metric.clone(), &guess).ok()?;
+    let mut at = MinimallyAugmented::new(cortex, breaking, y.m, branch.metric.clone(), &guess)?;
     let start = y.clone();
-    let report = at.solve(&mut y, None).ok()?;
+    let report = at.solve(&mut y, None)?;
     let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect();
     let off = Direction {
         nodes: difference(&y.nodes, &start.nodes),
         stages: Vec::new(),
         scalars: difference(&y.scalars, &start.scalars),
     };
-    let found = branch.metric.dot(&y.mesh, &off, &off).sqrt() < OFF * (now - before);
+    let distance = branch.metric.dot(&y.mesh, &off, &off).sqrt() / (now - before);
+    if distance > 1.0 {
+        return Err(SingularError::Elsewhere { distance });
+    }
     let error = at.error_estimate(&y, None);
-    found.then(|| pitchfork_at(Located { augmented: at, solution: y, arclength, error, report }).ok())?
+    pitchfork_at(Located { augmented: at, solution: y, arclength, error, report })
 }
