@@ -96,7 +96,7 @@ impl Run {
         self.largest = self.size().max(self.largest);
         let symmetric = self.size() < SHRUNK * self.largest;
         let share = vanishes(&before, &self.asymmetry, if symmetric { CLOSE } else { REACHED })?;
-        Some(rejoined(branch, share)).filter(|found| symmetric || found.is_ok())
+        Some(rejoined(branch, share)).filter(|found| found.is_ok() || symmetric && share < REACHED)
     }
 
     fn size(&self) -> f64 {
