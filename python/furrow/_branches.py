@@ -98,6 +98,7 @@ class Event(Result):
     ``xi_s``: Activity ξ_s.
     ``H``: Elongation.
     ``L``: Contour length, in L_h.
+    ``error``: Estimated error of ``xi_s``, from intervals half as long; None if the point is not there on them.
     ``criticality``: For a pitchfork.
     ``coefficient``: For a pitchfork.
     ``maximum``: For a fold: whether ξ_s has a maximum there along the branch.
@@ -108,6 +109,7 @@ class Event(Result):
     xi_s: float
     H: float
     L: float
+    error: float | None = None
     criticality: str | None = None
     coefficient: float | None = None
     maximum: bool | None = None

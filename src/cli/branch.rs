@@ -163,7 +163,9 @@ fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String
             _ => "smallest ξ_s".to_owned(),
         };
         let (kind, ShapePoint { xi_s, elongation: h, .. }) = (event.kind(), event.point());
-        let _ = writeln!(out, "{kind} of the {name} branch at ξ_s = {xi_s:.6}, H = {h:.6}: {of}");
+        // More than the last digit shows.
+        let error = Some(event.error()).filter(|error| *error >= 5e-7).map_or(String::new(), |e| format!(" ± {e:.0e}"));
+        let _ = writeln!(out, "{kind} of the {name} branch at ξ_s = {xi_s:.6}{error}, H = {h:.6}: {of}");
     }
     for (name, branch) in &found.branches {
         for Crossing { m, point, grows } in &branch.azimuthal.crossings {

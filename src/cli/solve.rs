@@ -10,7 +10,7 @@ use super::output::{filled, merged, number, print_as};
 use super::progress::ProgressLine;
 use super::vary::{Given, parameter};
 use clap::Args;
-use furrow_analysis::solve::{Measure, POINTS, Question, Solution, default_range, solve};
+use furrow_analysis::solve::{Measure, POINTS, Question, Root, Solution, default_range, solve};
 use furrow_cell::Parameter;
 use furrow_input::InputError;
 use furrow_lineage::Length;
@@ -152,9 +152,10 @@ fn text(question: &Question, found: &Solution) -> String {
     let Question { parameter, range: [from, to], measure, wanted, .. } = question;
     let name = parameter.to_string();
     let mut out = format!("{name} from {from} to {to} with {} = {wanted}\n", measure.name());
-    let _ = writeln!(out, "{name:>16} {:>10} {:>10} {:>10}", "χ", "u_furrow", "t_end");
+    let _ = writeln!(out, "{name:>16} {:>10} {:>10} {:>10}  smaller daughter", "χ", "u_furrow", "t_end");
     for root in &found.roots {
-        let _ = writeln!(out, "{:>16.9} {:>10.6} {:>10.6} {:>10.6}", root.value, root.chi, root.u_furrow, root.t_end);
+        let Root { value, chi, smaller, u_furrow, t_end, .. } = root;
+        let _ = writeln!(out, "{value:>16.9} {chi:>10.6} {u_furrow:>10.6} {t_end:>10.6}  {smaller}");
     }
     for jump in &found.jumps {
         let ([a, b], [before, behind]) = (jump.between, jump.outcomes);

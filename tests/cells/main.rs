@@ -5,6 +5,7 @@ mod common;
 
 mod boundary;
 mod branch_ends;
+mod branch_events;
 mod calibrate;
 mod cue_fields;
 mod figures;

@@ -12,7 +12,7 @@ use furrow_cell::{Cell, Numerics, Parameter, Settings};
 use furrow_lineage::batch::phase::spaced;
 use furrow_lineage::batch::scheduler::{self, Solved};
 use furrow_lineage::batch::{Memo, SchedulerError, SchedulerOptions, StoreWarning};
-use furrow_mechanics::division::{Division, DivisionInput, divide};
+use furrow_mechanics::division::{Division, DivisionInput, Ending, divide};
 use serde::{Serialize, Serializer};
 
 /// A number that a division gives.
@@ -132,10 +132,44 @@ pub struct Root {
     pub chi: f64,
     /// χ with its sign.
     pub chi_signed: f64,
+    /// Which daughter is the smaller.
+    pub smaller: Smaller,
     /// Position of its furrow.
     pub u_furrow: f64,
     /// Its time, in τ.
     pub t_end: f64,
+}
+
+/// Which daughter is the smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Smaller {
+    /// The one at u = 0, as with a positive `chi_signed`.
+    Posterior,
+    /// The one at u = 1.
+    Anterior,
+    /// Either, by chance: the cell is mirror-symmetric, and the seed's noise decides.
+    Either,
+    /// Neither: |χ| is below [`Numerics::chi_symmetric`].
+    Neither,
+}
+
+impl Smaller {
+    fn of(division: &Division, symmetric_cell: bool) -> Option<Smaller> {
+        Some(match (division.ending, symmetric_cell) {
+            (Ending::Divided { symmetric: true, .. }, _) => Smaller::Neither,
+            (Ending::Divided { .. }, true) => Smaller::Either,
+            (Ending::Divided { chi_signed, .. }, false) if chi_signed > 0.0 => Smaller::Posterior,
+            (Ending::Divided { .. }, false) => Smaller::Anterior,
+            (Ending::Arrested { .. }, _) => return None,
+        })
+    }
+}
+
+impl std::fmt::Display for Smaller {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.serialize(f)
+    }
 }
 
 /// Two neighbouring values between which the outcome jumps over the wanted one.
@@ -413,14 +447,14 @@ impl Search<'_> {
     fn solution(self) -> Solution {
         let Question { measure, wanted, .. } = *self.question;
         let (mut roots, mut jumps): (Vec<Root>, Vec<Jump>) = (Vec::new(), Vec::new());
-        roots.extend(self.tried.iter().filter(|tried| tried.off == Some(0.0)).filter_map(Tried::root));
+        roots.extend(self.tried.iter().filter(|tried| tried.off == Some(0.0)).filter_map(|tried| self.root(tried)));
         for two in self.crossings() {
             let [before, behind] = [&two[0], &two[1]].map(|tried| tried.off.unwrap_or(f64::NAN));
             if (behind - before).abs() > measure.continuous(wanted) {
                 let outcomes = [before + wanted, behind + wanted];
                 jumps.push(Jump { between: [two[0].value, two[1].value], outcomes });
             } else {
-                roots.extend(two[usize::from(behind.abs() < before.abs())].root());
+                roots.extend(self.root(&two[usize::from(behind.abs() < before.abs())]));
             }
         }
         roots.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -436,6 +470,20 @@ impl Search<'_> {
         Solution { roots, jumps, gaps, seen: least.zip(most).map(|(a, b)| [a, b]), divisions, warnings: self.warnings }
     }
 
+    fn root(&self, tried: &Tried) -> Option<Root> {
+        let division = tried.found.as_ref().ok()?;
+        let mut cell = self.question.cell.clone();
+        self.question.parameter.set(&mut cell, tried.value);
+        Some(Root {
+            value: tried.value,
+            chi: division.chi()?,
+            chi_signed: division.chi_signed()?,
+            smaller: Smaller::of(division, cell.is_mirror_symmetric())?,
+            u_furrow: division.u_furrow()?,
+            t_end: division.t_end,
+        })
+    }
+
     /// Runs of values without a division.
     fn gaps(&self) -> Vec<Gap> {
         let runs = self.tried.chunk_by(|a, b| a.off.is_none() && b.off.is_none());
@@ -449,19 +497,6 @@ impl Search<'_> {
             Some(Gap { from: first.value, to: last.value, why })
         };
         runs.filter_map(gap).collect()
-    }
-}
-
-impl Tried {
-    fn root(&self) -> Option<Root> {
-        let division = self.found.as_ref().ok()?;
-        Some(Root {
-            value: self.value,
-            chi: division.chi()?,
-            chi_signed: division.chi_signed()?,
-            u_furrow: division.u_furrow()?,
-            t_end: division.t_end,
-        })
     }
 }
 

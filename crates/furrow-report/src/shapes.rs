@@ -65,6 +65,7 @@ pub fn event_report(branch: &str, event: &BranchEvent) -> Value {
     let point = event.point();
     let mut report = json!({
         "kind": event.kind(), "branch": branch, "xi_s": point.xi_s, "H": point.elongation, "L": point.length,
+        "error": event.error(),
     });
     if let Some(pitchfork) = event.pitchfork() {
         report["criticality"] = json!(pitchfork.criticality());

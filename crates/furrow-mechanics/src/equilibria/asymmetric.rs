@@ -2,19 +2,19 @@
 
 use furrow_bvp::continuation::State;
 use furrow_bvp::predictor::History;
-use furrow_bvp::{Continuation, ContinuationSettings, Gauss, Solution};
+use furrow_bvp::{Continuation, ContinuationSettings, SingularError};
 
 use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, NARROWEST, Pitchfork, mesh_monitor, metric, newest_contour,
+    Branch, BranchEnd, BranchEvent, BranchOptions, NARROWEST, Pitchfork, contour, mesh_monitor, metric, newest_contour,
 };
 use super::error::PointKind;
-use super::locate::{fold_near, not_located};
+use super::locate::{course, end_at_width, folds_near, not_located};
 use super::point::ShapePoint;
 use super::rates::{self, with_rates};
-use crate::cortex::equations::{R, REGULATED, Z};
-use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
-use crate::cortex::{Cortex, Domain, observables};
+use super::rejoin::{asymmetry, mirrored, mirrored_monitor, rejoined, vanishes};
+use crate::cortex::symmetry::{is_mirrored, unfold, unfold_antisymmetric};
+use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Parameter};
 
 /// Switches onto the asymmetric branch at a pitchfork of a cell, towards u_f < ½ (its mirror image is the other half of
@@ -62,30 +62,15 @@ pub struct AsymmetricBranch {
 /// Furrow shifts Δu used for the scaling.
 const SCALING_RANGE: [f64; 2] = [5e-4, 8e-3];
 
-/// A branch whose asymmetry has shrunk to this fraction of its largest has come back to mirror-symmetric shapes: at a
-/// pitchfork it can stop nowhere short of them.
+/// A step that ends this little short of mirror-symmetric shapes, in its own length, has come back to them.
+const REACHED: f64 = 1.02;
+/// So does one that ends as near as this, where the asymmetry has shrunk to this fraction of its largest: next to a pitchfork steps
+/// can become short.
+const CLOSE: f64 = 3.0;
 const SHRUNK: f64 = 1e-3;
 
-/// How far a full contour is from its mirror image, at places along it: r(u) − r(1 − u) and z(u) + z(1 − u).
-fn asymmetry(gauss: &Gauss, y: &Solution) -> Vec<[f64; 2]> {
-    const PLACES: usize = 32;
-    let (mut here, mut there) = ([0.0; REGULATED], [0.0; REGULATED]);
-    let (here, there) = (&mut here[..y.components], &mut there[..y.components]);
-    let at = |k: usize| {
-        let u = k as f64 / (2 * PLACES) as f64;
-        y.eval(gauss, u, here);
-        y.eval(gauss, 1.0 - u, there);
-        [here[R] - there[R], here[Z] + there[Z]]
-    };
-    (0..=PLACES).map(at).collect()
-}
-
-/// Whether the asymmetry has turned into its mirror image, as behind a pitchfork. Radii and places must both turn: a cell
-/// in a wide shell can slide past the middle alone.
-fn turned(before: &[[f64; 2]], now: &[[f64; 2]]) -> bool {
-    let product = |c: usize| before.iter().zip(now).map(|(a, b)| a[c] * b[c]).sum::<f64>();
-    product(0) < 0.0 && product(1) < 0.0
-}
+/// Shapes with less than this of the largest asymmetry may be on the way back to mirror-symmetric ones.
+const NEARLY: f64 = 0.3;
 
 /// What a run along an asymmetric branch keeps.
 #[derive(Default)]
@@ -96,31 +81,58 @@ struct Run {
     samples: Vec<[f64; 2]>,
     /// Whether Δu has only grown so far: the furrow may come back later.
     opening: bool,
-    asymmetry: Vec<[f64; 2]>,
+    asymmetry: Vec<f64>,
     largest: f64,
+    /// The [course] of the branch at the point before.
+    before: [f64; 3],
     stop: Option<BranchEnd>,
 }
 
 impl Run {
-    /// Whether the newest shape is mirror-symmetric again.
-    fn rejoined(&mut self, gauss: &Gauss, y: &Solution) -> bool {
-        let before = std::mem::replace(&mut self.asymmetry, asymmetry(gauss, y));
-        let size = self.asymmetry.iter().fold(0.0, |m: f64, v| m.max(v[0].abs()));
-        self.largest = size.max(self.largest);
-        size < SHRUNK * self.largest || turned(&before, &self.asymmetry)
+    /// The pitchfork at which the newest step has come back to mirror-symmetric shapes, if it has; why it cannot be located if these have
+    /// been reached nevertheless.
+    fn rejoined(&mut self, branch: &Continuation<Cortex>) -> Option<Result<Pitchfork, SingularError>> {
+        let before = std::mem::replace(&mut self.asymmetry, asymmetry(&branch.system.gauss, &branch.state.solution));
+        self.largest = self.size().max(self.largest);
+        let symmetric = self.size() < SHRUNK * self.largest;
+        let share = vanishes(&before, &self.asymmetry, if symmetric { CLOSE } else { REACHED })?;
+        Some(rejoined(branch, share)).filter(|found| found.is_ok() || symmetric && share < REACHED)
+    }
+
+    fn size(&self) -> f64 {
+        self.asymmetry.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
+    }
+
+    /// Adds the folds of the newest step, up to where the neck becomes too narrow.
+    fn folds(&mut self, branch: &mut Continuation<Cortex>, passed: bool) {
+        match folds_near(branch, self.before, passed) {
+            Ok(folds) => self.events.extend(folds.into_iter().map(|fold| BranchEvent::Fold(Box::new(fold)))),
+            Err(source) => self.stop = Some(not_located(branch, PointKind::Fold, source)),
+        }
+        if self.stop.is_none() {
+            self.stop = end_at_width(branch, NARROWEST);
+            self.events.retain(|event| event.point().arclength <= branch.state.arclength);
+        }
+        self.before = course(branch);
+    }
+
+    /// Keeps the mesh mirror-symmetric next to mirror-symmetric shapes: on another one the pitchfork there is imperfect, and the branch turns
+    /// back before it in a fold of the mesh's own.
+    fn mirror_mesh(&self, branch: &mut Continuation<Cortex>) {
+        let near = self.size() < NEARLY * self.largest;
+        branch.monitor = Some(if near { mirrored_monitor } else { mesh_monitor });
+        if near && !is_mirrored(&branch.state.solution.mesh) && self.stop.is_none() {
+            branch.move_to(&mirrored(&branch.state.solution.mesh));
+        }
     }
 
     /// Takes a point in; whether to go on.
-    fn take_in(&mut self, branch: &Continuation<Cortex>, point: ShapePoint, threshold: f64) -> bool {
+    fn take_in(&mut self, point: ShapePoint, threshold: f64) -> bool {
         self.opening &= point.delta_u.abs() < SCALING_RANGE[1];
         if self.opening && self.events.is_empty() && point.delta_u.abs() >= SCALING_RANGE[0] {
             self.samples.push([point.delta_u.abs(), point.xi_s - threshold]);
         }
         self.points.push(point);
-        let neck = observables::neck(&branch.system.gauss, &branch.state.solution);
-        if self.stop.is_none() && neck.is_some_and(|neck| neck.radius < NARROWEST * branch.problem.cell.r0) {
-            self.stop = Some(BranchEnd::Pinched(NARROWEST));
-        }
         self.stop.is_none()
     }
 }
@@ -130,30 +142,33 @@ impl Run {
 /// says so.
 pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> AsymmetricBranch {
     let mut branch = switch(pitchfork, cell, &options.settings);
-    let mut run = Run { points: vec![pitchfork.point], opening: true, ..Run::default() };
-    let gauss = branch.system.gauss.clone();
+    let mut run = Run { points: vec![pitchfork.point], opening: true, before: course(&branch), ..Run::default() };
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);
+    let mut end = None;
     let (ended, rates) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
         branch.follow(options.xi, options.points, |branch, advance| {
-            if run.rejoined(&gauss, &branch.state.solution) {
-                run.stop = Some(BranchEnd::Rejoined);
+            if let Some(found) = run.rejoined(branch) {
+                let failed = |source| not_located(branch, PointKind::Pitchfork, source);
+                run.stop = Some(found.as_ref().map_or_else(|source| failed(*source), |_| BranchEnd::Rejoined));
+                end = found.ok();
                 return false;
             }
-            match advance.passed_fold.then(|| fold_near(branch)) {
-                Some(Ok(fold)) => run.events.push(BranchEvent::Fold(Box::new(fold))),
-                Some(Err(source)) => run.stop = Some(not_located(branch, PointKind::Fold, source)),
-                None => {}
-            }
+            run.folds(branch, advance.passed_fold);
+            run.mirror_mesh(branch);
             rate(&branch.state.solution, run.events.len());
             let point = ShapePoint::newest(branch, run.events.len());
             contours.extend(options.contours.then(|| newest_contour(branch)));
             azimuthal.take_in(branch);
-            run.take_in(branch, point, pitchfork.point.xi_s)
+            run.take_in(point, pitchfork.point.xi_s)
         })
     });
     rates::put(&rates, &mut run.points);
+    if let Some(Pitchfork { point, shape, .. }) = end {
+        run.points.push(ShapePoint { passed: run.events.len(), ..point });
+        contours.extend(options.contours.then(|| contour(&branch.system.gauss, &shape, Domain::Half)));
+    }
     let Run { points, events, samples, stop, .. } = run;
     let branch = Branch::complete(&branch, (points, contours, azimuthal), events, ended, stop);
     AsymmetricBranch { branch, scaling: scaling(&samples) }

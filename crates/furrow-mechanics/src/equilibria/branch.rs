@@ -1,8 +1,8 @@
 //! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
 
 use furrow_bvp::{
-    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Metric, Solution, Termination,
-    Work, mesh,
+    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Gauss, Metric, Solution,
+    Termination, Work, mesh,
 };
 
 use super::azimuthal_scan::AzimuthalScan;
@@ -65,6 +65,8 @@ pub struct FoldPoint {
     pub point: ShapePoint,
     /// Whether ξ_s is largest (rather than smallest) here along the branch.
     pub maximum: bool,
+    /// Estimated error of ξ_s; infinite if there is no such point on intervals half as long.
+    pub error: f64,
     /// How the location converged.
     pub report: AugmentedReport,
     /// The shape with (L, p, ξ_s).
@@ -102,6 +104,8 @@ pub struct Pitchfork {
     /// c of ξ_s = ξ_s* + c (u_f − ½)² on the asymmetric branch, u_f the furrow (most negative meridional curvature).
     /// Positive: supercritical.
     pub coefficient: f64,
+    /// Estimated error of ξ_s*; infinite if there is no such point on intervals half as long.
+    pub error: f64,
     /// How the location converged.
     pub report: AugmentedReport,
     /// The shape, on the half domain, with (L, p, ξ_s).
@@ -135,6 +139,14 @@ impl BranchEvent {
         match self {
             BranchEvent::Pitchfork(pitchfork) => &pitchfork.point,
             BranchEvent::Fold(fold) => &fold.point,
+        }
+    }
+
+    /// Estimated error of its ξ_s; infinite if there is no such point on intervals half as long.
+    pub fn error(&self) -> f64 {
+        match self {
+            BranchEvent::Pitchfork(pitchfork) => pitchfork.error,
+            BranchEvent::Fold(fold) => fold.error,
         }
     }
 
@@ -219,7 +231,12 @@ const CONTOUR: usize = 240;
 
 /// The contour of the newest point of a branch.
 pub(super) fn newest_contour(branch: &Continuation<Cortex>) -> Vec<[f64; 2]> {
-    observables::contour(&branch.system.gauss, &branch.state.solution, branch.problem.domain, CONTOUR)
+    contour(&branch.system.gauss, &branch.state.solution, branch.problem.domain)
+}
+
+/// The contour of a shape.
+pub(super) fn contour(gauss: &Gauss, y: &Solution, domain: Domain) -> Vec<[f64; 2]> {
+    observables::contour(gauss, y, domain, CONTOUR)
 }
 
 /// A branch followed.
@@ -252,7 +269,7 @@ impl Branch {
             (Err(source), _) => {
                 BranchEnd::Lost(ShapeError::Branch { cell: CellName::of(&branch.problem.cell), source })
             }
-            (_, Some(end @ BranchEnd::NotLocated(_))) => end,
+            (_, Some(end @ (BranchEnd::NotLocated(_) | BranchEnd::Rejoined))) => end,
             (Ok(Termination::ParameterBound(bound)), _) => BranchEnd::Bound(bound),
             (Ok(Termination::PointLimit(points)), _) => BranchEnd::PointLimit(points),
             (Ok(_), stopped) => stopped.unwrap_or(BranchEnd::Enough),

@@ -1,16 +1,34 @@
 //! Folds and pitchforks, located between the last two points of a branch.
 
+use furrow_bvp::locate::{self, Located};
 use furrow_bvp::normal_form::pitchfork_normal_form;
 use furrow_bvp::{
-    BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, SingularError, Solution, SymmetryBreaking,
-    locate,
+    BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, Gauss, MinimallyAugmented, SingularError,
+    Singularity, Solution, SymmetryBreaking, mesh,
 };
 
 use super::branch::{BranchEnd, FoldPoint, Pitchfork};
+use super::curves::along_scalar;
 use super::error::{CellName, PointKind, ShapeError};
 use super::point::{ShapePoint, XI};
-use crate::cortex::Cortex;
 use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
+use crate::cortex::{Cortex, Domain, observables};
+
+/// The folds between the last two points of a continuation, of which the step says whether ξ_s has turned an odd number of times, and
+/// `before` was ([arclength, ξ_s, dξ_s/ds]) at its start.
+///
+/// # Errors
+/// [`SingularError`].
+pub(super) fn folds_near(
+    branch: &mut Continuation<Cortex>,
+    before: [f64; 3],
+    passed: bool,
+) -> Result<Vec<FoldPoint>, SingularError> {
+    match passed {
+        true => Ok(vec![fold_near(branch)?]),
+        false => two_folds(branch, before),
+    }
+}
 
 /// The fold between the last two points of a continuation.
 ///
@@ -18,12 +36,89 @@ use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
 /// [`SingularError`].
 pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, SingularError> {
     // Past a maximum ξ_s falls.
-    let maximum = branch.state.parameter_slope() < 0.0;
+    fold_between(branch, branch.state.parameter_slope() < 0.0)
+}
+
+fn fold_between(branch: &mut Continuation<Cortex>, maximum: bool) -> Result<FoldPoint, SingularError> {
     let signs = if maximum { [1.0, -1.0] } else { [-1.0, 1.0] };
-    let found = locate::between_last_points(branch, Fold::new(XI), signs)?;
+    let found = confirmed(locate::between_last_points(branch, Fold::new(XI), signs)?, Fold::new(XI))?;
     let of = ShapePoint::of(&found.solution, &found.augmented.problem, &found.augmented.system.gauss);
     let point = ShapePoint { arclength: found.arclength, ..of };
-    Ok(FoldPoint { point, maximum, report: found.report, shape: found.solution })
+    Ok(FoldPoint { point, maximum, error: found.error, report: found.report, shape: found.solution })
+}
+
+/// Where the parabola of dξ_s/ds falls to this share of its smaller end within a step, dξ_s/ds itself may fall below 0.
+const DIP: f64 = 0.5;
+
+/// The two folds that one step has passed, or none: the tangents at both of its ends do not show them.
+fn two_folds(
+    branch: &mut Continuation<Cortex>,
+    [start, from, slope]: [f64; 3],
+) -> Result<Vec<FoldPoint>, SingularError> {
+    let state = &branch.state;
+    let (length, now) = (state.arclength - start, state.parameter_slope());
+    // dξ_s/ds as the parabola with its values at the ends and its mean.
+    let mean = (state.parameter() - from) / length;
+    let (linear, square) = (6.0 * mean - 4.0 * slope - 2.0 * now, 3.0 * slope + 3.0 * now - 6.0 * mean);
+    let turn = -0.5 * linear / square;
+    let least = slope + 0.5 * linear * turn;
+    let flat = least * now.signum() < DIP * slope.abs().min(now.abs());
+    if !(turn > 0.0 && turn < 1.0 && flat && slope * now > 0.0) {
+        return Ok(Vec::new());
+    }
+    let (at, newest) = (start + turn * length, state.solution.clone());
+    let mut between = newest.clone();
+    let (end, tangent) = (state.arclength, state.tangent.clone());
+    state.history.extrapolate(at, &mut between);
+    branch.correct_across(&mut between, &tangent);
+    let (cortex, metric) = (branch.problem.clone(), branch.metric.clone());
+    let mut fold = MinimallyAugmented::new(cortex, Fold::new(XI), newest.m, metric, &tangent)?;
+    if fold.sign_at(&between)? * now > 0.0 {
+        return Ok(Vec::new());
+    }
+    branch.state.history.replace_newest(at, &between);
+    let first = fold_between(branch, now > 0.0);
+    branch.state.history.push(end, &newest);
+    let second = fold_between(branch, now < 0.0);
+    // Tangents of predictions may have shown two where one lies ahead, which the next step passes.
+    Ok(first.ok().zip(second.ok()).map_or_else(Vec::new, |(first, second)| vec![first, second]))
+}
+
+/// [arclength, ξ_s, dξ_s/ds] at the newest point.
+pub(super) fn course(branch: &Continuation<Cortex>) -> [f64; 3] {
+    [branch.state.arclength, branch.state.parameter(), branch.state.parameter_slope()]
+}
+
+/// Where the newest shape of a branch is narrower than `limit`, in R0, the branch ends at the shape between the last two points that is as
+/// wide as that, if there is one: not at the newest, which depends on the length of the steps.
+pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Option<BranchEnd> {
+    const MOST: usize = 30;
+    const CLOSE: f64 = 1e-7;
+    let (gauss, domain) = (branch.system.gauss.clone(), branch.problem.domain);
+    let scale = limit * branch.problem.cell.r0;
+    let excess = |y: &Solution| narrowest(&gauss, y, domain).map_or(f64::INFINITY, |width| (width / scale).ln());
+    let beyond = excess(&branch.state.solution);
+    if beyond >= 0.0 {
+        return None;
+    }
+    let end = Some(BranchEnd::Pinched(limit));
+    let Some((before, earlier)) = branch.state.history.back(1) else { return end };
+    let mut ends = [(before, excess(earlier)), (branch.state.arclength, beyond)];
+    let (tangent, mut y) = (branch.state.tangent.clone(), branch.state.solution.clone());
+    for count in 0..MOST {
+        let [(low, above), (high, below)] = ends;
+        let secant = (low * below - high * above) / (below - above);
+        let at = if count % 3 < 2 && secant.is_finite() { secant } else { 0.5 * (low + high) };
+        branch.state.history.extrapolate(at, &mut y);
+        branch.correct_across(&mut y, &tangent);
+        let found = excess(&y);
+        if found.abs() < CLOSE {
+            (branch.state.solution, branch.state.arclength) = (y, at);
+            break;
+        }
+        ends[usize::from(found < 0.0)] = (at, found);
+    }
+    end
 }
 
 /// The pitchfork between the last two points of a continuation of symmetric shapes, where the antisymmetric determinant
@@ -32,14 +127,58 @@ pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, Singula
 /// # Errors
 /// [`SingularError`].
 pub fn pitchfork_near(branch: &mut Continuation<Cortex>, signs: [f64; 2]) -> Result<Pitchfork, SingularError> {
-    let mut found = locate::between_last_points(branch, SymmetryBreaking::default(), signs)?;
-    let (at, y) = (&mut found.augmented, found.solution);
-    let form = pitchfork_normal_form(at, &y)?;
+    let found = locate::between_last_points(branch, SymmetryBreaking::default(), signs)?;
+    pitchfork_at(confirmed(found, SymmetryBreaking::default())?)
+}
+
+/// A shape as narrow as this, in R0, may need a finer mesh than its branch has.
+const NARROW: f64 = 0.05;
+/// What is found there lies elsewhere on a finer mesh by this much of its ξ_s at most, or is none of the cell's but one of the mesh.
+const MOVES: f64 = 1e-2;
+
+/// A singular point of a narrow shape as it is on a mesh with halved intervals; others as they are.
+fn confirmed<S: Singularity<Cortex>>(
+    found: Located<Cortex, S>,
+    singularity: S,
+) -> Result<Located<Cortex, S>, SingularError> {
+    let Located { augmented: MinimallyAugmented { problem, system, metric, .. }, solution: coarse, arclength, .. } =
+        &found;
+    if narrowest(&system.gauss, coarse, problem.domain).is_none_or(|radius| radius > NARROW * problem.cell.r0) {
+        return Ok(found);
+    }
+    let mut solution = coarse.on_mesh(&system.gauss, &mesh::halved(&coarse.mesh));
+    // The contour length changes along every branch near its singular points.
+    let along = along_scalar(&solution, solution.scalars.len(), LENGTH);
+    let mut augmented = MinimallyAugmented::new(problem.clone(), singularity, solution.m, metric.clone(), &along)?;
+    let report = augmented.solve(&mut solution, None)?;
+    let [from, to] = [coarse, &solution].map(|y| y.scalars[XI]);
+    let error = (to - from).abs();
+    if error > MOVES * (1.0 + from.abs()) {
+        return Err(SingularError::Stalled { iterations: report.iterations, correction: error });
+    }
+    Ok(Located { augmented, solution, arclength: *arclength, error, report })
+}
+
+/// Radius of the narrowest place of a contour beside its poles, if there is one.
+pub(super) fn narrowest(gauss: &Gauss, y: &Solution, domain: Domain) -> Option<f64> {
+    let neck = observables::neck(gauss, y).map(|neck| neck.radius);
+    match domain {
+        // The equator of a half contour, or a furrow beside it.
+        Domain::Half => Some(neck.unwrap_or(f64::INFINITY).min(y.node(y.intervals())[R])),
+        Domain::Full => neck,
+    }
+}
+
+/// What is said of a pitchfork.
+pub(super) fn pitchfork_at(found: Located<Cortex, SymmetryBreaking>) -> Result<Pitchfork, SingularError> {
+    let Located { augmented: mut at, solution: y, arclength, error, report } = found;
+    let form = pitchfork_normal_form(&mut at, &y)?;
     let furrow_shift = furrow_shift(&at.problem, &y, &at.singularity.null);
     Ok(Pitchfork {
-        point: ShapePoint { arclength: found.arclength, ..ShapePoint::of(&y, &at.problem, &at.system.gauss) },
+        point: ShapePoint { arclength, ..ShapePoint::of(&y, &at.problem, &at.system.gauss) },
         coefficient: form.parameters[0] / (furrow_shift * furrow_shift),
-        report: found.report,
+        error,
+        report,
         null: at.singularity.null.clone(),
         furrow_shift,
         shape: y,

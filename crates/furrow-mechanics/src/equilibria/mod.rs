@@ -10,6 +10,7 @@
 //! | [`locate`] | folds and pitchforks between two points of a branch |
 //! | [`pitchfork`] | the first pitchfork |
 //! | [`asymmetric`] | the branch that leaves there |
+//! | `rejoin` | where it comes back to mirror-symmetric shapes |
 //! | [`mod@stationary`] | one shape at one activity |
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
@@ -33,6 +34,7 @@ pub mod pitchfork;
 pub mod point;
 pub mod primary;
 mod rates;
+mod rejoin;
 pub mod stationary;
 
 pub use at_rest::{RestShapes, rest_shapes};

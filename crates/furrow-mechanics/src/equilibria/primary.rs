@@ -11,12 +11,11 @@ use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, begin, newest_contour};
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError, resolved};
-use super::locate::{fold_near, not_located, pitchfork_near};
+use super::locate::{course, end_at_width, folds_near, not_located, pitchfork_near};
 use super::passive::passive;
 use super::point::ShapePoint;
 use super::rates::{self, with_rates};
-use crate::cortex::equations::R;
-use crate::cortex::observables::{self, PINCH_OFF, with_components};
+use crate::cortex::observables::{PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
@@ -112,10 +111,11 @@ impl EventDetector {
         }
     }
 
-    /// The fold between the last two points, which is known to be there.
-    fn fold(&mut self, branch: &mut Continuation<Cortex>) -> Option<BranchEvent> {
-        let found = fold_near(branch).map(|fold| BranchEvent::Fold(Box::new(fold)));
-        self.located(branch, PointKind::Fold, found)
+    /// The folds between the last two points.
+    fn folds(&mut self, branch: &mut Continuation<Cortex>, before: [f64; 3], passed: bool) -> Vec<BranchEvent> {
+        let found = folds_near(branch, before, passed);
+        let found = self.located(branch, PointKind::Fold, found).unwrap_or_default();
+        found.into_iter().map(|fold| BranchEvent::Fold(Box::new(fold))).collect()
     }
 
     fn located<T>(&mut self, at: &Continuation<Cortex>, kind: PointKind, found: Result<T, SingularError>) -> Option<T> {
@@ -173,24 +173,27 @@ pub fn follow_within(
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);
     let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0)], Vec::new());
+    let mut before = course(&branch);
+    let narrowest = if branch.problem.domain == Domain::Half { PINCH_OFF } else { NARROWEST };
     let (ended, rates) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
         rate(&branch.state.solution, 0);
         branch.follow(options.xi, options.points, |branch, advance| {
+            let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
+            new.extend(detector.folds(branch, before, advance.passed_fold));
+            new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
+            // What cannot be located may lie beyond.
+            if let Some(end) = end_at_width(branch, narrowest) {
+                detector.stop = Some(end);
+                new.retain(|event| event.point().arclength <= branch.state.arclength);
+            }
+            before = course(branch);
             azimuthal.take_in(branch);
             contours.extend(options.contours.then(|| newest_contour(branch)));
-            let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
-            if advance.passed_fold {
-                new.extend(detector.fold(branch));
-            }
-            new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
             let passed = events.len() + new.len();
             rate(&branch.state.solution, passed);
             points.push(ShapePoint::newest(branch, passed));
             let enough = new.iter().any(|event| !wanted(event));
             events.extend(new);
-            if detector.stop.is_none() {
-                detector.stop = pinched(branch);
-            }
             budget.spend(1 + advance.rejected) && detector.stop.is_none() && !enough
         })
     });
@@ -209,18 +212,6 @@ pub(super) fn coarse(numerics: &Numerics) -> (Numerics, usize) {
     let wanted = numerics.intervals / 2;
     let parts = if wanted.is_multiple_of(COARSER) && wanted >= FEWEST * COARSER { COARSER } else { 1 };
     (Numerics { intervals: 2 * (wanted / parts), ..*numerics }, parts)
-}
-
-/// Whether the newest shape is so narrow somewhere that the branch is left there.
-fn pinched(branch: &Continuation<Cortex>) -> Option<BranchEnd> {
-    let y = &branch.state.solution;
-    let neck = observables::neck(&branch.system.gauss, y).map(|neck| neck.radius);
-    let (narrow, limit) = match branch.problem.domain {
-        // The equator of a half contour, or a furrow beside it.
-        Domain::Half => (Some(neck.unwrap_or(f64::INFINITY).min(y.node(y.intervals())[R])), PINCH_OFF),
-        Domain::Full => (neck, NARROWEST),
-    };
-    narrow.filter(|radius| *radius < limit * branch.problem.cell.r0).map(|_| BranchEnd::Pinched(limit))
 }
 
 /// Growth rates at a fold that ends a stable shape are none above this, in 1/τ: the mode of the fold itself neither grows
