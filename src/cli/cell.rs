@@ -97,8 +97,8 @@ impl CellArgs {
         let (cue, units) = self.cue.read()?;
         context.units = units.asked_in(self.r0);
         let r0 = self.r0.in_units(&context.units);
-        warn_of_size([r0]);
         set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
+        warn_of_size([r0]);
         Ok(context.settings.cell.clone().with_cue(cue))
     }
 }

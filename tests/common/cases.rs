@@ -52,7 +52,12 @@ pub fn check_session(file: &str) {
         };
         let code = if output.status.success() { String::new() } else { format!("{}\n", output.status) };
         let lines = [&out, &err, &code].into_iter().flat_map(|text| text.lines());
-        lines.filter(|line| !line.trim().is_empty()).collect::<Vec<_>>().join("\n")
+        // A slow machine prints its progress every half minute.
+        let is_progress = |line: &str| {
+            let seconds = line.strip_prefix("furrow: ").and_then(|rest| rest.split_once(" s: "));
+            seconds.is_some_and(|(seconds, _)| seconds.bytes().all(|byte| byte.is_ascii_digit()))
+        };
+        lines.filter(|line| !line.trim().is_empty() && !is_progress(line)).collect::<Vec<_>>().join("\n")
     });
 }
 

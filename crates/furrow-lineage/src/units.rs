@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use furrow_cell::SIZES;
 use furrow_cell::cue::Scale;
 use furrow_cell::settings::Value;
-use furrow_input::InputError;
+use furrow_input::{InputError, shown_number};
 use furrow_mechanics::polarity::LENGTH_UM;
 
 /// L_h and τ of an embryo. The paper prints neither: users give them.
@@ -82,13 +83,14 @@ impl Units {
 /// Radii R0 in L_h of the cells that the presets were made for: the zygote's is 5.4, and cells below 1.7 do not divide.
 const MADE_FOR: std::ops::RangeInclusive<f64> = 0.5..=8.0;
 
-/// Says so where a radius, in L_h, is far from those that the presets were made for.
+/// A warning of a radius, in L_h, that is allowed but far from those that the presets were made for.
 pub fn size_doubt(r0: f64) -> Option<String> {
     let [least, most] = [MADE_FOR.start(), MADE_FOR.end()];
-    (r0.is_finite() && !MADE_FOR.contains(&r0)).then(|| {
+    (SIZES.contains(&r0) && !MADE_FOR.contains(&r0)).then(|| {
+        let r0 = shown_number(r0);
         format!(
-            "R0 = {r0:.4} L_h is far from the sizes that the constants were made for, {least} to {most} (the worm's zygote has 5.4); \
-             if it is in µm, write {r0:.4}um, and of another animal say how long L_h is: units: (length_um: …) in its lineage file"
+            "R0 = {r0} L_h is far from the sizes that the constants were made for, {least} to {most} (the worm's zygote has 5.4); \
+             if it is in µm, write {r0}um, and of another animal say how long L_h is: units: (length_um: …) in its lineage file"
         )
     })
 }
