@@ -61,7 +61,10 @@ fn options_that_sources_name_exist() {
 fn sources_below(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = entries.partition(|path| path.is_dir());
-    let files = files.into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "rs"));
+    // A build script runs other programs.
+    let is_source =
+        |path: &PathBuf| path.extension().is_some_and(|extension| extension == "rs") && !path.ends_with("build.rs");
+    let files = files.into_iter().filter(is_source);
     files.chain(folders.iter().flat_map(|folder| sources_below(folder))).collect()
 }
 
@@ -89,7 +92,7 @@ fn help_lists_own_options_first() {
         let place = |option: &str| help.find(option).unwrap_or_else(|| panic!("{words:?}: no {option}: {help}"));
         let own =
             ["--r0 <", "--cue <", "--published", "<DIR>"].iter().filter_map(|option| help.find(option)).min().unwrap();
-        assert!(own < place("--preset <") && place("--preset <") < place("--threads <"), "{help}");
+        assert!(own < place("--preset <") && own < place("--threads <"), "{help}");
     }
 }
 
