@@ -85,7 +85,7 @@ impl Volumes {
         let named = grid_unit(header, (file, line))?;
         let mut places: Vec<Option<usize>> = Vec::new();
         for (column, name) in header.iter().enumerate() {
-            let cell = understood(split_unit(name).0).filter(|_| column > 0);
+            let cell = understood(split_unit(name).0);
             if cell.is_none() && !is_frame(column, name) {
                 let value = Value::of_heading(line as u64, column, name);
                 self.skip(file, &(value, "no name of Sulston's".to_owned()));

@@ -157,6 +157,12 @@ impl Names {
         Names { founders, letters, of_worm }
     }
 
+    /// Whether the cells are the worm's, so that its published measurements are theirs: the lineage has Sulston's founders, or is not
+    /// given.
+    pub fn are_of_worm(&self) -> bool {
+        self.of_worm || self.founders.is_empty()
+    }
+
     /// The founder (an index) that a cell is or descends from by the lineage's rule, and the letters behind its name.
     fn place<'a>(&self, name: &'a str) -> Option<(usize, &'a str)> {
         let has_listed = |k: usize| self.founders.iter().any(|founder| founder.mother == Some(k));

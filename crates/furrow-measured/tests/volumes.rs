@@ -263,6 +263,16 @@ fn a_long_table_in_descending_frames_is_read() {
     assert!(volumes.skipped[0].why.contains("a second volume of this cell in frame 7"));
 }
 
+/// A grid may begin with a cell, and a quote that is not closed must not swallow the cells below it.
+#[test]
+fn no_cell_of_a_table_is_lost() {
+    let grid = read(b"AB,P1,ABa,ABp\n14500,9900,7000,7100\n");
+    assert_eq!((grid.used, grid.skipped_count, divisions(&grid).divisions.len()), (4, 0, 2));
+    let table = b"embryo,cell,volume,note\ne,AB,59,ok\ne,P1,41,\"5 inch\ne,ABa,30,x\ne,ABp,29,x\n";
+    let error = Volumes::default().read(&table[..], "t.csv", &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.starts_with("t.csv:3") && error.contains("a quote that opens in this row is not closed"), "{error}");
+}
+
 #[test]
 fn decimal_commas_are_read_where_they_do_not_separate_columns() {
     let chi = |table: &[u8]| {
@@ -287,6 +297,9 @@ fn decimal_commas_are_read_where_they_do_not_separate_columns() {
         doubtful[0],
         "t.csv:2: 3 (volume) = \"1,017\": may be 1.017 or 1017: no other number of the table says which"
     );
+    // pandas names the column that a cut decimal comma makes.
+    let cut = skipped("embryo,cell,volume,Unnamed: 3\ne,AB,14,5\ne,P1,9,9\n");
+    assert!(cut[0].contains("has 4 fields, the heading 3"), "{cut:?}");
     assert!(read(b"embryo,cell,volume\n").require_used("t.csv").unwrap_err().to_string().contains("no rows"));
     read(b"embryo,cell,volume\ne,AB,60\n").require_used("t.csv").unwrap();
 }

@@ -1,7 +1,7 @@
 //! `furrow compare lifetimes`: measured lifetimes beside those of a tree with a clock.
 
 use super::{skipped_text, trees_of};
-use crate::cli::cell::{load_lineage, positive};
+use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::output::{number, print_as};
@@ -43,11 +43,11 @@ pub struct LifetimesArgs {
     /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
     #[arg(help_heading = "Model", long, value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
-    /// Tables of cell volumes, as for compare volumes; default published ones of C. elegans
+    /// Tables of cell volumes, as for compare volumes; default the published ones, for a lineage with the founders of C. elegans
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
     /// Minutes from one frame to the next, for embryos of programs that count frames
-    #[arg(help_heading = "Tables", long, value_name = "MIN", value_parser = number, requires = "table")]
+    #[arg(help_heading = "Tables", long, value_name = "MIN", allow_negative_numbers = true, value_parser = number, requires = "table")]
     frame_minutes: Option<f64>,
     #[command(flatten)]
     plot: PlotArgs,
@@ -58,14 +58,16 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let model = Model::read(args.tree.as_deref())?;
     let names = names_of(model.lineage());
     let lifetimes = lifetimes(args, &names)?;
+    let of_worm = names.are_of_worm();
     let volumes = match &args.volumes[..] {
-        [] => jankele2021_volumes()?,
+        [] if of_worm => jankele2021_volumes()?,
+        [] => Volumes::default(),
         files => Volumes::of_files(files, &ReadOptions { names, ..ReadOptions::default() })?,
     };
     let tree = model.tree(context)?;
     let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
     picture.write(|| plot::lifetimes::draw(&found, volumes.unit))?;
-    let published = [args.table.is_none(), args.volumes.is_empty()];
+    let published = [args.table.is_none(), args.volumes.is_empty() && of_worm];
     print_as(context.json, &document(&found, &lifetimes, &volumes, published), || {
         let source = if published[0] { format!("measured: means published by {SOURCE}\n") } else { String::new() };
         let used = format!("{} rows of lifetimes used, {} skipped\n", lifetimes.used, lifetimes.skipped_count);
@@ -76,7 +78,11 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
 
 fn lifetimes(args: &LifetimesArgs, names: &Names) -> Result<Lifetimes, InputError> {
     let Some(file) = &args.table else { return jankele2021_lifetimes() };
-    let frame_minutes = args.frame_minutes.map(|minutes| positive("--frame-minutes", minutes)).transpose()?;
+    let frame_minutes = args.frame_minutes;
+    if let Some(minutes) = frame_minutes {
+        let allowed = "a time in minutes, from 1e-6 to 1e6";
+        InputError::require((1e-6..=1e6).contains(&minutes), "--frame-minutes", "frame_minutes", minutes, allowed)?;
+    }
     Lifetimes::read_file(file, frame_minutes, names)
 }
 

@@ -253,7 +253,7 @@ const SMALLEST: f64 = 1.0;
 
 fn check(args: &VolumesArgs) -> Result<(), InputError> {
     let voxel = args.voxel.unwrap_or(1.0);
-    InputError::require(voxel > 0.0, "--voxel", "voxel", voxel, "a length above 0, in µm")?;
+    InputError::require((1e-6..=1e6).contains(&voxel), "--voxel", "voxel", voxel, "a length in µm, from 1e-6 to 1e6")?;
     if let Some(WantedScale::Length(length)) = args.length_scale {
         let allowed = "a length above 0, in the cube root of the tables' unit, or fit";
         InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;

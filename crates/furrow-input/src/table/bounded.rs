@@ -12,11 +12,18 @@ pub(super) struct Bounded<R> {
     from: R,
     left: u64,
     left_of_row: u64,
+    /// Whether the number of quotes is odd so far.
+    odd_quotes: bool,
 }
 
 impl<R: Read> Bounded<R> {
     pub(super) fn new(from: R) -> Bounded<R> {
-        Bounded { from, left: LONGEST, left_of_row: LONGEST_ROW }
+        Bounded { from, left: LONGEST, left_of_row: LONGEST_ROW, odd_quotes: false }
+    }
+
+    /// Whether a quote is open at the end: quotes come in pairs.
+    pub(super) fn has_open_quote(&self) -> bool {
+        self.odd_quotes
     }
 
     /// From here on another row is read.
@@ -36,6 +43,7 @@ impl<R: Read> Read for Bounded<R> {
             return if of_row { too_long("a row", LONGEST_ROW) } else { too_long("the table", LONGEST) };
         };
         (self.left, self.left_of_row) = (all, row);
+        self.odd_quotes ^= buffer[..read].iter().filter(|byte| **byte == b'"').count() % 2 == 1;
         Ok(read)
     }
 }

@@ -133,7 +133,7 @@ impl<'f, R: Read> Table<'f, R> {
 
     /// The names of the columns, and their line: the first row that is neither empty nor a comment, or one that `is_header` accepts
     /// although it looks like one. Names such as `Unnamed: 0`, which pandas gives to columns
-    /// without a name, are empty here if they are at the left.
+    /// without a name, are empty here.
     ///
     /// # Errors
     /// A table without such a row, and as [`next`](Self::next).
@@ -142,8 +142,7 @@ impl<'f, R: Read> Table<'f, R> {
             let mut header = names(&self.record);
             if !is_empty(&self.record) && (!is_comment(&self.record) || is_header(&header)) {
                 let (line, _) = self.here();
-                let index = header.iter().take_while(|name| is_unnamed(name)).count();
-                header[..index].iter_mut().for_each(String::clear);
+                header.iter_mut().filter(|name| is_unnamed(name)).for_each(String::clear);
                 self.name_columns(header.clone());
                 return Ok((line as usize, header));
             }
@@ -203,13 +202,19 @@ impl<'f, R: Read> Table<'f, R> {
     /// Reads the next row, if there is one.
     fn advance(&mut self) -> Result<bool, InputError> {
         self.reader.get_mut().begin_row();
-        self.reader.read_byte_record(&mut self.record).map_err(|error| {
+        let before = self.here().0;
+        let spans_lines = self.record.iter().any(|field| field.contains(&b'\n'));
+        let more = self.reader.read_byte_record(&mut self.record).map_err(|error| {
             let line = error.position().map_or_else(|| self.reader.position().line(), csv::Position::line);
             match error.kind() {
                 csv::ErrorKind::Io(error) => malformed(self.file, line.max(1) as usize, error.to_string()),
                 _ => malformed(self.file, line.max(1) as usize, error.to_string()),
             }
-        })
+        })?;
+        if !more && spans_lines && self.reader.get_ref().has_open_quote() {
+            return Err(malformed(self.file, before.max(1) as usize, "a quote that opens in this row is not closed"));
+        }
+        Ok(more)
     }
 }
 

@@ -31,7 +31,7 @@ impl Numbers {
     pub(super) fn of(separator: u8, head: &[u8]) -> Numbers {
         let mut found = Numbers { commas_separate: separator == b',', ..Numbers::default() };
         if !found.commas_separate {
-            let fields = head.split(|byte| [separator, b'\n', b'\r'].contains(byte));
+            let fields = head.split(|byte| [separator, b'\n', b'\r', b'"'].contains(byte));
             for shape in fields.filter_map(|field| shape(&super::text(field))).filter(|shape| !shape.doubtful) {
                 for (k, sign) in SIGNS.into_iter().enumerate() {
                     found.decimal[k] |= shape.decimal == Some(sign);
@@ -191,6 +191,7 @@ mod tests {
         assert_eq!(read("AB;1,017.5\nP1;1,017\n", "1,017"), Ok(1017.0));
         assert_eq!(read("AB;1.017,5\nP1;1.017\n", "1.017"), Ok(1017.0));
         assert_eq!(read("AB;12.5\nP1;1.017\n", "1.017"), Ok(1.017));
+        assert_eq!(read("\"AB\";\"15,6\"\n\"P1\";\"1,017\"\n", "1,017"), Ok(1.017));
         let refusal = Err("may be 1.017 or 1017: no other number of the table says which".to_owned());
         assert_eq!(read("AB;1,017\nP1;2,345\n", "1,017"), refusal);
         assert_eq!(read("AB;15,6\nP1;1.017\n", "1.017"), refusal);

@@ -26,10 +26,10 @@ const FEW: usize = 1 << 20;
 const LONGEST_METADATA: u64 = 4 << 20;
 
 /// Most columns: edges have two.
-const WIDEST: usize = 16;
+const WIDEST: usize = 2;
 
 /// Most rows of ids for each byte of the files with them: ids differ, so that no compression makes them shorter.
-const DENSEST: usize = 64;
+const DENSEST: usize = 16;
 
 /// The values of an array, row by row.
 #[derive(Debug)]
