@@ -261,10 +261,10 @@ fn minutes_beyond_the_sizes_of_the_clock_are_marked() {
         tree.cells().filter(|id| times[id.index()].lifetime_extrapolated).collect::<Vec<_>>()
     };
     assert!(beyond(&volumes("(1e-9, 1)")).is_empty());
-    let tree = volumes("(0.1, 1)");
+    let tree = volumes("(0.8, 1)");
     let marked = beyond(&tree);
     assert!(!marked.is_empty() && marked.len() < tree.len());
-    let small = |id: &&CellId| tree.daughter_count(**id) > 0 && tree.cell(**id).volume_fraction < 0.1 / 2_f64.sqrt();
+    let small = |id: &&CellId| tree.daughter_count(**id) > 0 && tree.cell(**id).volume_fraction < 0.8 / 2_f64.sqrt();
     assert_eq!(marked.len(), tree.cells().collect::<Vec<_>>().iter().filter(small).count());
     let text = tree_to_json(&tree).unwrap();
     assert_eq!(text.matches("\"lifetime_extrapolated\":true").count(), marked.len());
