@@ -43,7 +43,8 @@ def solve(
     ``range`` is its first and last value; the defaults are those of ``furrow solve``. The range is scanned at ``points``
     values, and every crossing is refined to 1e-9 of the range. The answer has ``roots``, a list of dicts with ``value``,
     ``chi``, ``chi_signed``, ``smaller`` (the smaller daughter: "posterior", "anterior", "either" or "neither"), ``u_furrow``
-    and ``t_end``; ``jumps``, where the outcome leaps over the wanted one; ``gaps``, where the cell does not divide; ``seen``, the least and the greatest outcome and where; and ``divisions``, how many it took.
+    and ``t_end``; ``jumps``, where the outcome leaps over the wanted one; ``gaps``, where the cell does
+    not divide; ``seen``, the least and the greatest outcome and where; and ``divisions``, how many it took.
     Without a root it raises :class:`NoOutcome`, which says what was seen.
 
     >>> import furrow

@@ -110,7 +110,7 @@ class Ranges:
         self.tree = tree
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the picture (``.svg``, ``.pdf``, ``.png``) or, over seeds, the page of the first tree with the ranges (``.html``)."""
+        """Writes the picture (``.svg``, ``.pdf``, ``.png``) or, over seeds, the first tree's page with the ranges (``.html``)."""
         file = path_of("path", path)
         if not file.endswith(".html"):
             self.drawing.save(file)

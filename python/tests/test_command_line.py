@@ -200,7 +200,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "compare volumes": (
         "furrow.compare.volumes",
         {"[FILE]": "furrow.compare.volumes(table)", "--plot": "furrow.compare.VolumesComparison.plot(path)"}
-        | {"--out": "furrow.compare.VolumesComparison.to_pandas"}
+        | {"--out": "furrow.compare.VolumesComparison.to_pandas", "--unit": "the heading of the table names the unit"}
         | {
             f"--{name}": f"furrow.compare.volumes({name.replace('-', '_')})"
             for name in ("published", "against", "voxel", "regress", "population", "bins", "length-scale", "constants", "lineage")
@@ -232,7 +232,10 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         _of("furrow.explore", FIRST, out="furrow.explore(path)", seed="furrow.explore(seed)")
         | {"[LINEAGE.ron]": "furrow.explore(lineage)"},
     ),
-    "new-lineage": ("furrow.new_lineage", {"<FILE.ron>": "furrow.new_lineage(path)"}),
+    "new-lineage": (
+        "furrow.new_lineage",
+        {"<FILE.ron>": "furrow.new_lineage(path)", "--first-cell": "the lineage's r0 and units, which take µm"},
+    ),
     "cache": ("furrow.cache", {}),
     "cache stat": ("furrow.cache.stat", {}),
     "cache verify": ("furrow.cache.verify", {"--repair": "furrow.cache.verify(repair)"}),

@@ -62,7 +62,7 @@ def test_an_error_says_what_was_given_and_what_is_allowed():
         lambda: furrow.Cell(2, config="a\0b"),
         lambda: furrow.Cell(2, lineage=7),
         lambda: furrow.Cell(2, preset=None),
-        lambda: furrow.Cell("17um"),
+        lambda: furrow.Cell("17 parsecs"),
         lambda: furrow.Cell(2).divide(-1),
         lambda: furrow.Cell(2).divide(2**64),
         lambda: furrow.Cell(2).divide(1.5),
