@@ -166,10 +166,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         | {"--ensemble": "furrow.ensemble(members)", "--seed": "furrow.ensemble(seed)", "--front": "furrow.front(members)"}
         | {"--out": "furrow.tree_ensemble(constants) takes the result", "--plot": "furrow.Calibration.to_pandas"},
     ),
-    "fit": (
-        "furrow.fit",
-        _of("furrow.fit.constants", SEARCH, out="furrow.fit.Constants has ron", plot="furrow.fit.Constants.save(path)"),
-    ),
+    "fit": ("furrow.fit", {}),
     "fit constants": (
         "furrow.fit.constants",
         _of("furrow.fit.constants", SEARCH, out="furrow.fit.Constants has ron", plot="furrow.fit.Constants.save(path)"),
