@@ -66,7 +66,9 @@ class CellPanel {
     if (this.recorded !== node) {
       this.recorded = null;
       this.player.show(null);
-      element("film-state").textContent = "";
+      const state = element("film-state");
+      state.textContent = "";
+      for (const key of Object.keys(state.dataset)) delete state.dataset[key];
     }
   }
 
