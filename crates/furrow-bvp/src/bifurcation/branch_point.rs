@@ -69,8 +69,8 @@ pub struct BranchPoint {
     pub gap: f64,
 }
 
-/// A correction below this leaves an error of 1e-10, too small for the estimate.
-const ROUGH: f64 = 1e-5;
+/// An estimate of the error needs no further iteration after a correction below this: the next is about its square.
+const ROUGH: f64 = 1e-3;
 
 /// Ratio of the slopes of λ at which one of the branches is taken to have an extremum there.
 const EXTREMUM: f64 = 1e-6;

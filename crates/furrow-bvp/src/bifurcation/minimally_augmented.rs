@@ -100,8 +100,8 @@ impl AddAssign<AugmentedReport> for Work {
 /// follows from them, are those of the iterate before it.
 const SMALL: f64 = 1e-6;
 
-/// A correction below this leaves an error of 1e-10, too small for an estimate.
-const ROUGH: f64 = 1e-5;
+/// An estimate of the error needs no further iteration after a correction below this: the next is about its square.
+const ROUGH: f64 = 1e-3;
 
 /// Most iterations.
 const MOST_ITERATIONS: usize = 15;

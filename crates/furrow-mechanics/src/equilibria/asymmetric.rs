@@ -68,6 +68,9 @@ const REACHED: f64 = 1.02;
 /// can become short.
 const CLOSE: f64 = 3.0;
 const SHRUNK: f64 = 1e-3;
+/// A mesh that is not quite mirror-symmetric turns the branch back shortly before the pitchfork, in a fold that cannot always be located. Up
+/// to this fraction of the largest asymmetry the pitchfork is looked for in its place.
+const TURNS: f64 = 2e-2;
 
 /// Shapes with less than this of the largest asymmetry may be on the way back to mirror-symmetric ones.
 const NEARLY: f64 = 0.3;
@@ -83,6 +86,8 @@ struct Run {
     opening: bool,
     asymmetry: Vec<f64>,
     largest: f64,
+    /// Where along the newest step, or up to [`CLOSE`] of its lengths, the asymmetry vanishes.
+    vanishes: Option<f64>,
     /// The [course] of the branch at the point before.
     before: [f64; 3],
     stop: Option<BranchEnd>,
@@ -95,8 +100,15 @@ impl Run {
         let before = std::mem::replace(&mut self.asymmetry, asymmetry(&branch.system.gauss, &branch.state.solution));
         self.largest = self.size().max(self.largest);
         let symmetric = self.size() < SHRUNK * self.largest;
-        let share = vanishes(&before, &self.asymmetry, if symmetric { CLOSE } else { REACHED })?;
+        self.vanishes = vanishes(&before, &self.asymmetry, CLOSE);
+        let share = self.vanishes.filter(|share| symmetric || *share <= REACHED)?;
         Some(rejoined(branch, share)).filter(|found| found.is_ok() || symmetric && share < REACHED)
+    }
+
+    /// The pitchfork in the place of a fold that cannot be located, where there is one.
+    fn turned(&self, branch: &Continuation<Cortex>) -> Option<Pitchfork> {
+        let lost = matches!(self.stop, Some(BranchEnd::NotLocated(_))) && self.size() < TURNS * self.largest;
+        self.vanishes.filter(|_| lost).and_then(|share| rejoined(branch, share).ok())
     }
 
     fn size(&self) -> f64 {
@@ -156,6 +168,10 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
                 return false;
             }
             run.folds(branch, advance.passed_fold);
+            if let Some(pitchfork) = run.turned(branch) {
+                (run.stop, end) = (Some(BranchEnd::Rejoined), Some(pitchfork));
+                return false;
+            }
             run.mirror_mesh(branch);
             rate(&branch.state.solution, run.events.len());
             let point = ShapePoint::newest(branch, run.events.len());

@@ -47,8 +47,11 @@ fn fold_between(branch: &mut Continuation<Cortex>, maximum: bool) -> Result<Fold
     Ok(FoldPoint { point, maximum, error: found.error, report: found.report, shape: found.solution })
 }
 
-/// Where the parabola of dξ_s/ds falls to this share of its smaller end within a step, dξ_s/ds itself may fall below 0.
-const DIP: f64 = 0.5;
+/// Where the parabola of dξ_s/ds falls to the first share of its smaller end within a step, and the polynomial through the points before to
+/// the second, dξ_s/ds itself may fall below 0.
+const DIP: [f64; 2] = [0.5, 0.75];
+/// Half of the part of a step over which that polynomial's slope is taken.
+const NEAR: f64 = 0.01;
 
 /// The two folds that one step has passed, or none: the tangents at both of its ends do not show them.
 fn two_folds(
@@ -62,12 +65,19 @@ fn two_folds(
     let (linear, square) = (6.0 * mean - 4.0 * slope - 2.0 * now, 3.0 * slope + 3.0 * now - 6.0 * mean);
     let turn = -0.5 * linear / square;
     let least = slope + 0.5 * linear * turn;
-    let flat = least * now.signum() < DIP * slope.abs().min(now.abs());
-    if !(turn > 0.0 && turn < 1.0 && flat && slope * now > 0.0) {
+    let falls = |least: f64, share: f64| least * now.signum() < share * slope.abs().min(now.abs());
+    if !(turn > 0.0 && turn < 1.0 && falls(least, DIP[0]) && slope * now > 0.0) {
         return Ok(Vec::new());
     }
     let (at, newest) = (start + turn * length, state.solution.clone());
     let mut between = newest.clone();
+    let [before, after] = [-NEAR, NEAR].map(|off| {
+        state.history.extrapolate(at + off * length, &mut between);
+        between.scalars[XI]
+    });
+    if !falls((after - before) / (2.0 * NEAR * length), DIP[1]) {
+        return Ok(Vec::new());
+    }
     let (end, tangent) = (state.arclength, state.tangent.clone());
     state.history.extrapolate(at, &mut between);
     branch.correct_across(&mut between, &tangent);
@@ -93,7 +103,7 @@ pub(super) fn course(branch: &Continuation<Cortex>) -> [f64; 3] {
 /// wide as that, if there is one: not at the newest, which depends on the length of the steps.
 pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Option<BranchEnd> {
     const MOST: usize = 30;
-    const CLOSE: f64 = 1e-7;
+    const CLOSE: f64 = 1e-6;
     let (gauss, domain) = (branch.system.gauss.clone(), branch.problem.domain);
     let scale = limit * branch.problem.cell.r0;
     let excess = |y: &Solution| narrowest(&gauss, y, domain).map_or(f64::INFINITY, |width| (width / scale).ln());
