@@ -34,11 +34,6 @@ fn help() {
 }
 
 #[test]
-fn help_of_shapes() {
-    check_session("command/sessions/help_of_shapes.txt");
-}
-
-#[test]
 fn alternatives() {
     check_session("command/sessions/alternatives.txt");
 }
@@ -93,6 +88,13 @@ fn sweeps() {
 #[test]
 fn workflows() {
     check_session("command/sessions/workflows.txt");
+}
+
+/// Every example of the help, and ensembles.
+#[test]
+#[ignore = "takes minutes"]
+fn what_takes_minutes() {
+    check_session("command/sessions/minutes.txt");
 }
 
 #[test]

@@ -71,11 +71,11 @@ fn check(targets: &Targets, parameters: &[Parameter], values: &[f64]) -> Constra
 fn a_front_trades_statements_for_thresholds() {
     let targets = targets();
     let search = |threads: usize| {
-        front(&targets, &Cell::gao2026_thresholds(1.0), &numerics(), 24, 3, threads, &AtomicBool::new(false)).unwrap()
+        front(&targets, &Cell::gao2026_thresholds(1.0), &numerics(), 10, 3, threads, &AtomicBool::new(false)).unwrap()
     };
     let (one, two) = (search(1), search(2));
     assert_eq!(one, two);
-    assert_eq!((one.checked, one.statements), (24, 25));
+    assert_eq!((one.checked, one.statements), (10, 25));
     assert!(one.members.len() > 1);
     assert!(one.members.windows(2).all(|pair| pair[0].met < pair[1].met && pair[0].worst < pair[1].worst));
     for member in &one.members {
@@ -110,6 +110,7 @@ fn statements_exclude_what_they_are_about() {
 
 /// Draws have seeds of their own: the sample is the same at any number of threads, and each of it agrees with the targets.
 #[test]
+#[ignore = "takes minutes"]
 fn the_sample_does_not_depend_on_threads() {
     let targets = targets();
     let sample = |threads: usize| {

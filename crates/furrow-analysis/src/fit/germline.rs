@@ -406,21 +406,15 @@ fn held(rows: &[Vec<f64>], measured: &[MeasuredChi], goodness: Goodness) -> Resu
 
 #[cfg(test)]
 mod tests {
+    use furrow_cell::Numerics;
+
     use super::super::unknowns::AMPLITUDES;
     use super::*;
 
-    /// The published cue in the units of the search, and its objective.
-    fn of_the_embryo<T>(then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
-        of_cue(Cue::published(), then)
-    }
-
-    /// A cue in the units of the search, and its objective.
-    fn of_cue<T>(template: Cue, then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
+    /// Calls `then` with the objective and the published cue's place in the units of the search.
+    fn of_the_embryo<T>(numerics: Numerics, then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
         let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
-        // Differences of divisions need them solved as finely as their tangents.
-        let mut settings = TreeSettings::default();
-        settings.numerics.time_tolerance *= FINER;
-        settings.numerics.noise = 0.0;
+        let (template, settings) = (Cue::published(), TreeSettings { numerics, ..TreeSettings::default() });
         let unknowns = unknowns(&template);
         let cell = Cell::gao2026_thresholds(1.0).with_cue(template.clone());
         let share = |unknown: &Unknown| {
@@ -436,7 +430,10 @@ mod tests {
 
     #[test]
     fn sensitivities_are_handed_down_from_mother_to_daughter() {
-        of_the_embryo(|objective, place| {
+        // Differences of divisions need them solved as finely as their tangents.
+        let preset = Numerics::default();
+        let fine = Numerics { time_tolerance: FINER * preset.time_tolerance, noise: 0.0, ..preset };
+        of_the_embryo(fine, |objective, place| {
             let exact = objective.sensitivities(&place).unwrap();
             assert_eq!(exact.len(), 4);
             for (k, unknown) in objective.unknowns.iter().enumerate() {
@@ -459,7 +456,7 @@ mod tests {
 
     #[test]
     fn errors_grow_with_the_misfit() {
-        of_the_embryo(|objective, place| {
+        of_the_embryo(Numerics::default(), |objective, place| {
             let [good, poor] = [1.0, 4.0].map(|chi_squared| complete(objective, &place, chi_squared).unwrap());
             assert_eq!((poor.goodness.degrees_of_freedom, poor.goodness.error_scale), (1, Some(2.0)));
             assert!((poor.goodness.p.unwrap() - 0.0455).abs() < 1e-4, "{:?}", poor.goodness);
@@ -472,7 +469,7 @@ mod tests {
 
     #[test]
     fn a_number_at_the_edge_of_its_range_is_named() {
-        of_the_embryo(|objective, mut place| {
+        of_the_embryo(Numerics::default(), |objective, mut place| {
             assert!(complete(objective, &place, 1.0).unwrap().at_limit.is_empty());
             let amplitude = place.len() - 1;
             place[amplitude] = 0.001;
