@@ -130,7 +130,7 @@ fn without_size_and_cue(cell: &Cell) -> Cell {
 
 /// Hash of all inputs of a boundary: the cell except its radius and cue, collocation, and the version of the method.
 pub fn parameters_hash(cell: &Cell, numerics: &Numerics) -> String {
-    // Fields in alphabetical order and numbers in shortest form, so that the text is the same on every host.
+    // Fields in the order of their declaration and numbers in shortest form, so that the text is the same on every host.
     let text = serde_json::to_string(&(FORMAT, without_size_and_cue(cell), numerics.stages, numerics.intervals))
         .unwrap_or_default();
     blake3::hash(text.as_bytes()).to_hex()[..16].to_string()

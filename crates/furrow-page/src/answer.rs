@@ -1,4 +1,4 @@
-//! What every function answers with: a JSON text and, behind it, plain numbers.
+//! The form of every answer: a JSON text followed by plain numbers.
 
 use furrow_mechanics::division::DivisionError;
 use furrow_mechanics::equilibria::ShapeError;

@@ -19,7 +19,7 @@ use super::limits::check;
 
 /// Equal parts in u of a contour that is drawn.
 const PARTS: usize = 160;
-/// Further points on either side of the furrow, and how far from it in u they reach.
+/// Further points on either side of the furrow, and their reach in u.
 const NEAR: (usize, f64) = (14, 0.04);
 /// Arrows of the active force along a contour.
 const ARROWS: usize = 36;

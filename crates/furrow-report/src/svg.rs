@@ -90,7 +90,7 @@ struct Layout {
     order: Vec<CellId>,
     /// Where the first cell is.
     top: f64,
-    /// By node, how far it is below the first cell.
+    /// Distance of each node below the first cell.
     down: Vec<f64>,
     /// The largest depth drawn.
     deepest: f64,

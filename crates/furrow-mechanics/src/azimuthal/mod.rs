@@ -41,7 +41,7 @@ const MODE_SETTLED: f64 = 1e-12;
 /// Perturbations of one azimuthal number about one shape.
 ///
 /// # Examples
-/// A small cell rests in a shape that is stable as long as it keeps its axis, but furrows from one side:
+/// A small cell rests in a shape that is stable to axisymmetric perturbations, but furrows from one side:
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics};

@@ -488,7 +488,7 @@ pub fn balances<D: Arithmetic>(
     }
 }
 
-/// Multiplies the activity in the first step \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).
+/// The factor of the noise on the activity \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).
 pub fn noise_factor(coefficients: &[f64; 10], u: f64) -> f64 {
     1.0 + coefficients.iter().enumerate().map(|(k, r)| r * ((k + 1) as f64 * PI * u).cos()).sum::<f64>()
 }

@@ -145,7 +145,7 @@ const GROUP: usize = 8;
 /// Numbers at the points of a group.
 type Group<const K: usize> = [[f64; GROUP]; K];
 
-/// f, and behind it the integrand of the volume.
+/// f, followed by the integrand of the volume.
 const OUT: usize = COMPONENTS + 1;
 
 /// The values common to all points.

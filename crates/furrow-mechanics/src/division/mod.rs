@@ -13,8 +13,8 @@
 //! | [`saddle`] | skips the linear growth at a saddle where a cell waits longer than the allowed time |
 //! | [`oscillation`] | detection of limit cycles |
 //! | `limits` | the step budget, and cells that drift or creep |
-//! | [`outcome`] | how a division ended: [`Division`] |
-//! | [`trajectory`] | all shapes of a division, with the forces on them |
+//! | [`outcome`] | the outcome of a division: [`Division`] |
+//! | [`trajectory`] | all shapes of a division, with their forces |
 //! | [`statistics`] | statistics of several divisions |
 
 mod halves;

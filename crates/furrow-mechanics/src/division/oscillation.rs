@@ -85,7 +85,7 @@ mod tests {
         assert!(period_of(|t| 15.0 - t).is_none());
     }
 
-    /// On 96 intervals with a tolerance of 1e-6 the period is 17.102; with the preset's numerics it is 1.4 % shorter.
+    /// On 96 intervals with a time tolerance of 1e-6 the period is 17.102; with the preset's numerics it is 1.4 % shorter.
     #[test]
     fn an_oscillating_cell_is_an_error_with_its_period() {
         let input =

@@ -1,4 +1,4 @@
-//! How a division ended.
+//! The outcome of a division.
 
 use furrow_bvp::{NewtonError, Work};
 use serde::{Deserialize, Serialize};

@@ -210,7 +210,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             match (drifts, run.slow_growth_rate) {
                 (Some(_), _) => return Ok((run.arrested(&stepper, drifts), None)),
                 (None, Some(growth_rate)) => return Err(DivisionError::Critical { r0, growth_rate }),
-                // The time in which it creeps does not count.
+                // Creeping time does not count.
                 (None, None) if run.fixed.is_none() && limits::creeps(&stepper, run.longest) => {
                     run.t_max = newest.t + run.longest;
                 }

@@ -25,7 +25,7 @@ pub struct Departure {
 }
 
 /// The shape that `here` becomes after its wait at `saddle`, a stationary shape on the same mesh with growth rate
-/// `growth`. It leaves on the side on which it is; without noise, rounding decides.
+/// `growth`. It leaves towards the side of `here`; without noise, rounding decides.
 ///
 /// # Errors
 /// The growing direction cannot be computed.

@@ -48,7 +48,7 @@ const NEWTON: Newton = Newton {
 /// Largest relative difference of the rate 1/Δt at which factors are reused.
 const SAME_RATE: f64 = 0.25;
 
-/// Weight, relative to R0, of an error of the regulator by its resting concentration.
+/// Weight, relative to R0, of an error of the regulator in units of its resting concentration.
 const CARRIED: f64 = 0.05;
 
 /// Highest order of the formulas.

@@ -197,7 +197,7 @@ impl BranchEnd {
             BranchEnd::PointLimit(_) => ("point_limit", "the largest number of points".into()),
             BranchEnd::Pinched(neck) => ("pinched", format!("its neck is narrower than {neck} R0")),
             BranchEnd::Rejoined => ("rejoined", "its shapes are mirror-symmetric again".into()),
-            BranchEnd::Enough => ("enough", "no more was asked for".into()),
+            BranchEnd::Enough => ("enough", "stopped by the caller".into()),
             BranchEnd::Lost(_) => ("lost", "lost".into()),
             BranchEnd::NotLocated(_) => ("not_located", "a singular point that cannot be located".into()),
         }

@@ -81,7 +81,7 @@ pub enum ShapeError {
     NotFound { cell: CellName, kind: PointKind, xi_max: f64 },
     /// The cell's cue distinguishes the poles: its branch has folds but no pitchfork.
     #[error(
-        "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; what bounds its shapes is a fold"
+        "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold"
     )]
     NoPitchfork { cell: CellName, cue: String },
     /// A curve of singular points does not reach the requested value.
@@ -104,16 +104,16 @@ pub enum ShapeError {
     Polarity { cell: CellName, source: PolarityError },
     /// Without turnover, every amount of a regulator has its own shapes at rest.
     #[error(
-        "{cell}: regulator.turnover = 0: shapes at rest need a turnover above 0, as any amount has its own without it"
+        "{cell}: regulator.turnover = 0: shapes at rest need a turnover above 0, since without it every amount of the regulator has its own"
     )]
     NoTurnover { cell: CellName },
     /// A cue that follows PAR polarity differs for every cell.
     #[error(
-        "{cell}: the cue follows PAR polarity and is another for every cell: its {kind}s have no curve; write it as the step or the band that furrow polarity prints"
+        "{cell}: the cue follows PAR polarity and differs for every cell: its {kind}s have no curve; write it as the step or the band that furrow polarity prints"
     )]
     FollowsPar { cell: CellName, kind: PointKind },
     /// Not found within the budget.
-    #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
+    #[error("{cell}: not found in {steps} steps along branches and curves, the largest number tried")]
     OutOfBudget { cell: CellName, steps: usize },
     /// The search was interrupted.
     #[error("interrupted")]

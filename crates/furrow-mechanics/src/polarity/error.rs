@@ -53,7 +53,7 @@ pub enum PolarityError {
     /// The branch does not end in a fold.
     #[error("polarised states do not end in a fold: {why}")]
     NoFold {
-        /// What was found instead.
+        /// Description of the end that was found.
         why: String,
     },
     /// The fold was not located.

@@ -47,7 +47,7 @@ pub(crate) use {shifts::Shifts, spectrum::rightmost};
 /// the cell's own rate far more.
 const DIRECTION_STEPS: usize = 12;
 
-/// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
+/// Workspace for growth rates; it allocates nothing large once it has handled the largest mesh.
 ///
 /// # Examples
 /// A small cell rests in a shape with an odd slowest mode, which decays:
