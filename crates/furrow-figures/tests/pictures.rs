@@ -17,7 +17,7 @@ fn divided(cue: &str) -> (Cell, Trajectory) {
     (cell, film)
 }
 
-/// The text of an SVG without the tags of indices.
+/// The text of an SVG without the tags of subscripts.
 fn plain(svg: &str) -> String {
     let mut parts = svg.split("<tspan").map(|part| part.replace("</tspan>", ""));
     let first = parts.next().unwrap_or_default();
