@@ -1,10 +1,10 @@
-//! The pictures of [furrow](https://docs.rs/furrow): charts of what its commands compute, drawings and movies of dividing
+//! The pictures of [furrow](https://docs.rs/furrow): charts of its commands' results, drawings and movies of dividing
 //! cells.
 //!
 //! | module | content |
 //! |---|---|
 //! | [`drawing`] | one style, a canvas for SVG, PDF and PNG, axes, legends, cells |
-//! | [`plot`] | a picture of what each command computes |
+//! | [`plot`] | a picture for each command |
 //! | [`movie`] | a division as a moving picture |
 //!
 //! # Examples

@@ -1,4 +1,4 @@
-//! What pictures say: colours of a cue's sign, names of the poles, titles within the width, legends of what is there.
+//! Content of the pictures: colours of a cue's signs, names of the poles, titles within the width, complete legends.
 
 use furrow_analysis::BoundaryStudy;
 use furrow_cell::{Cell, Cue, Parameter};
@@ -17,14 +17,14 @@ fn divided(cue: &str) -> (Cell, Trajectory) {
     (cell, film)
 }
 
-/// The text of an SVG without the tags of indices.
+/// The text of an SVG without the tags of subscripts.
 fn plain(svg: &str) -> String {
     let mut parts = svg.split("<tspan").map(|part| part.replace("</tspan>", ""));
     let first = parts.next().unwrap_or_default();
     parts.fold(first, |text, part| text + part.split_once('>').map_or("", |(_, words)| words))
 }
 
-/// Horizontal places of all areas of a colour, or of a tint of it: the middle of each.
+/// Horizontal positions of all areas of a colour or a tint of it, at their middle.
 fn places(svg: &str, is: impl Fn([f64; 3]) -> bool) -> Vec<f64> {
     let paths = svg.split("<path d=\"M").skip(1);
     let area = |path: &str| {
@@ -54,10 +54,10 @@ fn tint_of([r, g, b]: Colour) -> impl Fn([f64; 3]) -> bool {
 fn a_gradient_has_a_colour_on_each_side_and_a_legend() {
     let (cell, film) = divided("tension:gradient,amplitude=0.3");
     let svg = plot::division::draw(&cell, &film).svg();
-    // The contours are above the charts, in which curves have these colours too; curves are not filled.
+    // The contours lie above the charts; curves there share these colours but are not filled.
     let [raises, lowers] = [CUE_RAISES, CUE_LOWERS].map(|colour| places(&svg, tint_of(colour)));
     assert!(raises.len() > 100 && lowers.len() > 100, "{} {}", raises.len(), lowers.len());
-    // Of the second of six contours the left half is lowered, the right half raised.
+    // In the second of the six contours the left half is lowered and the right half raised.
     let width = (1160.0 - 40.0) / 6.0;
     let within = |all: &[f64]| -> Vec<f64> {
         all.iter().map(|x| (x - 20.0) / width).filter(|x| (1.0..2.0).contains(x)).map(|x| x - 1.5).collect()
@@ -77,19 +77,20 @@ fn the_germline_cue_only_raises_and_no_cue_has_no_legend() {
     assert!(!plot::division::draw(&cell, &film).svg().contains(">cue "));
 }
 
-/// A regulator that is made on one side, where it is above 0; not on the first of the six contours, at whose time φ is 0.
+/// The regulator is produced on one side, so that φ > 0 there; the first of the six contours shows no colour, since φ =
+/// 0 at its time.
 #[test]
 fn a_regulator_is_drawn_on_the_contours_and_over_their_length() {
     let (cell, film) = divided("regulator:step,u0=0.45,omega=0.1,amplitude=1,turnover=5,diffusion=1,friction=1");
     let svg = plain(&plot::division::draw(&cell, &film).svg());
     let above = places(&svg, tint_of(CUE_RAISES));
     let width = (1160.0 - 40.0) / 6.0;
-    // Above the first contour there is the legend.
+    // The legend lies above the first contour.
     let first = above.iter().filter(|x| (**x - 20.0) / width < 1.0).count();
     assert!(above.len() > 100 && first == 1, "{} {first}", above.len());
     assert!(svg.contains("regulator φ &gt; 0, to ") && svg.contains(">regulator φ<"));
     assert_eq!(svg.matches("t = 0.00 τ").count(), 2);
-    // Without one there is neither.
+    // Without a regulator, neither is drawn.
     let (cell, film) = divided("tension:gradient,amplitude=0.3");
     assert!(!plot::division::draw(&cell, &film).svg().contains("regulator"));
 }
@@ -106,16 +107,16 @@ fn a_movie_shows_the_regulator() {
 }
 
 #[test]
-fn the_force_panel_runs_as_the_contours_do() {
+fn the_force_panel_has_the_direction_of_the_contours() {
     let (cell, film) = divided("none");
     let svg = plot::division::draw(&cell, &film).svg();
-    // The panel is the last on the right: u = 1 is on its left, under the word for that pole.
+    // The panel is the last on the right; u = 1 is on its left, below the name of that pole.
     let x_of = |word: &str| -> Vec<f64> {
         let texts = svg.split("<text x=\"").skip(1).filter(|text| text.contains(&format!(">{word}</text>")));
         texts.filter_map(|text| text.split('"').next()?.parse().ok()).collect()
     };
     let last = |word: &str| x_of(word).into_iter().fold(0.0, f64::max);
-    // The other pole of the axis may lie at the same number of the time axis, which is on the left.
+    // The time axis on the left may have a tick at the same number, so the rightmost one is taken.
     assert!(last("0.8") < last("0.2"), "{} {}", last("0.8"), last("0.2"));
     let anterior = x_of("anterior");
     assert_eq!([anterior.len(), x_of("posterior").len()], [2, 2]);
@@ -130,7 +131,8 @@ fn a_movie_shows_signs_and_poles() {
     for word in ["cue raises tension", "cue lowers tension", ">anterior<", ">posterior<"] {
         assert_eq!(svg.matches(word).count(), 3, "{word}");
     }
-    // Shades of the surface at the poles in the last frame: more red than blue where tension is raised, far more blue where lowered.
+    // Shades of the surface at the poles in the last frame: more red than blue where tension is raised, far more blue
+    // where it is lowered.
     let last = svg.rsplit("<g display").next().unwrap();
     let warm = places(last, |[r, _, b]| r > 1.3 * b && b > 0.0);
     let cold = places(last, |[r, _, b]| b > 2.5 * r);
@@ -140,7 +142,7 @@ fn a_movie_shows_signs_and_poles() {
     assert!(png.windows(4).any(|name| name == b"pHYs"));
 }
 
-/// Whether the title is broken in lines, holds the whole cue, and leaves a margin on the right as it is drawn.
+/// Whether the title is broken into lines, contains the whole cue, and leaves a margin on the right.
 fn title_is_whole(canvas: &Canvas, cue: &str) {
     let svg = canvas.svg();
     let titles: Vec<String> = svg
@@ -168,7 +170,7 @@ fn long_cues_do_not_cut_a_title() {
     assert!(canvas.bytes(Format::Png).unwrap().windows(4).any(|name| name == b"pHYs"));
 }
 
-/// The curve of a boundary, and of its picture the SVG without the tags of indices.
+/// The SVG of a boundary's picture, without the tags of subscripts.
 fn boundary(cue: &str, parameter: &str) -> String {
     let cell = Cell { cue: cue.parse::<Cue>().unwrap(), ..Cell::new(2.0) };
     let parameter: Parameter = parameter.parse().unwrap();
@@ -187,10 +189,10 @@ fn boundary(cue: &str, parameter: &str) -> String {
 }
 
 #[test]
-fn an_axis_of_a_cue_is_named_as_a_reader_understands_it() {
+fn an_axis_of_a_cue_has_a_readable_label() {
     let svg = boundary(LONG, "cue.amplitude");
     assert!(svg.contains("amplitude of the cue's first term (tension gradient, κ0/Lh²)") && !svg.contains("cue[0]"));
-    // What varies is not in the title with one value.
+    // The varied number is not in the title.
     assert!(!svg.contains("amplitude=0.3") && svg.contains("amplitude=0.1"));
     assert!(!svg.contains("pitchfork") && !svg.contains(">fold<"));
 }

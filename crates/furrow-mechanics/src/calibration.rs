@@ -4,10 +4,10 @@
 //!
 //! * \[F.1 residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
 //!
-//! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the plane
-//! (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ tell which combinations of the parameters the
-//! thresholds determine, and which they leave open: stationary shapes depend on κ, p0, γ and the activity gξ only through
-//! their ratios (M.18), and not at all on a common factor of the viscosities and the friction.
+//! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the
+//! plane (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ show the combinations of parameters that the
+//! thresholds determine, and those that they leave open: stationary shapes depend on κ, p0, γ and the activity gξ only
+//! through their ratios (M.18), and not at all on a common factor of the viscosities and the friction.
 //!
 //! # References
 //! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
@@ -45,21 +45,21 @@ pub struct Threshold {
     /// Weight of its relative deviation.
     #[serde(default = "unit_weight")]
     pub weight: f64,
-    /// Its relative tolerance: the standard deviation that an ensemble of constants is given.
+    /// Its relative tolerance: the standard deviation for an ensemble of constants.
     #[serde(default = "tolerance")]
     pub tolerance: f64,
 }
 
 impl Threshold {
-    /// The cell it was measured of, with the constants of another.
+    /// The measured cell, with the constants of another.
     pub fn cell(&self, constants: &Cell) -> Cell {
         Cell { r0: self.r0, epsilon: self.epsilon, ..constants.clone() }
     }
 
-    /// Checks every value; `name` is the threshold's place in the file that errors call `source_name`.
+    /// Checks every value; `name` is the threshold's place in the file, which errors call `source_name`.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// Names the field, its value and the allowed values.
     pub fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
         let Threshold { r0, epsilon, xi_s, weight, tolerance } = *self;
         let numbers = [("r0", r0), ("epsilon", epsilon), ("xi_s", xi_s), ("weight", weight), ("tolerance", tolerance)];
@@ -71,46 +71,46 @@ fn unit_weight() -> f64 {
     1.0
 }
 
-/// A parameter to be found.
+/// A parameter to fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Unknown {
-    /// Which.
+    /// The parameter.
     pub parameter: Parameter,
-    /// Where to start; default its present value.
+    /// Its starting value; default: its present value.
     #[serde(default)]
     pub start: Option<f64>,
 }
 
-/// What is to be found, from what.
+/// The fitted parameters, and the data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Targets {
-    /// Parameters to be found.
+    /// Parameters to fit.
     pub unknowns: Vec<Unknown>,
     /// Measured thresholds.
     pub thresholds: Vec<Threshold>,
-    /// On which side asymmetric branches lie.
+    /// Known sides of asymmetric branches.
     #[serde(default)]
     pub criticalities: Vec<GivenCriticality>,
-    /// Which folds are the higher.
+    /// Known orders of folds.
     #[serde(default)]
     pub folds: Vec<GivenFolds>,
-    /// Activities between pitchfork and turning point.
+    /// Activities between a pitchfork and a turning point.
     #[serde(default)]
     pub windows: Vec<GivenWindow>,
-    /// How cells divide.
+    /// Known divisions.
     #[serde(default)]
     pub divisions: Vec<GivenDivision>,
-    /// Volume fractions up to which cells divide.
+    /// Critical volume fractions of division.
     #[serde(default)]
     pub critical_epsilons: Vec<GivenEpsilon>,
-    /// What is known of constants from elsewhere.
+    /// Prior knowledge of constants.
     #[serde(default)]
     pub priors: Vec<Prior>,
 }
 
-/// A threshold beside the model's.
+/// A given threshold beside the computed one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ThresholdResidual {
     /// Cell radius R0.
@@ -127,29 +127,29 @@ pub struct ThresholdResidual {
     pub weight: f64,
 }
 
-/// A direction in the space of the parameters, and how firmly the thresholds hold it.
+/// A direction in the space of the parameters, and how well the thresholds determine it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Combination {
     /// Relative change of the thresholds per relative change of the parameters along this direction.
     pub singular_value: f64,
     /// Whether the thresholds determine it at all.
     pub determined: bool,
-    /// Its components, one a parameter: relative changes, with Σ² = 1.
+    /// Its components, one for each parameter: relative changes, with Σ² = 1.
     pub components: Vec<f64>,
 }
 
-/// Parameters found.
+/// The fitted parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// Parameters with their values.
     pub parameters: Vec<(Parameter, f64)>,
-    /// A cell with these parameters, and all others as they were.
+    /// The cell with these parameters; all others are unchanged.
     pub cell: Cell,
-    /// Thresholds beside the model's.
+    /// Given thresholds beside the computed ones.
     pub residuals: Vec<ThresholdResidual>,
     /// Root of the weighted mean square of the relative deviations.
     pub rms: f64,
-    /// Directions in the order of falling singular value.
+    /// Directions in order of decreasing singular value.
     pub combinations: Vec<Combination>,
     /// Steps accepted.
     pub iterations: usize,
@@ -159,7 +159,7 @@ pub struct Calibration {
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
-    /// A threshold cannot be computed where the search starts.
+    /// A threshold cannot be computed at the start of the search.
     #[error("threshold {index}: {source}; start from other values")]
     Threshold { index: usize, source: ShapeError },
     /// The sensitivity of a threshold cannot be computed.
@@ -179,19 +179,19 @@ type Result<T, E = CalibrateError> = std::result::Result<T, E>;
 const MOST: usize = 100;
 /// Longest step in ln θ.
 const LONGEST: f64 = 0.25;
-/// Singular values below this fraction of the largest are nil.
+/// Singular values below this fraction of the largest count as zero.
 const NIL: f64 = 1e-7;
 
 impl Targets {
-    /// The unknowns with the values that a search starts from: their own, else those of a cell.
+    /// The starting values of the unknowns: their own, or else the values of `cell`.
     pub fn starts(&self, cell: &Cell) -> Vec<(Parameter, f64)> {
         self.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect()
     }
 
-    /// Checks every value; `source_name` is what errors call the file.
+    /// Checks every value; `source_name` is the name of the file in errors.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// Names the field, its value and the allowed values.
     pub fn check(&self, source_name: &str) -> Result<(), InputError> {
         let refuse =
             |field: &str, value: &str, allowed: &str| Err(InputError::not_allowed(source_name, field, value, allowed));
@@ -225,12 +225,12 @@ impl Targets {
     }
 }
 
-/// Parameters that may be found: positive ones, varied by their logarithm.
+/// Positive parameters, varied by their logarithm.
 const LOGARITHMIC: [Parameter; 8] = {
     use Parameter::{Aspect, EtaB, EtaS, Friction, Gain, Kappa, P0, W};
     [Gain, Aspect, P0, W, Kappa, EtaB, EtaS, Friction]
 };
-/// Those of either sign, varied in units of 1 (or of their size, if larger).
+/// Parameters of either sign, varied in units of 1 (or of their size, if larger).
 const LINEAR: [Parameter; 2] = [Parameter::XiRatio, Parameter::Tension];
 
 /// A cell with other values of some parameters.
@@ -240,7 +240,7 @@ pub fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {
     out
 }
 
-/// θ moved by δ in the search's own coordinates: relative changes, of parameters that may have either sign those relative to
+/// θ moved by δ in the coordinates of the search: relative changes; for parameters of either sign, changes relative to
 /// their size or 1.
 pub fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, f64)> {
     let step = |(&(parameter, value), d): (&(Parameter, f64), &f64)| match LINEAR.contains(&parameter) {
@@ -251,7 +251,7 @@ pub fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, 
 }
 
 impl Calibration {
-    /// The δ by which [`moved`] leads from other values of these parameters to the ones found.
+    /// The δ with which [`moved`] leads from other values of these parameters to the fitted ones.
     pub fn moves_from(&self, start: &[(Parameter, f64)]) -> Vec<f64> {
         let offset = |(&(parameter, from), &(_, to)): (&(Parameter, f64), &(Parameter, f64))| {
             if LINEAR.contains(&parameter) { (to - from) / from.abs().max(1.0) } else { (to / from).ln() }
@@ -260,12 +260,13 @@ impl Calibration {
     }
 }
 
-/// dθ/dx of the search's coordinates.
+/// dθ/dx for the coordinates x of the search.
 fn unit(parameter: Parameter, value: f64) -> f64 {
     if LINEAR.contains(&parameter) { value.abs().max(1.0) } else { value }
 }
 
-/// The first pitchfork at given parameters: with a neighbouring one at hand by Newton from there, else along the branch.
+/// The first pitchfork at given parameters: by Newton's method from a neighbouring pitchfork if there is one, else
+/// along the branch.
 fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Result<Solution, ShapeError> {
     if let Some(near) = near {
         let free = [Parameter::XiS];
@@ -276,7 +277,7 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
         let augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
         if let Ok(report) = augmented.and_then(|mut augmented| augmented.solve(&mut y, None)) {
             let [before, after] = [near, &y].map(|y| elongation(y, Domain::Half, cell.r0));
-            // Another pitchfork than the one sought would lie further away.
+            // A larger change of elongation would mean another pitchfork.
             if report.iterations <= 8 && (before - after).abs() < 0.1 && y.scalars[XI] > 0.0 {
                 return Ok(y);
             }
@@ -288,7 +289,7 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
 /// ∂ξ_s*/∂θ of the pitchfork `y`.
 ///
 /// # Errors
-/// [`SingularError`] where the curve of pitchforks has no such slope.
+/// [`SingularError`] if the curve of pitchforks has no such slope.
 pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f64, SingularError> {
     let free = [Parameter::XiS, parameter];
     let cortex = Cortex::new(cell, Domain::Half, &free);
@@ -304,7 +305,7 @@ pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f6
     Ok(direction.scalars[XI] / direction.scalars[XI + 1])
 }
 
-/// Everything at one set of parameters.
+/// The thresholds at one set of parameters.
 struct Evaluation {
     shapes: Vec<Solution>,
     residuals: Vec<f64>,
@@ -336,7 +337,7 @@ fn jacobian(targets: &Targets, cell: &Cell, theta: &[(Parameter, f64)], shapes: 
     (0..targets.thresholds.len()).map(row).collect()
 }
 
-/// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, blind to directions without sensitivity.
+/// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, zero in directions without sensitivity.
 fn step(svd: &Svd, residuals: &[f64], lambda: f64) -> Vec<f64> {
     let mut out = vec![0.0; svd.right.len()];
     for (k, &value) in svd.values.iter().enumerate() {
@@ -368,7 +369,7 @@ fn combinations(svd: &Svd) -> Vec<Combination> {
 /// Finds the parameters that fit the thresholds best, starting from the constants of `cell` and the starts of the unknowns.
 ///
 /// # Examples
-/// The shell's strength from one threshold, as the paper prints it:
+/// The shell's strength from one threshold of the paper:
 ///
 /// ```
 /// use furrow_mechanics::calibration::{Targets, calibrate};
@@ -399,7 +400,7 @@ pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<
             }
             let trial = moved(&parameters, &step);
             match evaluate(targets, &with_values(cell, &trial), numerics, Some(&now.shapes)) {
-                // At rounding, cost no longer falls.
+                // At the level of rounding, the cost no longer decreases.
                 Ok(next) if next.cost < now.cost => {
                     let settled = now.cost - next.cost < 1e-15 * now.cost && size < 1e-7;
                     (parameters, now) = (trial, next);
@@ -420,7 +421,8 @@ pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<
             return Err(CalibrateError::Stalled { iterations, rms: (now.cost / count).sqrt() });
         }
     };
-    // Newton from neighbours may have left the first pitchfork of the branch: look again from the passive shape.
+    // Newton's method from neighbours may have left the first pitchfork of the branch: search again from the passive
+    // shape.
     let fitted = with_values(cell, &parameters);
     let last = evaluate(targets, &fitted, numerics, None)?;
     let row = |(t, y): (&Threshold, &Solution)| ThresholdResidual {

@@ -1,12 +1,13 @@
-//! Critical radii: below which radius a cell cannot divide, and why.
+//! Critical radii: the radius below which a cell does not divide, and the singular point that sets it.
 //!
-//! For a mirror-symmetric cell it is the pitchfork, ξ_s*(R0_c, ε) = ξ_s; with a cue that breaks the symmetry, the fold at
-//! which its stable branch ends. With a strong one-sided cue that says nothing of division: a cell may pass the stable shape
-//! by, the shape may oscillate, and the curve of folds may turn back, so that still smaller cells have no stable shape. So
-//! divisions below the critical radius are tried first, and a radius ends branches only where they rest.
+//! For a mirror-symmetric cell it is the pitchfork, ξ_s*(R0_c, ε) = ξ_s; with a cue that breaks the symmetry, the fold
+//! at which its stable branch ends. With a strong one-sided cue that fold need not bound division: a cell may pass by
+//! the stable shape, the shape may oscillate, and the curve of folds may turn back, so that even smaller cells have no
+//! stable shape. Divisions below the critical radius are therefore tried first, and a radius ends branches only where
+//! the tried divisions come to rest.
 //!
-//! The radii of the preset are kept in a small file in `data/`, compiled in, with a hash of the parameters they belong to;
-//! others are solved for when first asked about.
+//! The radii of the preset are stored in a small file in `data/`, compiled in, with a hash of their parameters; others
+//! are computed when first needed.
 
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -32,22 +33,22 @@ mod trials;
 /// Version of the file's format and of the method behind its numbers.
 pub const FORMAT: u32 = 3;
 
-/// The file kept for the preset `gao2026`; `furrow boundary` writes it anew.
+/// The file stored for the preset `gao2026`; `furrow boundary` regenerates it.
 const PRESET: &str = include_str!("../data/gao2026.boundary.json");
 
-/// What bounds division.
+/// The singular point that bounds division.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum BoundaryKind {
     /// The pitchfork of the mirror-symmetric branch.
     Pitchfork,
-    /// The fold of the stable branch of a cell whose cue breaks the symmetry.
+    /// The fold at the end of the stable branch of a cell with a cue that breaks the symmetry.
     CuedFold,
 }
 
 impl BoundaryKind {
-    /// The singular point that it is.
+    /// Its kind of singular point.
     pub fn point(self) -> PointKind {
         match self {
             BoundaryKind::Pitchfork => PointKind::Pitchfork,
@@ -61,7 +62,7 @@ impl BoundaryKind {
 pub struct CriticalRadius {
     /// Their cue.
     pub cue: Cue,
-    /// What bounds them.
+    /// The singular point that bounds them.
     pub kind: BoundaryKind,
     /// Critical radius R0, in L_h.
     pub r0: f64,
@@ -69,20 +70,21 @@ pub struct CriticalRadius {
     pub slope: f64,
 }
 
-/// Radii of cells with one cue that rest undivided: from `from` to the critical one.
+/// Radii at which cells with one cue rest undivided: from `from` to the critical radius.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestingRadii {
     /// The upper end.
     #[serde(flatten)]
     pub critical: CriticalRadius,
-    /// The smallest R0 of which a division was tried, in L_h. All tried between it and the critical radius rest.
+    /// The smallest R0 at which a division was tried, in L_h. All divisions tried between it and the critical radius
+    /// come to rest.
     pub from: f64,
 }
 
-/// Why a cell cannot divide.
+/// The reason why a cell cannot divide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End {
-    /// What bounds it.
+    /// The singular point that bounds it.
     pub kind: BoundaryKind,
     /// Radius below which cells like it do not divide.
     pub critical_r0: f64,
@@ -109,34 +111,34 @@ pub enum BoundaryError {
 pub struct Stored {
     /// Version of the format.
     pub format: u32,
-    /// Hash of what the numbers depend on, see [`parameters_hash`].
+    /// Hash of all inputs of the numbers, see [`parameters_hash`].
     pub parameters: String,
-    /// The kind of cell, to be read by people; its radius and cue do not matter.
+    /// The kind of cell, for readers of the file; its radius and cue are ignored.
     pub cell: Cell,
     /// Critical radii at the activity of `cell`.
     pub radii: Vec<RestingRadii>,
     /// The curve of pitchforks ξ_s*(R0) of cells without a cue.
     pub pitchfork: Vec<CurvePoint>,
-    /// Where criticality changes sign on it.
+    /// Points at which the criticality changes.
     pub degenerate: Vec<CurvePoint>,
 }
 
-/// What cells that differ by radius and cue alone have in common.
+/// The common properties of cells that differ only by radius and cue.
 fn without_size_and_cue(cell: &Cell) -> Cell {
     Cell { r0: 1.0, cue: Cue::none(), ..cell.clone() }
 }
 
-/// Hash of everything a boundary depends on: the cell but for its radius and cue, collocation, and the method's version.
+/// Hash of all inputs of a boundary: the cell except its radius and cue, collocation, and the version of the method.
 pub fn parameters_hash(cell: &Cell, numerics: &Numerics) -> String {
-    // Fields in the order of their names and numbers in shortest form: the same on every host.
+    // Fields in the order of their declaration and numbers in shortest form, so that the text is the same on every host.
     let text = serde_json::to_string(&(FORMAT, without_size_and_cue(cell), numerics.stages, numerics.intervals))
         .unwrap_or_default();
     blake3::hash(text.as_bytes()).to_hex()[..16].to_string()
 }
 
 impl Stored {
-    /// Computes the boundary of cells like `cell` for a set of cues, with the curve of pitchforks over a range of R0. Cues whose
-    /// critical radius bounds no division are left out.
+    /// Computes the boundary of cells like `cell` for a set of cues, with the curve of pitchforks over a range of R0.
+    /// Cues with a critical radius that bounds no division are left out.
     ///
     /// # Errors
     /// [`ShapeError`].
@@ -150,7 +152,7 @@ impl Stored {
         Ok(Stored { format: FORMAT, parameters, cell, radii, pitchfork: points, degenerate })
     }
 
-    /// The boundary kept for the preset `gao2026`, for cells of its parameters.
+    /// The boundary stored for the preset `gao2026`, for cells with its parameters.
     ///
     /// # Errors
     /// [`BoundaryError::Stale`] for other parameters.
@@ -158,7 +160,7 @@ impl Stored {
         Stored::parse(PRESET, "gao2026.boundary.json", cell, numerics)
     }
 
-    /// Reads a stored boundary (`file` is what errors call it), refusing one that belongs to other parameters.
+    /// Reads a stored boundary and refuses one for other parameters; `file` is its name in errors.
     ///
     /// # Errors
     /// [`BoundaryError`].
@@ -173,12 +175,12 @@ impl Stored {
     }
 }
 
-/// Radii at which a curve is looked for first, in order.
+/// Radii at which the search for a curve starts, in order.
 pub const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
 
-/// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there; how that converged. Where a curve of
-/// folds turns back in the parameter there is a cusp, beyond which it is another fold; a curve that leads well away from
-/// ξ_s again is given up.
+/// Follows a curve to the point with ξ_s = `xi_s`, in the direction that leads there, and returns the report of the
+/// last Newton iteration. Where a curve of folds turns back in the parameter there is a cusp, beyond which it describes
+/// another fold. A curve is abandoned when it leads well away from ξ_s again.
 fn to_activity<S: Singularity<Cortex> + Clone>(
     curve: &mut Codim2Curve<Cortex, S>,
     xi_s: f64,
@@ -189,7 +191,7 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
     curve.head_for(XI, xi_s);
     let (mut tried, mut last) = (curve.work.steps + curve.work.rejected, AugmentedReport::default());
     let direction = curve.tangent.scalars[SECOND];
-    // Values of the parameter that the curve may run through.
+    // Allowed values of the parameter along the curve.
     let allowed = match parameter {
         Parameter::R0 => 0.05..50.0,
         Parameter::Epsilon => 0.05..0.99,
@@ -208,14 +210,14 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
     Ok(last)
 }
 
-/// Whether a point of a curve bounds division. One that rises with R0 does not: smaller cells have no stable shape.
+/// Whether a point of a curve bounds division. A curve that rises with R0 does not: smaller cells have no stable shape.
 fn bounds(parameter: Parameter, point: &CurvePoint) -> bool {
     let rises = point.slope > 0.0;
     parameter != Parameter::R0 || !rises
 }
 
-/// The answer of [`critical_value`] without a search, from curves over a range that were asked about the cell's activity: where
-/// the first of them passes it once.
+/// The answer of [`critical_value`] without a search, from curves over a range that were computed with the cell's
+/// activity: the point where the first of them passes it, if it does so once.
 pub fn value_on(curves: &BoundaryCurves, parameter: Parameter) -> Option<(BoundaryKind, CurvePoint)> {
     let (kind, curve) = match &curves.pitchfork {
         Some(curve) => (BoundaryKind::Pitchfork, curve),
@@ -224,9 +226,9 @@ pub fn value_on(curves: &BoundaryCurves, parameter: Parameter) -> Option<(Bounda
     curve.at_activity.filter(|point| bounds(parameter, point)).map(|point| (kind, point))
 }
 
-/// The value of `parameter` that bounds the division of a cell at its activity ξ_s: of the first pitchfork if the cell is
-/// mirror-symmetric whatever the value, else of the fold that ends its stable shapes. The curve is looked for at each of
-/// `starts` in turn. Along R0 that is the critical radius; smaller cells do not divide.
+/// The value of `parameter` that bounds the division of a cell at its activity ξ_s: at the first pitchfork if the cell
+/// is mirror-symmetric for every value, else at the fold that ends its stable shapes. The search for the curve starts
+/// at each of `starts` in turn. Along R0 this is the critical radius; smaller cells do not divide.
 ///
 /// # Errors
 /// [`ShapeError`] if the curve does not pass that activity.
@@ -269,7 +271,7 @@ pub fn critical_value(
     Err(last)
 }
 
-/// The critical radius of cells like `cell`, whatever its own radius, solved for directly.
+/// The critical radius of cells like `cell`, for any radius of `cell`, computed without stored radii.
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics};
@@ -280,27 +282,27 @@ pub fn critical_value(
 /// ```
 ///
 /// # Errors
-/// [`ShapeError`] if there is none.
+/// [`ShapeError`] if there is no critical radius.
 pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius> {
     critical_radius_within(cell, numerics, &StepBudget::unlimited())
 }
 
-/// As [`critical_radius`], with so much work.
+/// As [`critical_radius`], within a budget.
 ///
 /// # Errors
-/// Those of [`critical_radius`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search must end before it has
-/// come to an end.
+/// The errors of [`critical_radius`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search is
+/// stopped before its end.
 pub fn critical_radius_within(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<CriticalRadius> {
     let (kind, point) = critical_value(cell, numerics, Parameter::R0, &STARTS, budget)?;
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
-/// A search for the critical radius of cells that differ by their radius alone.
+/// A search for the critical radius of cells that differ only by their radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
-    /// Such a cell, of radius 1.
+    /// One of the cells, with radius 1.
     cell: Cell,
-    /// On a mesh twice as fine, for cells close to their critical radius.
+    /// Whether the mesh is twice as fine, for cells close to their critical radius.
     fine: bool,
 }
 
@@ -310,10 +312,11 @@ impl Search {
     }
 }
 
-/// Tells which cells rest undivided, from stored critical radii where they apply and from searches, once each, for others.
+/// Determines which cells rest undivided, from stored critical radii if they apply, and from one search each for
+/// others.
 ///
-/// [`ends`](Self::ends) searches where it must. A program with several threads asks for [`missing`](Self::missing)
-/// searches and [runs](Self::run) them where it likes; no lock is held meanwhile.
+/// [`ends`](Self::ends) searches if necessary. A program with several threads asks for the [`missing`](Self::missing)
+/// searches and [runs](Self::run) them on any thread; no lock is held meanwhile.
 #[derive(Debug)]
 pub struct CriticalRadii<'a> {
     numerics: Numerics,
@@ -321,16 +324,16 @@ pub struct CriticalRadii<'a> {
     found: Mutex<Vec<(Search, Result<RestingRadii>)>>,
 }
 
-/// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
-/// 500, those that find none or a very small one a thousand to ten thousand. A radius saves some dozens of divisions, of the
-/// cells that are too small, and each costs as much as 20 to 40 steps.
+/// Most steps, along branches and curves, of a search for one critical radius. Nearly all successful searches take 20
+/// to 500 steps; searches without a result, or with a very small radius, take a thousand to ten thousand. A radius
+/// saves some dozens of divisions of cells that are too small, and each of them costs as much as 20 to 40 steps.
 pub const MOST_SEARCHED: usize = 600;
 
-/// Cells closer to their critical radius than this, relative, are compared with one from a mesh twice as fine.
+/// Cells within this relative distance of their critical radius are compared with a radius from a mesh twice as fine.
 const NEAR: f64 = 1e-3;
 
 impl<'a> CriticalRadii<'a> {
-    /// With the radii stored for the preset `gao2026`.
+    /// With the stored radii of the preset `gao2026`.
     pub fn new(numerics: &Numerics) -> CriticalRadii<'a> {
         let preset = Cell::new(1.0);
         let stored = Stored::preset(&preset, numerics);
@@ -347,30 +350,30 @@ impl<'a> CriticalRadii<'a> {
         CriticalRadii { numerics: *numerics, interrupt: None, found }
     }
 
-    /// The same, whose searches end when the flag is set.
+    /// The same, with searches that end when the flag is set.
     #[must_use]
     pub fn interrupted_by(self, flag: &'a AtomicBool) -> CriticalRadii<'a> {
         CriticalRadii { interrupt: Some(flag), ..self }
     }
 
-    /// Whether the critical radius of cells like this one, or that there is none, is known.
+    /// Whether the critical radius of cells like this one is known, or is known not to exist.
     pub fn knows(&self, cell: &Cell) -> bool {
         self.result(&Search::of(cell, false)).is_some()
     }
 
-    /// The search that an answer about a cell needs next; none if the answer is known. A cell close to its critical radius
-    /// needs two.
+    /// The search that the answer for a cell needs next; `None` if the answer is known. A cell close to its critical
+    /// radius needs two.
     pub fn missing(&self, cell: &Cell) -> Option<Search> {
         self.known_end(cell).err().map(|search| *search)
     }
 
-    /// Searches for a critical radius, with at most [`MOST_SEARCHED`] steps. An interrupted search leaves no result.
+    /// Runs a search, with at most [`MOST_SEARCHED`] steps. An interrupted search leaves no result.
     pub fn run(&self, search: &Search) {
         let intervals = self.numerics.intervals << usize::from(search.fine);
         let numerics = Numerics { intervals, ..self.numerics };
         let budget = StepBudget::new(MOST_SEARCHED, self.interrupt);
         let found = match search.fine {
-            // Divisions were tried with the coarser radius.
+            // The divisions were tried with the coarser radius.
             true => critical_radius_within(&search.cell, &numerics, &budget)
                 .map(|critical| RestingRadii { from: critical.r0, critical }),
             false => resting_radii(&search.cell, &numerics, &budget, self.interrupt),
@@ -380,11 +383,11 @@ impl<'a> CriticalRadii<'a> {
         }
     }
 
-    /// Why a cell cannot divide; `None` if it can, or is smaller than all whose divisions were tried.
+    /// The reason why a cell cannot divide; `None` if it can, or if it is smaller than all radii with a tried division.
     ///
     /// # Errors
-    /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps, or bounds no division; it is looked
-    /// for once.
+    /// [`ShapeError`] if its critical radius is not found in [`MOST_SEARCHED`] steps, or bounds no division; the search
+    /// is made only once.
     pub fn ends(&self, cell: &Cell) -> Result<Option<End>> {
         let mut last = None;
         loop {
@@ -399,15 +402,15 @@ impl<'a> CriticalRadii<'a> {
         }
     }
 
-    /// As [`ends`](Self::ends) where no search is needed, else that search.
+    /// As [`ends`](Self::ends) if no search is needed, else the next search.
     fn known_end(&self, cell: &Cell) -> Result<Result<Option<End>>, Box<Search>> {
         let known = |fine| {
             let search = Search::of(cell, fine);
             self.result(&search).ok_or_else(|| Box::new(search))
         };
         let coarse = known(false)?;
-        // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
-        // whose order is one of timing.
+        // Cells farther away keep the coarser radius: the answer for a cell must not depend on earlier questions, which
+        // come in an order that depends on timing.
         let near = coarse.as_ref().is_ok_and(|radii| (cell.r0 / radii.critical.r0 - 1.0).abs() < NEAR);
         let fine = if near { Some(known(true)?) } else { None };
         Ok(coarse.and_then(|RestingRadii { critical, from }| {
@@ -417,7 +420,7 @@ impl<'a> CriticalRadii<'a> {
         }))
     }
 
-    /// The radius below which cells like this one rest, where it is known.
+    /// The radius below which cells like this one rest, if it is known.
     pub fn known_radius(&self, cell: &Cell) -> Option<f64> {
         Some(self.result(&Search::of(cell, false))?.ok()?.critical.r0)
     }
@@ -427,7 +430,7 @@ impl<'a> CriticalRadii<'a> {
     }
 
     fn lock(&self) -> MutexGuard<'_, Vec<(Search, Result<RestingRadii>)>> {
-        // An entry is whole before it is added.
+        // Entries are added only when complete, so that a poisoned lock is harmless.
         self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -460,14 +463,14 @@ mod tests {
         assert!(matches!(error, BoundaryError::Stale { .. }), "{error}");
         let error = Stored::parse("{}", "preset", &cell, &Numerics::default()).unwrap_err();
         assert!(matches!(error, BoundaryError::Malformed { .. }), "{error}");
-        // Radius and cue are no parameters of the boundary.
+        // Radius and cue are not parameters of the boundary.
         let cell = Cell::new(4.0).with_cue(Cue::published());
         assert!(Stored::parse(PRESET, "preset", &cell, &Numerics::default()).is_ok());
     }
 
     #[test]
     fn cells_near_the_boundary_are_judged_by_a_finer_solution() {
-        // A stored radius that is off by 5e-4 must not decide about a cell within 1e-3 of it.
+        // A stored radius with an error of 5e-4 must not decide about a cell within 1e-3 of it.
         let exact = preset().radii.into_iter().find(|radii| radii.critical.cue.is_none()).unwrap();
         let r0_c = exact.critical.r0;
         let off = CriticalRadius { r0: r0_c * 1.0005, ..exact.critical };

@@ -1,20 +1,20 @@
-//! The mechanics of [furrow](https://docs.rs/furrow): what a cell is, the equations of its cortex, its stationary shapes and
-//! its division.
+//! The mechanics of [furrow](https://docs.rs/furrow): the model of a cell, the equations of its cortex, its stationary
+//! shapes and its division.
 //!
-//! This crate decides a division: it knows no tree, no store, no command line, no files and no clock. Growth rates along a branch are
-//! computed on a second thread, with the same bits on any number of threads. The crate is separate because it must be fast: it is
+//! This crate decides a division: it has no trees, store, command line, files or clock. Growth rates along a branch are
+//! computed on a second thread, with the same bits on any number of threads. The crate is separate for speed: it is
 //! compiled as one unit with full optimisation.
 //!
 //! | module | role |
 //! |---|---|
 //! | [`cortex`] | the equations of the surface, their derivatives, symmetry, observables |
-//! | [`stability`] | growth rates of small disturbances of a stationary shape |
-//! | [`azimuthal`] | growth rates of disturbances that are not axisymmetric |
+//! | [`stability`] | growth rates of small perturbations of a stationary shape |
+//! | [`azimuthal`] | growth rates of non-axisymmetric perturbations |
 //! | [`equilibria`] | branches of stationary shapes, folds and pitchforks |
 //! | [`calibration`] | constants from thresholds |
 //! | [`division`] | one division in time |
-//! | [`critical`] | below which radius a cell does not divide |
-//! | [`perturbation`] | a stationary shape that is disturbed, and watched |
+//! | [`critical`] | the radius below which a cell does not divide |
+//! | [`perturbation`] | the evolution of a perturbed stationary shape |
 //! | [`polarity`] | PAR polarity on the passive shape: two antagonists with cytosolic pools |
 //!
 //! # References

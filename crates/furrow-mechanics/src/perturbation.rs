@@ -1,11 +1,11 @@
-//! What becomes of a stationary shape that is disturbed: the paper's test of stability (its figure S5).
+//! The evolution of a perturbed stationary shape: the paper's test of stability (its figure S5).
 //!
-//! The cell starts at a stationary shape of its own activity instead of at the passive one, and the noise of the first step
-//! is the disturbance. Its distance from the start,
+//! The cell starts at a stationary shape with activity instead of the passive shape, and the noise of the first step is
+//! the perturbation. Its distance from the start,
 //!
 //! * \[distance\] dis(t) = ‖r − r₀‖ + ‖z − z₀‖, L² norms over u,
 //!
-//! falls where the shape is stable and rises where it is not, at the rate of the leading mode while it is small.
+//! decreases if the shape is stable and increases if it is unstable, at the rate of the leading mode while it is small.
 
 use furrow_bvp::{Gauss, Solution};
 
@@ -18,30 +18,31 @@ use crate::division::{Division, DivisionError, DivisionInput, DivisionOptions, F
 use crate::equilibria::{StationaryError, StationaryShape, stationary};
 use crate::stability::StabilityError;
 
-/// How long a disturbed shape is watched in the paper, in τ.
+/// Duration of the paper's tests, in τ.
 pub const WATCHED: f64 = 40.0;
 /// Fewest steps in that time.
 const STEPS: f64 = 200.0;
-/// Distances below this, in L_h, are as exact as time steps are solved, and no longer tell whether they grow.
+/// Distances below this, in L_h, are within the accuracy of time steps, so that their growth is not significant.
 const SOLVED: f64 = 1e-8;
-/// Longest step times the rate at which the disturbance grows.
+/// Longest step times the growth rate of the perturbation.
 const GROWTH_PER_STEP: f64 = 0.1;
 
-/// What became of a disturbed stationary shape.
+/// The evolution of a perturbed stationary shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Perturbation {
-    /// How it ended: divided; or `failed`, where it has not divided in the time that it was watched. The growth rate of a
-    /// cell that has not is that of the stationary shape it has come to, and absent if it is still on its way.
+    /// Its outcome: divided, or `failed` if it has not divided within the observed time. The growth rate of an
+    /// undivided cell is the rate of the nearest stationary shape, and absent if no such shape is near.
     pub division: Division,
     /// [t, dis(t)] after every step, the first at t = 0.
     pub distances: Vec<[f64; 2]>,
-    /// Leading growth rate of the shape that it started from, in 1/τ, from its spectrum.
+    /// Leading growth rate of the initial shape, in 1/τ, from its spectrum.
     pub start_growth_rate: f64,
 }
 
 impl Perturbation {
-    /// Whether the cell has come back: it has not divided, is nearer to its start than the noise had moved it, and in the end
-    /// not further away than at half-time. The last tells a mode that grows slowly from nearly nothing.
+    /// Whether the cell has returned: it has not divided, is nearer to its start than the noise had moved it, and at
+    /// the end is no further away than at half-time. The last condition detects a mode that grows slowly from a tiny
+    /// amplitude.
     pub fn returned(&self) -> bool {
         let end = self.distances.last().copied().unwrap_or_default();
         let half = self.distances.iter().find(|[t, _]| *t >= 0.5 * end[0]).map_or(0.0, |[_, distance]| *distance);
@@ -49,8 +50,8 @@ impl Perturbation {
         self.division.outcome() == Outcome::Arrested && end[1] < noise && (end[1] <= half || end[1] < SOLVED)
     }
 
-    /// The rate at which dis(t) grows (or, below 0, falls) while it is between `low` and `high` for the first time: the slope
-    /// of ln dis by least squares. None where fewer than three steps lie there.
+    /// The rate at which dis(t) increases (or, if negative, decreases) while it lies between `low` and `high` for the
+    /// first time: the slope of ln dis by least squares. `None` with fewer than three steps in the interval.
     pub fn rate_between(&self, low: f64, high: f64) -> Option<f64> {
         let inside = |[_, distance]: &&[f64; 2]| (low..=high).contains(distance);
         let skipped = self.distances.iter().skip(1).skip_while(|point| !inside(point));
@@ -63,7 +64,7 @@ impl Perturbation {
     }
 }
 
-/// Why a stationary shape could not be disturbed.
+/// The reason why a stationary shape could not be perturbed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PerturbationError {
@@ -73,18 +74,19 @@ pub enum PerturbationError {
     /// Its growth rates could not be computed.
     #[error(transparent)]
     Stability(#[from] StabilityError),
-    /// What becomes of it could not be computed.
+    /// Its evolution could not be computed.
     #[error(transparent)]
     Division(#[from] DivisionError),
 }
 
-/// Disturbs the first stationary shape at the cell's activity on its primary branch, and follows it for so many τ.
+/// Perturbs the first stationary shape at the cell's activity on its primary branch, and follows it for a time `until`,
+/// in τ.
 ///
 /// # Errors
-/// [`PerturbationError`]; of [`StationaryError::OutOfReach`] where the cell has no such shape.
+/// [`PerturbationError`], with [`StationaryError::OutOfReach`] if the cell has no such shape.
 ///
 /// # Examples
-/// A cell of R0 = 2 leaves its symmetric shape above its pitchfork, and comes back to it below:
+/// A cell with R0 = 2 leaves its symmetric shape above its pitchfork, and returns to it below:
 ///
 /// ```
 /// use furrow_cell::Cell;
@@ -101,8 +103,8 @@ pub fn perturbed(input: &DivisionInput, until: f64) -> Result<Perturbation, Pert
     perturb(input, &stationary(&input.cell, &input.numerics)?, until, DivisionOptions::default())
 }
 
-/// [`perturbed`] from any stationary shape of the cell, with options. Parameters among them have no effect: there are no
-/// sensitivities of a disturbed shape.
+/// [`perturbed`] from any stationary shape of the cell, with options. Parameters in the options have no effect:
+/// sensitivities of a perturbed shape are not available.
 ///
 /// # Errors
 /// See [`perturbed`].

@@ -1,10 +1,10 @@
 //! The functions that a page calls, in the C ABI.
 //!
-//! A page asks for room with [`furrow_request`], writes a JSON text there, calls one of the functions with its length and
-//! reads the answer (see [`Answer::bytes`]) from where the function says. Room and answer are good until the next call. The
-//! module imports one function, `page.progress`, which is told how a growing tree gets on.
+//! A page asks for room with [`furrow_request`], writes a JSON text there, calls one of the functions with its length
+//! and reads the answer (see [`Answer::bytes`]) from the returned address. Both buffers are valid until the next call.
+//! The module imports one function, `page.progress`, which it calls as a tree grows.
 
-// Names in a binary are unsafe to the language, since two could clash; these are the only ones.
+// The language treats exported names as unsafe, since two could clash; these are the only ones.
 #![allow(unsafe_code)]
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -15,12 +15,12 @@ use super::{division, edge, tree};
 static REQUEST: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 static ANSWER: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 
-/// A page has one thread for one instance of the module: nobody else holds it.
+/// A page runs each instance of the module on one thread, so that the lock is always free.
 fn hold(bytes: &'static Mutex<Vec<u8>>) -> MutexGuard<'static, Vec<u8>> {
     bytes.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Room for a request of so many bytes.
+/// Room for a request of the given number of bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn furrow_request(length: usize) -> *mut u8 {
     let mut request = hold(&REQUEST);
@@ -29,7 +29,7 @@ pub extern "C" fn furrow_request(length: usize) -> *mut u8 {
     request.as_mut_ptr()
 }
 
-/// Answers the request with `function` and says where the answer is.
+/// Answers the request with `function` and returns the address of the answer.
 fn answer(function: impl FnOnce(&[u8]) -> Result<Answer, PageError>) -> *const u8 {
     let found = function(&hold(&REQUEST)).unwrap_or_else(|error| Answer::refusal(&error));
     let mut bytes = hold(&ANSWER);
@@ -70,7 +70,7 @@ pub extern "C" fn furrow_edge() -> *const u8 {
 #[cfg(target_family = "wasm")]
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
-    /// Told whenever a division of a growing tree was solved: how many are, and how many are known to be waiting.
+    /// Called after each solved division of a growing tree, with the number solved and the number known to be waiting.
     safe fn progress(solved: u32, waiting: u32);
 }
 
@@ -79,6 +79,6 @@ fn tell(solved: usize, waiting: usize) {
     progress(solved as u32, waiting as u32);
 }
 
-/// On a machine of its own there is no page to be told.
+/// A native build has no page to report to.
 #[cfg(not(target_family = "wasm"))]
 fn tell(_solved: usize, _waiting: usize) {}

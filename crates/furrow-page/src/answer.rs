@@ -1,4 +1,4 @@
-//! What every function answers with: a JSON text and, behind it, plain numbers.
+//! The form of every answer: a JSON text followed by plain numbers.
 
 use furrow_mechanics::division::DivisionError;
 use furrow_mechanics::equilibria::ShapeError;
@@ -7,10 +7,10 @@ use furrow_mechanics::equilibria::ShapeError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PageError {
-    /// The request is not what the function takes.
+    /// The request has the wrong form.
     #[error("the request cannot be read: {0}")]
     Request(#[from] serde_json::Error),
-    /// A cell is outside what the command line takes.
+    /// A cell lies outside the ranges of the command line.
     #[error(transparent)]
     Refused(#[from] furrow_input::InputError),
     /// A tree cannot be read.
@@ -30,12 +30,12 @@ pub enum PageError {
     Grow(#[from] furrow_lineage::GrowError),
 }
 
-/// A JSON text with single-precision numbers behind it, which is exact enough for what they are for: drawing.
+/// A JSON text followed by single-precision numbers, which are exact enough for drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The JSON text.
     pub text: String,
-    /// The numbers; the text says what they are.
+    /// The numbers, described by the text.
     pub numbers: Vec<f32>,
 }
 
@@ -45,7 +45,7 @@ impl Answer {
         Answer { text, numbers: Vec::new() }
     }
 
-    /// The answer of a request that failed: `{"error": "…", "refused": …}`, the latter whether it was bad input.
+    /// The answer to a failed request: `{"error": "…", "refused": …}`, where `refused` says whether the input was bad.
     pub fn refusal(error: &PageError) -> Answer {
         let refused = matches!(error, PageError::Refused(_) | PageError::Cue(_));
         Answer::of(serde_json::json!({ "error": error.to_string(), "refused": refused }).to_string())

@@ -1,4 +1,4 @@
-//! One division, and what its film is drawn from: contour, cue and active force of every step.
+//! One division and the data of its film: contour, cue and active force at every step.
 
 use furrow_bvp::{Gauss, Solution};
 use furrow_cell::{Cell, CueError, Numerics};
@@ -19,16 +19,16 @@ use super::limits::check;
 
 /// Equal parts in u of a contour that is drawn.
 const PARTS: usize = 160;
-/// Further points on either side of the furrow, and how far from it in u they reach.
+/// Further points on either side of the furrow, and their reach in u.
 const NEAR: (usize, f64) = (14, 0.04);
 /// Arrows of the active force along a contour.
 const ARROWS: usize = 36;
-/// Arrows on either side of the furrow, in place of those that are as near: their distances from it in u.
+/// Arrows on either side of the furrow, which replace the regular ones there: their distances from it in u.
 const ARROWS_NEAR: [f64; 4] = [0.009, 0.02, 0.034, 0.05];
 /// Distance in u over which the active tension is differentiated.
 const STEP: f64 = 1e-5;
 
-/// Which shapes of the division are wanted.
+/// The shapes of the division that the answer holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Wanted {
@@ -44,15 +44,15 @@ struct Request {
     cell: Cell,
     numerics: Numerics,
     seed: u64,
-    /// What the founder of a cell in a tree changes of the physics.
+    /// The changes that a cell's founder makes to the physics.
     #[serde(default)]
     physics: FounderPhysics,
-    /// Relative step to which R0 is rounded, as it is before a division of a tree is solved.
+    /// Relative step to which R0 is rounded, as before a division of a tree is solved.
     #[serde(default)]
     r0_step: f64,
     #[serde(default)]
     frames: Wanted,
-    /// Takes the place of the cell's cue: a name of the lineage, or terms, as of `--cue`.
+    /// Replaces the cell's cue: a name of the lineage, or terms, as in `--cue`.
     cue: Option<String>,
     /// The lineage that defines names and units of cues.
     lineage: Option<Lineage>,
@@ -64,10 +64,10 @@ fn shell(cell: &Cell) -> [f64; 2] {
     [cell.shell.aspect * b, b]
 }
 
-/// Computes a division and answers with its record and, as numbers, what is drawn of its steps.
+/// Computes a division and answers with its record and, as numbers, the drawing of its steps.
 ///
 /// # Errors
-/// A request that cannot be read, a cell outside what is allowed, a division that could not be computed.
+/// The request cannot be read, the cell is outside the allowed ranges, or the division cannot be computed.
 pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     let Request { mut cell, numerics, seed, physics, r0_step, frames: wanted, cue, lineage } =
         serde_json::from_slice(request)?;
@@ -76,7 +76,7 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
         cell.cue = lineage.map_or_else(|| text.parse().map_err(wrong), |lineage| parse_cue(&text, &lineage))?;
     }
     physics.apply(&mut cell);
-    // A slider goes anywhere; the cells of a tree are as its lineage says.
+    // A slider can leave the allowed ranges; the cells of a tree are as its lineage gives them.
     if wanted == Wanted::Last {
         check(&cell, &numerics)?;
     }
@@ -98,9 +98,9 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     for (t, shape) in &shapes {
         film.draw(shape, *t > 0.0, &mut numbers);
     }
-    // Half axes of the shell along the axis of division and across it, in L_h; time, in τ, and radius of the neck, in L_h, of
-    // each step. The numbers of a frame are (r, z, painted cue) of each point, then (r, z, force along r, force along z) of each
-    // arrow, then, with a regulator, φ of each point.
+    // Half axes of the shell along the axis of division and across it, in L_h; time, in τ, and radius of the neck, in
+    // L_h, of each step. The numbers of a frame are (r, z, drawn cue) at each point, then (r, z, force along r, force
+    // along z) at each arrow, then, with a regulator, φ at each point.
     let mut found = serde_json::to_value(&division)?;
     found["cue"] = json!(input.cell.cue);
     found["shell"] = json!(shell(&input.cell));
@@ -111,7 +111,7 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     Ok(Answer { text: found.to_string(), numbers })
 }
 
-/// Where shapes are sampled, and by what.
+/// Samples shapes at fixed places u.
 struct Film {
     gauss: Gauss,
     cortex: Cortex,
@@ -134,7 +134,7 @@ impl Film {
             places.dedup();
         }
         let gauss = Gauss::new(input.numerics.stages).unwrap_or_default();
-        // It has divided, so that its cue has its place.
+        // The division has succeeded, so that the cue's position can be resolved.
         let cell = resolved(&input.cell).unwrap_or(Cow::Borrowed(&input.cell));
         Film { gauss, cortex: Cortex::new(&cell, Domain::Full, &[]), places, arrows: Self::arrows(furrow) }
     }
@@ -147,7 +147,7 @@ impl Film {
             arrows.retain(|u| (u - furrow).abs() > 1.2 * farthest);
             arrows.push(furrow);
             arrows.extend(ARROWS_NEAR.iter().flat_map(|near| [furrow - near, furrow + near]));
-            // Not at a pole, where the radius is none to divide by.
+            // Not at a pole, where r = 0 is a divisor.
             arrows.retain(|u| (0.005..=0.995).contains(u));
         }
         arrows
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_record_is_that_of_the_division() {
+    fn the_record_equals_the_division() {
         let cell = Cell::gao2026_thresholds(2.0).with_cue(Cue::published());
         let (found, numbers) = asked(&cell, "all");
         let alone = divide_alone(&DivisionInput::new(cell)).unwrap();
@@ -238,7 +238,8 @@ mod tests {
         }
     }
 
-    /// φ is 0 at the start, and at the furrow what the record says at pinch-off, which lies within the last step.
+    /// φ is 0 at the start; at the furrow it ends near the recorded value at pinch-off, which lies within the last
+    /// step.
     #[test]
     fn a_regulator_is_sent_with_every_frame_and_its_text_is_read() {
         let text = "regulator:step,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,activity=0.3";
@@ -293,7 +294,7 @@ mod tests {
         assert_eq!(every[every.len() - one.len()..], one);
     }
 
-    /// On a sphere all of it is known: C = 2/R, both tensions are X_b C, and the force is −X_b C² along the normal.
+    /// On a sphere everything is known: C = 2/R, both tensions are X_b C, and the force is −X_b C² along the normal.
     #[test]
     fn a_sphere_is_pressed_by_its_isotropic_activity() {
         let radius = 2.0;
@@ -316,7 +317,7 @@ mod tests {
         }
     }
 
-    /// A cue that follows PAR polarity is drawn where it was.
+    /// A cue that follows PAR polarity is drawn at its resolved position.
     #[test]
     fn a_cue_that_follows_par_is_drawn() {
         let cell = Cell::new(5.4).with_cue("kappa:par_band,amplitude=0.1".parse().unwrap());

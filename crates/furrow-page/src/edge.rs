@@ -1,4 +1,4 @@
-//! The edge of division on the phase diagram: activities at which pitchforks lie, over the radius.
+//! The edge of division on the phase diagram: the activity of the first pitchfork as a function of the radius.
 
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::equilibria::curves::{CurvePoint, SECOND, coefficient, curve_point, through_pitchfork};
@@ -16,15 +16,17 @@ struct Request {
     range: [f64; 2],
 }
 
-/// How far beyond the end of a piece the next one is looked for, as a factor of the radius, and how often one is looked for.
+/// Where to look for the next piece beyond the end of one, as a factor of the radius, and the greatest number of
+/// searches.
 const BEYOND: f64 = 1.005;
 const MOST_SEARCHES: usize = 12;
 /// Most steps of a piece.
 const MOST_STEPS: usize = 400;
 
-/// The first pitchforks ξ_s*(R0) of cells like the given one without a cue: the edge at which the symmetric furrow loses its stability. In
-/// narrow shells it has several pieces, since a curve of pitchforks turns back and another is the first beyond. Where one cannot be followed
-/// to the end of the range, what was found is the answer.
+/// The first pitchforks ξ_s*(R0) of cells like the given one without a cue: the edge at which the symmetric furrow
+/// loses its stability. In narrow shells it has several pieces, since a curve of pitchforks turns back and another
+/// curve has the first pitchfork beyond. If a curve cannot be followed to the end of the range, the answer holds the
+/// points found.
 ///
 /// # Errors
 /// No pitchfork is found in the range.
@@ -55,14 +57,14 @@ pub fn edge(request: &[u8]) -> Result<Answer, PageError> {
     Ok(Answer::of(json!({ "pieces": pieces.into_iter().map(points).collect::<Vec<_>>() }).to_string()))
 }
 
-/// The curve from the first pitchfork at one radius to another, or to where it turns back.
+/// The curve from the first pitchfork at one radius to another radius, or to the point where it turns back.
 fn piece(cell: &Cell, numerics: &Numerics, [from, to]: [f64; 2]) -> Result<Vec<CurvePoint>, ShapeError> {
     let cell = Cell { r0: from, ..cell.clone() };
     let first = pitchfork::first(&cell, numerics, &BranchOptions::default())?;
     let lost = |source| ShapeError::Curve { kind: PointKind::Pitchfork, parameter: Parameter::R0, value: to, source };
     let mut curve = through_pitchfork(&cell, &first, Parameter::R0, true).map_err(lost)?;
     let mut points = vec![curve_point(&curve, Some(first.coefficient))];
-    // However it ends, the points up to there are right.
+    // The points found before a failure are valid.
     let _ = curve.follow_to(SECOND, to, MOST_STEPS, |curve, report| {
         let y = curve.solution.clone();
         let c = coefficient(curve, &y, report).ok();

@@ -7,7 +7,7 @@
 //! | [`abi`] | the functions that a page calls |
 //! | [`division`] | one division and its movie |
 //! | [`tree`] | a lineage grown in the page, and a tree as Newick |
-//! | [`limits`] | what is refused |
+//! | [`limits`] | cells that the page refuses |
 //! | [`edge`] | the curve of pitchforks on the phase diagram |
 //! | [`answer`] | the form of all answers |
 

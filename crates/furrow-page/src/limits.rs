@@ -1,4 +1,4 @@
-//! What the page refuses: what the command line refuses, in its words.
+//! The page refuses the same cells as the command line, with the same messages.
 
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Numerics};
@@ -7,10 +7,10 @@ use furrow_input::InputError;
 /// Options of the command line by the parameters that they set.
 const OPTIONS: [(&str, &str); 3] = [("--r0", "r0"), ("--epsilon", "epsilon"), ("--xi", "xi_s")];
 
-/// Checks a cell that is to divide, as `furrow divide` does.
+/// Checks a cell before its division, as `furrow divide` does.
 ///
 /// # Errors
-/// Names the option, its value and what is allowed.
+/// Names the option, its value and the allowed range.
 pub fn check(cell: &Cell, numerics: &Numerics) -> Result<(), InputError> {
     let settings = Settings { cell: cell.clone(), numerics: *numerics };
     for (option, name) in OPTIONS {
@@ -33,7 +33,7 @@ mod tests {
     use furrow_cell::Cue;
 
     #[test]
-    fn what_divide_refuses_is_refused_in_its_words() {
+    fn the_page_refuses_what_divide_refuses_with_the_same_message() {
         let refused = |cell: &Cell| check(cell, &Numerics::default()).map_err(|error| error.to_string());
         let cell = Cell::new(5.4);
         assert_eq!(refused(&cell), Ok(()));

@@ -1,4 +1,4 @@
-//! A founder tree grown anew, by the same functions as `furrow tree`, so that the counts are the same.
+//! Founder trees grown by the same functions as `furrow tree`, so that the counts are the same.
 
 use furrow_cell::Cue;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
@@ -12,20 +12,21 @@ use serde::Deserialize;
 use super::answer::{Answer, PageError};
 use super::limits::check;
 
-/// What a tree is grown from: the head of `tree.json`, and what the reader of the page has changed.
+/// The inputs of a tree: the head of `tree.json` with the changes that the reader of the page has made.
 #[derive(Debug, Deserialize)]
 struct Request {
     lineage: Lineage,
     #[serde(flatten)]
     settings: TreeSettings,
-    /// Takes the place of every cue of the lineage, as `--cue` does: `none`, a name of the lineage, or terms.
+    /// Replaces every cue of the lineage, as `--cue` does: `none`, a name of the lineage, or terms.
     cue: Option<String>,
 }
 
-/// Grows a tree and answers with the text of its `tree.json`. `tell` is told how many divisions are solved and how many wait.
+/// Grows a tree and answers with the text of its `tree.json`. `tell` receives the numbers of solved and of waiting
+/// divisions.
 ///
 /// # Errors
-/// A request or a cue that cannot be read. A cell whose division cannot be computed ends its branch and is no error.
+/// The request or the cue cannot be read. A cell without a computable division ends its branch and is not an error.
 pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, PageError> {
     let Request { mut lineage, settings, cue } = serde_json::from_slice(request)?;
     check(&settings.cell, &settings.numerics)?;
@@ -54,7 +55,7 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
 /// The `tree.nwk` of a tree, as a JSON text, from its `tree.json`.
 ///
 /// # Errors
-/// The request is no `tree.json`.
+/// The request is not a `tree.json`.
 pub fn as_newick(request: &[u8]) -> Result<Answer, PageError> {
     let tree = tree_from_json(&String::from_utf8_lossy(request))?;
     Ok(Answer::of(serde_json::to_string(&newick(&tree))?))
@@ -63,7 +64,7 @@ pub fn as_newick(request: &[u8]) -> Result<Answer, PageError> {
 /// The sections of a page on a tree, from its `tree.json`.
 ///
 /// # Errors
-/// The request is no `tree.json`.
+/// The request is not a `tree.json`.
 pub fn told(request: &[u8]) -> Result<Answer, PageError> {
     let tree = tree_from_json(&String::from_utf8_lossy(request))?;
     Ok(Answer::of(serde_json::to_string(&OfTree::new(&tree, &founder_rows(&tree)))?))
@@ -86,9 +87,9 @@ mod tests {
         request.to_string().into_bytes()
     }
 
-    /// A request made of what a page finds in its own tree gives that tree again.
+    /// A request built from a tree's own `tree.json` gives that tree again.
     #[test]
-    fn a_tree_that_is_grown_from_its_own_head_is_the_same() {
+    fn a_tree_regrown_from_its_own_head_is_the_same() {
         let counted = Counter::new(0);
         let first =
             regrow(&head(&Cell::gao2026_thresholds(3.0), Some("none")), &|solved, _| counted.set(solved)).unwrap();
@@ -110,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cue_that_is_none_is_refused_with_what_is_allowed() {
+    fn an_unknown_cue_is_refused_with_the_allowed_ones() {
         let error = regrow(&head(&Cell::gao2026_thresholds(3.0), Some("germlin")), &|_, _| {}).unwrap_err();
         assert!(error.to_string().contains("germline"), "{error}");
     }

@@ -16,8 +16,9 @@ use furrow_lineage::{Lineage, Tree, TreeSettings};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// A tree as a page that computes: its lineage to walk through, divisions played, the founders' table, the generations and the
-/// parameters. Without scripts it shows the drawing and the tables. `spread` has its ranges over seeds, if they are known.
+/// An interactive page of a tree: its lineage, played divisions, the founders' table, the generations and the
+/// parameters. Without scripts it shows the drawing and the tables. `spread` has the ranges over seeds, if they are
+/// known.
 pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<&LineageRanges>) -> String {
     let name = escape(&tree.lineage.name);
     let OfTree { summary, below } = OfTree::new(tree, rows);
@@ -39,7 +40,8 @@ pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<&LineageRanges>) ->
     .html()
 }
 
-/// The sections of a page on the tree in view, as HTML. After it has grown a tree the page asks its module for these of the new one.
+/// The sections of a page that depend on the tree, as HTML. After the page has grown a tree, it asks its module for
+/// them again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OfTree {
     /// The tree in a sentence, below the heading.
@@ -68,7 +70,7 @@ impl OfTree {
     }
 }
 
-/// The page that computes, without a tree: any cell you choose, and a lineage to grow.
+/// The interactive page without a tree: a cell with chosen parameters, and a lineage to grow.
 pub fn explorer(lineage: &Lineage, settings: &TreeSettings) -> String {
     let name = escape(&lineage.name);
     Page {
@@ -132,7 +134,7 @@ pub(super) fn group<T: std::fmt::Display>(tag: &str, texts: impl Iterator<Item =
     texts.enumerate().map(|(k, text)| format!("<{tag}{}>{text}</{tag}>", class(k))).collect()
 }
 
-/// The heading of a column of counts in full.
+/// The full heading of a column of counts.
 fn in_full(heading: &'static str) -> &'static str {
     match heading {
         "full" => "full doublings",

@@ -40,7 +40,7 @@ fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A text in which numbers with many digits are rounded to six of them.
+/// Text with long numbers rounded to six digits.
 fn rounded(text: &str) -> String {
     let is_of_number = |c: char| c.is_ascii_digit() || c == '.';
     let piece = |piece: &str| {
@@ -67,7 +67,7 @@ mod tests {
     use super::rounded;
 
     #[test]
-    fn long_numbers_are_rounded_and_all_else_stays() {
+    fn long_numbers_are_rounded_and_the_rest_is_unchanged() {
         let cases = [
             ("r0 = 17.40506329113924", "r0 = 17.4051"),
             (

@@ -29,7 +29,7 @@ fn whole(value: Option<u32>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
-/// A number with so many decimals, or a dash.
+/// A number with the given number of decimals, or a dash.
 pub fn decimals(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_owned(), |v| format!("{v:.digits$}"))
 }
@@ -51,7 +51,7 @@ pub const OBSERVED_BESIDE: [&str; 4] = ["min", "mean", "max", "cells"];
 pub struct Entry {
     /// The text of each column of [`SCENARIO`].
     pub texts: [String; 5],
-    /// Which of them differ from those of the first scenario.
+    /// Whether each text differs from the first scenario's.
     pub differs: [bool; 5],
 }
 
@@ -59,9 +59,9 @@ pub struct Entry {
 pub struct FounderLine {
     /// Its name.
     pub name: String,
-    /// In every scenario, in their order.
+    /// Its entry in every scenario, in order.
     pub entries: Vec<Entry>,
-    /// Texts of [`OBSERVED_BESIDE`], of the first scenario that has any.
+    /// Texts of [`OBSERVED_BESIDE`], from the first scenario with observed counts.
     pub observed: Option<[String; 4]>,
 }
 
@@ -72,7 +72,7 @@ impl FounderLine {
     }
 }
 
-/// The founders of several trees, those of the first one first. A founder that is not in a scenario has no numbers there.
+/// The founders of several trees in order of first appearance. A founder has no numbers in a scenario without it.
 pub fn founder_lines(trees: &[Tree]) -> Vec<FounderLine> {
     let rows: Vec<Vec<FounderRow>> = trees.iter().map(founder_rows).collect();
     let mut names: Vec<&str> = Vec::new();
@@ -98,7 +98,7 @@ pub fn founder_lines(trees: &[Tree]) -> Vec<FounderLine> {
     names.into_iter().map(line).collect()
 }
 
-/// The columns of [`SCENARIO`]; a founder that was not born has dashes, one that is not in the lineage has nothing.
+/// The columns of [`SCENARIO`]; dashes for a founder that was not born, empty for one outside the lineage.
 fn texts(row: Option<&FounderRow>) -> [String; 5] {
     let Some(row) = row else { return Default::default() };
     let Some(rounds) = row.rounds else { return std::array::from_fn(|_| "-".to_owned()) };

@@ -12,7 +12,7 @@ use furrow_lineage::{CellTimes, Tree};
 /// Size of the figure, and its left, right, top and bottom margins.
 const SIZE: [f64; 2] = [860.0, 330.0];
 const MARGINS: [f64; 4] = [56.0, 20.0, 14.0, 44.0];
-/// Distance of two rows of words, and about the width of a letter.
+/// Distance between two rows of words, and the approximate width of a letter.
 const ROW: f64 = 15.0;
 const LETTER: f64 = 6.2;
 
@@ -28,13 +28,13 @@ impl Scale {
         MARGINS[0] + (min - self.from) / (self.to - self.from) * (SIZE[0] - MARGINS[0] - MARGINS[1])
     }
 
-    /// Over logarithms.
+    /// On a logarithmic scale.
     fn y(&self, cells: f64) -> f64 {
         let bottom = SIZE[1] - MARGINS[3];
         bottom - cells.max(1.0).ln() / self.most.ln() * (bottom - MARGINS[2])
     }
 
-    /// A line in steps through times and numbers of cells from then on.
+    /// A line in steps; each point gives a time and the number of cells from then on.
     fn stairs(&self, points: &[(f64, usize)], style: &str) -> String {
         let mut path = String::new();
         for (k, (min, cells)) in points.iter().enumerate() {
@@ -45,7 +45,8 @@ impl Scale {
     }
 }
 
-/// A section with the cells of a tree over time, those of the embryo beside them for *C. elegans*; empty without a clock.
+/// A section with the cells of a tree over time, and beside them the embryo's cells for *C. elegans*; empty without a
+/// clock.
 pub(super) fn section(tree: &Tree) -> String {
     let Some(times) = tree.times() else { return String::new() };
     let model: Vec<(f64, usize)> = alive(&times).iter().map(|alive| (alive.min, alive.cells)).collect();
@@ -130,7 +131,7 @@ struct Mark {
 }
 
 impl Mark {
-    /// Whether a row is free for the name: it meets no other name there, and neither line crosses a name.
+    /// Whether a row is free for the name: it overlaps no other name there, and no vertical line crosses a name.
     fn fits(&self, row: usize, others: &[(usize, Mark)]) -> bool {
         let [from, to] = self.name;
         others.iter().all(|(of, other)| match row.cmp(of) {
@@ -141,8 +142,8 @@ impl Mark {
     }
 }
 
-/// The last division of each founder, in minutes. Founders with one minute, as a founder and its mother, are named together, in the colour
-/// of the one that is nearest to the cells.
+/// The last division of each founder, in minutes. Founders with the same minute, such as a founder and its mother,
+/// share a mark, in the colour of the founder nearest to the cells.
 fn marks(tree: &Tree, scale: &Scale, last: &[Option<CellTimes>]) -> Vec<Mark> {
     let (colours, right) = (colours(&tree.lineage), SIZE[0] - MARGINS[1]);
     let minute = |(k, last): (usize, &Option<CellTimes>)| {
@@ -162,8 +163,8 @@ fn marks(tree: &Tree, scale: &Scale, last: &[Option<CellTimes>]) -> Vec<Mark> {
     minutes.chunk_by(|a, b| a.0 == b.0).map(mark).collect()
 }
 
-/// The last divisions above the axis of time, names in rows. Those on the right of their marks come first, from the last to the first, so
-/// that no line of another is in their way; those on the left then begin with the first.
+/// The last divisions above the time axis, with names in rows. Names on the right of their marks are placed first, from
+/// the last to the first, so that no other line crosses them; then those on the left, starting with the first.
 fn lasts(tree: &Tree, scale: &Scale, last: &[Option<CellTimes>]) -> String {
     let (left, mut order): (Vec<Mark>, Vec<Mark>) =
         marks(tree, scale, last).into_iter().partition(|mark| mark.name[0] < mark.x);

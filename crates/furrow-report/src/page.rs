@@ -1,4 +1,4 @@
-//! The frame of a page that computes: style, scripts, the solver and its data.
+//! The frame of an interactive page: style, scripts, the solver and its data.
 //!
 //! The files of `page/` are embedded unchanged, so that a page is one file and needs no network. `furrow-page` builds the
 //! solver.
@@ -18,7 +18,7 @@ const LINEAGE: &str = include_str!("page/lineage.html");
 const WHAT_IF: &str = include_str!("page/whatif.html");
 /// The script of the worker, which runs the solver.
 const WORKER: &str = include_str!("page/worker.js");
-/// In the order of the page: definitions come before their use.
+/// In the order of the page, so that definitions precede their use.
 const SCRIPTS: [&str; 13] = [
     include_str!("page/solver.js"),
     include_str!("page/data.js"),
@@ -50,7 +50,7 @@ pub struct Page {
     pub top: String,
     /// Before the lineage.
     pub above: String,
-    /// In place of the lineage where scripts do not run.
+    /// Replaces the lineage where scripts do not run.
     pub still: String,
     /// At the end.
     pub below: String,
@@ -84,8 +84,8 @@ impl Page {
     }
 }
 
-/// The edge of division that the page begins with, at one ε: pitchforks (R0, ξ_s, coefficient of the normal form). Null but for
-/// cells in whose constants the stored one differs from the preset's by ε and ξ_s at most.
+/// The edge of division that the page begins with, at one ε: pitchforks (R0, ξ_s, coefficient of the normal form). Null
+/// for cells whose parameters differ from the stored preset's in more than ε and ξ_s.
 fn edge(cell: &Cell, numerics: &Numerics) -> Value {
     let Cell { epsilon, xi_s, .. } = Cell::new(1.0);
     let Ok(stored) = Stored::preset(&Cell { epsilon, xi_s, ..cell.clone() }, numerics) else { return Value::Null };
@@ -95,15 +95,15 @@ fn edge(cell: &Cell, numerics: &Numerics) -> Value {
 
 /// A tree of the page.
 pub struct Shown<'a> {
-    /// What it is called beside others; empty where it is the only one.
+    /// Its name beside other trees; empty for a single tree.
     pub name: &'a str,
-    /// What it is made of: its lineage, its cue.
+    /// Its lineage and cue.
     pub made: String,
     /// Colours of its founders.
     pub colours: Vec<&'static str>,
     /// Its `tree.json`.
     pub tree: String,
-    /// Its ranges over seeds, where more than one was run.
+    /// Its ranges over seeds, if several were run.
     pub spread: Option<&'a LineageRanges>,
 }
 
@@ -129,7 +129,8 @@ pub fn data(lineage: &Lineage, settings: &TreeSettings, shown: &[Shown<'_>]) -> 
         [first, others @ ..] => (first.tree.as_str(), others),
     };
     let others = others.iter().map(|shown| shown.tree.as_str()).collect::<Vec<_>>().join(",");
-    // One object of all, without parsing any again. `<` is escaped: a name could close the script element.
+    // The texts are joined into one object without parsing them again. `<` is escaped, since a name could close the
+    // script element.
     let told = told.strip_suffix('}').unwrap_or_default();
     format!("{told},\"tree\":{tree},\"others\":[{others}]}}").replace('<', "\\u003c")
 }
@@ -139,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_name_ends_the_element_that_the_data_stand_in() {
+    fn no_name_closes_the_script_element_of_the_data() {
         let mut lineage = Lineage::c_elegans().unwrap();
         lineage.name = "</script><script>alert(1)".to_owned();
         let text = data(&lineage, &TreeSettings::default(), &[]);
@@ -159,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_in_a_script_ends_it() {
+    fn no_script_closes_its_own_element() {
         for script in SCRIPTS.iter().chain([&WORKER]) {
             assert!(!script.contains("</script") && !script.contains("<!--"));
         }

@@ -10,8 +10,8 @@ use serde_json::Value;
 /// An empty cell of the table.
 const NOTHING: &str = "-";
 
-/// The page that ships as `docs/reproduction.md`, of the constants that `constants` names. It has no times: equal inputs give
-/// equal bytes.
+/// The page that ships as `docs/reproduction.md`, for the named constants. It contains no times, so that equal inputs
+/// give equal bytes.
 pub fn markdown(found: &Reproduction, constants: &str) -> String {
     let mut out = format!("{HEAD}\n{}\n", counts(found, constants));
     out.push_str("\n| figure | quantity | paper | furrow | Δt = 0.1 τ | Δt = 0.01 τ | off by | verdict |\n|---|---|---|---|---|---|---|---|\n");
@@ -70,7 +70,7 @@ pub fn row(item: &Item) -> String {
     format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
 }
 
-/// A result of the published scheme, and whether it agrees where the converged result does not, or the other way round.
+/// A result of the published scheme, with a note if its agreement with the paper differs from the converged result's.
 fn published(item: &Item, computed: Option<&str>, agrees: Option<bool>) -> String {
     let verdict = match agrees {
         Some(true) if !item.pass => " (agrees)",
@@ -80,13 +80,13 @@ fn published(item: &Item, computed: Option<&str>, agrees: Option<bool>) -> Strin
     format!("{}{verdict}", computed.unwrap_or(NOTHING))
 }
 
-/// Text with a capital at its beginning; symbols stay as they are.
+/// Text with its first letter capitalised; symbols are unchanged.
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| std::iter::once(first.to_ascii_uppercase()).chain(letters).collect())
 }
 
-/// A number to five digits, or words.
+/// A number to five digits, or text.
 pub fn value(value: &Value) -> String {
     let Some(number) = value.as_f64() else { return value.as_str().unwrap_or(NOTHING).to_owned() };
     let digits = if number == 0.0 { 0 } else { 4 - number.abs().log10().floor() as i32 };
@@ -136,11 +136,11 @@ const HEADER: &str =
 /// Files other than pictures and tables of panels.
 pub const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
 
-/// Stages the page, the document, the table of all statements, and of every panel a picture and, if it is drawn from many cells, a
-/// table. `draw` gives the bytes of a picture, whose files end in `extension`.
+/// Stages the page, the document, the table of all statements, and a picture of every panel, with a table if the panel
+/// is drawn from many cells. `draw` returns the bytes of a picture; picture files end in `extension`.
 ///
 /// # Errors
-/// A picture cannot be drawn, a file not written.
+/// A picture cannot be drawn or a file cannot be written.
 pub fn stage<E: From<WriteError> + From<serde_json::Error>>(
     files: &mut FileSet,
     found: &Reproduction,

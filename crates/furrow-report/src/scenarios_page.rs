@@ -1,4 +1,4 @@
-//! Several scenarios on the interactive page: the table of founders and scenarios, and every tree to walk through.
+//! Several scenarios on the interactive page: the table of founders and scenarios, and every tree.
 
 use std::fmt::Write;
 
@@ -14,9 +14,9 @@ use furrow_analysis::{LineageRanges, Range};
 use furrow_formats::tree_to_json;
 use furrow_lineage::{Scenario, Tree};
 
-/// The scenarios as a page that computes: the table of founders and scenarios, every tree, and the parameters.
+/// The scenarios as an interactive page: the table of founders and scenarios, every tree, and the parameters.
 ///
-/// `spreads` has the ranges of each scenario over seeds of the noise; it is empty where there is one seed alone.
+/// `spreads` has the ranges of each scenario over seeds of the noise; it is empty for a single seed.
 pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree], spreads: &[LineageRanges]) -> String {
     let (palette, count) = (palette(trees), scenarios.len());
     let pairs = || scenarios.iter().zip(trees);
@@ -52,13 +52,13 @@ pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree], spreads: &[Lineage
     .html()
 }
 
-/// What a scenario is made of, in words.
+/// The lineage and cue of a scenario, in words.
 fn made(scenario: &Scenario, tree: &Tree) -> String {
     let cue = scenario.cue.as_ref().map_or(String::new(), |cue| format!("; cue {cue}"));
     format!("{}{cue}", tree.lineage.name)
 }
 
-/// Founders and their colours, the same in all drawings: those that the first tree with the founder gives it.
+/// Founders and their colours, the same in all drawings. The first tree with a founder gives its colour.
 type Palette<'a> = Vec<(&'a str, &'static str)>;
 
 fn palette(trees: &[Tree]) -> Palette<'_> {
@@ -89,7 +89,7 @@ fn dots(palette: &Palette<'_>) -> String {
     )
 }
 
-/// A tree where scripts do not run.
+/// The drawing of a tree for readers without scripts.
 fn drawing(number: usize, scenario: &Scenario, tree: &Tree, palette: &Palette<'_>) -> String {
     let limited = TreeSummary::of(tree).limited();
     let limited = if limited { " Some branches were stopped by a limit, not by mechanics." } else { "" };
@@ -100,12 +100,12 @@ fn drawing(number: usize, scenario: &Scenario, tree: &Tree, palette: &Palette<'_
     )
 }
 
-/// Whether a column of a founder differs from that of the first scenario: by more than their spreads where there are any.
+/// Whether a founder's column differs from the first scenario's: by more than their spreads, if these are known.
 fn differs(column: usize, own: Option<&Range>, first: Option<&Range>, entry: bool) -> bool {
     own.zip(first).map_or(entry, |(own, first)| spread::differs(own, first, column))
 }
 
-/// The median over seeds, and 5–95 % where they show.
+/// The median over seeds, and the range from 5 to 95 % if it is visible at the printed digits.
 fn median(range: &Range, column: usize) -> String {
     let [below, text, above] = spread::texts(range, column);
     if below == above { text } else { format!("{text}<small>{below}–{above}</small>") }
@@ -125,7 +125,7 @@ fn cells(entry: &Entry, own: &[Option<Range>; 5], first: &[Option<Range>; 5]) ->
     (0..SCENARIO.len()).map(cell).collect()
 }
 
-/// Founders down, scenarios across, and what was observed.
+/// One row for each founder, columns for each scenario, and the observed counts.
 fn table(scenarios: &[Scenario], trees: &[Tree], spreads: &[LineageRanges]) -> String {
     let lines = founder_lines(trees);
     let observed = lines.iter().any(|line| line.observed.is_some());
@@ -171,7 +171,7 @@ mod tests {
     use furrow_analysis::FounderRange;
 
     #[test]
-    fn only_what_lies_beyond_the_spread_differs() {
+    fn only_values_beyond_the_spread_differ() {
         let of = |low: f64, high: f64| {
             let cells = Some(Range { p5: low, p50: 0.5 * (low + high), p95: high });
             let founder = FounderRange { name: "AB".to_owned(), cells, ..FounderRange::default() };

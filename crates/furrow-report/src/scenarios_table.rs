@@ -7,11 +7,11 @@ use super::observed_table::{FounderLine, OBSERVED_BESIDE, SCENARIO, founder_line
 use furrow_cell::Cell;
 use furrow_lineage::{Scenario, Tree};
 
-/// Columns of a terminal that the table keeps to, by wrapping into blocks of scenarios.
+/// Width of the table in characters, beyond which it wraps into blocks of scenarios.
 const PAGE: usize = 120;
 
-/// Founders down, scenarios across: fewest, mean and most rounds, χ of the founder's division, terminal cells, and observed
-/// counts. A star marks a number that differs from the first scenario's.
+/// One row for each founder; for each scenario the fewest, mean and most rounds, χ of the founder's division and the
+/// terminal cells; then the observed counts. A star marks a number that differs from the first scenario's.
 pub fn scenarios_table(scenarios: &[Scenario], trees: &[Tree]) -> String {
     let lines = founder_lines(trees);
     let widths = Widths::of(&lines);
@@ -48,11 +48,11 @@ fn list(scenarios: &[Scenario], trees: &[Tree]) -> String {
     out
 }
 
-/// Widths of the columns, with a blank before each and room for the star of a scenario's numbers.
+/// Widths of the columns, with a blank before each and room for a star after the numbers of a scenario.
 struct Widths {
     founder: usize,
     model: [usize; 5],
-    /// Zero where nothing was observed.
+    /// Zero without observed counts.
     observed: [usize; 4],
 }
 
@@ -74,11 +74,11 @@ impl Widths {
     }
 }
 
-/// The scenarios of a range, and the observed counts.
+/// The given range of scenarios, and the observed counts.
 fn block(lines: &[FounderLine], titles: &[String], shown: Range<usize>, widths: &Widths) -> String {
     let Widths { founder, model, observed } = *widths;
     let (scenario, beside) = (model.iter().sum::<usize>(), observed.iter().sum::<usize>());
-    // A line begins with the founder's column, goes on with that of each scenario, and ends with the observed ones.
+    // A line consists of the founder's column, the columns of each scenario, and the observed counts.
     let line = |first: &str, sign: char, of: &dyn Fn(usize) -> String, last: String| -> String {
         let scenarios = shown.clone().map(|k| format!("{sign}{}", of(k)));
         let last = if beside > 0 { format!("{sign}{last}") } else { String::new() };
@@ -107,7 +107,7 @@ fn block(lines: &[FounderLine], titles: &[String], shown: Range<usize>, widths: 
     out + "\n"
 }
 
-/// A title that fits into its columns; the list above the table has it whole.
+/// A title shortened to its columns; the list above the table has the full title.
 fn shortened(title: &str, width: usize) -> String {
     match title.chars().count() > width {
         true => title.chars().take(width.saturating_sub(1)).chain(['…']).collect(),

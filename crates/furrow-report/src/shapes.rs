@@ -1,7 +1,7 @@
-//! Records of stationary shapes, folds and pitchforks, with the keys of files, `--json` and Python.
+//! Records of stationary shapes, folds and pitchforks, with the keys used in files, in `--json` and in Python.
 //!
-//! Lengths are in L_h, p in κ0/L_h³, activities in κ0/L_h, growth rates in 1/τ. H is the elongation in R0, L the contour's
-//! length.
+//! Lengths are in L_h, p in κ0/L_h³, activities in κ0/L_h, growth rates in 1/τ. H is the elongation in units of R0, L
+//! the length of the contour.
 
 use serde_json::{Value, json};
 
@@ -10,8 +10,8 @@ use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
 use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
 use furrow_mechanics::stability::{GrowthRate, Spectrum};
 
-/// A stationary shape and its stability: its rightmost growth rates with the parity of their modes, and the activities at which
-/// the branch turned back before it came here; of a cell with a regulator also φ at u = ½ and at u = 0.
+/// A stationary shape and its stability: its rightmost growth rates with the parity of their modes, the activities of
+/// the folds that the branch passed on its way here, and, with a regulator, φ at u = ½ and at u = 0.
 pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value {
     let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im, "parity": format!("{:?}", v.parity).to_lowercase() });
     let mut report = json!({
@@ -30,8 +30,8 @@ pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value 
     report
 }
 
-/// Disturbances of one azimuthal number m of a stationary shape: their rightmost growth rates, the parity of the leading mode and, for
-/// m = 1, which shares of it shift and tilt the cell as a whole.
+/// Stability of a stationary shape to perturbations of azimuthal number m: the rightmost growth rates, the parity of
+/// the leading mode and, for m = 1, the shares of the mode that shift and tilt the whole cell.
 pub fn azimuthal_report(m: usize, spectrum: &Spectrum, mode: Option<&Mode>) -> Value {
     let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im });
     let mut report = json!({
@@ -48,8 +48,8 @@ pub fn azimuthal_report(m: usize, spectrum: &Spectrum, mode: Option<&Mode>) -> V
     report
 }
 
-/// A pitchfork by itself. `coefficient` is c of ξ_s = ξ_s* + c (u_furrow − ½)² along the asymmetric branch; `residual` is the
-/// size of the last Newton correction.
+/// A single pitchfork. `coefficient` is c of ξ_s = ξ_s* + c (u_furrow − ½)² along the asymmetric branch; `residual` is
+/// the size of the last Newton correction.
 pub fn threshold_report(found: &Pitchfork) -> Value {
     let (point, newton) = (&found.point, &found.report);
     json!({
@@ -59,8 +59,8 @@ pub fn threshold_report(found: &Pitchfork) -> Value {
     })
 }
 
-/// A fold or a pitchfork on the branch of this name; of pitchforks with criticality and coefficient, of folds with whether ξ_s is
-/// largest here along the branch.
+/// A fold or a pitchfork on the named branch. A pitchfork has its criticality and coefficient; a fold says whether ξ_s
+/// has a maximum there along the branch.
 pub fn event_report(branch: &str, event: &BranchEvent) -> Value {
     let point = event.point();
     let mut report = json!({
@@ -77,8 +77,8 @@ pub fn event_report(branch: &str, event: &BranchEvent) -> Value {
     report
 }
 
-/// Where the growth rate of disturbances cos mφ changes sign on the branch of this name, and whether they grow beyond, along the
-/// branch.
+/// A point on the named branch where the growth rate of perturbations ∝ cos mφ changes sign, and whether they grow
+/// beyond it along the branch.
 pub fn crossing_report(branch: &str, Crossing { m, point, grows }: &Crossing) -> Value {
     json!({ "branch": branch, "m": m, "xi_s": point.xi_s, "H": point.elongation, "grows_beyond": grows })
 }

@@ -7,12 +7,12 @@ use super::spread::{columns, differs, texts};
 use furrow_analysis::{FounderRange, LineageRanges, Range};
 use furrow_lineage::Scenario;
 
-/// The column of whole numbers of cells.
+/// The column with the numbers of cells.
 const CELLS: usize = 4;
 
-/// For each scenario the founders' χ, rounds and cells over the seeds, beside the observed counts: the median, and the range that
-/// 90 % of the seeds give where it is wider than the last digit. A star marks what differs from the first scenario by more than
-/// the spread of the two.
+/// For each scenario the founders' χ, rounds and cells over the seeds, beside the observed counts: the median, and the
+/// range of 90 % of the seeds if it is wider than the last digit. A star marks values that differ from the first
+/// scenario's by more than the spread of both.
 pub fn spread_table(scenarios: &[Scenario], spread: &[LineageRanges]) -> String {
     let members = spread.first().map_or(0, |ranges| ranges.members);
     let several = scenarios.len() > 1;
@@ -31,7 +31,7 @@ pub fn spread_table(scenarios: &[Scenario], spread: &[LineageRanges]) -> String 
             "founder", "χ ", "rounds: mean ", "min ", "max ", "cells "
         );
         for (founder, FounderRange { name, .. }) in ranges.founders.iter().enumerate() {
-            // A founder that scenario 1 does not have has nothing to differ from.
+            // A founder that scenario 1 lacks is not compared.
             let has = |ranges: &LineageRanges| ranges.founders.iter().any(|first| first.name == *name);
             let first = (k > 0 && has(&spread[0])).then(|| columns(Some(&spread[0]), name));
             let _ = writeln!(out, "{}", line(scenario, founder, columns(Some(ranges), name), first));
@@ -63,7 +63,7 @@ fn line(scenario: &Scenario, founder: usize, own: [Option<Range>; 5], first: Opt
     line.trim_end().to_owned()
 }
 
-/// The median, and the range where it shows.
+/// The median, and the range if it is visible at the printed digits.
 fn shown(range: &Range, column: usize) -> String {
     let [p5, p50, p95] = texts(range, column);
     if p5 == p95 { p50 } else { format!("{p50} [{p5}, {p95}]") }
@@ -80,7 +80,7 @@ mod tests {
         assert_eq!(shown(&range(6.2, 6.25, 6.9), 1), "6.25 [6.20, 6.90]");
         assert!(differs(&range(1.0, 2.0, 3.0), &range(3.1, 4.0, 5.0), 1));
         assert!(!differs(&range(1.0, 2.0, 3.0), &range(3.0, 4.0, 5.0), 1));
-        // χ of 10⁻⁵ and of 10⁻⁴ look alike.
+        // χ of 10⁻⁵ and 10⁻⁴ print alike.
         assert!(!differs(&range(1e-5, 1e-5, 1e-5), &range(1e-4, 1e-4, 1e-4), 3));
     }
 }

@@ -24,9 +24,9 @@ pub struct Generation {
 pub struct TreeSummary {
     /// By generation from the first cell.
     pub generations: Vec<Generation>,
-    /// Cells without daughters by the name of the reason.
+    /// Cells without daughters, by the name of the reason.
     pub ended: BTreeMap<&'static str, usize>,
-    /// Cells just above a threshold of division, whose wait there was skipped.
+    /// Cells just above a threshold of division; their long wait there was skipped.
     pub slow: usize,
 }
 
@@ -57,7 +57,7 @@ impl TreeSummary {
         TreeSummary { generations, ended, slow }
     }
 
-    /// Whether some branch was stopped by a limit and not by mechanics.
+    /// Whether some branch was stopped by a limit instead of the mechanics.
     pub fn limited(&self) -> bool {
         self.ended.contains_key("max_depth") || self.ended.contains_key("max_cells")
     }

@@ -11,19 +11,19 @@ use std::fmt::Write;
 
 /// The measures of a drawing, in its own units.
 struct Frame {
-    /// Most branch ends drawn; of a larger tree the first generations are shown.
+    /// Most branch ends drawn; a larger tree is cut after its first generations.
     max_ends: usize,
     left: f64,
     right: f64,
     top: f64,
     bottom: f64,
-    /// From one generation to the next.
+    /// Distance from one generation to the next.
     row: f64,
-    /// Least distance of neighbouring branch ends.
+    /// Least distance between neighbouring branch ends.
     gap: f64,
     /// Least width of the drawing.
     width: f64,
-    /// Radius of the first cell's disc, and the least of any.
+    /// Radius of the first cell's disc, and the least radius of any disc.
     discs: [f64; 2],
     /// Size of founders' names.
     font: f64,
@@ -31,7 +31,7 @@ struct Frame {
     asymmetry: bool,
 }
 
-/// A page wide.
+/// A drawing of full width.
 static FULL: Frame = Frame {
     max_ends: 3000,
     left: 92.0,
@@ -46,7 +46,7 @@ static FULL: Frame = Frame {
     asymmetry: true,
 };
 
-/// One of several on a page, with fewer ends: more would not be visible at this size.
+/// One of several drawings on a page, with fewer ends: more would not be visible at this size.
 static SMALL: Frame = Frame {
     max_ends: 600,
     left: 40.0,
@@ -61,17 +61,17 @@ static SMALL: Frame = Frame {
     asymmetry: false,
 };
 
-/// Founders take these colours in turn: eight hues, then the same darker, paler, and darker still.
+/// Founders take these colours in turn: eight hues, then the same hues darker, paler, and darker still.
 const HUES: [&str; 32] = [
     "#2f6db5", "#7b5ea7", "#c2568f", "#2a9d6f", "#e08a2c", "#c8423b", "#b8a21a", "#1f9fb4", // as they are
     "#1d4470", "#4c3a68", "#783559", "#1a6145", "#8b561b", "#7c2925", "#726410", "#136370", // darker
     "#7aa2d1", "#ab98c8", "#d893b7", "#77c0a2", "#ebb478", "#dc8682", "#d1c26b", "#70c2cf", // paler
     "#122b48", "#312643", "#4e2239", "#113f2c", "#5a3711", "#501a18", "#4a410a", "#0c4048", // darker still
 ];
-/// P0 to P3 of a nematode, in all scenarios alike: whichever cue they have, they are the germline.
+/// P0 to P3 of a nematode, in every scenario: whatever their cues, they are the germline.
 const GERMLINE: [(&str, &str); 4] = [("P0", "#2b2f36"), ("P1", "#4c525c"), ("P2", "#6d7480"), ("P3", "#8d95a1")];
 
-/// The colour of each founder, in all drawings: of up to 32 founders each has its own.
+/// The colour of each founder, the same in all drawings and distinct for up to 32 founders.
 pub fn colours(lineage: &Lineage) -> Vec<&'static str> {
     let mut hues = HUES.into_iter().cycle();
     let grey = |name: &str| GERMLINE.into_iter().find_map(|(founder, grey)| (founder == name).then_some(grey));
@@ -81,7 +81,7 @@ pub fn colours(lineage: &Lineage) -> Vec<&'static str> {
 /// Positions of the cells that are drawn.
 struct Layout {
     frame: &'static Frame,
-    /// By node; none if not drawn.
+    /// By node; `None` if it is not drawn.
     x: Vec<Option<f64>>,
     width: f64,
     /// The last generation drawn.
@@ -90,9 +90,9 @@ struct Layout {
     order: Vec<CellId>,
     /// Where the first cell is.
     top: f64,
-    /// By node, how far it is below the first cell.
+    /// Distance of each node below the first cell.
     down: Vec<f64>,
-    /// The largest of them that is drawn.
+    /// The largest depth drawn.
     deepest: f64,
     /// The axis of time, if cells are drawn at their births instead of their generations.
     minutes: Option<TimeScale>,
@@ -135,9 +135,9 @@ fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame, axis: Time
     Layout { frame, x, width, last, order, top: frame.top, down, deepest, minutes }
 }
 
-/// The tree as SVG: one row a generation, or time downwards with every cell at its birth; discs as wide as their cells, coloured by
-/// founder. A full disc divides symmetrically, a ring asymmetrically; an open circle over a bar ended. Without a clock a tree has
-/// rows of generations.
+/// The tree as SVG: one row for each generation, or time downwards with every cell at its birth; discs are as wide as
+/// their cells and coloured by founder. A full disc divides symmetrically, a ring asymmetrically; an open circle over a
+/// bar does not divide. A tree without a clock has rows of generations.
 pub fn svg(tree: &Tree, axis: TimeAxis) -> String {
     let summary = TreeSummary::of(tree);
     let mut layout = lay_out(tree, &summary, &FULL, axis);
@@ -164,8 +164,8 @@ pub fn svg(tree: &Tree, axis: TimeAxis) -> String {
     drawing(tree, &layout, &colours, &(heading(tree, &layout) + &legend + &rows + &last))
 }
 
-/// The tree as one of several drawings on a page: without a legend, generations numbered on the left, in
-/// the given colours of its founders.
+/// The tree as one of several drawings on a page: without a legend, with generations numbered on the left, in the given
+/// colours of its founders.
 pub(super) fn small(tree: &Tree, colours: &[&str]) -> String {
     let layout = lay_out(tree, &TreeSummary::of(tree), &SMALL, TimeAxis::Generations);
     let row = |g: u32| {
@@ -179,7 +179,7 @@ pub(super) fn small(tree: &Tree, colours: &[&str]) -> String {
     drawing(tree, &layout, colours, &(0..=layout.last).map(row).collect::<String>())
 }
 
-/// What is behind the tree, all lines, and the discs over them.
+/// The background, all lines, and the discs over them.
 fn drawing(tree: &Tree, layout: &Layout, colours: &[&str], behind: &str) -> String {
     let Layout { frame, width, order, .. } = layout;
     let height = layout.top + layout.deepest + frame.bottom;
@@ -216,8 +216,8 @@ fn room_below(tree: &Tree, node: CellId, layout: &Layout) -> f64 {
     room.max(layout.frame.discs[1])
 }
 
-/// The last division of each founder and its descendants, as a line below all of them with its minute. Founders below which there are
-/// others are left out: their last division is one of these.
+/// The last division of each founder and its descendants, as a line below all of them with its minute. A founder with
+/// further founders below it is left out, since its last division is one of theirs.
 fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> String {
     let Some(scale) = &layout.minutes else { return String::new() };
     let mut spans: Vec<Option<[f64; 2]>> = layout.x.iter().map(|x| x.map(|x| [x, x])).collect();
@@ -239,7 +239,7 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
         let is_mother = names.iter().any(|other| other.mother.as_ref() == Some(&names[founder].name));
         let [from, to] = spans[node.index()].filter(|_| !is_mother && min <= scale.last)?;
         let (y, colour, name) = (layout.top + scale.at(min), colours[founder], escape(&names[founder].name));
-        // Nothing of the founder is below.
+        // The founder has nothing below this line.
         let (base, from, to) = (y + 21.0, from - 6.0, to + 6.0);
         let copy = |paint: &str| {
             format!(
@@ -270,7 +270,7 @@ fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String
                 format!("M{x:.1} {y:.1}C{x:.1} {a:.1} {to:.1} {b:.1} {to:.1} {down:.1}")
             }
         };
-        // The line is as strong as the daughter is large.
+        // The width of the line is proportional to the daughter's radius.
         let (stroke, colour) = (0.26 * disc_radius(tree, cell.r0, layout), colours[cell.founder]);
         Some(format!(
             r##"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{stroke:.2}" stroke-opacity=".55"/>
@@ -306,7 +306,7 @@ fn disc(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> Option<
     Some(format!("<g><title>{title}</title><circle cx=\"{x:.1}\" cy=\"{y:.1}\" {shape}</g>\n{label}"))
 }
 
-/// What a pointer over a cell shows.
+/// The tooltip of a cell.
 fn title(tree: &Tree, node: CellId) -> String {
     let (cell, units) = (tree.cell(node), tree.lineage.units());
     let (size, side) = (units.in_micrometres(cell.r0), tree.side(node).map_or("", Side::adjective));
@@ -327,7 +327,7 @@ fn title(tree: &Tree, node: CellId) -> String {
     title
 }
 
-/// When a cell is born and divides, behind its title.
+/// The times of birth and division, appended to the title.
 fn times_text(CellTimes { birth_min, division_min, lifetime_extrapolated }: CellTimes) -> String {
     let mark = if lifetime_extrapolated { " (extrapolated)" } else { "" };
     let divides = division_min.map_or(String::new(), |min| format!(", divides at {min:.1} min{mark}"));
@@ -337,7 +337,8 @@ fn times_text(CellTimes { birth_min, division_min, lifetime_extrapolated }: Cell
 /// Widest line of a founder's label.
 const LABEL: f64 = 40.0;
 
-/// The side of a founder's label, 1 for the right: away from its mother, unless the next cell is in its way there alone.
+/// The side of a founder's label, 1 for the right: away from its mother, unless the next cell is too close on that side
+/// only.
 fn label_side(tree: &Tree, node: CellId, layout: &Layout, x: f64, wanted: f64) -> f64 {
     let y = y_of(node, layout);
     let beside = |other: &CellId| *other != node && (y_of(*other, layout) - y).abs() < LINE;
@@ -366,7 +367,7 @@ fn label(tree: &Tree, node: CellId, layout: &Layout, colour: &str) -> Option<Str
         paints.iter().map(copy).collect()
     };
     let font = format!("font-size=\"{}\" font-weight=\"bold\"", layout.frame.font);
-    // In minutes neighbours can be close below.
+    // In minutes, neighbours can be close below.
     let unequal =
         layout.frame.asymmetry && layout.minutes.is_none() && cell.fate.outcome() == Some(Outcome::Asymmetric);
     let chi = cell.fate.chi().filter(|_| unequal);
@@ -378,7 +379,7 @@ fn label(tree: &Tree, node: CellId, layout: &Layout, colour: &str) -> Option<Str
 const LINE: f64 = 21.0;
 const LEGEND: f64 = 69.0;
 
-/// What the drawing is of, and the names of its columns.
+/// The subject of the drawing, and the names of its columns.
 fn heading(tree: &Tree, layout: &Layout) -> String {
     let Cell { epsilon, xi_s, .. } = tree.settings.cell;
     let (name, cells, r0) = (escape(&tree.lineage.name), tree.len(), short(tree.cell(tree.first()).r0));
@@ -409,7 +410,7 @@ fn heading(tree: &Tree, layout: &Layout) -> String {
     out
 }
 
-/// The founders and the kinds of cells that are drawn, in lines of at most the width of a page, and how many lines these are.
+/// The founders and kinds of cells that are drawn, in lines no wider than the page, and the number of these lines.
 fn legend(tree: &Tree, colours: &[&str], layout: &Layout) -> (String, usize) {
     let drawn = || layout.order.iter().map(|node| tree.cell(*node));
     let born = |founder: &usize| drawn().any(|cell| cell.founder == *founder);
@@ -455,7 +456,7 @@ fn legend(tree: &Tree, colours: &[&str], layout: &Layout) -> (String, usize) {
 mod tests {
     use super::*;
 
-    /// The colours of the founders of a lineage with this many, of which all carry a cue.
+    /// The colours of a lineage with the given founders, all with a cue.
     fn of(names: &[String]) -> Vec<&'static str> {
         let founder = |k: usize| {
             let (mother, daughter) = ((k - 1) / 2, if k % 2 == 1 { "larger" } else { "smaller" });
@@ -468,7 +469,7 @@ mod tests {
     }
 
     #[test]
-    fn founders_of_any_animal_have_colours_of_their_own() {
+    fn the_founders_of_any_animal_have_distinct_colours() {
         let names: Vec<String> = (0..31).map(|k| format!("F{k}")).collect();
         let found = of(&names);
         let distinct: std::collections::BTreeSet<&str> = found.iter().copied().collect();
@@ -478,7 +479,7 @@ mod tests {
         let germline = worm.founders.iter().zip(colours(&worm)).filter(|(founder, _)| founder.name.starts_with('P'));
         let greys: Vec<bool> = germline.map(|(_, colour)| GERMLINE.iter().any(|(_, grey)| *grey == colour)).collect();
         assert_eq!(greys, [true, true, true, true, false]);
-        // A cue that is taken away changes no colour.
+        // Removing a cue changes no colour.
         assert_eq!(colours(&worm.clone().with_cues_replaced("none", &furrow_cell::Cue::none())), colours(&worm));
     }
 }

@@ -19,8 +19,8 @@ pub fn outcome_name(outcome: Option<Outcome>) -> &'static str {
     outcome.map_or("-", Outcome::name)
 }
 
-/// The cue of a founder, with the numbers of its own descendants that carry one: `stiff +6`, or `stiff, pulled +12` where
-/// theirs is another.
+/// The cue of a founder, with the number of its own descendants that carry each cue: `stiff +6`, or `stiff, pulled +12`
+/// if theirs is another.
 pub(super) fn cue_text(row: &FounderRow) -> String {
     let mut out = row.cue.clone();
     for (name, count) in &row.cued_descendants {
@@ -63,7 +63,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     out
 }
 
-/// Cells at rest at the ends of branches in which a disturbance m = 1 grows.
+/// Number of cells at rest at the ends of branches in which a perturbation with m = 1 grows.
 fn one_sided(tree: &Tree) -> usize {
     let rests = |cell: &TreeCell| {
         matches!(
@@ -80,7 +80,7 @@ fn texts<T>(columns: &[Column<T>], text: impl Fn(&Column<T>) -> String) -> Strin
     columns.iter().map(|column| format!(" {:>1$}", text(column), column.1)).collect()
 }
 
-/// Rounds of the founders: the model's and, if there are any, the observed ones.
+/// Rounds of the founders: the model's and, if known, the observed ones.
 fn rounds(rows: &[FounderRow]) -> String {
     let cues: Vec<String> = rows.iter().map(cue_text).collect();
     let name_width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(7);
@@ -118,10 +118,10 @@ fn rounds(rows: &[FounderRow]) -> String {
     out + "\n"
 }
 
-/// What a mark behind minutes means.
+/// The meaning of the mark after minutes.
 const EXTRAPOLATED: &str = "  * extrapolated: the clock was fitted to cells of other sizes\n";
 
-/// Founders in a line of their last divisions.
+/// Founders per line of the last divisions.
 const IN_A_LINE: usize = 8;
 
 /// The last division among each founder's descendants, in minutes.
@@ -136,14 +136,14 @@ fn last_divisions(tree: &Tree, rows: &[FounderRow]) -> String {
     format!("last divisions of descendants, in minutes from the {origin}:\n  {lines}\n{note}\n")
 }
 
-/// The cues that the table names.
+/// The cues named in the table.
 fn cues(tree: &Tree, rows: &[FounderRow]) -> String {
     let used = |name: &String| rows.iter().any(|row| row.cue == *name || row.cued_descendants.contains_key(name));
     let cues = tree.lineage.cues.iter().filter(|(name, _)| used(name));
     paragraph(cues.map(|(name, cue)| format!("cue {name}: {cue}\n")))
 }
 
-/// Parameters that founders change.
+/// Parameters changed by founders.
 fn physics(tree: &Tree) -> String {
     let changed = tree.lineage.founders.iter().filter(|founder| !founder.physics.is_empty());
     paragraph(changed.map(|founder| {
@@ -153,7 +153,7 @@ fn physics(tree: &Tree) -> String {
     })) + &paragraph(ruled(tree))
 }
 
-/// Parameters that rules give cells, from the least value to the greatest.
+/// Parameters set by rules, from the least value to the greatest.
 fn ruled(tree: &Tree) -> impl Iterator<Item = String> + '_ {
     Parameter::ALL.into_iter().filter_map(|parameter| {
         let values = tree.cells().filter_map(|id| tree.cell(id).physics.as_ref());
@@ -165,7 +165,7 @@ fn ruled(tree: &Tree) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// Lines with a blank one behind them, if there are any.
+/// Lines followed by a blank line, if there are any.
 fn paragraph(lines: impl Iterator<Item = String>) -> String {
     let text: String = lines.collect();
     if text.is_empty() { text } else { text + "\n" }

@@ -3,18 +3,18 @@
 use furrow_lineage::clock::last_times;
 use furrow_lineage::{CellId, CellTimes, Tree};
 
-/// What runs downwards in a drawing of a tree.
+/// The quantity that runs downwards in a drawing of a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimeAxis {
     /// A row for each generation.
     #[default]
     Generations,
-    /// Minutes, which a lineage with a clock has.
+    /// Minutes, for a lineage with a clock.
     Minutes,
 }
 
 impl TimeAxis {
-    /// All, by the names that users give them.
+    /// All axes, by the names that users give them.
     pub const NAMED: [(&'static str, TimeAxis); 2] =
         [("generations", TimeAxis::Generations), ("minutes", TimeAxis::Minutes)];
 }
@@ -23,19 +23,19 @@ impl TimeAxis {
 pub(super) struct TimeScale {
     /// By node.
     pub(super) times: Vec<CellTimes>,
-    /// The times of the last cell that divides, by founder, as [`last_times`] gives them.
+    /// The times of the last dividing cell, by founder, as [`last_times`] gives them.
     pub(super) last_times: Vec<Option<CellTimes>>,
-    /// The last birth that is drawn.
+    /// The last birth drawn.
     pub(super) last: f64,
     first: f64,
     per_min: f64,
 }
 
-/// Least distance of two ticks.
+/// Least distance between two ticks.
 const APART: f64 = 44.0;
 
 impl TimeScale {
-    /// The births of the cells of a drawing over an axis of this length; none without a clock.
+    /// The births of the drawn cells over an axis of the given length; `None` without a clock.
     pub(super) fn new(tree: &Tree, drawn: &[CellId], length: f64) -> Option<TimeScale> {
         let times = tree.times()?;
         let births = || drawn.iter().map(|id| times[id.index()].birth_min);
@@ -44,12 +44,12 @@ impl TimeScale {
         Some(TimeScale { last_times: last_times(tree, &times), times, last, first, per_min })
     }
 
-    /// How far down a minute is.
+    /// The depth at which a minute is drawn.
     pub(super) fn at(&self, min: f64) -> f64 {
         (min - self.first) * self.per_min
     }
 
-    /// Round minutes: where they are, how they are written, and how many cells are alive then.
+    /// Round minutes: their positions, their labels, and the numbers of cells alive then.
     pub(super) fn ticks(&self) -> Vec<(f64, String, usize)> {
         let steps = (0..6).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(power)));
         let Some(step) = steps.into_iter().find(|step| step * self.per_min >= APART) else { return Vec::new() };

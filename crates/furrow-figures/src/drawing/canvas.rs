@@ -4,7 +4,7 @@ use furrow_input::printable;
 
 use super::style::Colour;
 
-/// How a line is drawn.
+/// The appearance of a line.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     /// Colour.
@@ -27,7 +27,7 @@ impl Stroke {
     }
 }
 
-/// Which part of a text lies at its position.
+/// The part of a text that lies at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// Its beginning.
@@ -56,7 +56,7 @@ pub(super) struct Words {
     pub(super) colour: Colour,
     pub(super) bold: bool,
     pub(super) upwards: bool,
-    /// Colour of a rim that keeps it clear of what it lies on.
+    /// Colour of a rim that separates the text from the lines behind it.
     pub(super) halo: Option<Colour>,
 }
 
@@ -65,7 +65,7 @@ pub(super) enum Element {
     /// A shape with its fill, the fill's opacity, and its stroke.
     Shape(Outline, Option<(Colour, f64)>, Option<Stroke>),
     Text(Words),
-    /// What follows is cut off outside [left, top, right, bottom]; `None` ends that.
+    /// Clips the following elements to [left, top, right, bottom]; `None` ends the clipping.
     Clip(Option<[f64; 4]>),
 }
 
@@ -122,7 +122,7 @@ impl Canvas {
         self.line(at, content, size, anchor, (colour, None, true));
     }
 
-    /// A line of text with a rim that keeps it clear of what it lies on.
+    /// A line of text with a rim that separates it from the lines behind it.
     pub fn text_over(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, [colour, halo]: [Colour; 2]) {
         self.line(at, content, size, anchor, (colour, Some(halo), false));
     }
@@ -144,13 +144,13 @@ impl Canvas {
         self.words(Words { at, content, size, anchor, colour, bold, upwards: false, halo });
     }
 
-    /// Adds a line of text; a table may hold characters that no picture can show, and that would break one in SVG.
+    /// Adds a line of text without the characters that no picture can show and that would make an SVG invalid.
     pub(super) fn words(&mut self, words: Words) {
         let content = printable(&words.content).into_owned();
         self.elements.push(Element::Text(Words { content, ..words }));
     }
 
-    /// Cuts off what `draw` draws outside [left, top, right, bottom].
+    /// Clips everything that `draw` adds to [left, top, right, bottom].
     pub fn clipped(&mut self, frame: [f64; 4], draw: impl FnOnce(&mut Canvas)) {
         self.elements.push(Element::Clip(Some(frame)));
         draw(self);

@@ -1,4 +1,4 @@
-//! A cell: its contour in its shell, the cue along it.
+//! A cell: its contour in its shell, and the cue along it.
 
 use super::canvas::{Anchor, Canvas, Stroke};
 use super::legend::{Key, Legend};
@@ -9,10 +9,10 @@ use furrow_cell::cue::{Field, Term};
 use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::Snapshot;
 
-/// Where a cell is drawn, and how large. Its axis lies across, the anterior pole, u = 1, on the left.
+/// Position and scale of a drawn cell. Its axis is horizontal, with the anterior pole, u = 1, on the left.
 #[derive(Clone, Copy, Debug)]
 pub struct Site {
-    /// Where the middle of its shell is on the canvas.
+    /// The centre of its shell on the canvas.
     pub centre: [f64; 2],
     /// Units of the canvas for one L_h.
     pub scale: f64,
@@ -25,14 +25,14 @@ impl Site {
     }
 }
 
-/// The outline of a contour (r, z) from pole to pole, both sides of the axis.
+/// The outline of a contour (r, z) from pole to pole, on both sides of the axis.
 fn outline(contour: &[[f64; 2]], site: &Site) -> Vec<[f64; 2]> {
     let above = contour.iter().map(|[r, z]| site.point([r.max(0.0), *z]));
     let below = contour.iter().rev().map(|[r, z]| site.point([-r.max(0.0), *z]));
     above.chain(below).collect()
 }
 
-/// The shell, half axes along z and across, as a broken line.
+/// The shell, given by its half axes along z and across, as a dashed line.
 pub fn shell(canvas: &mut Canvas, [along, across]: [f64; 2], site: &Site) {
     let points: Vec<[f64; 2]> = (0..=96)
         .map(|k| {
@@ -48,16 +48,16 @@ pub fn body(canvas: &mut Canvas, contour: &[[f64; 2]], site: &Site, width: f64) 
     canvas.polygon(&outline(contour, site), CYTOPLASM, 1.0, Some(Stroke::solid(INK, width)));
 }
 
-/// Weaker parts of a cue than this share of its strongest are not drawn.
+/// Parts of a cue weaker than this share of its maximum are not drawn.
 pub(super) const FAINTEST: f64 = 0.08;
 
-/// How a cue changes one field along a contour.
+/// The change of one field along a contour that a cue causes.
 pub struct Change<'a> {
     /// The field.
     pub field: Field,
     terms: Vec<&'a Term>,
     length: f64,
-    /// The largest change, up or down.
+    /// The largest absolute change.
     largest: f64,
 }
 
@@ -66,18 +66,18 @@ impl Change<'_> {
         self.terms.iter().map(|term| term.at(u, self.length)[0]).sum()
     }
 
-    /// How much the cue raises the field at u, from −1, where it lowers it most, to 1.
+    /// The change of the field at u relative to the largest, from −1 to 1.
     pub fn at(&self, u: f64) -> f64 {
         (self.sum(u) / self.largest).clamp(-1.0, 1.0)
     }
 
-    /// Whether it raises the field somewhere, and whether it lowers it, as far as that is drawn.
+    /// Whether the cue raises the field somewhere, and whether it lowers it, above the threshold of drawing.
     fn signs(&self) -> [bool; 2] {
         [1.0, -1.0].map(|sign| (0..=400).any(|k| sign * self.at(f64::from(k) / 400.0) >= FAINTEST))
     }
 }
 
-/// What a cue does to each field that it changes, on a contour of length `length`. Fields have other units and are not summed.
+/// The change of each field by a cue, on a contour of length `length`. Fields have different units and are not summed.
 pub fn changes(cue: &Cue, length: f64) -> Vec<Change<'_>> {
     let mut found: Vec<Change<'_>> = Vec::new();
     for term in cue.terms() {
@@ -93,7 +93,7 @@ pub fn changes(cue: &Cue, length: f64) -> Vec<Change<'_>> {
     found
 }
 
-/// What the cue does most at u, of all fields: from −1, where it lowers one most, to 1.
+/// The relative change at u with the largest absolute value among all fields, from −1 to 1.
 pub fn strongest(changes: &[Change<'_>], u: f64) -> f64 {
     changes
         .iter()
@@ -106,7 +106,7 @@ pub fn cue_colour(strength: f64) -> Colour {
     if strength < 0.0 { CUE_LOWERS } else { CUE_RAISES }
 }
 
-/// The colours of a cue that occur, with what they mean.
+/// The colours of a cue that occur, with their meanings.
 pub fn cue_colours(changes: &[Change<'_>]) -> Vec<(Colour, String)> {
     let what = match changes {
         [only] => format!(" {}", style::field(only.field)),
@@ -117,7 +117,7 @@ pub fn cue_colours(changes: &[Change<'_>]) -> Vec<(Colour, String)> {
     both.filter(|(sign, _)| shown(*sign)).map(|(_, (colour, verb))| (colour, format!("cue {verb}{what}"))).collect()
 }
 
-/// The legend of a cue that is drawn as strips, with the range of φ that the shapes show if it has a regulator.
+/// The legend of a cue drawn as strips, with the range of φ in the shapes if it has a regulator.
 pub fn cue_legend(cue: &Cue, length: f64, phi: Option<PhiRange>) -> Legend {
     let changes = changes(cue, length);
     let colours = cue_colours(&changes).into_iter().chain(phi.into_iter().flat_map(PhiRange::colours));
@@ -127,8 +127,8 @@ pub fn cue_legend(cue: &Cue, length: f64, phi: Option<PhiRange>) -> Legend {
     legend.with_if(names.len() > 1, Key::Nothing, format!("strips from the inside: {}", names.join(", ")))
 }
 
-/// The cue of a shape, as strips along the outside of its contour: φ of its regulator, and one strip for each field that it
-/// changes, as strong as the cue is there and in the colour of its sign.
+/// The cue of a shape, as strips along the outside of its contour: φ of its regulator, and one strip for each changed
+/// field, in the colour of the change's sign and with its strength.
 pub fn cue(canvas: &mut Canvas, (cue, phi): (&Cue, Option<PhiRange>), still: &Snapshot, site: &Site, width: f64) {
     let points = |value: fn(&Place) -> f64| still.places.iter().map(move |p| [value(p), p.r, p.z]).collect::<Vec<_>>();
     let mut inside = 0.0;
@@ -142,8 +142,8 @@ pub fn cue(canvas: &mut Canvas, (cue, phi): (&Cue, Option<PhiRange>), still: &Sn
     }
 }
 
-/// A strip along the outside of a contour, so far from it and so wide. `places` are (value, r, z) from pole to pole; `strength`
-/// is what the colour says of a value, from −1 to 1.
+/// A strip along the outside of a contour, at the given distance and of the given width. `places` are (value, r, z)
+/// from pole to pole; `strength` maps a value to the strength of the colour, from −1 to 1.
 fn strip(
     canvas: &mut Canvas,
     places: &[[f64; 3]],
@@ -161,10 +161,10 @@ fn strip(
                 continue;
             }
             let along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-            // Outwards of the contour as it is drawn: to the left of its direction above the axis, to the right below.
+            // Outwards from the drawn contour: to the left of its direction above the axis, to the right below.
             let normal = [side * along[1], -side * along[0]];
             let out = |p: [f64; 2], by: f64| [p[0] - by * normal[0], p[1] - by * normal[1]];
-            // A little longer than it is, and no colour to be seen through, so that seams do not show.
+            // Opaque and slightly extended, so that no seams show.
             let b = [b[0] + SEAM * along[0], b[1] + SEAM * along[1]];
             let [near, far] = [inside + 1.0, inside + width];
             let corners = [out(a, near), out(b, near), out(b, far), out(a, far)];
@@ -173,10 +173,11 @@ fn strip(
     }
 }
 
-/// How far pieces of a strip overlap.
+/// Overlap of the pieces of a strip.
 const SEAM: f64 = 0.5;
 
-/// The names of the poles above a cell that is `half` as long and `high` as the shell on both sides of its middle.
+/// The names of the poles above a cell; its shell extends `half` along the axis and `high` above it on both sides of
+/// the centre.
 pub fn poles(canvas: &mut Canvas, site: &Site, [half, high]: [f64; 2]) {
     let y = site.centre[1] - site.scale * high - 6.0;
     for (side, name, anchor) in [(-1.0, ANTERIOR, Anchor::Start), (1.0, POSTERIOR, Anchor::End)] {
@@ -185,7 +186,7 @@ pub fn poles(canvas: &mut Canvas, site: &Site, [half, high]: [f64; 2]) {
     }
 }
 
-/// The poles, in all pictures from left to right.
+/// The pole on the left in every picture.
 pub const ANTERIOR: &str = "anterior";
 /// The pole on the right.
 pub const POSTERIOR: &str = "posterior";
@@ -205,7 +206,7 @@ mod tests {
 
     #[test]
     fn fields_are_not_summed_and_absent_signs_are_not_named() {
-        // As tension is raised where rigidity is lowered, a sum would be nothing.
+        // Tension is raised where rigidity is lowered, so that a sum would vanish.
         let cue: Cue = "tension:u0=0.4,omega=0.1,amplitude=0.1+kappa:u0=0.4,omega=0.1,amplitude=-0.1".parse().unwrap();
         let found = changes(&cue, 7.0);
         assert_eq!([found.len(), cue_colours(&found).len()], [2, 2]);

@@ -1,10 +1,10 @@
-//! The font of all pictures: how wide a text is, which of its characters are indices, where its lines break.
+//! The font of all pictures: widths of text, subscripts, line breaks.
 
 use ttf_parser::Face;
 
-/// DejaVu Sans, without the scripts that no name of a quantity or a cell is written in (`fonts/README.md`).
+/// DejaVu Sans, without the scripts that the names of quantities and cells do not need (`fonts/README.md`).
 pub(super) const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans.ttf");
-/// Size of an index, and how far it hangs below the line, as shares of the text's size.
+/// Size of a subscript, and its distance below the base line, as shares of the text's size.
 pub(super) const INDEX: f64 = 0.7;
 pub(super) const DROP: f64 = 0.2;
 /// Width of the outline that makes text bold, as a share of its size.
@@ -14,15 +14,15 @@ pub(super) fn face() -> Option<Face<'static>> {
     Face::parse(FONT, 0).ok()
 }
 
-/// A part of a text that is an index or is none.
+/// A part of a text, set either as a subscript or normally.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Run {
     pub(super) letters: String,
     pub(super) index: bool,
 }
 
-/// A text in parts. Characters that Unicode has as indices (ξₛ, R₀) become letters to be set smaller and lower: few fonts have
-/// all of them, and those that do draw them in different sizes.
+/// A text in parts. Unicode's subscripts (ξₛ, R₀) become letters to be set smaller and lower: few fonts have all of
+/// them, and those fonts draw them in different sizes.
 pub(super) fn runs(content: &str) -> Vec<Run> {
     let mut found: Vec<Run> = Vec::new();
     for letter in content.chars() {
@@ -35,14 +35,14 @@ pub(super) fn runs(content: &str) -> Vec<Run> {
     found
 }
 
-/// The letter or digit of which a character is the index.
+/// The letter or digit of a subscript character.
 fn base(letter: char) -> Option<char> {
     const INDICES: [(&str, &str); 2] = [("₀₁₂₃₄₅₆₇₈₉", "0123456789"), ("ₐₑₒₓₕₖₗₘₙₚₛₜ", "aeoxhklmnpst")];
     let pairs = INDICES.into_iter().flat_map(|(indices, letters)| indices.chars().zip(letters.chars()));
     pairs.into_iter().find_map(|(index, plain)| (index == letter).then_some(plain))
 }
 
-/// How wide a text of a size is.
+/// The width of a text at a font size.
 pub fn width(content: &str, size: u32) -> f64 {
     let Some(face) = face() else { return 0.0 };
     let advance = |letter: char| {
@@ -53,7 +53,7 @@ pub fn width(content: &str, size: u32) -> f64 {
     runs(content).iter().map(of).sum::<f64>() * f64::from(size) / f64::from(face.units_per_em())
 }
 
-/// A text in lines of at most a width, which end behind spaces, or inside cues behind commas and plus signs.
+/// A text broken into lines of at most the given width, after spaces or, within cues, after commas and plus signs.
 pub fn wrapped(content: &str, size: u32, most: f64) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in content.split_inclusive([' ', ',', '+']) {
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn indices_are_set_apart_and_narrower() {
+    fn subscripts_are_separate_and_narrower() {
         let parts = runs("R₀ of ξₛ₁");
         let indices: Vec<&str> = parts.iter().filter(|run| run.index).map(|run| run.letters.as_str()).collect();
         assert_eq!(indices, ["0", "s1"]);
@@ -85,7 +85,7 @@ mod tests {
         assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 20) <= 400.0), "{lines:?}");
         assert_eq!(lines.concat().replace(' ', ""), cue.replace(' ', ""));
         assert!(lines[..lines.len() - 1].iter().all(|line| line.ends_with([',', '+', ' ', '=']) || line.len() > 20));
-        // One word that is too long stays whole.
+        // A single word that is too long is not broken.
         assert_eq!(wrapped("Caenorhabditis", 20, 10.0), ["Caenorhabditis"]);
     }
 }

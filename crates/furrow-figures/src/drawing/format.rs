@@ -6,14 +6,14 @@ use super::canvas::Canvas;
 
 /// Pixels of a PNG for each unit of the canvas.
 const DENSITY: f32 = 2.0;
-/// Units of the canvas in an inch, as those of an SVG.
+/// Units of the canvas in an inch, as in SVG.
 const INCH: f32 = 96.0;
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
-    /// It has more pixels than fit into memory, or none.
+    /// It has no pixels or more than fit into memory, or, in a PDF, the font cannot be read.
     #[error("a picture of {} × {} cannot be drawn as pixels", .0[0], .0[1])]
     Size([f64; 2]),
     /// A PNG could not be written.
@@ -31,24 +31,24 @@ pub enum Format {
     Svg,
     /// Pixels.
     Png,
-    /// One page, with text as text.
+    /// One page, with searchable text.
     Pdf,
 }
 
 impl Format {
-    /// All formats by the extension of their files.
+    /// All formats, by the extensions of their files.
     pub const ALL: [(&str, Format); 3] = [("svg", Format::Svg), ("pdf", Format::Pdf), ("png", Format::Png)];
-    /// What a file may be called.
+    /// The allowed file names.
     pub const ALLOWED: &str = "a file whose name ends in .svg, .pdf or .png";
 
-    /// The format that a file's extension names, in any case; `None` for another than [`ALLOWED`](Self::ALLOWED).
+    /// The format that a file's extension names, in upper or lower case; `None` unless [`ALLOWED`](Self::ALLOWED).
     pub fn of(path: &Path) -> Option<Format> {
         let extension = extension(path)?;
         Format::ALL.into_iter().find_map(|(name, format)| (name == extension).then_some(format))
     }
 }
 
-/// How many pixels of a PNG make a metre in print, at so many for each unit of the canvas.
+/// Pixels in a printed metre, with `density` pixels for each unit of the canvas.
 pub(crate) fn resolution(density: f32) -> png::PixelDimensions {
     let metre = (density * INCH / 0.0254).round() as u32;
     png::PixelDimensions { xppu: metre, yppu: metre, unit: png::Unit::Meter }
@@ -60,7 +60,7 @@ pub(crate) fn extension(path: &Path) -> Option<String> {
 }
 
 impl Canvas {
-    /// The picture as a file of a format.
+    /// The picture as a file in the given format.
     ///
     /// # Errors
     /// [`FigureError`], for PNG and PDF.
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_png_says_how_large_it_is_in_print() {
+    fn a_png_records_its_size_in_print() {
         let bytes = Canvas::new(40.0, 20.0).bytes(Format::Png).unwrap();
         let place = bytes.windows(4).position(|name| name == b"pHYs").expect("no pHYs");
         // 192 dots an inch, in dots a metre, across and down.
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn a_label_from_below_to_above_has_the_pixels_of_one_from_left_to_right() {
+    fn a_vertical_label_has_the_pixels_of_a_horizontal_one() {
         let label = |upwards: bool| {
             let mut canvas = Canvas::new(160.0, 160.0);
             let (content, anchor, colour) = ("normal force ξₛ".to_owned(), Anchor::Middle, INK);
@@ -125,14 +125,14 @@ mod tests {
         };
         let ((lying, width), (upright, _)) = (label(false), label(true));
         let turned = |k: usize| upright[(width - 1 - k % width) * width + k / width];
-        // A letter is laid on white by way of a picture of its own, which rounds once more.
+        // A letter is drawn on white through a picture of its own, which adds a rounding.
         let off = |k: &usize| (0..3).any(|c| lying[*k][c].abs_diff(turned(*k)[c]) > 2);
         assert_eq!((0..lying.len()).filter(off).count(), 0);
         assert!(lying.iter().filter(|pixel| **pixel == INK).count() > 200);
     }
 
     #[test]
-    fn indices_are_smaller_and_lower_letters() {
+    fn subscripts_are_smaller_and_lower_letters() {
         let mut canvas = Canvas::new(40.0, 20.0);
         canvas.text([0.0, 10.0], "ξₛ < R₀", 10, Anchor::Start, INK);
         let svg = canvas.svg();
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn formats_follow_the_extension_in_any_case() {
+    fn formats_follow_the_extension_in_either_case() {
         for (name, format) in [
             ("a/b.SVG", Some(Format::Svg)),
             ("x.y.png", Some(Format::Png)),

@@ -4,7 +4,7 @@ use super::canvas::{Anchor, Canvas, Stroke};
 use super::font;
 use super::style::{Colour, INK, MUTED, WHITE, text};
 
-/// The form of a point.
+/// The shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
     /// A filled disc.
@@ -30,22 +30,22 @@ pub enum Key {
     Point(Colour, Marker),
     /// An area of a colour.
     Area(Colour),
-    /// Nothing: words alone.
+    /// No symbol: text only.
     Nothing,
 }
 
 impl Key {
-    /// Width of the symbol with the space behind it.
+    /// Width of the symbol and the space after it.
     fn width(self) -> f64 {
         if matches!(self, Key::Nothing) { 0.0 } else { 42.0 }
     }
 }
 
-/// The entries of a legend, in their order.
+/// The entries of a legend, in order.
 #[derive(Clone, Debug, Default)]
 pub struct Legend(Vec<(Key, String)>);
 
-/// Distance of two lines of a legend.
+/// Distance between two lines of a legend.
 const LINE: f64 = 26.0;
 
 impl Legend {
@@ -62,7 +62,7 @@ impl Legend {
         self
     }
 
-    /// Positions of the entries in rows of at most a width.
+    /// Positions of the entries in rows of at most the given width.
     fn places(&self, width: f64) -> Vec<[f64; 2]> {
         let (mut at, mut row) = (0.0, 0.0);
         let mut places = Vec::new();
@@ -77,12 +77,12 @@ impl Legend {
         places
     }
 
-    /// How high it is in rows of at most a width.
+    /// Its height in rows of at most the given width.
     pub fn height(&self, width: f64) -> f64 {
         self.places(width).last().map_or(0.0, |[_, middle]| middle + 0.5 * LINE)
     }
 
-    /// Draws it in rows of at most a width, its upper left corner at a point.
+    /// Draws it in rows of at most the given width, with its upper left corner at the given point.
     pub fn draw(&self, canvas: &mut Canvas, [x, y]: [f64; 2], width: f64) {
         for ((key, word), [dx, dy]) in self.0.iter().zip(self.places(width)) {
             let (x, y) = (x + dx, y + dy);
@@ -102,8 +102,8 @@ impl Legend {
     }
 }
 
-/// A canvas with a title, further lines of it in smaller text, and a legend; below them a height of `below` is free. Also
-/// gives where that begins. Lines that are too long for the canvas are broken.
+/// A canvas with a title, its further lines in smaller text, and a legend, above a free area of height `below`, with
+/// the y coordinate where that area begins. Lines too long for the canvas are broken.
 pub fn titled(width: f64, below: f64, title: &str, legend: &Legend) -> (Canvas, f64) {
     let style = |k: usize| if k == 0 { (text::TITLE, INK) } else { (text::TICK, MUTED) };
     let broken = |(k, line)| font::wrapped(line, style(k).0, width - 44.0).into_iter().map(move |line| (k, line));
@@ -119,7 +119,7 @@ pub fn titled(width: f64, below: f64, title: &str, legend: &Legend) -> (Canvas, 
     (canvas, top)
 }
 
-/// Draws a point with a thin white rim that keeps it apart from the lines it lies on.
+/// Draws a marker with a thin white rim that separates it from the lines below it.
 pub fn point(canvas: &mut Canvas, [x, y]: [f64; 2], size: f64, marker: Marker, colour: Colour) {
     let rim = Some(Stroke::solid(WHITE, 1.2));
     let corners: &[[f64; 2]] = match marker {

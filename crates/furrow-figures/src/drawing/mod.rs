@@ -5,12 +5,12 @@
 //! | [`style`] | colours, sizes of text, dashes, names of quantities with their units |
 //! | [`canvas`] | lines, areas and text |
 //! | `svg`, `raster`, [`format`](mod@format) | the finished picture as SVG, as pixels, as a file |
-//! | `font` | how wide text is, its indices, where it breaks |
-//! | [`panel`] | a chart's axes, and what is drawn at the coordinates of its data |
+//! | `font` | widths of text, subscripts, line breaks |
+//! | [`panel`] | a chart: its axes, and drawing in the coordinates of its data |
 //! | [`legend`] | markers and legends |
-//! | [`scale`] | the scale of a colour |
-//! | [`cell`] | a cell: its contour in its shell, the cue along it |
-//! | [`regulator`] | the colours of what a cue has the flow carry |
+//! | [`scale`] | colour scales |
+//! | [`cell`] | a cell: its contour in its shell, and the cue along it |
+//! | [`regulator`] | colours of the regulator that the flow carries |
 
 pub mod canvas;
 pub mod cell;

@@ -4,29 +4,29 @@ use super::canvas::{Anchor, Canvas, Stroke, Words};
 use super::legend::{Marker, point};
 use super::style::{Colour, FAINT, GRID, INK, MUTED, text};
 
-/// Where an axis has ticks and lines of the grid.
+/// The positions of an axis's ticks and grid lines.
 #[derive(Clone, Debug)]
 pub enum Ticks {
-    /// At about so many round numbers.
+    /// About the given number of round values.
     About(usize),
-    /// At powers of ten, or between them too if these are few; values are spaced by their logarithm.
+    /// Powers of ten, and values between them if these are few, on a logarithmic scale.
     Logarithmic,
-    /// At 0, 1, 2, …, each with a name.
+    /// 0, 1, 2, …, each labelled with a name.
     Names(Vec<String>),
 }
 
-/// An axis: what it is called, and the values at its two ends.
+/// An axis: its label, and the values at its ends.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// Name, with the unit in brackets.
     pub label: String,
     /// First and last value.
     pub range: [f64; 2],
-    /// Whether there are numbers at its ticks.
+    /// Whether its ticks have labels.
     pub numbered: bool,
     /// Its ticks.
     pub ticks: Ticks,
-    /// The name of the part below 0, which has no numbers, if there is one.
+    /// The name of the part below 0, which has no numbers, if the axis has such a part.
     pub strip: Option<&'static str>,
 }
 
@@ -37,7 +37,7 @@ impl Axis {
         Axis { label: label.into(), range, numbered: true, ticks: Ticks::About(8), strip: None }
     }
 
-    /// An axis over all these values, with some room on both sides.
+    /// An axis over the given values, with some room on both sides.
     pub fn over(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
         Axis::new(label, widened(values, 0.06))
     }
@@ -49,18 +49,18 @@ impl Axis {
         Axis { label: label.into(), range, numbered: true, ticks: Ticks::Names(names), strip: None }
     }
 
-    /// The same from right to left, or from top to bottom.
+    /// The same axis in the opposite direction.
     pub fn reversed(self) -> Axis {
         let [first, last] = self.range;
         Axis { range: [last, first], ..self }
     }
 
-    /// The same over logarithms.
+    /// The same axis on a logarithmic scale.
     pub fn logarithmic(self) -> Axis {
         Axis { ticks: Ticks::Logarithmic, ..self }
     }
 
-    /// Where along the axis a value is, from 0 to 1.
+    /// The position of a value along the axis, from 0 to 1.
     fn share(&self, value: f64) -> f64 {
         let place = |value: f64| match self.ticks {
             Ticks::Logarithmic => value.max(1e-10).log10(),
@@ -70,7 +70,7 @@ impl Axis {
         (place(value) - first) / (last - first)
     }
 
-    /// The values at the ticks, and what is written there.
+    /// The values at the ticks, and their labels.
     fn marks(&self) -> Vec<(f64, String)> {
         let [first, last] = self.range;
         let (low, high) = (first.min(last), first.max(last));
@@ -88,7 +88,7 @@ impl Axis {
                 let step = spacing([low, high], *count);
                 let digits = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
                 let written = |value: f64| {
-                    // No minus before a zero.
+                    // No minus sign before a zero.
                     let value = if value.abs() < 0.5 * 10f64.powi(-(digits as i32)) { 0.0 } else { value };
                     format!("{value:.digits$}").replace('-', "\u{2212}")
                 };
@@ -100,7 +100,7 @@ impl Axis {
     }
 }
 
-/// The round number of which about `count` fill a range, and two at least lie within it.
+/// The round spacing closest to `count` ticks in a range, with at least two ticks inside it.
 fn spacing([low, high]: [f64; 2], count: usize) -> f64 {
     let rough = (high - low) / count.max(1) as f64;
     let unit = 10f64.powf(rough.log10().floor());
@@ -111,7 +111,7 @@ fn spacing([low, high]: [f64; 2], count: usize) -> f64 {
     *steps[..=wanted].iter().rev().find(enough).unwrap_or(&steps[wanted])
 }
 
-/// The range of values, wider by a share of itself on both sides.
+/// The range of values, extended on both sides by a share of its length.
 pub fn widened(values: impl IntoIterator<Item = f64>, share: f64) -> [f64; 2] {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let [low, high] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
@@ -122,13 +122,13 @@ pub fn widened(values: impl IntoIterator<Item = f64>, share: f64) -> [f64; 2] {
     [low - room, high + room]
 }
 
-/// Space left and right of the data of a chart, above and below it, for its axes.
+/// Margins on the left, on the right, above and below the data of a chart, for its axes.
 pub const MARGINS: [f64; 4] = [86.0, 22.0, 14.0, 58.0];
 
-/// A chart whose axes are drawn. Points are given in the coordinates of its data.
+/// A chart with its axes drawn. Points are given in the coordinates of its data.
 #[derive(Debug)]
 pub struct Chart<'c> {
-    /// What it is drawn on.
+    /// The canvas on which it is drawn.
     pub canvas: &'c mut Canvas,
     /// Left, top, right and bottom of the data on the canvas.
     pub frame: [f64; 4],
@@ -137,8 +137,8 @@ pub struct Chart<'c> {
 }
 
 impl Chart<'_> {
-    /// Draws the grid and the axes of a chart, x across and y upwards, whose upper left corner and size, names of axes included, are
-    /// given.
+    /// Draws the grid and the axes of a chart, x to the right and y upwards. The upper left corner and the size include
+    /// the labels of the axes.
     pub fn new(canvas: &mut Canvas, at: [f64; 2], size: [f64; 2], x: Axis, y: Axis) -> Chart<'_> {
         Chart::within(canvas, at, size, MARGINS, x, y)
     }
@@ -223,7 +223,7 @@ impl Chart<'_> {
         at.into_iter().for_each(|at| self.point(at, size, marker, colour));
     }
 
-    /// Draws a rectangle from one corner to the opposite one, at least as wide and high on the canvas as `least`.
+    /// Draws a rectangle between two opposite corners, with width and height of at least `least` on the canvas.
     pub fn area(&mut self, from: [f64; 2], to: [f64; 2], least: f64, colour: Colour, opacity: f64) {
         let (a, b) = (self.at(from), self.at(to));
         let corner = [a[0].min(b[0]), a[1].min(b[1])];
@@ -231,7 +231,8 @@ impl Chart<'_> {
         self.canvas.rectangle(corner, size, colour, opacity);
     }
 
-    /// Draws a bar from one value to another, with ticks of half the given width at its ends, `aside` of x on the canvas.
+    /// Draws a bar from one value to another, shifted by `aside` on the canvas, with ticks of half width `half` at its
+    /// ends.
     pub fn error_bar(&mut self, x: f64, ends: [f64; 2], aside: f64, half: f64, stroke: Stroke) {
         let ends = ends.map(|y| self.at([x, y])).map(|[x, y]| [x + aside, y]);
         self.canvas.polyline(&ends, stroke);
@@ -240,18 +241,18 @@ impl Chart<'_> {
         }
     }
 
-    /// Draws areas side by side, each over an interval across and one upwards.
+    /// Draws adjacent areas, each over an interval of x and one of y.
     pub fn tiles(&mut self, tiles: impl IntoIterator<Item = ([f64; 2], [f64; 2], Colour)>) {
         for ([x, x2], [y, y2], colour) in tiles {
             let (a, b) = (self.at([x, y2]), self.at([x2, y]));
-            // A little wider than they are, so that no light comes through between two.
+            // A little wider than its interval, so that no gap shows between two.
             self.canvas.rectangle(a, [b[0] - a[0] + 0.3, b[1] - a[1] + 0.3], colour, 1.0);
         }
         self.border();
     }
 }
 
-/// The interval around each value: half-way to its neighbours.
+/// The interval around each value, up to half-way to its neighbours.
 pub fn bins(values: &[f64]) -> Vec<[f64; 2]> {
     let half = |k: usize| values.get(k + 1).map(|next| 0.5 * (next - values[k]));
     (0..values.len())

@@ -1,4 +1,4 @@
-//! Pictures as PDF, with their text as text.
+//! Pictures as PDF, with searchable text.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -29,25 +29,25 @@ const FONT_NAME: Name<'static> = Name(b"DejaVuSans");
 const SYSTEM: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
 impl Canvas {
-    /// The picture as PDF of one page, byte for byte the same for the same picture; `None` if the font cannot be read.
+    /// The picture as a one-page PDF. Equal pictures give equal bytes; `None` if the font cannot be read.
     pub(crate) fn pdf(&self) -> Option<Vec<u8>> {
         let mut page =
             Page { face: font::face()?, content: Content::new(), glyphs: BTreeMap::new(), opacities: Vec::new() };
         let [width, height] = self.size.map(|length| length as f32);
-        // The canvas has y downwards.
+        // On the canvas y runs downwards.
         page.content.transform([POINT, 0.0, 0.0, -POINT, 0.0, POINT * height]);
         self.elements.iter().for_each(|element| page.draw(element));
         Some(page.file(Rect::new(0.0, 0.0, POINT * width, POINT * height)))
     }
 }
 
-/// The page while it is drawn.
+/// The page under construction.
 struct Page<'f> {
     face: Face<'f>,
     content: Content,
-    /// The glyphs that are used, with their letters.
+    /// The glyphs in use, with their letters.
     glyphs: BTreeMap<u16, char>,
-    /// The opacities that are used, in thousandths.
+    /// The opacities in use, in thousandths.
     opacities: Vec<u16>,
 }
 
@@ -106,7 +106,7 @@ impl Page<'_> {
             }
             Outline::Circle(at, radius) => {
                 let ([x, y], r) = (at.map(|x| x as f32), *radius as f32);
-                // Four cubic curves are within 3e-4 of the radius of a circle.
+                // Four cubic curves deviate from a circle by at most 3e-4 of its radius.
                 let h = 0.552_285 * r;
                 content.move_to(x + r, y);
                 content.cubic_to(x + r, y + h, x + h, y + r, x, y + r);
@@ -126,7 +126,7 @@ impl Page<'_> {
             Anchor::End => -length,
         };
         let [x, y] = words.at.map(|x| x as f32);
-        // Text has y upwards.
+        // In text space y runs upwards.
         let place =
             if words.upwards { [0.0, -1.0, -1.0, 0.0, x, y - left] } else { [1.0, 0.0, 0.0, -1.0, x + left, y] };
         let mut layers = Vec::new();
@@ -204,7 +204,7 @@ impl Page<'_> {
     }
 }
 
-/// Puts the font into the file, with what its glyphs mean, so that text can be searched and copied.
+/// Embeds the font with the characters of its glyphs, so that text can be searched and copied.
 fn embed(pdf: &mut Pdf, face: &Face<'_>, glyphs: &BTreeMap<u16, char>) {
     let unit = 1000.0 / f32::from(face.units_per_em());
     pdf.type0_font(TYPE0)

@@ -11,8 +11,8 @@ use super::style::Colour;
 use super::svg::HALO;
 
 impl Canvas {
-    /// Red, green and blue of each pixel, row by row, and how many there are across and down; `None` if these are none or
-    /// too many.
+    /// Red, green and blue of each pixel, row by row, and the width and height in pixels; `None` if there are no pixels
+    /// or too many.
     pub(crate) fn pixels(&self, density: f32) -> Option<(Vec<u8>, [u32; 2])> {
         let [width, height] = self.size.map(|length| (length as f32 * density).round() as u32);
         let mut pixmap = Pixmap::new(width, height)?;
@@ -47,7 +47,7 @@ impl Canvas {
                 }
             }
         }
-        // Nothing can be seen through.
+        // The picture is opaque.
         let colours = pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         Some((colours, [width, height]))
     }
@@ -82,7 +82,7 @@ fn path(outline: &Outline) -> Option<Path> {
     builder.finish()
 }
 
-/// Draws a line of text from left to right; `place` is where its anchor comes to lie.
+/// Draws a horizontal line of text; `place` is the position of its anchor.
 fn write(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, place: Transform, clip: Option<&Mask>) {
     let Some(path) = letters(face, words) else { return };
     let units = f32::from(face.units_per_em());
@@ -99,12 +99,12 @@ fn write(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, place: Transform, 
     }
 }
 
-/// Draws a line of text from below to above: drawn from left to right, then turned pixel by pixel. Letters that are turned as
-/// outlines fall on other fractions of a pixel each, and look unlike each other.
+/// Draws a line of text from bottom to top: horizontally first, then rotated pixel by pixel. Letters rotated as
+/// outlines would fall on different fractions of a pixel and look uneven.
 fn upwards(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, density: f32, clip: Option<&Mask>) -> Option<()> {
     let length = (font::width(&words.content, words.size) as f32 * density).ceil() as u32 + 8;
     let half = (words.size as f32 * density).ceil() as u32 * 2;
-    // The whole text fits in whatever part of it lies at its position.
+    // The whole text fits, whichever part of it lies at its position.
     let (middle, mut lying) = (length, Pixmap::new(2 * length, 2 * half)?);
     let scale = Transform::from_scale(density, density);
     let place = Transform::from_translate(middle as f32, half as f32).pre_concat(scale);
@@ -121,7 +121,7 @@ fn upwards(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, density: f32, cl
     Some(())
 }
 
-/// The outlines of a line of text in units of the font, whose anchor is the origin.
+/// The outlines of a line of text in units of the font, with its anchor at the origin.
 fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
     let units = f64::from(face.units_per_em());
     let length = (font::width(&words.content, words.size) * units / f64::from(words.size)) as f32;
@@ -134,7 +134,7 @@ fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
     for run in font::runs(&words.content) {
         (pen.scale, pen.down) = if run.index { (INDEX as f32, (DROP * units) as f32) } else { (1.0, 0.0) };
         for letter in run.letters.chars() {
-            // What the font lacks is drawn as its empty box.
+            // A character that the font lacks is drawn as its empty box.
             let glyph = face.glyph_index(letter).unwrap_or_default();
             face.outline_glyph(glyph, &mut pen);
             pen.left += pen.scale * f32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
@@ -143,11 +143,11 @@ fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
     pen.builder.finish()
 }
 
-/// Puts the outlines of glyphs, whose second coordinate runs upwards, side by side.
+/// Places the outlines of glyphs side by side; their second coordinate runs upwards.
 struct Pen {
     builder: PathBuilder,
     left: f32,
-    /// Size of the glyph, and how far it hangs below the line.
+    /// Size of the glyph, and its distance below the base line.
     scale: f32,
     down: f32,
 }

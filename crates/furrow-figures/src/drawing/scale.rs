@@ -1,21 +1,21 @@
-//! The scale of a colour that stands for a number.
+//! Colour scales.
 
 use super::canvas::{Anchor, Canvas, Stroke, Words};
 use super::style::{self, INK, text};
 
-/// Space that the scale takes on the right of a chart.
+/// Width of the scale on the right of a chart.
 pub const WIDTH: f64 = 96.0;
-/// Width of the bar, and the shades in it.
+/// Width of the bar, and its number of shades.
 const BAR: f64 = 18.0;
 const SHADES: usize = 50;
 
-/// Draws the scale of χ beside a chart whose right edge, top and bottom are given.
+/// Draws the scale of χ beside a chart with the given right edge, top and bottom.
 pub fn chi(canvas: &mut Canvas, [right, top, bottom]: [f64; 3]) {
     let left = right + 16.0;
     let row = |chi: f64| bottom - chi * (bottom - top);
     for k in 0..SHADES {
         let [from, to] = [k, k + 1].map(|k| k as f64 / SHADES as f64);
-        // A little higher than it is, so that no light comes through between two; the next one covers it.
+        // Slightly too high, so that no gap shows; the next shade covers the excess.
         let high = row(from) - row(to) + if k == 0 { 0.0 } else { 0.4 };
         canvas.rectangle([left, row(to)], [BAR, high], style::shade(0.5 * (from + to)), 1.0);
     }

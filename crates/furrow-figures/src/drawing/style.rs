@@ -1,7 +1,7 @@
-//! The one style of all pictures.
+//! The common style of all pictures.
 //!
-//! Colours are those of Okabe & Ito (*Color universal design*, 2008), which are distinguishable with every common colour vision and
-//! differ in lightness in print. An outcome has the same colour in every picture.
+//! The colours are taken from Okabe & Ito (*Color universal design*, 2008): they are distinguishable with every common
+//! colour vision and differ in lightness in print. An outcome has the same colour in every picture.
 
 use furrow_cell::cue::{Field, Quantity, RegulatorQuantity, Width, split_terms};
 use furrow_cell::{Cell, Cue, Parameter};
@@ -18,7 +18,7 @@ const fn rgb(hex: u32) -> Colour {
 pub const WHITE: Colour = rgb(0xff_ff_ff);
 /// Text, axes and the contours of cells.
 pub const INK: Colour = rgb(0x1a_1a_1a);
-/// Text of second rank.
+/// Secondary text.
 pub const MUTED: Colour = rgb(0x55_55_55);
 /// Areas in the background.
 pub const FAINT: Colour = rgb(0xd9_d9_d9);
@@ -30,15 +30,15 @@ pub const SYMMETRIC: Colour = rgb(0x00_72_b2);
 pub const ASYMMETRIC: Colour = rgb(0xd5_5e_00);
 /// A cell that comes to rest undivided.
 pub const FAILED: Colour = rgb(0x99_99_99);
-/// What could not be decided.
+/// An undecided outcome.
 pub const UNDECIDED: Colour = rgb(0xf0_e4_42);
-/// What the model gives, beside what was observed.
+/// Results of the model, beside observations.
 pub const MODEL: Colour = rgb(0x00_9e_73);
-/// What was observed.
+/// Observations.
 pub const OBSERVED: Colour = INK;
-/// The cue where it raises what it changes.
+/// The cue where it raises a field.
 pub const CUE_RAISES: Colour = rgb(0xe6_9f_00);
-/// The cue where it lowers what it changes.
+/// The cue where it lowers a field.
 pub const CUE_LOWERS: Colour = rgb(0x00_72_b2);
 /// The shell.
 pub const SHELL: Colour = rgb(0x8c_8c_8c);
@@ -49,22 +49,22 @@ pub const PITCHFORK: Colour = INK;
 /// A curve of folds.
 pub const FOLD: Colour = rgb(0xcc_79_a7);
 
-/// The colour of disturbances of azimuthal number m ≥ 1.
+/// The colour of perturbations of azimuthal number m ≥ 1.
 pub fn azimuthal(m: usize) -> Colour {
     const COLOURS: [Colour; 4] = [MODEL, ASYMMETRIC, CUE_RAISES, SYMMETRIC];
     COLOURS[m.saturating_sub(1) % COLOURS.len()]
 }
 
-/// A factor before a letter, which is left out where it is 1.
+/// A factor before a letter, omitted if it is 1.
 pub fn factor(m: usize) -> String {
     if m == 1 { String::new() } else { m.to_string() }
 }
 
-/// Colours of curves without an order or a meaning of their own.
+/// Colours of curves without an order or a fixed meaning.
 pub const SERIES: [Colour; 7] =
     [rgb(0), rgb(0xe6_9f_00), rgb(0x56_b4_e9), rgb(0x00_9e_73), rgb(0xcc_79_a7), rgb(0x00_72_b2), rgb(0xd5_5e_00)];
 
-/// The normal forces, in the order of `NormalForces::parts`: name and colour.
+/// The normal forces, in the order of `NormalForces::parts`: names and colours.
 pub const FORCES: [(&str, Colour); 5] = [
     ("active", rgb(0xcc_79_a7)),
     ("viscous", rgb(0x56_b4_e9)),
@@ -85,9 +85,9 @@ pub mod text {
 
 /// Width of curves.
 pub const CURVE: f64 = 2.6;
-/// Dashes and gaps of what is unstable.
+/// Dashes and gaps of unstable shapes.
 pub const DASHED: [f64; 2] = [9.0, 6.0];
-/// Dots of what is of second rank.
+/// Dots and gaps of secondary lines.
 pub const DOTTED: [f64; 2] = [2.5, 5.0];
 
 /// The colour of an outcome.
@@ -99,8 +99,8 @@ pub fn outcome(outcome: Outcome) -> Colour {
     }
 }
 
-/// The colour of an outcome as an area, paler the less unequal the daughters are, so that what is drawn on it can be seen.
-/// `None` is undecided.
+/// The colour of an outcome as an area, paler for smaller χ, so that text and curves on it remain visible. `None` is
+/// undecided.
 pub fn tile(outcome: Option<Outcome>, chi: Option<f64>) -> Colour {
     match outcome {
         Some(Outcome::Symmetric) => tint(SYMMETRIC, 0.55),
@@ -115,12 +115,12 @@ pub fn shade(chi: f64) -> Colour {
     tint(ASYMMETRIC, 0.1 + 0.85 * chi)
 }
 
-/// The colour of one of several curves: from dark to light where there are more than `hues`.
+/// The colour of one of several curves, from a colour map if there are more curves than `hues`.
 pub fn series(number: usize, of: usize, hues: &[Colour]) -> Colour {
     if of <= hues.len() { hues[number % hues.len()] } else { ramp(number, of) }
 }
 
-/// The colour of one of several values in their order: along the colour map viridis, without its ends.
+/// The colour of one of several ordered values: from the colour map viridis, without its ends.
 pub fn ramp(number: usize, of: usize) -> Colour {
     const VIRIDIS: [Colour; 5] = [rgb(0x44_01_54), rgb(0x3b_52_8b), rgb(0x21_91_8c), rgb(0x5e_c9_62), rgb(0xfd_e7_25)];
     let share = if of < 2 { 0.3 } else { number as f64 / (of - 1) as f64 };
@@ -139,8 +139,8 @@ fn mixed(from: Colour, to: Colour, share: f64) -> Colour {
     [0, 1, 2].map(|k| part(k).round() as u8)
 }
 
-/// What a cell is, for a title: R₀, ε and ξₛ without those that `varied` names, and the cue if it has one, without its numbers
-/// that vary.
+/// A cell's parameters for a title: R₀, ε and ξₛ except the `varied` ones, and its cue, if any, without the varied
+/// numbers.
 pub fn described(cell: &Cell, varied: &[Parameter]) -> String {
     let named =
         [(Parameter::R0, "R₀", cell.r0), (Parameter::Epsilon, "ε", cell.epsilon), (Parameter::XiS, "ξₛ", cell.xi_s)];
@@ -152,7 +152,7 @@ pub fn described(cell: &Cell, varied: &[Parameter]) -> String {
     parts.join(", ")
 }
 
-/// A cue as text, without its numbers that vary: they are along an axis or in a legend.
+/// A cue as text without its varied numbers, which are shown along an axis or in a legend.
 pub fn cue_without(cue: &Cue, varied: &[Parameter]) -> String {
     let text = cue.to_string();
     let left = |(k, term): (usize, &str)| {
@@ -160,7 +160,7 @@ pub fn cue_without(cue: &Cue, varied: &[Parameter]) -> String {
             let key = part.split('=').next().unwrap_or_default();
             let is = |parameter: &Parameter| match parameter {
                 Parameter::Cue { term, .. } => *term == k,
-                // It is written behind the terms.
+                // The regulator is written after the terms.
                 Parameter::Regulator(_) => k == cue.terms().len(),
                 _ => false,
             };
@@ -171,7 +171,7 @@ pub fn cue_without(cue: &Cue, varied: &[Parameter]) -> String {
     split_terms(&text).into_iter().enumerate().map(left).collect::<Vec<_>>().join("+")
 }
 
-/// A time with as many digits as it takes to tell it from another.
+/// A time with enough digits to distinguish neighbouring times.
 pub fn time(t: f64) -> String {
     match t {
         t if t >= 100.0 => format!("{t:.0}"),
@@ -180,7 +180,7 @@ pub fn time(t: f64) -> String {
     }
 }
 
-/// What a parameter is called along an axis, with its unit; a number of a cue by the term of `cue` that it is of.
+/// The label of a parameter's axis, with its unit; a number of a cue is described by its term in `cue`.
 pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
     let name = match parameter {
         Parameter::R0 => "radius R₀ (Lₕ)",
@@ -202,7 +202,7 @@ pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
     name.to_owned()
 }
 
-/// What a number of a cue's term is called along an axis, with what the term is and the number's unit in brackets.
+/// The label of the axis of a number of a cue's term, with the kind of the term and the unit in brackets.
 fn of_cue(number: usize, quantity: Quantity, cue: &Cue) -> String {
     const NUMBERS: [&str; 4] = ["first", "second", "third", "fourth"];
     let term = cue.terms().get(number);
@@ -225,7 +225,7 @@ fn of_cue(number: usize, quantity: Quantity, cue: &Cue) -> String {
     format!("{name} of {whose}{brackets}")
 }
 
-/// What a number of a cue's regulator is called along an axis, with its unit in brackets.
+/// The label of the axis of a number of a cue's regulator, with its unit in brackets.
 fn of_regulator(quantity: RegulatorQuantity, cue: &Cue) -> String {
     let source = cue.regulator().and_then(|regulator| regulator.source);
     match quantity {
@@ -246,7 +246,7 @@ fn of_regulator(quantity: RegulatorQuantity, cue: &Cue) -> String {
     }
 }
 
-/// The sign that stands for a parameter beside its value.
+/// The symbol of a parameter, for use beside its value.
 pub fn symbol(parameter: Parameter) -> String {
     let sign = match parameter {
         Parameter::R0 => "R₀",
@@ -271,7 +271,7 @@ pub fn symbol(parameter: Parameter) -> String {
     sign.to_owned()
 }
 
-/// What a field that a cue changes is called.
+/// The name of a field that a cue changes.
 pub fn field(field: Field) -> &'static str {
     match field {
         Field::Kappa => "rigidity",

@@ -4,10 +4,10 @@ use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
 use super::font::{self, DROP, INDEX};
 use super::style::Colour;
 
-/// Fonts of an SVG, the first that the reader has. A PNG is drawn with the first, which is part of the program.
+/// Fonts of an SVG in order of preference. A PNG uses the first, which is embedded in the program.
 const FONTS: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
 
-/// Width of the rim around text on what it must be kept clear of; half of it is seen.
+/// Width of the rim that separates text from the lines behind it; half of it is visible.
 pub(super) const HALO: f64 = 5.0;
 
 impl Canvas {
@@ -16,12 +16,12 @@ impl Canvas {
         svg(self.size, &self.elements())
     }
 
-    /// What is inside the outermost element of an SVG.
+    /// The content of the outermost element of an SVG.
     pub(crate) fn elements(&self) -> String {
         let written = |element: &Element| match element {
             Element::Shape(outline, fill, stroke) => shape(outline, *fill, *stroke),
             Element::Text(words) => writing(words),
-            // An inner picture is cut off at its own frame.
+            // An inner picture clips at its own frame.
             Element::Clip(Some([left, top, right, bottom])) => {
                 let [x, y, width, height] = [*left, *top, right - left, bottom - top].map(short);
                 format!(r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#)
@@ -32,7 +32,7 @@ impl Canvas {
     }
 }
 
-/// An SVG of a size with these elements on white.
+/// An SVG of the given size with these elements on white.
 pub(crate) fn svg([width, height]: [f64; 2], elements: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
@@ -86,7 +86,7 @@ fn writing(Words { at, content, size, anchor, colour, bold, upwards, halo }: &Wo
     )
 }
 
-/// The text with its indices smaller and lower, by means that every reader of SVG knows.
+/// The text with its subscripts smaller and lower, by attributes that every SVG viewer supports.
 fn set(content: &str, size: u32) -> String {
     let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     let (index, drop) = (short(INDEX * f64::from(size)), short(DROP * f64::from(size)));
@@ -104,7 +104,7 @@ fn set(content: &str, size: u32) -> String {
     font::runs(content).into_iter().map(part).collect()
 }
 
-/// A number with two digits behind the point, without a minus before a zero.
+/// A number rounded to two decimals, without a minus sign before zero.
 fn short(value: f64) -> f64 {
     (100.0 * value).round() / 100.0 + 0.0
 }

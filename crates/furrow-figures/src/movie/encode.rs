@@ -9,7 +9,7 @@ use crate::drawing::{FigureError, svg};
 use furrow_cell::Cell;
 use furrow_mechanics::division::Trajectory;
 
-/// How long a frame is shown, in hundredths of a second, and the last.
+/// Time for which a frame is shown, in hundredths of a second, and for which the last is shown.
 const DELAY: u16 = 5;
 const LAST: u16 = 150;
 /// Speed of the GIF encoder, from 1 (slowest) to 30.
@@ -18,16 +18,16 @@ const HASTE: i32 = 10;
 /// The file format of a movie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MovieFormat {
-    /// Dots in 256 colours a frame; plays everywhere.
+    /// Pixels in 256 colours a frame; plays everywhere.
     Gif,
-    /// Dots in all colours.
+    /// Pixels in full colour.
     Png,
     /// Lines and areas at any size; plays in browsers.
     Svg,
 }
 
 impl MovieFormat {
-    /// By a file's extension, in any case: `.gif`, `.png`, `.apng` or `.svg`.
+    /// The format of a file's extension, in upper or lower case: `.gif`, `.png`, `.apng` or `.svg`.
     pub fn of(path: &Path) -> Option<MovieFormat> {
         match extension(path)?.as_str() {
             "gif" => Some(MovieFormat::Gif),
@@ -37,24 +37,24 @@ impl MovieFormat {
         }
     }
 
-    /// Frames of a movie of that kind, unless told otherwise.
+    /// Default number of frames.
     pub fn usual_frames(self) -> usize {
         if self == MovieFormat::Svg { 20 } else { 80 }
     }
 }
 
-/// A division in frames at even times, and its last shape.
+/// A division as frames at evenly spaced times, up to its last shape.
 pub struct Movie<'a> {
     /// The cell.
     pub cell: &'a Cell,
     /// Its division.
     pub film: &'a Trajectory,
-    /// Frames.
+    /// Number of frames.
     pub frames: usize,
 }
 
 impl Movie<'_> {
-    /// As a file of that format.
+    /// The movie as a file in the given format.
     ///
     /// # Errors
     /// [`FigureError`].
@@ -62,7 +62,7 @@ impl Movie<'_> {
         self.bytes_shown(format, &|_, _| ())
     }
 
-    /// The same, and calls `shown` with the number of frames drawn and of all.
+    /// The same; `shown` is called with the numbers of drawn and of all frames.
     ///
     /// # Errors
     /// [`FigureError`].
@@ -71,7 +71,7 @@ impl Movie<'_> {
         let last = self.frames.max(2) - 1;
         let times: Vec<f64> = (0..=last).map(|k| end * k as f64 / last as f64).collect();
         let fineness = match format {
-            // A text that holds every corner of every frame.
+            // The text of an SVG holds every corner of every frame.
             MovieFormat::Svg => Fineness { along: 36, around: 20, shades: 20.0 },
             _ => Fineness { along: 110, around: 72, shades: 64.0 },
         };
@@ -110,7 +110,7 @@ impl Movie<'_> {
     }
 }
 
-/// Every frame as a group that is seen for its time. A reader that plays nothing shows the frame in which the furrow is deep.
+/// Every frame as a group that is visible for its time. A viewer without animation shows a frame with a deep furrow.
 fn animated(stage: &Stage<'_>, times: &[f64], shown: &dyn Fn(usize, usize)) -> String {
     let (last, deep) = (times.len() - 1, times.len() * 4 / 5);
     let seconds = |k: usize| f64::from(DELAY) * k as f64 / 100.0 * 80.0 / times.len() as f64;

@@ -11,35 +11,36 @@ use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
 use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
-/// Width and height.
+/// Width and height of a frame.
 pub const SIZE: [f64; 2] = [680.0, 460.0];
 /// Arrows on each side of the axis.
 const ARROWS: usize = 44;
-/// The longest arrow.
+/// Length of the longest arrow.
 const LONGEST: f64 = 42.0;
 
-/// What all frames of a movie share.
+/// The data that all frames of a movie share.
 pub struct Stage<'a> {
     cell: &'a Cell,
     film: &'a Trajectory,
     view: View,
     /// The force of the longest arrow.
     largest: f64,
-    /// How finely the surface is drawn.
+    /// The resolution of the surface.
     fineness: Fineness,
-    /// What the colours of a regulator are relative to.
+    /// The range of φ to which the colours of a regulator refer.
     phi: Option<PhiRange>,
 }
 
 impl<'a> Stage<'a> {
-    /// For a division, at these times.
+    /// For a division, at the given times.
     pub fn new(cell: &'a Cell, film: &'a Trajectory, times: &[f64], fineness: Fineness) -> Stage<'a> {
         let [along, across] = film.shell();
         let centre = [0.5 * SIZE[0], 0.5 * SIZE[1] + 12.0];
         let [long, high] = View::new(centre, 1.0).lengths();
         let scale = (0.36 * SIZE[0] / (along * long)).min(0.30 * SIZE[1] / (across * high));
         let view = View::new(centre, scale);
-        // Near pinch-off forces at the neck grow without bound: arrows are as long as most of the movie allows.
+        // Forces at the neck grow without bound near pinch-off: the scale of the arrows leaves out the largest 3 % of
+        // the movie.
         let stills: Vec<Snapshot> = times.iter().map(|t| film.at(*t)).collect();
         let mut sizes: Vec<f64> =
             stills.iter().flat_map(|still| arrows(still).into_iter().map(|(_, [r, z])| r.hypot(z))).collect();
@@ -61,14 +62,14 @@ impl<'a> Stage<'a> {
         canvas
     }
 
-    /// The shell as rings around it and an outline, of which the rings' far halves lie behind the cell.
+    /// The shell as an outline and rings around it; the rings' far halves lie behind the cell.
     fn shell(&self, canvas: &mut Canvas, behind: bool) {
         let [along, across] = self.film.shell();
         let thin = Stroke::solid([0xb5; 3], 1.0);
         for ring in -2..=2 {
             let z = 0.4 * f64::from(ring) * along;
             let r = across * (1.0 - (z / along).powi(2)).sqrt();
-            // The near half is that with a positive third coordinate.
+            // The near half has a positive third coordinate.
             let from = if behind { FRAC_PI_2 } else { -FRAC_PI_2 };
             let half: Vec<[f64; 2]> = (0..=24).map(|k| self.view.point([r, z], from + k as f64 / 48.0 * TAU)).collect();
             canvas.polyline(&half, thin);
@@ -81,7 +82,7 @@ impl<'a> Stage<'a> {
             if size <= 0.1 * self.largest {
                 continue;
             }
-            // Longer ones end where the longest do.
+            // Longer arrows are cut to the greatest length.
             let length = LONGEST / self.view.scale * (size / self.largest).min(1.0) / size;
             for angle in [FRAC_PI_2, -FRAC_PI_2] {
                 let from = self.view.point([r, z], angle);

@@ -9,29 +9,29 @@ use crate::drawing::style::Colour;
 use furrow_cell::Cue;
 use furrow_mechanics::division::Snapshot;
 
-/// How far the axis is turned towards the eye, and how far the eye looks down, in radians.
+/// Angles in radians by which the axis is turned towards the viewer, and by which the viewer looks down.
 const TURNED: [f64; 2] = [0.42, 0.30];
-/// Where light comes from: from above, the left and the side of the eye.
+/// Direction of the light: from above, from the left and from the viewer's side.
 const LIGHT: [f64; 3] = [-0.25, 0.70, 1.0];
 /// Colour of the cortex in full light.
 const CORTEX: [f64; 3] = [186.0, 222.0, 244.0];
-/// Light that reaches every facet.
+/// Share of the light that reaches every facet.
 const AMBIENT: f64 = 0.58;
-/// By how much facets are larger than they are, so that nothing shines through between two.
+/// Enlargement of the facets, so that no gaps show between them.
 const OVERLAP: f64 = 0.9;
 
 /// A viewing direction.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     rotation: Rotation3<f64>,
-    /// Where the middle of the shell is on the canvas.
+    /// The centre of the shell on the canvas.
     pub centre: [f64; 2],
     /// Units of the canvas for one L_h.
     pub scale: f64,
 }
 
 impl View {
-    /// The usual view. The axis lies across, the anterior pole, u = 1, on the left and away from the eye.
+    /// The usual view. The axis is horizontal, with the anterior pole, u = 1, on the left and away from the viewer.
     pub fn new(centre: [f64; 2], scale: f64) -> View {
         let [turn, down] = TURNED;
         let rotation = Rotation3::from_axis_angle(&Vector3::x_axis(), down)
@@ -39,18 +39,18 @@ impl View {
         View { rotation, centre, scale }
     }
 
-    /// A point at distance r from the axis, at an angle around it (¼ of a turn is upwards), and at z along it.
+    /// A point at distance r from the axis, at an angle around it (a quarter turn is upwards), and at z along it.
     fn place([r, z]: [f64; 2], angle: f64) -> Vector3<f64> {
         let (sin, cos) = angle.sin_cos();
         Vector3::new(z, r * sin, r * cos)
     }
 
-    /// Where such a point is on the canvas.
+    /// The position of such a point on the canvas.
     pub fn point(&self, at: [f64; 2], angle: f64) -> [f64; 2] {
         self.project(&(self.rotation * View::place(at, angle)))
     }
 
-    /// How long a unit along the axis is on the canvas, and a unit upwards from it.
+    /// Lengths on the canvas of a unit along the axis and of a unit upwards from it.
     pub fn lengths(&self) -> [f64; 2] {
         let origin = self.point([0.0, 0.0], 0.0);
         let length = |[x, y]: [f64; 2]| (x - origin[0]).hypot(y - origin[1]);
@@ -64,13 +64,13 @@ impl View {
 
 /// One facet on the canvas.
 struct Facet {
-    /// How near to the eye the middle of its ring around the axis is.
+    /// Position of the ring's centre along the line of sight; larger is nearer.
     depth: f64,
     corners: [[f64; 2]; 4],
     colour: Colour,
 }
 
-/// How finely a surface is drawn.
+/// The resolution of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Fineness {
     /// Facets from pole to pole.
@@ -99,8 +99,8 @@ fn meridian(still: &Snapshot, count: usize) -> Vec<[f64; 4]> {
     (0..=count).map(at).collect()
 }
 
-/// Draws the surface of a cell ring by ring, the far ones first. Of one ring no two facets that are turned to the eye cover each
-/// other: those of one colour are drawn as one.
+/// Draws the surface of a cell ring by ring, from far to near. The visible facets of a ring do not cover each other, so
+/// that facets of the same colour are drawn as one shape.
 pub fn draw(canvas: &mut Canvas, still: &Snapshot, cue: (&Cue, Option<PhiRange>), view: &View, fineness: Fineness) {
     let mut facets = facets(still, cue, view, fineness);
     facets.sort_by(|a, b| a.depth.total_cmp(&b.depth).then(a.colour.cmp(&b.colour)));
@@ -109,7 +109,7 @@ pub fn draw(canvas: &mut Canvas, still: &Snapshot, cue: (&Cue, Option<PhiRange>)
     }
 }
 
-/// The facets that are turned to the eye.
+/// The facets that face the viewer.
 fn facets(still: &Snapshot, (cue, phi): (&Cue, Option<PhiRange>), view: &View, fineness: Fineness) -> Vec<Facet> {
     let Fineness { along, around, shades } = fineness;
     let line = meridian(still, along);
@@ -127,7 +127,7 @@ fn facets(still: &Snapshot, (cue, phi): (&Cue, Option<PhiRange>), view: &View, f
         for k in 0..around {
             let corners = [([r, z], k), ([r2, z2], k), ([r2, z2], k + 1), ([r, z], k + 1)];
             let corners = corners.map(|(place, k)| view.rotation * View::place(place, angle(k)));
-            // By the diagonals, which do not vanish at the poles.
+            // From the diagonals, which do not vanish at the poles.
             let outwards = (corners[3] - corners[1]).cross(&(corners[2] - corners[0]));
             let Some(normal) = outwards.try_normalize(1e-14).filter(|normal| normal.z >= -0.02) else { continue };
             let lit = (AMBIENT + (1.0 - AMBIENT) * normal.dot(&light).max(0.0)).min(1.0);
@@ -156,15 +156,15 @@ mod tests {
     use furrow_mechanics::division::{DivisionInput, Trajectory};
 
     #[test]
-    fn the_facets_that_are_seen_cover_what_is_seen_of_the_cell() {
+    fn the_visible_facets_cover_the_outline_of_the_cell() {
         let film = Trajectory::compute(&DivisionInput::new(Cell::gao2026_thresholds(2.5))).unwrap();
         let view = View::new([0.0, 0.0], 1.0);
         let fineness = Fineness { along: 60, around: 48, shades: 32.0 };
         for t in [0.0, 0.5 * film.division.t_end] {
             let still = film.at(t);
             let found = facets(&still, (&Cue::none(), None), &view, fineness);
-            // The outline of a body of revolution that is nearly a ball: at least the disc of its least radius, and no more
-            // than that of its largest.
+            // The outline of a nearly spherical body of revolution contains the disc of its least radius and lies
+            // within the disc of its largest.
             let reach = still.places.iter().map(|p| p.r.hypot(p.z)).fold(0.0, f64::max) + 2.0 * OVERLAP;
             assert!(found.len() > 60 * 48 / 3 && found.len() < 60 * 48 * 2 / 3, "{}", found.len());
             assert!(found.iter().flat_map(|f| f.corners).all(|[x, y]| x.hypot(y) < reach));

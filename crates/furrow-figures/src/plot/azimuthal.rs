@@ -1,4 +1,4 @@
-//! Modes of a stationary shape that are not axisymmetric: the contour at φ and at φ + π, and the surface.
+//! Non-axisymmetric modes of a stationary shape: the contour at φ and at φ + π, and the surface.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -13,15 +13,15 @@ use furrow_mechanics::cortex::forces::shell_axes;
 const WIDTH: f64 = 1000.0;
 /// Height of the row of one mode.
 const ROW: f64 = 250.0;
-/// Largest displacement that is drawn, in R0.
+/// Largest displacement drawn, in R0.
 const AMPLITUDE: f64 = 0.18;
-/// Facets from pole to pole and around.
+/// Numbers of facets from pole to pole and around.
 const FACETS: [usize; 2] = [72, 72];
-/// How far the axis is turned towards the eye, and how far the eye looks down.
+/// Angles by which the axis is turned towards the viewer, and by which the viewer looks down.
 const TURNED: [f64; 2] = [0.42, 0.55];
-/// Where light comes from.
+/// Direction of the light.
 const LIGHT: [f64; 3] = [-0.25, 0.70, 1.0];
-/// Colours of what lies where it was, further out and further in.
+/// Colours of undisplaced places, of outward and of inward displacement.
 const STILL: [f64; 3] = [226.0, 232.0, 238.0];
 const OUT: [f64; 3] = [214.0, 96.0, 77.0];
 const IN: [f64; 3] = [67.0, 131.0, 195.0];
@@ -55,12 +55,12 @@ pub fn draw(cortex: &Cortex, modes: &[Mode]) -> Canvas {
     canvas
 }
 
-/// A place that the mode moves by `amount` of its amplitude.
+/// A place displaced by `amount` times the mode.
 fn moved(place: &Displacement, amount: f64) -> [f64; 2] {
     [0, 1].map(|k| place.at[k] + amount * place.w * place.normal[k])
 }
 
-/// The contour at φ above the axis and at φ + π below it, displaced and not.
+/// The contour at φ above the axis and at φ + π below it, with and without the displacement.
 fn outlines(canvas: &mut Canvas, mode: &Mode, amplitude: f64, site: &Site) {
     let places = mode.meridian(240);
     let opposite = if mode.m % 2 == 1 { -amplitude } else { amplitude };
@@ -78,7 +78,7 @@ fn outlines(canvas: &mut Canvas, mode: &Mode, amplitude: f64, site: &Site) {
     canvas.polyline(&shape, Stroke::dashed(style::INK, 1.2, style::DASHED));
 }
 
-/// The displaced surface, coloured by how far it is moved, the far facets first.
+/// The displaced surface, coloured by the displacement, the far facets first.
 fn surface(canvas: &mut Canvas, mode: &Mode, amplitude: f64, site: &Site) {
     let [along, around] = FACETS;
     let places = mode.meridian(along);

@@ -1,5 +1,5 @@
-//! What bounds division over a parameter: curves of pitchforks and folds in the plane of the parameter and activity, and where
-//! the boundary lies at the cell's own activity.
+//! The boundary of division over a parameter: curves of pitchforks and folds in the plane of the parameter and
+//! activity, and the boundary's position at the cell's own activity.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
@@ -42,7 +42,7 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
         let thin = Stroke::dashed(style::ASYMMETRIC, 1.4, [4.0, 4.0]);
         chart.canvas.polyline(&[[left, at[1]], at, [at[0], bottom]], thin);
         chart.point(place(&point), 8.0, Marker::Triangle, style::ASYMMETRIC);
-        // Without the noise of the last digits.
+        // Rounded, to hide the noise of the last digits.
         let word = format!("{:.4} at ξₛ = {}", point.value, (point.xi_s * 1e6).round() * 1e-6);
         let right = at[0] > 0.6 * WIDTH;
         let (x, anchor) = if right { (at[0] - 14.0, Anchor::End) } else { (at[0] + 14.0, Anchor::Start) };
@@ -67,7 +67,7 @@ fn legend(of: &BoundaryStudy) -> Legend {
     of.azimuthal.iter().flatten().fold(legend, azimuthal)
 }
 
-/// A curve of pitchforks in pieces of one criticality, which meet where it changes.
+/// A curve of pitchforks split where its criticality changes; neighbouring pieces share their end point.
 fn by_criticality(curve: &Curve) -> Vec<(Option<Criticality>, Vec<CurvePoint>)> {
     let mut found: Vec<(Option<Criticality>, Vec<CurvePoint>)> = Vec::new();
     for point in &curve.points {
@@ -75,7 +75,7 @@ fn by_criticality(curve: &Curve) -> Vec<(Option<Criticality>, Vec<CurvePoint>)> 
         match found.last_mut() {
             Some((same, piece)) if *same == kind => piece.push(*point),
             Some((_, piece)) => {
-                // The exact place of the change, if it was located, else the point itself.
+                // The located point of the change, or else the curve's own point.
                 let before = piece.last().map_or(point.value, |last| last.value);
                 let between = |p: &&CurvePoint| (p.value - before) * (p.value - point.value) <= 0.0;
                 let meeting = curve.degenerate.iter().find(between).copied().unwrap_or(*point);

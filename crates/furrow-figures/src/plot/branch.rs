@@ -1,5 +1,5 @@
-//! A bifurcation diagram: elongation and furrow position over activity, solid where the shape is stable and dashed where it is
-//! not, with folds, pitchforks and some of the shapes.
+//! A bifurcation diagram: elongation and furrow position over activity, solid for stable shapes and dashed for unstable
+//! ones, with folds, pitchforks and some of the shapes.
 
 use std::collections::BTreeSet;
 
@@ -25,7 +25,7 @@ const SHAPES: f64 = 150.0;
 /// Height of each chart.
 const CHART: f64 = 330.0;
 
-/// The letter of a shape that is drawn, its place, and its contour.
+/// The letter of a drawn shape, its place, and its contour.
 type Shape<'a> = (char, ShapePoint, &'a [[f64; 2]]);
 
 /// Draws the branches of one cell.
@@ -67,7 +67,7 @@ fn legend(branches: &[Named]) -> Legend {
     })
 }
 
-/// The kinds of crossings that occur: the azimuthal number, and whether its disturbances grow beyond.
+/// The kinds of crossings that occur: the azimuthal number, and whether its perturbations grow beyond.
 fn crossings(branches: &[Named]) -> impl Iterator<Item = (usize, bool)> {
     let all = branches.iter().flat_map(|(_, branch)| &branch.azimuthal.crossings);
     let kinds: BTreeSet<(usize, bool)> = all.map(|crossing| (crossing.m, !crossing.grows)).collect();
@@ -79,7 +79,7 @@ fn crossing(grows: bool) -> Marker {
     if grows { Marker::Ring } else { Marker::Square }
 }
 
-/// The colour of a branch: of what divides like its shapes.
+/// The colour of a branch: the colour of the outcome with such shapes.
 fn colour(name: &str) -> Colour {
     match name {
         "symmetric" => style::SYMMETRIC,
@@ -88,8 +88,8 @@ fn colour(name: &str) -> Colour {
     }
 }
 
-/// The shapes that tell most: the first, those at folds and pitchforks, and those at the ends; evenly thinned out where they are
-/// too many.
+/// The most informative shapes: the first, those at folds and pitchforks, and those at the ends; evenly thinned out if
+/// there are too many.
 fn chosen<'a>(branches: &'a [Named]) -> Vec<Shape<'a>> {
     let mut found: Vec<(ShapePoint, &'a [[f64; 2]])> = Vec::new();
     for (k, (_, branch)) in branches.iter().enumerate() {
@@ -99,7 +99,7 @@ fn chosen<'a>(branches: &'a [Named]) -> Vec<Shape<'a>> {
         }
         for event in &branch.events {
             let s = event.point().arclength;
-            // Of an asymmetric branch the first point is that of the branch it came from.
+            // The first point of an asymmetric branch lies on the branch of its origin.
             let near = (1..branch.points.len()).min_by(|a, b| {
                 (branch.points[*a].arclength - s).abs().total_cmp(&(branch.points[*b].arclength - s).abs())
             });
@@ -126,7 +126,7 @@ fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f6
     }
 }
 
-/// One chart; points of `value` that lie elsewhere than the range of all branches do not occur.
+/// One chart. Points of `value` outside the range over all branches do not occur.
 fn chart(
     canvas: &mut Canvas,
     branches: &[Named],
@@ -174,7 +174,7 @@ fn chart(
             words.push(([at[0] + aside, at[1] + 22.0], anchor, kind));
         }
     }
-    // Over the lines, and kept clear of them.
+    // Above the lines, with a rim.
     let mut taken = Vec::new();
     for (at, anchor, word) in words {
         let width = font::width(word, text::TICK);
@@ -188,7 +188,7 @@ fn chart(
 /// The middle of a text on the canvas, and half its width and height.
 type Taken = ([f64; 2], [f64; 2]);
 
-/// The letters of the shapes beside their points, clear of each other and of what is written.
+/// The letters of the shapes beside their points, clear of each other and of other text.
 fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -> f64, mut taken: Vec<Taken>) {
     const HALF: [f64; 2] = [7.0, 8.0];
     let [left, top, right, bottom] = chart.frame;
@@ -213,13 +213,13 @@ fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -
     }
 }
 
-/// Points between two of a branch, for a smooth curve.
+/// Interpolated points between two points of a branch, for a smooth curve.
 const BETWEEN: usize = 8;
 
 /// Arclength, ξ_s and the value at a point of a branch.
 type Knot = [f64; 3];
 
-/// The smooth curve through knots: cubics that have at each knot the slope of the parabola through it and its neighbours.
+/// The smooth curve through knots: cubics with the slope, at each knot, of the parabola through it and its neighbours.
 fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
     let slope = |k: usize, c: usize| {
         let (a, b) = (knots[k.saturating_sub(1)], knots[(k + 1).min(knots.len() - 1)]);
@@ -250,12 +250,12 @@ fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
     points
 }
 
-/// The branch in pieces that are stable or not as a whole: stability changes at folds and pitchforks, which the pieces meet in.
+/// The branch in pieces of constant stability: stability changes at folds and pitchforks, where the pieces meet.
 fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64; 2]>)> {
     let knot = |s: f64, point: &ShapePoint| [s, point.xi_s, value(point)];
     let points = branch.points.iter().enumerate().map(|(k, point)| match k {
-        // A branch that begins at a pitchfork has in its first point the arclength of the branch that it comes from, and nothing
-        // grows or decays there.
+        // The first point of a branch that begins at a pitchfork has the arclength of its parent branch, and a growth
+        // rate of zero.
         0 => (knot(0.0, point), None),
         _ => (knot(point.arclength, point), point.growth_rate.map(|rate| rate < 0.0)),
     });

@@ -1,4 +1,4 @@
-//! Thresholds wanted and met, with their tolerances; an ensemble of constants, each by itself and in pairs.
+//! Given and computed thresholds, with their tolerances; an ensemble of constants, singly and in pairs.
 
 use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
@@ -12,16 +12,16 @@ use furrow_mechanics::calibration::{Calibration, Targets};
 const WIDTH: f64 = 1040.0;
 /// Width of the chart on the left.
 const LEFT: f64 = 430.0;
-/// Height of a threshold in the chart of deviations.
+/// Height of a row in the chart of deviations.
 const ROW: f64 = 46.0;
 /// Side of a chart of an ensemble.
 const CELL: f64 = 210.0;
 /// Bars of a histogram.
 const BARS: usize = 14;
-/// The line of what is as given.
+/// The line of exact agreement with the given values.
 const GIVEN: Stroke = Stroke { colour: style::MUTED, width: 1.6, dash: Some(style::DASHED) };
 
-/// Draws thresholds: the computed over the given on the left, the deviations with their tolerances on the right.
+/// Draws thresholds: computed over given values on the left, the deviations with their tolerances on the right.
 pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> Canvas {
     let chart = (150.0 + ROW * found.residuals.len().max(1) as f64).max(400.0);
     let head = (!excluded.is_empty()).then(|| "Statements that exclude it, and what it gives instead:".to_owned());
@@ -72,8 +72,8 @@ fn deviations(canvas: &mut Canvas, targets: &Targets, found: &Calibration, [top,
     chart.points(points, 6.5, Marker::Disc, style::MODEL);
 }
 
-/// Draws an ensemble: the weighted distribution of each constant, and the members by every two of them, larger discs for more
-/// weight.
+/// Draws an ensemble: the weighted distribution of each constant, and the members over every pair of constants, with
+/// larger discs for larger weights.
 pub fn draw_ensemble(found: &Ensemble) -> Canvas {
     let count = found.parameters.len();
     let side = CELL * count as f64;
@@ -89,7 +89,7 @@ pub fn draw_ensemble(found: &Ensemble) -> Canvas {
             found.parameters.get(k).filter(|_| shown).map_or(String::new(), |p| style::parameter(*p, &Cue::none()));
         Axis { numbered: shown, ticks: Ticks::About(4), ..Axis::new(label, range(k)) }
     };
-    // Names of axes hang out of the square of their chart.
+    // Labels of axes extend beyond the square of their chart.
     let margins = [MARGINS[0], 12.0, 12.0, MARGINS[3]];
     for row in 0..count {
         for column in 0..=row {

@@ -11,37 +11,37 @@ use crate::drawing::{Anchor, Canvas, Stroke, font};
 use furrow_analysis::compare::noise::{Interval, NoiseBin};
 use furrow_analysis::compare::volumes::{Band, Beside, GroupBeside, Modelled, SizeCurve};
 
-/// Height of the chart by mother, and of that over volume.
+/// Heights of the chart by mother and the chart over volume.
 const CHARTS: [f64; 2] = [440.0, 400.0];
-/// Width that a picture has at most.
+/// Largest width of a picture.
 const WIDEST: f64 = 1400.0;
 
-/// Boxes are drawn of as many embryos; of fewer a mean with its standard deviation.
+/// Fewest embryos for a box; with fewer, a mean and its standard deviation are drawn.
 const FEWEST: usize = 4;
 
-/// What is drawn.
+/// The data of the picture.
 #[derive(Clone, Debug)]
 pub struct Comparison<'a> {
-    /// Groups beside the model.
+    /// Groups of measured divisions beside the model.
     pub groups: &'a [GroupBeside],
-    /// Single divisions; none where means alone are known.
+    /// Single divisions; empty if only means are known.
     pub divisions: &'a [Division],
     /// |χ| by the mother's volume, of all groups.
     pub bins: &'a [VolumeBin],
-    /// χ that noise makes of equal divisions, by bin; may be empty.
+    /// χ of equal divisions due to measurement noise, by bin; may be empty.
     pub noise: &'a [NoiseBin],
     /// The unit in the label of the volume axis.
     pub unit: String,
-    /// One L_h in the cube root of the unit, by which the model's cells have a volume too.
+    /// L_h in the cube root of the unit, which gives the model's cells a volume.
     pub length: Option<f64>,
     /// χ of the model over size.
     pub curves: Vec<SizeCurve>,
 }
 
-/// Draws groups beside the model, and below them, where single divisions are known, χ over the mother's volume.
+/// Draws groups beside the model and, if single divisions are known, χ over the mother's volume below.
 pub fn draw(comparison: &Comparison<'_>) -> Canvas {
     let Comparison { groups, divisions, .. } = *comparison;
-    // In the order in which they are first named.
+    // In order of first appearance.
     let mut mothers: Vec<String> = Vec::new();
     for event in groups.iter().flat_map(|group| &group.events) {
         if !mothers.contains(&event.measured.mother) {
@@ -50,7 +50,7 @@ pub fn draw(comparison: &Comparison<'_>) -> Canvas {
     }
     let longest = mothers.iter().map(|mother| font::width(mother, style::text::TICK)).fold(0.0, f64::max);
     let each = (30.0 + 24.0 * groups.len() as f64).max(longest + 14.0);
-    // As many mothers in a row as leave the text large enough to be read.
+    // The number of mothers in a row is limited to keep the text readable.
     let in_row = (((WIDEST - 150.0) / each) as usize).clamp(1, mothers.len().max(1));
     let width = (150.0 + in_row as f64 * each).max(760.0);
     let rows = mothers.len().div_ceil(in_row);
@@ -114,10 +114,10 @@ fn legend(comparison: &Comparison<'_>) -> Legend {
     legend
 }
 
-/// Green as the model, and pale as what is not sure.
+/// The model's green, paler for a range.
 const BAND: Colour = [0x99, 0xd8, 0xc7];
 
-/// The colour of what noise makes: that of the sixth group.
+/// The colour of measurement noise, shared with the sixth group.
 const NOISE: Colour = style::SERIES[6];
 
 /// The dashes of a curve over size.
@@ -125,12 +125,12 @@ fn dash(curve: usize) -> Option<[f64; 2]> {
     [None, Some(style::DASHED), Some(style::DOTTED)][curve.min(2)]
 }
 
-/// The box of a mother's embryos, if these are enough.
+/// The box of a mother's embryos, if there are enough of them.
 fn boxed(event: &Beside) -> Option<&BoxPlot> {
     event.box_plot.as_ref().filter(|_| event.measured.n >= FEWEST)
 }
 
-/// The largest χ that is drawn of a division.
+/// The largest χ drawn for a division.
 fn highest(event: &Beside) -> f64 {
     let measured = match boxed(event) {
         Some(found) => found.outliers.iter().copied().fold(found.whiskers[1], f64::max),
@@ -141,12 +141,12 @@ fn highest(event: &Beside) -> f64 {
     measured.max(of(&event.model)).max(of(&event.given_first)).max(band)
 }
 
-/// The colour of a group: green is the model's.
+/// The colour of a group; green is reserved for the model.
 fn colour(group: usize) -> Colour {
     [0, 1, 5, 4, 2, 6].map(|k: usize| style::SERIES[k])[group % 6]
 }
 
-/// A division beside the model's, at `x` and to the right of it by parts of `apart`, the distance of two groups.
+/// A measured division at `x`, and the model's to the right of it in steps of `apart`, the distance between two groups.
 fn beside(chart: &mut Chart<'_>, [x, apart]: [f64; 2], event: &Beside, colour: Colour) {
     let Beside { measured, model, given_first, band, .. } = event;
     if let Some(Band { chi: Some(range), .. }) = band {
@@ -169,7 +169,7 @@ fn beside(chart: &mut Chart<'_>, [x, apart]: [f64; 2], event: &Beside, colour: C
     }
 }
 
-/// A box with its whiskers, and what lies beyond them as points.
+/// A box with its whiskers, and outliers as points.
 fn draw_box(chart: &mut Chart<'_>, x: f64, found: &BoxPlot, colour: Colour) {
     const HALF: f64 = 6.0;
     chart.error_bar(x, found.whiskers, 0.0, 3.5, Stroke::solid(colour, 1.4));
@@ -184,8 +184,8 @@ fn draw_box(chart: &mut Chart<'_>, x: f64, found: &BoxPlot, colour: Colour) {
     }
 }
 
-/// χ over the mother's volume: every division, boxes of the bins with the stars of their tests, the model's cells, and the model
-/// over size.
+/// χ over the mother's volume: every division, boxes of the bins with the stars of their tests, the model's cells, and
+/// the model over size.
 fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Comparison<'_>) {
     let Comparison { groups, divisions, bins, noise, ref unit, length, ref curves } = *comparison;
     let volume = |r0: f64, length: f64| 4.0 / 3.0 * std::f64::consts::PI * (length * r0).powi(3);
@@ -196,7 +196,7 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
         .collect();
     let mut pieces: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
     for (k, curve) in curves.iter().enumerate() {
-        // Where a cell does not divide the curve has a gap.
+        // The curve has a gap where a cell does not divide.
         for piece in curve.points.split(|(_, chi)| chi.is_none()) {
             pieces.push((k, piece.iter().filter_map(|(r0, chi)| Some([volume(*r0, length?), (*chi)?])).collect()));
         }
@@ -225,7 +225,7 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
     }
     for (bin, null) in bins.iter().zip(noise) {
         if let Some(Interval { mean, low, high }) = null.null {
-            // Beside the box.
+            // To the right of the box.
             chart.error_bar(middle(bin), [low, high], 18.0, 4.0, Stroke::solid(NOISE, 1.8));
             let [x, y] = chart.at([middle(bin), mean]);
             point(chart.canvas, [x + 18.0, y], 4.5, Marker::Square, NOISE);

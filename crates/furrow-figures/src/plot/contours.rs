@@ -1,4 +1,4 @@
-//! Measured outlines of a dividing cell with the model's laid over them, stage by stage.
+//! Measured outlines of a dividing cell, overlaid with the model's, stage by stage.
 
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::series::{ContourMatch, Series};
@@ -16,13 +16,13 @@ const WORDS: f64 = 50.0;
 /// The inside of a measured cell.
 const MEASURED: Colour = [0xc9; 3];
 
-/// Draws the stages of a series, those with the deepest furrow last. The long axis lies across.
+/// Draws the stages of a series, ending with the deepest furrow. The long axis is horizontal.
 pub fn draw(series: &Series) -> Canvas {
     let mut stages: Vec<&ContourMatch> = series.contours.iter().filter(|beside| beside.stage.is_some()).collect();
     stages.sort_by_key(|beside| beside.stage);
     let in_row = stages.len().clamp(1, IN_ROW);
     let each = (WIDTH - 40.0) / in_row as f64;
-    // As large in all stages, so that they can be held beside each other.
+    // All stages have the same scale, so that they can be compared.
     let reach = |k: usize| {
         let points = stages.iter().flat_map(|beside| &beside.laid).flat_map(Contour::points);
         points.map(|point| point[k].abs()).fold(0.0, f64::max)

@@ -1,5 +1,6 @@
-//! A cell as it divides: its contour at several times in its shell with the cue, the size asymmetry and the neck over time, and
-//! the normal forces along the contour when the furrow is half-way; of a cue with a regulator also φ along the contour at these times.
+//! A dividing cell: its contour at several times in its shell with the cue, the size asymmetry and the neck over time,
+//! and the normal forces along the contour when the furrow is half-way; with a regulator also φ along the contour at
+//! these times.
 
 use crate::drawing::cell::{self as drawn, Site};
 use crate::drawing::legend::{Key, Legend, titled};
@@ -13,13 +14,13 @@ use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 const WIDTH: f64 = 1160.0;
 /// Height of a row of contours.
 const CELLS: f64 = 192.0;
-/// Height of a chart with its legend, and width of that on the left.
+/// Height of a chart with its legend, and width of the chart on the left.
 const CHART: [f64; 2] = [440.0, 0.45 * WIDTH];
 /// Height of the chart of a regulator with its legend.
 const CARRIED: f64 = 330.0;
 /// Width of a strip along a contour.
 const STRIP: f64 = 5.5;
-/// Contours that are drawn.
+/// Number of contours drawn.
 const STILLS: usize = 6;
 
 /// Draws a division.
@@ -45,8 +46,8 @@ pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
     canvas
 }
 
-/// Stills from the first to the last shape between which the neck closes by equal parts, or of a cell that stays at rest the
-/// contour's length grows by equal parts: what happens is seen, however long it waits.
+/// Stills from the first to the last shape, between which the neck closes by equal parts or, if the cell stays at rest,
+/// the length of the contour grows by equal parts: a long wait does not hide the changes.
 fn stills(film: &Trajectory) -> Vec<Snapshot> {
     let times = film.times();
     let first = film.step(0);
@@ -54,7 +55,7 @@ fn stills(film: &Trajectory) -> Vec<Snapshot> {
     let waist = |still: &Snapshot| still.neck.map_or(widest(still), |neck| neck.radius);
     let progress = |still: &Snapshot| match film.division.outcome() {
         Outcome::Arrested => (still.length / first.length).ln(),
-        // Early on the cell lengthens before it has a waist.
+        // At first the cell lengthens without a neck.
         _ => 0.5 * (still.length / first.length).ln() + 1.0 - waist(still) / waist(&first),
     };
     let passed = (0..times.len()).scan(0.0, |before: &mut f64, k| {
@@ -76,7 +77,7 @@ fn stills(film: &Trajectory) -> Vec<Snapshot> {
     (0..STILLS).map(still).collect()
 }
 
-/// The cell when its neck is half as wide as the cell was; of one that stays at rest the last shape.
+/// The cell when its neck is half as wide as the cell was at first; the last shape if it stays at rest.
 fn half_way(film: &Trajectory) -> Snapshot {
     let times = film.times();
     let widest = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
@@ -102,14 +103,14 @@ fn contours(
         } else {
             drawn::cue(canvas, (&cell.cue, phi), still, &site, STRIP);
         }
-        // Over the cue, which is outside: in the furrow the other side is near.
+        // The body covers the cue's strips, which lie outside: in a deep furrow they would reach the other side.
         drawn::body(canvas, &still.contour(), &site, 2.0);
         let word = format!("t = {} τ", style::time(still.t));
         canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
     }
 }
 
-/// φ along the contours that are drawn.
+/// φ along the drawn contours.
 fn regulator(canvas: &mut Canvas, stills: &[Snapshot], top: f64) {
     let named = |k: usize| style::ramp(k, stills.len());
     let legend = stills.iter().enumerate().fold(Legend::default(), |legend, (k, still)| {
@@ -137,7 +138,8 @@ fn poles(chart: &mut Chart<'_>) {
     }
 }
 
-/// The size of force that nine tenths of the contour stay below: at the neck they are far larger, and would hide all others.
+/// The size of force that 90 % of the contour stays below: at the neck forces are far larger, and would hide all
+/// others.
 fn usual(still: &Snapshot) -> f64 {
     let mut sizes: Vec<f64> = (0..=200)
         .filter_map(|k| {
@@ -180,7 +182,7 @@ fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
     let most = usual(still);
     let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", style::time(still.t));
     let y = Axis::new(label, widened([-most, most], 0.08));
-    // The same way as the contours.
+    // In the same direction as the contours.
     let x = Axis::new("place u", [0.0, 1.0]).reversed();
     let mut chart = Chart::new(canvas, [left, top + 40.0], [WIDTH - left, CHART[0] - 40.0], x, y);
     chart.line([[0.0, 0.0], [1.0, 0.0]], Stroke::solid(style::MUTED, 1.0));

@@ -1,4 +1,5 @@
-//! Asymmetry over the dose of a protein beside the model's over the strength of its cue, by both readings of the sizes.
+//! Asymmetry over the dose of a protein, beside the model's over the strength of its cue, for both readings of the
+//! sizes.
 
 use furrow_analysis::compare::dose::DoseModel;
 use furrow_measured::dose::{DoseGroup, DosedDivision};
@@ -25,10 +26,10 @@ pub struct Reading<'a> {
     pub line: Option<Line>,
 }
 
-/// What is drawn.
+/// The data of the picture.
 #[derive(Clone, Debug)]
 pub struct DoseComparison<'a> {
-    /// Single divisions; none where means alone are known.
+    /// Single divisions; empty if only means are known.
     pub divisions: &'a [DosedDivision],
     /// Conditions in the order of their colours.
     pub conditions: &'a [DoseGroup],
@@ -42,7 +43,7 @@ pub struct DoseComparison<'a> {
     pub cell: String,
 }
 
-/// The colour of a condition: green is the model's, black that of means.
+/// The colour of a condition; green is reserved for the model, black for means.
 fn colour(condition: usize) -> Colour {
     [5, 1, 2, 4, 6].map(|k: usize| style::SERIES[k])[condition % 5]
 }
@@ -93,7 +94,7 @@ fn panel(chart: &mut Chart<'_>, comparison: &DoseComparison<'_>, reading: &Readi
         let ends = [0.0, farthest].map(|dose| [dose, intercept + slope * dose]);
         chart.line(ends, Stroke::dashed(style::MUTED, 1.6, style::DASHED));
     }
-    // Where a cell does not divide the curve has a gap.
+    // The curve has a gap where a cell does not divide.
     for piece in model.split(|point| point.chi.is_none()) {
         let points: Vec<[f64; 2]> = piece.iter().filter_map(|point| Some([point.dose, point.chi?])).collect();
         chart.line(points, Stroke::solid(style::MODEL, 2.4));

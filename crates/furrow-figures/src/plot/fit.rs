@@ -1,4 +1,4 @@
-//! What fits the embryo: the front between its counts and the published thresholds, activities by founder, a cue's χ.
+//! Fits to the embryo: the front between its counts and the published thresholds, activities by founder, a cue's χ.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
@@ -10,7 +10,7 @@ const CHART: f64 = 488.0;
 /// Height of a founder in the chart of activities.
 const ROW: f64 = 40.0;
 
-/// Draws the front: how far mean rounds are off over how far the published thresholds are.
+/// Draws the front: the deviation of the mean rounds over the deviation of the published thresholds.
 pub fn draw_constants(found: &FittedConstants) -> Canvas {
     let name = |(parameter, value): &(_, f64)| format!("{} = {value:.4}", style::symbol(*parameter));
     let constants: Vec<String> = found.best.constants.iter().map(name).collect();
@@ -32,12 +32,12 @@ pub fn draw_constants(found: &FittedConstants) -> Canvas {
     canvas
 }
 
-/// Whether the nearest activity is drawn, for want of one with the observed rounds.
+/// Whether the nearest activity is drawn, because no activity gives the observed rounds.
 fn nearest(founder: &FounderActivity) -> bool {
     founder.intervals.is_empty() && founder.nearest.is_some()
 }
 
-/// Draws the activities with which each founder has the observed rounds; `xi_s` is that of the run.
+/// Draws the activities at which each founder has the observed rounds; `xi_s` is the activity of the run.
 pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
     let diamond = Key::Point(style::ASYMMETRIC, Marker::Diamond);
     let mut legend = Legend::default()
@@ -78,7 +78,7 @@ pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
     canvas
 }
 
-/// Draws the measured χ beside those of the cue that fits best, and what nothing was fitted to beside what it predicts.
+/// Draws the measured χ beside the model's with the best cue, and the data left out of the fit beside the predictions.
 pub fn draw_cue(found: &FittedCue) -> Canvas {
     let all: Vec<&ChiResidual> = found.residuals.iter().chain(&found.out_of_sample).collect();
     let (modelled, predicted) = (all.iter().any(|r| r.computed.is_some()), !found.out_of_sample.is_empty());

@@ -1,4 +1,5 @@
-//! Lifetimes of measured cells beside the model's: over the volume, over the time of birth, and the numbers of cells over time.
+//! Lifetimes of measured cells beside the model's: over volume and over the time of birth, and the numbers of cells
+//! over time.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
@@ -10,12 +11,12 @@ use furrow_measured::lifetimes::CellsOverTime;
 use furrow_measured::volumes::Unit;
 
 const WIDTH: f64 = 1100.0;
-/// Heights of the charts over volume and birth, and of that over time.
+/// Heights of the charts over volume and birth, and of the chart over time.
 const CHARTS: [f64; 2] = [430.0, 470.0];
-/// Most of the time axis that the model may take beyond what is known of the embryo.
+/// Longest time axis, as a multiple of the embryo's known time.
 const BEYOND: f64 = 2.5;
 
-/// Draws a table of lifetimes beside a tree; `unit` is that of the volumes.
+/// Draws a table of lifetimes beside a tree; `unit` is the unit of volume.
 pub fn draw(found: &LifetimesBeside, unit: Option<Unit>) -> Canvas {
     let founders = founders(&found.cells);
     let mut legend = founders.iter().fold(Legend::default(), |legend, (name, colour)| {
@@ -59,7 +60,7 @@ fn founders(cells: &[CellBeside]) -> Vec<(String, Colour)> {
         }
     }
     let germline = |name: &str| name.starts_with('P');
-    // Green is the model's.
+    // Green is reserved for the model.
     let hues = [5, 1, 2, 4, 6, 0].map(|k: usize| style::SERIES[k]);
     let count = names.iter().filter(|name| !germline(name)).count();
     let mut next = 0;
@@ -78,13 +79,13 @@ fn colour_of(founders: &[(String, Colour)], cell: &CellBeside) -> Colour {
     founders.iter().find(|(name, _)| *name == cell.measured.founder).map_or(style::INK, |(_, colour)| *colour)
 }
 
-/// An axis of logarithms with some room.
+/// A logarithmic axis with some room at its ends.
 fn logarithmic(label: &str, values: impl Iterator<Item = f64>) -> Axis {
     let ends = widened(values.map(f64::log10), 0.06).map(|power| 10_f64.powf(power));
     Axis::new(label, ends).logarithmic()
 }
 
-/// The lifetime over the measured volume, with a line for each founder; the model's lifetimes at the same volumes.
+/// The lifetime over the measured volume, with a line for each founder, and the model's lifetimes at the same volumes.
 fn over_volume(
     canvas: &mut Canvas,
     at: [f64; 2],
@@ -153,7 +154,7 @@ fn numbers(canvas: &mut Canvas, at: [f64; 2], over_time: &OverTime, departure: O
     let range = [first - room, last + room];
     let highest = [Some(measured.over_time.at(known)), model.as_ref().map(|model| model.at(range[1]))];
     let highest = highest.into_iter().flatten().max().unwrap_or(1) as f64;
-    // Room above the curves for what is written there.
+    // Room above the curves for text.
     let y = Axis::new("cells alive", [1.0, 6.0 * highest]).logarithmic();
     let mut chart = Chart::new(canvas, at, [WIDTH, CHARTS[1]], Axis::new("time (min of the table)", range), y);
     let upright =
@@ -181,7 +182,7 @@ fn numbers(canvas: &mut Canvas, at: [f64; 2], over_time: &OverTime, departure: O
     write_marks(&mut chart, marks);
 }
 
-/// Founders by the time of their last division, those of one time together.
+/// Founders by the time of their last division; founders with the same time share an entry.
 fn joined(last: &[LastDivision]) -> Vec<(f64, String)> {
     let mut sorted: Vec<&LastDivision> = last.iter().collect();
     sorted.sort_by(|a, b| a.min.total_cmp(&b.min));
@@ -189,7 +190,7 @@ fn joined(last: &[LastDivision]) -> Vec<(f64, String)> {
     sorted.chunk_by(|a, b| a.min == b.min).map(|of| (of[0].min, names(of))).collect()
 }
 
-/// The corners of numbers that change in steps.
+/// The corners of a step function.
 fn stairs(over_time: &CellsOverTime, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
     let mut corners = vec![[from, over_time.at(from) as f64]];
     for step in over_time.steps.iter().filter(|step| step.min > from && step.min <= to) {
@@ -199,17 +200,17 @@ fn stairs(over_time: &CellsOverTime, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
     corners
 }
 
-/// Distance of two rows of words.
+/// Distance between two rows of text.
 const ROW: f64 = 19.0;
 
-/// Writes words at the top of a chart, each beside its time and in the first row in which it meets no other.
+/// Writes text at the top of a chart, each beside its time and in the first row where it overlaps no other.
 fn write_marks(chart: &mut Chart<'_>, mut marks: Vec<(f64, String, Colour)>) {
     marks.sort_by(|a, b| a.0.total_cmp(&b.0));
     let [left, top, right, _] = chart.frame;
     let mut rows: Vec<f64> = Vec::new();
     for (min, words, colour) in marks {
         let (x, width) = (chart.at([min, 1.0])[0], font::width(&words, text::TICK));
-        // Words that would leave the chart end at their time, and those of the departure, before which there is nothing to say.
+        // Text that would leave the chart is written to the left of its time, as is the text of the departure.
         let from =
             if x + 6.0 + width > right || colour == style::ASYMMETRIC { (x - 6.0 - width).max(left) } else { x + 6.0 };
         let row = rows.iter().position(|end| from > end + 8.0).unwrap_or(rows.len());

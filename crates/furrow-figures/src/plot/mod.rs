@@ -1,21 +1,21 @@
-//! A picture of what each command computes.
+//! A picture for each command.
 //!
-//! | file | what it shows |
+//! | file | content |
 //! |---|---|
 //! | [`division`] | a cell as it divides, χ and its neck over time, the normal forces half-way |
 //! | [`azimuthal`] | modes of a stationary shape that are not axisymmetric |
 //! | [`branch`] | a bifurcation diagram, with shapes |
 //! | [`boundary`] | curves of pitchforks and folds, the critical value |
-//! | [`perturbation`] | how far disturbed stationary shapes come from where they started |
+//! | [`perturbation`] | distances of perturbed stationary shapes from their initial shapes |
 //! | [`phase`] | outcomes over a plane, with their exact edges |
 //! | [`sweep`] | results over one axis or two |
-//! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
+//! | [`calibration`] | given and computed thresholds; an ensemble of constants |
 //! | [`comparison`] | measured size asymmetries beside the model's |
 //! | [`lifetimes`] | lifetimes of cells beside the model's, and cells alive over time |
-//! | [`contours`] | measured outlines of a dividing cell, with the model's over them |
-//! | [`dose`] | asymmetry over the dose of a protein beside the model's over the strength of its cue |
-//! | [`fit`] | constants, activities and cues that fit |
-//! | [`reproduction`] | the figures of the paper, each by what it is |
+//! | [`contours`] | measured outlines of a dividing cell, overlaid with the model's |
+//! | [`dose`] | asymmetry over the dose of a protein, beside the model's over the strength of its cue |
+//! | [`fit`] | fitted constants, activities and cues |
+//! | [`reproduction`] | the figures of the paper |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
 
 pub mod azimuthal;
@@ -26,7 +26,7 @@ pub mod comparison;
 pub mod contours;
 pub mod division;
 pub mod dose;
-// Nothing is fitted on wasm32.
+// Fits are not available on wasm32.
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
 pub mod lifetimes;

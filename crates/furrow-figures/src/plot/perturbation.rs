@@ -1,4 +1,5 @@
-//! How far disturbed stationary shapes are from where they started, over time: what returns falls, what leaves rises.
+//! Distances of perturbed stationary shapes from the stationary shape over time: they fall for shapes that return, and
+//! rise for those that leave.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart};
@@ -8,12 +9,12 @@ use furrow_mechanics::perturbation::Perturbation;
 
 const WIDTH: f64 = 1000.0;
 const CHART: f64 = 528.0;
-/// Smallest distance that is drawn, in L_h: below it there is rounding.
+/// Smallest distance drawn, in L_h: below it rounding dominates.
 const SMALLEST: f64 = 1e-9;
-/// Most curves that a legend names.
+/// Most curves with an entry in the legend.
 const NAMED: usize = 12;
 
-/// Draws disturbed shapes, each with its name in the legend.
+/// Draws perturbed shapes, named in the legend.
 pub fn draw(title: &str, watched: &[(String, Perturbation)]) -> Canvas {
     let colour = |k: usize| style::series(k, watched.len(), &SERIES);
     let mut legend = Legend::default();
@@ -37,7 +38,7 @@ pub fn draw(title: &str, watched: &[(String, Perturbation)]) -> Canvas {
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, y);
     for (k, (_, perturbation)) in watched.iter().enumerate() {
         let dash = (!perturbation.returned()).then_some(style::DASHED);
-        // What has come back to rounding is drawn no further.
+        // A curve ends where its distance reaches rounding.
         let drawn: Vec<[f64; 2]> =
             perturbation.distances.iter().skip(1).take_while(|[_, distance]| *distance >= up[0]).copied().collect();
         chart.line(drawn.iter().copied(), Stroke { colour: colour(k), width: style::CURVE, dash });

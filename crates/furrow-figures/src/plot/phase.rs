@@ -15,7 +15,7 @@ use furrow_mechanics::equilibria::curves::Curve;
 
 const WIDTH: f64 = 940.0;
 const CHART: f64 = 588.0;
-/// Most values across and upwards that have their χ written in.
+/// Most columns and rows for which χ is written in the tiles.
 const WRITTEN: [usize; 2] = [13, 15];
 
 /// Draws a diagram.
@@ -36,7 +36,7 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
         Some((*columns.get(k / rows.len())?, *rows.get(k % rows.len())?, colour))
     }));
     for (curve, colour) in lines(edges) {
-        // A white rim is seen on any colour.
+        // A white rim is visible on any colour.
         for stroke in [Stroke::solid(WHITE, style::CURVE + 2.6), Stroke::solid(colour, style::CURVE)] {
             chart.line(curve.points.iter().map(|point| [point.value, point.xi_s]), stroke);
         }
@@ -69,7 +69,7 @@ fn lines(edges: &Edges) -> impl Iterator<Item = (&Curve, Colour)> {
     folds.chain(edges.pitchforks.iter().map(coloured(PITCHFORK))).chain(azimuthal)
 }
 
-/// Writes χ in its tile, where no line runs through it.
+/// Writes χ in its tile, clear of lines if possible.
 fn number(canvas: &mut Canvas, chi: f64, middle: [f64; 2], tile: [[f64; 2]; 2], busy: &[Vec<[f64; 2]>]) {
     let word = format!("{chi:.2}");
     let half = [0.5 * font::width(&word, text::TICK) + 4.0, 10.0];
@@ -77,7 +77,7 @@ fn number(canvas: &mut Canvas, chi: f64, middle: [f64; 2], tile: [[f64; 2]; 2], 
         let hit = |p: [f64; 2]| (0..2).all(|c| (p[c] - at[c]).abs() < half[c]);
         !busy.iter().any(|line| line.windows(2).any(|ends| near(ends, hit)) || line.first().is_some_and(|p| hit(*p)))
     };
-    // As far from the middle as leaves it in its tile.
+    // The greatest displacement that keeps the number in its tile.
     let reach = [0, 1].map(|c: usize| (0.5 * (tile[1][c] - tile[0][c]).abs() - half[c]).max(0.0));
     let places = STEPS.into_iter().map(|[x, y]| [middle[0] + x * reach[0], middle[1] + y * reach[1]]);
     let at = places.clone().find(free).unwrap_or(middle);
@@ -85,7 +85,7 @@ fn number(canvas: &mut Canvas, chi: f64, middle: [f64; 2], tile: [[f64; 2]; 2], 
     canvas.text_over([at[0], at[1] + 5.0], &word, text::TICK, Anchor::Middle, colours);
 }
 
-/// Where in its tile a number may stand, the best place first, as shares of the way from the middle to the edge.
+/// Positions of a number in its tile, the best first, as shares of the way from the middle to the edge.
 const STEPS: [[f64; 2]; 13] = [
     [0.0, 0.0],
     [0.0, -0.5],
@@ -102,14 +102,14 @@ const STEPS: [[f64; 2]; 13] = [
     [1.0, 1.0],
 ];
 
-/// Whether a line between two points comes where `hit` says.
+/// Whether the line between two points meets the region that `hit` describes.
 fn near(ends: &[[f64; 2]], hit: impl Fn([f64; 2]) -> bool) -> bool {
     let [a, b] = [ends[0], ends[1]];
     let pieces = (0.5 * (b[0] - a[0]).hypot(b[1] - a[1])).ceil().clamp(1.0, 2000.0) as usize;
     (0..=pieces).map(|k| k as f64 / pieces as f64).any(|s| hit([0, 1].map(|c: usize| a[c] + s * (b[c] - a[c]))))
 }
 
-/// Draws the edges at each value across of which no curve is known, and says where.
+/// Draws the edges of each column that belong to no known curve, and returns their positions.
 fn marks(chart: &mut Chart<'_>, diagram: &PhaseDiagram, edges: &Edges) -> Vec<[f64; 2]> {
     let mut drawn = Vec::new();
     for column in &diagram.columns {
@@ -118,7 +118,7 @@ fn marks(chart: &mut Chart<'_>, diagram: &PhaseDiagram, edges: &Edges) -> Vec<[f
                 Edge::Pitchfork { .. } => (&edges.pitchforks, Marker::Disc, PITCHFORK),
                 _ => (&edges.folds, Marker::Diamond, FOLD),
             };
-            // A curve shows the same at every value across.
+            // A known curve shows the edges of every column.
             if known.is_empty() && chart.holds([column.x, edge.xi_s()]) {
                 chart.point([column.x, edge.xi_s()], 5.0, marker, colour);
                 drawn.push(chart.at([column.x, edge.xi_s()]));
@@ -180,7 +180,7 @@ mod tests {
         };
         let place = |x: f64, y: f64| Some(format!("{x}\" y=\"{y}\""));
         assert_eq!(written(&[]), place(60.0, 45.0));
-        // A line across the middle, and then one just above it, too.
+        // A line across the middle, then a second one just above it.
         let across = |y: f64| vec![[0.0, y], [120.0, y]];
         assert_eq!(written(&[across(40.0)]), place(60.0, 30.0));
         assert_eq!(written(&[across(40.0), across(25.0)]), place(60.0, 60.0));

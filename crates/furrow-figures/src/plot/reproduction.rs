@@ -1,10 +1,10 @@
-//! The figures of the paper as furrow draws them: each by the picture of what it is.
+//! The figures of the paper, drawn with the pictures of the commands.
 
 use super::{branch, division, perturbation, phase, rounds, sweep};
 use crate::drawing::Canvas;
 use furrow_analysis::reproduce::{Artifact, NamedArtifact};
 
-/// Places of each mesh interval in the picture of a division.
+/// Places in each mesh interval for the picture of a division.
 const DENSE: usize = 6;
 
 /// Draws a panel.

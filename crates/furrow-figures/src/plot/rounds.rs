@@ -1,5 +1,5 @@
-//! Rounds of division of the founders, the model's beside the observed: of one tree, of several scenarios, or over sets of
-//! constants; below them how many cells there are in the end.
+//! Rounds of division of the founders, the model's beside the observed ones: for one tree, for several scenarios, or
+//! over sets of constants; below them the final numbers of cells.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
@@ -8,17 +8,17 @@ use crate::drawing::{Canvas, Stroke};
 use furrow_analysis::{LineageRanges, Range};
 use furrow_lineage::{Founder, Lineage, ObservedRounds, Tree, founder_rounds};
 
-/// Height of the chart of rounds, and of that of cells.
+/// Heights of the chart of rounds and the chart of cells.
 const CHARTS: [f64; 2] = [400.0, 260.0];
 
-/// Fewest, mean and most rounds and terminal cells of a founder, each with a range if it has one.
+/// Fewest, mean and most rounds and terminal cells of a founder, with ranges.
 type Bar = [Range; 4];
 
-/// What is set side by side for all founders.
+/// One of the sets drawn side by side for every founder.
 struct Set {
     name: String,
     colour: Colour,
-    /// By founder; none that was never born, or of which nothing was observed.
+    /// By founder; `None` for a founder that was never born or not observed.
     bars: Vec<Option<Bar>>,
 }
 
@@ -32,19 +32,19 @@ pub fn draw(tree: &Tree) -> Canvas {
     picture(&tree.lineage, vec![set])
 }
 
-/// Draws scenarios side by side: each under its name, beside what was observed of the first that has any of the founder.
+/// Draws scenarios side by side under their names, beside the observed counts of the first scenario's lineage.
 pub fn draw_scenarios(scenarios: &[(&str, &Tree)]) -> Option<Canvas> {
     let (_, first) = scenarios.first()?;
     let sets = scenarios.iter().enumerate().map(|(k, (name, tree))| Set {
         name: (*name).to_owned(),
-        // Black is what was observed.
+        // Black is reserved for observations.
         colour: style::series(k, scenarios.len(), &SERIES[1..]),
         bars: bars(tree, &first.lineage),
     });
     Some(picture(&first.lineage, sets.collect()))
 }
 
-/// Draws a lineage over sets of constants: medians with the ranges that hold 90 % of the weight.
+/// Draws a lineage over sets of constants: medians, and ranges with 90 % of the weight.
 pub fn draw_ranges(lineage: &Lineage, ranges: &LineageRanges) -> Canvas {
     let bar = |founder: &Founder| {
         let rounds = ranges.founders.iter().find(|other| other.name == founder.name)?.rounds?;
@@ -65,7 +65,7 @@ fn bars(tree: &Tree, order: &Lineage) -> Vec<Option<Bar>> {
     order.founders.iter().map(bar).collect()
 }
 
-/// The observed rounds; a mean alone also serves as fewest and most.
+/// The observed rounds; a mean without fewest and most replaces both.
 fn observed(of: &ObservedRounds) -> Option<Bar> {
     let (min, max) = (of.min.map(f64::from), of.max.map(f64::from));
     let mean = of.mean.or(min.zip(max).map(|(min, max)| 0.5 * (min + max))).or(min).or(max)?;
@@ -97,7 +97,7 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Canvas {
         let ends = [min.p50, max.p50];
         chart.error_bar(x, ends, 0.0, 5.0, Stroke::solid(colour, 3.0));
         chart.line(ends.map(|y| [x, y]), Stroke::solid(colour, 5.0));
-        // Ranges of the ends, beside the bar itself.
+        // Ranges of the ends and of the mean, beside the bar.
         for range in [min, mean, max] {
             whisker(&mut chart, x, range, colour);
         }
@@ -118,7 +118,7 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Canvas {
     canvas
 }
 
-/// Every bar with its position, at its founder, sets side by side, and its colour.
+/// Calls `draw` for every bar with its position, sets side by side at their founder, and its colour.
 fn each(sets: &[Set], mut draw: impl FnMut(f64, Colour, Bar)) {
     let count = sets.len() as f64;
     for (k, set) in sets.iter().enumerate() {

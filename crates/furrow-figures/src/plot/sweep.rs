@@ -13,24 +13,24 @@ use furrow_mechanics::division::Outcome;
 
 const WIDTH: f64 = 1000.0;
 const CHART: f64 = 548.0;
-/// Height of one of several panels, and how many panels a picture has at most.
+/// Height of one of several panels, and the largest number of panels in a picture.
 const PANEL: f64 = 360.0;
 const PANELS: usize = 12;
-/// Fewest values of an axis that count as dense, and of the second with which curves would be too many.
+/// Fewest values of a dense axis; a second axis with as many values is not drawn as curves.
 const DENSE: usize = 8;
-/// Most curves that a legend names.
+/// Most curves with an entry in the legend.
 const NAMED: usize = 12;
 
 /// Outcomes in the order of a sweep's columns of counts.
 const OUTCOMES: [Outcome; 3] = [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Arrested];
 
-/// A row as it is drawn.
+/// A row prepared for drawing.
 struct Point {
-    /// Places of the axes' values in their lists.
+    /// Index of each axis's value in its list.
     places: Vec<usize>,
     value: Option<f64>,
     sd: Option<f64>,
-    /// What most of its divisions did.
+    /// The outcome of most of its divisions.
     outcome: Option<Outcome>,
     undecided: bool,
 }
@@ -38,7 +38,7 @@ struct Point {
 /// Draws the rows of a sweep or of a shard.
 pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
     let mut points: Vec<Point> = rows.iter().map(|row| point(sweep, row)).collect();
-    // The converged scheme divides alike at all published steps: one of them shows it.
+    // The converged scheme has no fixed step, so that its results do not depend on dt: one of them is drawn.
     let first_step = |point: &Point| value_of(sweep, "dt", &point.places).is_none_or(|(place, _)| place == 0);
     points.retain(|point| !is_converged(sweep, &point.places) || first_step(point));
     let numeric: Vec<(usize, Vec<f64>)> =
@@ -48,7 +48,7 @@ pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
         [x, y] if sweep.kind == Kind::Division && sweep.axes.0.len() == 2 && dense(x.0) && dense(y.0) => {
             map_of_outcomes(sweep, &points, [x, y])
         }
-        // Curves run along an axis that has enough values for one, if there is any.
+        // Curves run along the first dense axis or, without one, along the first numeric axis.
         _ => curves(sweep, &points, numeric.iter().find(|(k, _)| dense(*k)).or(numeric.first())),
     }
 }
@@ -78,7 +78,7 @@ fn title(sweep: &Sweep, points: &[Point]) -> String {
     if parts.is_empty() { what.to_owned() } else { format!("{what}: {}", parts.join(", ")) }
 }
 
-/// A cue without the numbers that an axis varies, which are in the legend or along the axis.
+/// A cue without the numbers varied by an axis, which are shown in the legend or along the axis.
 fn unvaried(cue: &Cue, sweep: &Sweep) -> String {
     let number = |axis: &study::Axis| match axis.target {
         Target::CueNumber(parameter) => Some(parameter),
@@ -114,7 +114,7 @@ fn point(sweep: &Sweep, row: &Row) -> Point {
     Point { places: sweep.axes.places(row.index), value, sd, outcome, undecided: row.why.is_some() }
 }
 
-/// What the values are called.
+/// The label of the values.
 fn quantity(kind: Kind) -> &'static str {
     match kind {
         Kind::Division => style::CHI,
@@ -124,7 +124,7 @@ fn quantity(kind: Kind) -> &'static str {
     }
 }
 
-/// An axis by the name of its parameter.
+/// The label of an axis, from the name of its parameter.
 fn label(sweep: &Sweep, axis: usize) -> String {
     let Some(axis) = sweep.axes.0.get(axis) else { return "run".to_owned() };
     let none = Cue::none();
@@ -171,7 +171,7 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
                 by.panels.iter().all(|axis| point.places.get(*axis) == panel.points[0].places.get(*axis))
             };
             let here: Vec<&Point> = curve.points.iter().filter(is_here).copied().collect();
-            // Points without a value lie below the axis of χ, the points of each curve on a line of their own.
+            // Points without a value lie below the axis of χ, on a separate line for each curve.
             let baseline = up.range[0] * (k as f64 + 1.0) / (curves.len() as f64 + 1.0);
             let style = (curve.colour, curves.len() < 2, baseline);
             draw_curve(&mut chart, &here, &place, axis.is_some_and(|axis| axis.sampled), style);
@@ -180,7 +180,7 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
     canvas
 }
 
-/// The axis of what is computed. Points without χ lie in a strip below 0.
+/// The axis of the computed quantity. Points without χ lie in a strip below 0.
 fn upwards(sweep: &Sweep, points: &[Point], curves: usize) -> Axis {
     let division = sweep.kind == Kind::Division;
     let heights = points.iter().filter_map(|p| p.value.map(|v| (v, p.sd.unwrap_or(0.0))));
@@ -197,7 +197,7 @@ fn is_at_rest(point: &Point) -> bool {
     point.outcome == Some(Outcome::Arrested) && point.value.is_none()
 }
 
-/// Names the curves: all of them, or some from the first to the last where they are many and in order.
+/// The entries of the curves: all of them, or an even selection if there are many.
 fn legend(sweep: &Sweep, points: &[Point], curves: &[Group<'_>]) -> Legend {
     let alone = curves.len() < 2;
     let outcomes = sweep.kind == Kind::Division && alone;
@@ -215,7 +215,7 @@ fn legend(sweep: &Sweep, points: &[Point], curves: &[Group<'_>]) -> Legend {
         .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided")
 }
 
-/// Draws the points of one curve, joined where they have an order, in a colour or in the colours of their outcomes.
+/// Draws the points of one curve, joined if they are ordered, in a colour or in the colours of their outcomes.
 fn draw_curve(
     chart: &mut Chart<'_>,
     points: &[&Point],
@@ -226,7 +226,7 @@ fn draw_curve(
     if !sampled {
         let mut sorted = points.to_vec();
         sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
-        // Broken where there is nothing.
+        // Broken at points without a value.
         for piece in sorted.split(|point| point.value.is_none()) {
             let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
             chart.line(line, Stroke::solid(colour, style::CURVE));
@@ -238,7 +238,7 @@ fn draw_curve(
     }
 }
 
-/// A point of a curve, with its standard deviation; one without a value on a base line.
+/// A point of a curve with its standard deviation; a point without a value lies on a base line.
 fn dot(chart: &mut Chart<'_>, x: f64, point: &Point, colour: Colour, baseline: f64) {
     match point.value {
         Some(value) => {
@@ -253,21 +253,22 @@ fn dot(chart: &mut Chart<'_>, x: f64, point: &Point, colour: Colour, baseline: f
     }
 }
 
-/// The points of one curve, or of one panel.
+/// The points of one curve or of one panel.
 struct Group<'a> {
     name: String,
     colour: Colour,
     points: Vec<&'a Point>,
 }
 
-/// Which axes tell curves apart, and which panels: the axis with most values is for curves.
+/// The axes that distinguish curves and the axes that distinguish panels; the axis with most values distinguishes
+/// curves.
 struct Layout {
     curves: Vec<usize>,
     panels: Vec<usize>,
 }
 
 impl Layout {
-    /// The layout of curves over the axis `along` and those that are sampled with it.
+    /// The layout of curves along the axis `along` and the axes sampled with it.
     fn of(sweep: &Sweep, points: &[Point], along: usize) -> Layout {
         let axes = &sweep.axes.0;
         let sampled = axes.get(along).is_some_and(|axis| axis.sampled);
@@ -283,7 +284,7 @@ impl Layout {
     }
 }
 
-/// The points by the values of some axes; all together without an axis.
+/// The points grouped by the values of some axes; one group without an axis.
 fn grouped<'a>(sweep: &Sweep, points: &'a [Point], by: &[usize]) -> Vec<Group<'a>> {
     let mut found: Vec<(Vec<usize>, Vec<&Point>)> = Vec::new();
     for point in points {
@@ -294,7 +295,7 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], by: &[usize]) -> Vec<Group<'a
         }
     }
     let count = found.len();
-    // What has an order has colours in an order.
+    // Ordered values have ordered colours.
     let ordered = by.len() == 1 && numbers(sweep, by[0]).is_some();
     let colour = |k: usize| match (count, ordered || count > style::SERIES.len()) {
         (1, _) => style::INK,
@@ -309,19 +310,19 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], by: &[usize]) -> Vec<Group<'a
     found.into_iter().enumerate().map(group).collect()
 }
 
-/// The place and the value of a point on the axis of a parameter, if there is one.
+/// The index and the value of a point on the axis of a parameter, if there is such an axis.
 fn value_of<'a>(sweep: &'a Sweep, name: &'static str, places: &[usize]) -> Option<(usize, &'a AxisValue)> {
     let mut axes = sweep.axes.0.iter().zip(places);
     let (axis, place) = axes.find(|(axis, _)| axis.target == Target::Field(name))?;
     Some((*place, axis.values.get(*place)?))
 }
 
-/// Whether an axis says that a point is solved by the converged scheme, which has no fixed step.
+/// Whether an axis sets the converged scheme for the point; that scheme has no fixed step.
 fn is_converged(sweep: &Sweep, places: &[usize]) -> bool {
     value_of(sweep, "scheme", places).is_some_and(|(_, value)| value.text() == "converged")
 }
 
-/// The axes of several values of which the points have one: those of a part of a sweep.
+/// Axes with several values, but only one value among the points, as in a part of a sweep.
 fn held(sweep: &Sweep, points: &[Point]) -> Vec<usize> {
     let place = |point: &Point, axis: usize| point.places.get(axis).copied();
     let is_held = |axis: &usize| {
@@ -331,7 +332,7 @@ fn held(sweep: &Sweep, points: &[Point]) -> Vec<usize> {
     (0..sweep.axes.0.len()).filter(is_held).collect()
 }
 
-/// The values of some axes at a point, each with the axis's name unless it is a word.
+/// The values of some axes at a point, with the names of the axes except for text values.
 fn named(sweep: &Sweep, axes: &[usize], places: &[usize]) -> String {
     let no_step = is_converged(sweep, places);
     let one = |axis: &usize| {

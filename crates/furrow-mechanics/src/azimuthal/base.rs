@@ -1,4 +1,4 @@
-//! An axisymmetric shape at one place: all that the linearised equations take from it.
+//! An axisymmetric shape at one place, with the quantities that the linearised equations need.
 
 use num_dual::Dual64;
 
@@ -8,7 +8,7 @@ use crate::cortex::equations::{
     balances, carried,
 };
 
-/// The shape at one place; names are those of the equations.
+/// The shape at one place; the names follow the equations.
 #[derive(Clone, Debug)]
 pub struct Base {
     /// Length L of the contour.
@@ -45,7 +45,7 @@ pub struct Base {
     pub v_n: f64,
     /// Coefficients.
     pub here: LocalCoefficients<f64>,
-    /// 1 where ½C²∂_sκ is kept, else 0.
+    /// 1 if the term ½C²∂_sκ is kept, else 0.
     pub rigidity_gradient: f64,
     /// e_s·∇U of the shell's potential U.
     pub push_along: f64,
@@ -61,11 +61,11 @@ pub struct Base {
     pub turnover: f64,
     /// Its diffusion D.
     pub diffusion: f64,
-    /// 1 where flow dilutes it, else 0.
+    /// 1 if flow dilutes it, else 0.
     pub dilution: f64,
     /// The place u.
     u: f64,
-    /// How coefficients change with the place u, with L, with φ, and with ∂_uφ.
+    /// Derivatives of the coefficients by the place u, by L, by φ, and by ∂_uφ.
     by: [LocalCoefficients<f64>; 4],
 }
 
@@ -77,7 +77,7 @@ pub struct BaseConstants<'a> {
 }
 
 impl<'a> BaseConstants<'a> {
-    /// Those of a cell.
+    /// The constants of the cell of `cortex`.
     pub fn of(cortex: &'a Cortex) -> BaseConstants<'a> {
         BaseConstants {
             constants: cortex.constants(),
@@ -85,7 +85,7 @@ impl<'a> BaseConstants<'a> {
         }
     }
 
-    /// The shape at u in the state `y` with `scalars` (L, p), where the contour moves by `motion`.
+    /// The shape at u in the state `y` with `scalars` (L, p); the contour moves by `motion`.
     pub fn at(&self, u: f64, y: &[f64], scalars: &[f64], motion: BdfTerm) -> Base {
         let (c, length) = (self.constants, scalars[LENGTH]);
         let shape: [f64; COMPONENTS] = std::array::from_fn(|k| y[k]);
@@ -165,8 +165,8 @@ impl<'a> BaseConstants<'a> {
 }
 
 impl Base {
-    /// Changes of the coefficients where a place of the surface is further along its meridian by `arc`, the meridian is `longer`, and
-    /// (j, φ) of a regulator change by `carried`.
+    /// Changes of the coefficients if a point of the surface lies further along its meridian by `arc`, the meridian is
+    /// longer by `longer`, and (j, φ) of a regulator change by `carried`.
     pub fn varied(&self, arc: f64, longer: f64, [gradient, change]: [f64; 2]) -> LocalCoefficients<f64> {
         let by_u = (arc - self.u * longer) / self.length;
         let by_phi_u = gradient * self.length + self.j * longer;

@@ -1,12 +1,13 @@
-//! The balance of forces of a disturbance with azimuthal number m, to first order.
+//! The linearised force balance of a perturbation with azimuthal number m.
 //!
-//! Numbers in brackets are those of `docs/book/src/theory/azimuthal.md`, where they are derived.
+//! Numbers in brackets refer to `docs/book/src/theory/azimuthal.md`, which derives the equations.
 //!
-//! Every point of an axisymmetric shape is displaced along its normal by w cos mφ. The lines of the surface stay orthogonal, with
-//! lengths A = 1 + c1 w and B = r(1 + c2 w) by ds and dφ. What is even in φ goes with cos mφ, what is odd with sin mφ. The state is
-//! (M, a, w, β, Q, v1, τ, v2, χ): M that of the bending moment, a = ∫ c1 w ds that of the arclength of a meridian, β = w_s, Q the shear,
-//! (v1, v2) the tangential velocity, τ and χ the stresses T_ss and T_sφ; behind it (J, P), those of a regulator's gradient and of φ.
-//! With cot = cosψ/r, C = c1 + c2, u the fraction of a meridian's arclength, and δX of a coefficient X(u, L, φ):
+//! Every point of an axisymmetric shape is displaced along its normal by w cos mφ. The coordinate lines of the surface
+//! stay orthogonal, with lengths A = 1 + c1 w and B = r(1 + c2 w) by ds and dφ. Quantities even in φ vary as cos mφ,
+//! odd ones as sin mφ. The state is (M, a, w, β, Q, v1, τ, v2, χ): changes M of the bending moment and a = ∫ c1 w ds of
+//! the arclength of a meridian, β = w_s, the shear Q, the tangential velocity (v1, v2), and the stresses τ and χ, T_ss
+//! and T_sφ; with a regulator they are followed by (J, P), the changes of its gradient and of φ. With cot = cosψ/r, C =
+//! c1 + c2, u the fraction of a meridian's arclength, and δX the change of a coefficient X(u, L, φ):
 //!
 //! * \[A.1 curvatures\] K = (M − C δκ)/κ, k2 = m²w/r² − cot β − c2²w, k1 = K − k2, k12 = (m/r)(β − cot w)
 //! * \[A.2 shape\] w_s = β, β_s = −c1²w − k1, a_s = c1 w
@@ -53,10 +54,10 @@ pub const REGULATOR: usize = 10;
 pub const REGULATED: usize = 11;
 /// Among the scalar unknowns: change of the length of a meridian.
 pub const LENGTH: usize = 0;
-/// Among the scalar unknowns: change of the pressure, 0 but for m = 0.
+/// Among the scalar unknowns: change of the pressure, 0 unless m = 0.
 pub const PRESSURE: usize = 1;
 
-/// How the surface moves, which is all that growth adds to the equations.
+/// Motion of the surface, the only contribution of growth to the equations.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
     /// Normal velocity σw.
@@ -83,7 +84,7 @@ struct Stresses {
     shear_rate: f64,
 }
 
-/// d/du of a disturbance `x` at one place: linear in `x`, `scalars` and `motion` together.
+/// d/du of a perturbation `x` at one place: linear in `x`, `scalars` and `motion` together.
 pub fn rates<const N: usize>(b: &Base, m: f64, x: &[f64; N], scalars: [f64; 2], motion: Motion) -> [f64; N] {
     let carried = if N == REGULATED { [x[GRADIENT], x[REGULATOR]] } else { [0.0; 2] };
     let varied = b.varied(x[ARC], scalars[LENGTH], carried);
@@ -112,7 +113,7 @@ pub fn rates<const N: usize>(b: &Base, m: f64, x: &[f64; N], scalars: [f64; 2], 
         + b.here.friction * x[V1]
         + varied.friction * b.v
         - tangential_gradient(b, &varied, &k, scalars[LENGTH]);
-    // Nothing turns the cell about its axis: a rotation is left out for m = 0.
+    // No torque acts about the axis: rotation is left out for m = 0.
     if m != 0.0 {
         out[V2] = b.cot * x[V2] + per_r * (x[V1] - stretch * b.v) + s.shear_rate - 2.0 * k.k12 * b.v_n;
         let gradient = b.rigidity_gradient * 0.5 * b.mean * b.mean * varied.kappa + varied.tension;
@@ -132,13 +133,13 @@ pub fn rates<const N: usize>(b: &Base, m: f64, x: &[f64; N], scalars: [f64; 2], 
     out.map(|rate| rate * b.length)
 }
 
-/// The derivative along the meridian of the change of a gradient g = ∇Φ, of which `change` is (δg_s, δΦ), that leaves ΔΦ as it is; `base` is
-/// (g, g_s) of the shape, `line` δcot: A.7.
+/// The derivative along the meridian of the change of the meridional component g of ∇Φ if ΔΦ does not change, A.7:
+/// `change` is (δg, δΦ), `base` is (g, ∂_s g) of the shape, and `line` is δcot.
 fn spread(b: &Base, per_r: f64, change: [f64; 2], [w, line]: [f64; 2], base: [f64; 2]) -> f64 {
     -b.cot * change[0] - line * base[0] + b.c1 * w * base[1] + per_r * per_r * change[1]
 }
 
-/// Change of the normal force of passive tension and bending, γC + κC(2C1C2 − ½C²).
+/// Change of the normal force due to passive tension and bending, γC + κC(2C1C2 − ½C²).
 fn elastic(b: &Base, varied: &LocalCoefficients<f64>, k: &Curvatures) -> f64 {
     let (kappa, mean, gauss) = (b.here.kappa, b.mean, b.c1 * b.c2);
     let by_mean = b.here.tension + kappa * (2.0 * gauss - 1.5 * mean * mean);
@@ -151,7 +152,7 @@ fn elastic(b: &Base, varied: &LocalCoefficients<f64>, k: &Curvatures) -> f64 {
 
 /// Change of ½C²∂_sκ + ∂_sγ, with ∂_s by the arclength of the displaced meridian.
 fn tangential_gradient(b: &Base, varied: &LocalCoefficients<f64>, k: &Curvatures, longer: f64) -> f64 {
-    // κ_u/L by the length that the meridian has now.
+    // κ_u/L with the changed length of the meridian.
     let along = |by_u: f64, change: f64| (change - by_u * longer / b.length) / b.length;
     let kappa = along(b.here.kappa_u, varied.kappa_u);
     let rigidity = b.mean * k.mean * b.here.kappa_u / b.length + 0.5 * b.mean * b.mean * kappa;

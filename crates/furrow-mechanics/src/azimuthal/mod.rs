@@ -1,17 +1,19 @@
-//! Growth rates of disturbances that are not axisymmetric, w cos mφ, of an axisymmetric shape.
+//! Growth rates of non-axisymmetric perturbations w cos mφ of an axisymmetric shape.
 //!
-//! The pencil is that of [`stability`](crate::stability), and so is the way to its rightmost growth rates: a disturbance is described by
-//! its normal displacement w, everything else follows instantly, and one implicit step w ↦ P_s w has the eigenvalues s/(s − σ). For
-//! m = 0 the rates are those of [`Stability`](crate::stability::Stability), from other equations.
+//! The pencil and the computation of its rightmost eigenvalues are the same as in [`stability`](crate::stability): a
+//! perturbation is described by its normal displacement w, which determines all other quantities instantly, and one
+//! implicit step w ↦ P_s w has the eigenvalues s/(s − σ). For m = 0 the rates agree with
+//! [`Stability`](crate::stability::Stability), from different equations.
 //!
 //! | module | role |
 //! |---|---|
 //! | [`base`] | the shape at one place |
 //! | [`equations`] | the linearised balance of forces |
 //! | [`problem`] | the boundary-value problem |
-//! | [`mode`] | what a mode looks like |
+//! | [`mode`] | the displacements of a mode |
 //!
-//! Along branches and over parameters they are followed by [`equilibria`](crate::equilibria), which this module does not use.
+//! [`equilibria`](crate::equilibria) follows the growth rates along branches and over parameters; this module does not
+//! use it.
 
 pub mod base;
 pub mod equations;
@@ -30,16 +32,16 @@ use equations::{REGULATOR, W};
 use mode::Mode;
 use problem::Disturbance;
 
-/// How far from a rate the shift for its mode lies, relative to the rate and the cell's own pace.
+/// Distance of the shift from the growth rate in [`Azimuthal::mode`], relative to the rate and the cell's own rate.
 const MODE_DISTANCE: f64 = 1e-2;
-/// Most steps of the inverse iteration for a mode, which ends where it changes by no more than this.
+/// Most steps of the inverse iteration for a mode, and the change of the mode at which it ends.
 const MODE_STEPS: usize = 60;
 const MODE_SETTLED: f64 = 1e-12;
 
-/// Disturbances of one azimuthal number m about one shape.
+/// Perturbations of one azimuthal number about one shape.
 ///
 /// # Examples
-/// A small cell rests in a shape that is stable as long as it keeps its axis, but furrows from one side:
+/// A small cell rests in a shape that is stable to axisymmetric perturbations, but furrows from one side:
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics};
@@ -62,25 +64,26 @@ pub struct Azimuthal {
     problem: Disturbance,
     system: System,
     shifts: Shifts,
-    /// How disturbances change the amount of a conserved regulator; those that turn with φ do not.
+    /// Change of the amount of a conserved regulator; 0 for perturbations that vary with φ.
     amount: AmountOf,
-    /// The shape, the whole contour.
+    /// The shape on the whole contour.
     shape: Solution,
-    /// A disturbance that is zero, on the mesh of the shape.
+    /// A zero perturbation on the mesh of the shape.
     zero: Solution,
-    /// A solution before it is refined.
+    /// A solution before its refinement.
     found: Solution,
     right_hand_side: Residual,
     update: Direction,
-    /// h s times the response to w and to the change of a regulator, of every component at every collocation point.
+    /// h s times the response of every component to w and to the change of a regulator, at every collocation point.
     response: Vec<[f64; 2]>,
-    /// Quadrature weights of ∫ w² du; behind them those of the regulator, ∫ (R0 φ)² du.
+    /// Quadrature weights of ∫ w² du, followed by the weights of ∫ (R0 φ)² du for a regulator.
     weights: Vec<f64>,
     krylov: Krylov,
 }
 
 impl Azimuthal {
-    /// Those of the stationary state `y` of `cortex`, of which a half is completed. Continuation parameters are taken from `y`.
+    /// Perturbations of the stationary state `y` of `cortex`; a half contour is unfolded. Continuation parameters are
+    /// taken from `y`.
     pub fn new(cortex: &Cortex, y: &Solution, m: usize) -> Azimuthal {
         let (mut fixed, mut state) = freeze(cortex, y);
         let shifts = Shifts::of(&fixed, &state);
@@ -90,8 +93,8 @@ impl Azimuthal {
         Azimuthal::about(&fixed, &state, shifts, m)
     }
 
-    /// Those of the moving shape `y`, the whole contour, of a `cortex` that holds its motion: frozen at this instant, so that their
-    /// rates say how a disturbance begins to grow.
+    /// Perturbations of the moving shape `y` on the whole contour, with its motion in `cortex`, frozen at this instant:
+    /// their rates describe the initial growth of a perturbation.
     pub fn frozen(cortex: &Cortex, y: &Solution, m: usize) -> Azimuthal {
         Azimuthal::about(cortex, y, Shifts::of(cortex, y), m)
     }
@@ -146,12 +149,14 @@ impl Azimuthal {
         shifts.growth_rate(|shift, wanted| self.at_shift(shift, wanted))
     }
 
-    /// The mode of a growth rate that [`leading`](Self::leading) found, with |w| at most 1. Of a complex pair, one phase of it.
+    /// The mode of a growth rate from [`leading`](Self::leading), scaled to a largest |w| of 1. A complex pair is
+    /// returned at one of its phases.
     ///
     /// # Errors
-    /// A factorisation that fails.
+    /// A factorisation fails.
     pub fn mode(&mut self, rate: f64) -> Result<Mode> {
-        // So close to the rate that what it magnifies most is this mode, and not so close that nothing but rounding is left.
+        // Close enough to the rate that the step magnifies this mode most, and far enough that rounding does not
+        // dominate.
         let shift = rate + MODE_DISTANCE * (rate.abs() + self.shifts.scale());
         self.factorise(shift)?;
         let points = self.points();
@@ -159,7 +164,7 @@ impl Azimuthal {
         let (mut next, mut rate) = (mode.clone(), rate);
         for _ in 0..MODE_STEPS {
             self.apply(points, &mode, &mut next);
-            // μ = s/(s − σ) by which the step magnifies it.
+            // The step magnifies the mode by μ = s/(s − σ).
             let largest = largest(&next);
             let weighed = |other: &[f64]| -> f64 {
                 self.weights.iter().zip(&mode).zip(other).map(|((weight, a), b)| weight * a * b).sum()
@@ -218,8 +223,8 @@ impl Azimuthal {
         Ok(())
     }
 
-    /// Near the poles terms of 1/r² nearly cancel, for m = 1 above all, and elimination loses digits: what is left of the right-hand
-    /// side is solved for once more.
+    /// Near the poles terms in 1/r² nearly cancel, above all for m = 1, and elimination loses digits. Iterative
+    /// refinement: the remaining residual is solved for once more.
     fn refine(&mut self) {
         let Azimuthal { problem, system, right_hand_side, update, found, .. } = self;
         std::mem::swap(&mut found.nodes, &mut update.nodes);
@@ -264,7 +269,7 @@ impl Azimuthal {
     }
 }
 
-/// The value of largest modulus.
+/// The value with the largest modulus.
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0f64, |most, value| if value.abs() > most.abs() { *value } else { most })
 }
@@ -276,7 +281,8 @@ mod tests {
     use crate::equilibria::stationary;
     use furrow_cell::{Cell, Numerics};
 
-    /// Without turnover, flow dilutes a regulator as much as it gathers it, whatever the disturbance: its amount stays.
+    /// Without turnover, flow dilutes a regulator as much as it concentrates it, whatever the perturbation: the amount
+    /// is constant.
     #[test]
     fn a_step_changes_the_amount_of_a_regulator_by_its_turnover_alone() {
         let turnover = 2.0;
@@ -292,7 +298,7 @@ mod tests {
         let mut after = before.clone();
         disturbances.apply(points, &before, &mut after);
         let length = y.scalars[LENGTH];
-        // ∫ of δφ + c C w over the surface, and of δφ + φ C w, which turns over.
+        // ∫ of δφ + c C w over the surface, and of δφ + φ C w, on which turnover acts.
         let totals = |of: &[f64]| {
             (0..points).fold([0.0; 2], |[amount, excess], k| {
                 let (state, u) = (y.stage(k / y.m, k % y.m), y.stage_x(&disturbances.system.gauss, k / y.m, k % y.m));

@@ -1,4 +1,4 @@
-//! What a mode looks like.
+//! The displacements of a mode.
 
 use furrow_bvp::Solution;
 
@@ -6,7 +6,7 @@ use super::equations::W;
 use crate::cortex::equations::{PSI, R, REGULATED, Z};
 use crate::stability::Parity;
 
-/// One mode of a disturbance.
+/// One eigenmode.
 #[derive(Clone, Debug)]
 pub struct Mode {
     /// The azimuthal number.
@@ -15,11 +15,11 @@ pub struct Mode {
     pub rate: f64,
     /// The components of [`equations`](super::equations), with the changes of (L, p), on the mesh of the whole contour.
     pub disturbance: Solution,
-    /// The shape that is disturbed, the whole contour.
+    /// The unperturbed shape on the whole contour.
     pub shape: Solution,
 }
 
-/// A place of the shape, and how far the mode moves it.
+/// A place of the shape, and its displacement by the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displacement {
     /// (r, z).
@@ -30,12 +30,12 @@ pub struct Displacement {
     pub w: f64,
 }
 
-/// How much of a mode m = 1 is a motion of the whole cell, as shares of ∫ w² dA.
+/// Shares of a mode m = 1 that move the cell as a whole, in ∫ w² dA.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rigid {
-    /// A shift away from the shell's axis.
+    /// A translation away from the shell's axis.
     pub translation: f64,
-    /// A tilt of the cell's axis in the shell.
+    /// A rotation of the cell's axis in the shell.
     pub rotation: f64,
 }
 
@@ -53,7 +53,7 @@ impl Mode {
         (0..=count).map(|k| at(k as f64 / count as f64)).collect()
     }
 
-    /// ∫ a b dA of two functions of the state at a collocation point and of w there, up to a factor.
+    /// ∫ a b dA, up to a factor, where a and b are functions of the state at a collocation point and of w there.
     fn product(&self, a: impl Fn(&[f64], f64) -> f64, b: impl Fn(&[f64], f64) -> f64) -> f64 {
         let gauss = self.shape.gauss();
         let mut sum = 0.0;
@@ -67,7 +67,7 @@ impl Mode {
         sum
     }
 
-    /// Of a mode m = 1, how much of it moves the cell as a whole.
+    /// The rigid shares of a mode with m = 1; `None` for other m.
     pub fn rigid(&self) -> Option<Rigid> {
         let w = |_: &[f64], w: f64| w;
         let share = |motion: fn(&[f64], f64) -> f64| {
@@ -79,7 +79,7 @@ impl Mode {
         })
     }
 
-    /// Whether w is the same on both sides of the equator, or of opposite sign.
+    /// The parity of w under reflection at the equator.
     pub fn parity(&self) -> Parity {
         let points = self.meridian(200);
         let (mut same, mut size) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! The boundary-value problem of a disturbance, and one implicit step of its growth.
+//! The boundary-value problem of a perturbation, and one implicit step of its growth.
 
 use furrow_bvp::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, Kernels, PointJacobian, Solution,
@@ -11,21 +11,21 @@ use super::equations::{
 };
 use crate::cortex::Cortex;
 
-/// M and a, which come first, depend on the others alone; so does P, which comes last.
+/// M and a, which come first, depend on the other components only; so does P, which comes last.
 const QUADRATURES: usize = 2;
-/// Conditions at a pole; a regulator brings one more.
+/// Conditions at a pole; a regulator adds one.
 const CONDITIONS: usize = 5;
 /// Scalar unknowns: changes of L and p.
 const SCALARS: usize = 2;
 
-/// Disturbances of one azimuthal number about one shape, which change at a given rate.
+/// Perturbations of one azimuthal number about one shape, changing at a given rate.
 #[derive(Clone, Debug)]
 pub struct Disturbance {
     m: usize,
     components: usize,
     /// The rate s of an implicit step: the surface moves by s(w − w_past).
     pub rate: f64,
-    /// ∂(rates)/∂(state) of a surface that does not move, at every collocation point.
+    /// ∂(rates)/∂(state) of a surface at rest, at every collocation point.
     by_state: Vec<f64>,
     /// ∂(rates)/∂(L, p).
     by_scalars: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct Disturbance {
 }
 
 impl Disturbance {
-    /// Those of the whole contour `y` of a cortex, at rest or as it moves.
+    /// Perturbations of the whole contour `y` of a cortex, at rest or in motion.
     pub fn new(cortex: &Cortex, gauss: &Gauss, y: &Solution, m: usize) -> Disturbance {
         let components = if cortex.is_regulated() { REGULATED } else { COMPONENTS };
         let mut out = Disturbance {
@@ -79,17 +79,17 @@ impl Disturbance {
         }
     }
 
-    /// Components of a disturbance.
+    /// Number of components of a perturbation.
     pub fn components(&self) -> usize {
         self.components
     }
 
-    /// Components that vanish at a pole: those of which a solution of the equations there is not smooth.
+    /// Components that vanish at a pole; otherwise the solution would not be smooth there.
     fn conditions(&self) -> [&'static [usize]; 2] {
         match self.m {
             // Torsion is left out: its equations are zero.
             0 => [&[ARC, TILT, SHEAR, V1, V2, GRADIENT], &[ARC, TILT, SHEAR, V1, T12, GRADIENT]],
-            // The velocity of a translation does not vanish: v1 and v2 make it up together.
+            // In a translation the velocity does not vanish: v1 and v2 combine to it.
             1 => [&[ARC, W, MOMENT, V1, T11, REGULATOR]; 2],
             _ => [&[ARC, W, MOMENT, V1, V2, REGULATOR]; 2],
         }
@@ -113,7 +113,7 @@ impl Disturbance {
         }
     }
 
-    /// The derivatives by the state at a collocation point, of a surface that moves at the rate of the step.
+    /// The derivatives by the state at a collocation point, for a surface that moves at the rate of the step.
     fn moving(&self, index: usize, fy: &mut [f64]) {
         let n = self.components;
         fy.copy_from_slice(&self.by_state[index * n * n..(index + 1) * n * n]);
@@ -184,7 +184,7 @@ impl BoundaryValueProblem for Disturbance {
         self.put_conditions(true, y, p, out);
     }
 
-    /// The volume does not change for m = 0, the pressure does not for any other m.
+    /// For m = 0 the volume does not change; for other m the pressure does not.
     fn integral_offset(&self, _k: usize, p: &[f64], hp: &mut [f64]) -> f64 {
         if self.m == 0 {
             return 0.0;

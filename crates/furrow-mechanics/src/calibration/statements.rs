@@ -1,5 +1,5 @@
-//! What is known of thresholds beside their values: on which side the asymmetric branch lies, which fold is the higher, how
-//! a cell divides. Such a statement is true of a set of constants or it is not, and excludes those of which it is not.
+//! Qualitative statements about thresholds and divisions: the side of the asymmetric branch, the order of folds, the
+//! outcome of a division. A set of constants satisfies such a statement or is excluded by it.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -12,7 +12,7 @@ use furrow_cell::cue::Profile;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::InputError;
 
-/// The asymmetric branch is known to lie on one side of a pitchfork.
+/// A known side of the asymmetric branch at a pitchfork.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenCriticality {
@@ -20,22 +20,22 @@ pub struct GivenCriticality {
     pub r0: f64,
     /// Volume fraction ε.
     pub epsilon: f64,
-    /// On which side.
+    /// The side.
     pub kind: Criticality,
 }
 
-/// Which fold of a branch of asymmetric shapes lies at the larger ξ_s.
+/// The fold of a branch of asymmetric shapes with the larger ξ_s.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HigherFold {
-    /// That of the shorter shape.
+    /// The fold of the shorter shape.
     SmallH,
-    /// That of the longer shape.
+    /// The fold of the longer shape.
     LargeH,
 }
 
 impl HigherFold {
-    /// Which it is, by ξ_s of the fold of the shorter and of the longer shape.
+    /// The higher fold, from ξ_s at the fold of the shorter and of the longer shape.
     pub fn of([short, long]: [f64; 2]) -> HigherFold {
         if short > long { HigherFold::SmallH } else { HigherFold::LargeH }
     }
@@ -57,11 +57,11 @@ pub struct GivenFolds {
     pub r0: f64,
     /// Volume fraction ε.
     pub epsilon: f64,
-    /// Which is the higher.
+    /// The fold with the larger ξ_s.
     pub higher: HigherFold,
 }
 
-/// An activity that lies between the pitchfork and the turning point of the symmetric branch: where cells divide unequally.
+/// An activity between the pitchfork and the turning point of the symmetric branch, at which cells divide unequally.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenWindow {
@@ -73,7 +73,7 @@ pub struct GivenWindow {
     pub xi_s: f64,
 }
 
-/// Where a furrow is, seen from the middle of the cell, and a cue at u0.
+/// The place of a furrow relative to a cue at u0, as seen from the middle of the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FurrowPlace {
@@ -88,12 +88,12 @@ pub enum FurrowPlace {
 }
 
 impl FurrowPlace {
-    /// Largest distance in u of a furrow that is said to be at the cue.
+    /// Largest distance in u at which a furrow counts as at the cue.
     pub const AT: f64 = 0.005;
-    /// Least distance in u of a furrow that is said to be beside it.
+    /// Least distance in u at which a furrow counts as beside it.
     pub const BESIDE: f64 = 0.003;
 
-    /// Whether a furrow at `u` has this place beside a cue at `u0`.
+    /// Whether a furrow at `u` has this place relative to a cue at `u0`.
     pub fn holds(self, u: f64, u0: f64) -> bool {
         // Distances from the middle, on the side of the cue.
         let [furrow, cue] = [u, u0].map(|u| (0.5 - u) * (0.5 - u0).signum());
@@ -115,25 +115,25 @@ impl FurrowPlace {
     }
 }
 
-/// How a cell is known to divide.
+/// A known division.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenDivision {
     /// Cell radius R0.
     pub r0: f64,
-    /// Volume fraction ε; that of the run if not given.
+    /// Volume fraction ε; default: the value of the run.
     #[serde(default)]
     pub epsilon: Option<f64>,
-    /// Activity ξ_s; that of the run if not given.
+    /// Activity ξ_s; default: the value of the run.
     #[serde(default)]
     pub xi_s: Option<f64>,
-    /// Its cue; none if not given.
+    /// Its cue; default: no cue.
     #[serde(default = "Cue::none")]
     pub cue: Cue,
-    /// How it ends, if that is known.
+    /// Its outcome, if known.
     #[serde(default)]
     pub outcome: Option<Outcome>,
-    /// Where the furrow is beside the first term of the cue, if that is known.
+    /// The place of the furrow relative to the first term of the cue, if known.
     #[serde(default)]
     pub furrow: Option<FurrowPlace>,
 }
@@ -145,7 +145,7 @@ impl GivenDivision {
         Cell { r0: self.r0, epsilon, xi_s, cue: self.cue.clone(), ..constants.clone() }
     }
 
-    /// Where the cue is, in u.
+    /// The position of the cue in u.
     fn cue_place(&self) -> Option<f64> {
         match self.cue.terms().first()?.profile {
             Profile::Band { u0, .. } | Profile::Step { u0, .. } => Some(u0),
@@ -153,7 +153,7 @@ impl GivenDivision {
         }
     }
 
-    /// What a division contradicts of this, in words.
+    /// Describes the contradiction between the division and this statement, if there is one.
     pub fn contradiction(&self, division: &Division) -> Option<String> {
         let chi = division.chi().map_or(String::new(), |chi| format!(" (chi {chi:.3})"));
         if self.outcome.is_some_and(|outcome| outcome != division.outcome()) {
@@ -170,7 +170,7 @@ impl GivenDivision {
     /// Checks its numbers; `name` is its place in the file `source_name`.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// Names the field, its value and the allowed values.
     pub fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
         let numbers = [("r0", self.r0), ("epsilon", self.epsilon.unwrap_or(0.5)), ("xi_s", self.xi_s.unwrap_or(1.0))];
         check_numbers(source_name, name, &numbers)?;
@@ -200,11 +200,11 @@ impl Display for GivenDivision {
     }
 }
 
-/// What is known of a constant from elsewhere.
+/// Prior knowledge of a constant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prior {
-    /// Which.
+    /// The constant.
     pub parameter: Parameter,
     /// Its value, above 0.
     pub value: f64,
@@ -212,7 +212,7 @@ pub struct Prior {
     pub tolerance: f64,
 }
 
-/// The volume fraction up to which cells divide, with its tolerance.
+/// The critical volume fraction of division, with its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenEpsilon {
@@ -227,15 +227,15 @@ pub struct GivenEpsilon {
     pub tolerance: f64,
 }
 
-/// The relative tolerance of thresholds and critical volume fractions. The paper prints ε with two digits, and ±0.005 in ε moves
-/// its thresholds by 3 %: this is a third of that.
+/// The relative tolerance of thresholds and critical volume fractions. The paper prints ε with two digits, and ±0.005
+/// in ε moves its thresholds by 3 %: the default is a third of this.
 pub fn tolerance() -> f64 {
     0.01
 }
 
 impl Targets {
-    /// Number of statements that are true of a set of constants or are not; a critical volume fraction is one that is met within
-    /// its tolerance.
+    /// Number of statements that a set of constants satisfies or violates; a critical volume fraction counts as
+    /// satisfied within its tolerance.
     pub fn statements(&self) -> usize {
         let Targets { criticalities, folds, windows, divisions, critical_epsilons, .. } = self;
         criticalities.len() + folds.len() + windows.len() + divisions.len() + critical_epsilons.len()
@@ -269,7 +269,7 @@ impl Targets {
     }
 }
 
-/// Refuses numbers that no cell has; `name` is the statement's place in the file.
+/// Refuses numbers that are impossible for a cell; `name` is the statement's place in the file.
 pub(super) fn check_numbers(source_name: &str, name: &str, numbers: &[(&str, f64)]) -> Result<(), InputError> {
     for (field, value) in numbers {
         let (ok, allowed) = match *field {
@@ -289,7 +289,7 @@ mod tests {
 
     /// Short and beyond are seen from the middle of the cell, on the side of the cue.
     #[test]
-    fn places_are_seen_from_the_middle() {
+    fn places_are_measured_from_the_middle() {
         use FurrowPlace::{At, Beside, Beyond, Short};
         for (u, u0, holds) in [
             (0.45, 0.42, [Short, Beside].as_slice()),

@@ -1,5 +1,5 @@
-//! The amount of a regulator on the cortex, ∫ c dA. Flow and diffusion do not change it, so that without turnover it belongs to the
-//! cell, as its volume does: stationary states come in families of one state for each amount.
+//! The amount of a regulator on the cortex, ∫ c dA. Flow and diffusion conserve it, so that without turnover it is a
+//! property of the cell, like its volume: stationary states form families with one state for each amount.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{
@@ -9,9 +9,9 @@ use furrow_bvp::{
 use super::Cortex;
 use super::equations::{J, LENGTH, M, PHI, R, REGULATED};
 
-/// An amount is met to this part of it.
+/// Relative accuracy of the amount.
 const MET: f64 = 1e-12;
-/// Most linear conditions, each about the state that the one before led to.
+/// Most linear conditions, each about the state that the previous one gave.
 const MOST_CONDITIONS: usize = 8;
 
 /// ∫ r c du of a regulator: its amount over 2πL.
@@ -23,7 +23,7 @@ fn over_length(gauss: &Gauss, y: &Solution) -> f64 {
     y.stages.chunks_exact(REGULATED).enumerate().map(of).sum()
 }
 
-/// Gives a shape on a new mesh the amount of a regulator that it had on the old one.
+/// Restores the amount of a regulator after a shape has moved to a new mesh.
 pub fn keep(gauss: &Gauss, before: &Solution, after: &mut Solution) {
     let factor = over_length(gauss, before) / over_length(gauss, after);
     for state in after.nodes.chunks_exact_mut(REGULATED).chain(after.stages.chunks_exact_mut(REGULATED)) {
@@ -37,11 +37,11 @@ pub fn of(y: &Solution) -> f64 {
     if y.components == REGULATED { y.scalars[LENGTH] * over_length(&y.gauss(), y) } else { 0.0 }
 }
 
-/// Solves for the stationary state of a cell without free parameters, from and into `y`; one without turnover of its regulator has
-/// the amount `wanted` of it.
+/// Solves for the stationary state of a cell without free parameters, from and into `y`. If the regulator has no
+/// turnover, `wanted` is its amount.
 ///
 /// # Errors
-/// [`NewtonError`] if the iteration does not converge from there.
+/// [`NewtonError`] if the iteration does not converge.
 pub fn solve_at_rest(
     newton: &Newton,
     cortex: &mut Cortex,
@@ -78,7 +78,7 @@ pub fn solve_at_rest(
     Ok(total)
 }
 
-/// The condition that the amount of the state beside `y` is larger by `more`, linear and by the trapezoidal rule.
+/// The condition that the amount exceeds the amount of `y` by `more`, linearised and with the trapezoidal rule.
 fn change_of_amount(y: &Solution, more: f64) -> LinearCondition {
     let (length, last) = (y.scalars[LENGTH], y.intervals());
     let mut condition =
@@ -95,13 +95,14 @@ fn change_of_amount(y: &Solution, more: f64) -> LinearCondition {
     condition
 }
 
-/// How disturbances change the amount of a conserved regulator: its normal displacement w and the change of φ in a frame that moves
-/// along the normal, at every collocation point. Empty where it is not conserved.
+/// Change of the amount of a conserved regulator by a perturbation: factors of its normal displacement w and of the
+/// change of φ in a frame that moves along the normal, at every collocation point. Empty if the regulator is not
+/// conserved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AmountOf(Vec<[f64; 2]>);
 
 impl AmountOf {
-    /// Of disturbances of the shape `y`.
+    /// The factors for perturbations of the shape `y`.
     pub(crate) fn disturbances(cortex: &Cortex, y: &Solution, gauss: &Gauss) -> AmountOf {
         let points = if cortex.conserves_regulator() { y.intervals() * y.m } else { 0 };
         let at = |index: usize| {
@@ -114,8 +115,8 @@ impl AmountOf {
         AmountOf((0..points).map(at).collect())
     }
 
-    /// By how much φ must be lowered everywhere so that a disturbance (w, δφ) adds nothing to the amount. A change of the amount neither
-    /// grows nor decays: it belongs to another cell.
+    /// The uniform decrease of φ with which a perturbation (w, δφ) leaves the amount unchanged. A change of the amount
+    /// neither grows nor decays: it belongs to a different cell.
     pub(crate) fn excess(&self, disturbance: impl Iterator<Item = [f64; 2]>) -> f64 {
         let added: f64 = self.0.iter().zip(disturbance).map(|(by, [w, phi])| by[0] * w + by[1] * phi).sum();
         let area: f64 = self.0.iter().map(|by| by[1]).sum();

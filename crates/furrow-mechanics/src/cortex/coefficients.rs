@@ -1,4 +1,4 @@
-//! The coefficients of the equations at a place, and those at the collocation points of a sweep, kept for the next.
+//! The coefficients of the equations at a place, and a cache of their values at the collocation points of a sweep.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -54,7 +54,7 @@ impl<D> LocalCoefficients<D> {
 }
 
 impl LocalCoefficients<f64> {
-    /// Adds `factor` times others.
+    /// Adds `factor` times other coefficients.
     pub fn add(&mut self, factor: f64, other: &LocalCoefficients<f64>) {
         self.kappa += factor * other.kappa;
         self.kappa_u += factor * other.kappa_u;
@@ -70,8 +70,9 @@ impl LocalCoefficients<f64> {
 }
 
 impl<D: Number> LocalCoefficients<D> {
-    /// Adds what one term of a cue does, M.16, or the regulator: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the
-    /// coefficients without the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
+    /// Adds the effect of one term of a cue, M.16, or of the regulator: `f` is A f and `f_u` is A ∂f/∂u at the place,
+    /// `uniform` the coefficients without the cue. Fields enter the equations only here. Derivatives along the
+    /// contour matter only for κ and γ.
     pub(super) fn modulate(&mut self, field: Field, uniform: &LocalCoefficients<D>, f: D, f_u: D) {
         let [eta_b, eta_s] = [1.0, -1.0].map(|sign| (uniform.eta_sum + uniform.eta_difference * sign) * 0.5);
         match field {
@@ -106,30 +107,30 @@ impl<D: Number> LocalCoefficients<D> {
     }
 }
 
-/// Coefficients at places along the contour, without what a regulator adds.
+/// Coefficients at places along the contour, without the contribution of a regulator.
 ///
-/// A profile of the cue takes an exponential. Profiles change with the mesh, with numbers of the cue, and with the contour's
-/// length where a width is given in L_h; the coefficients also with every other parameter.
+/// Each profile of the cue costs an exponential. Profiles change with the mesh, with numbers of the cue, and, if a
+/// width is given in L_h, with the length of the contour; the coefficients change with every other parameter too.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CoefficientCache {
-    /// Whether profiles depend on the contour's length.
+    /// Whether profiles depend on the length of the contour.
     by_length: bool,
     x: Vec<f64>,
     length: f64,
     /// The cue's [`profiles`](Constants::profiles) at every place.
     profiles: Vec<[f64; 2]>,
-    /// Empty where they are to be computed anew.
+    /// Empty if they must be recomputed.
     local: Vec<LocalCoefficients<f64>>,
 }
 
 impl CoefficientCache {
-    /// Forgets all but the profiles; `by_length` says whether a width of the cue is given in L_h.
+    /// Discards everything except the profiles; `by_length` says whether a width of the cue is given in L_h.
     pub fn refresh(&mut self, by_length: bool) {
         self.by_length = by_length;
         self.local.clear();
     }
 
-    /// Computes what is not known at these places, on a contour of length `length`.
+    /// Computes the missing values at these places, on a contour of length `length`.
     pub fn prepare(&mut self, constants: &Constants<f64>, x: &[f64], length: f64) {
         let CoefficientCache { by_length, x: known, length: of_length, profiles, local } = self;
         if known != x || *by_length && *of_length != length {
@@ -145,15 +146,15 @@ impl CoefficientCache {
         }
     }
 
-    /// Which of the places these are, if the coefficients are known there.
+    /// The range of these places in the cache, if it holds their coefficients.
     fn known(&self, first: usize, x: &[f64], length: f64) -> Option<Range<usize>> {
         let range = first..first + x.len();
         let same = self.x.get(range.clone())? == x && (!self.by_length || self.length == length);
         (same && range.end <= self.local.len()).then_some(range)
     }
 
-    /// Coefficients and profiles at collocation points; no coefficients where they are the same everywhere, and no profiles where
-    /// those are not known.
+    /// Coefficients and profiles at collocation points. Coefficients are empty if they are uniform; profiles are empty
+    /// if they are not in the cache.
     pub fn at_points(
         &self,
         constants: &Constants<f64>,
@@ -170,7 +171,7 @@ impl CoefficientCache {
         (Cow::Borrowed(&self.local[range.clone()]), &self.profiles[range.start * each..range.end * each])
     }
 
-    /// Coefficients at one of them.
+    /// Coefficients at one collocation point.
     pub fn at(&self, constants: &Constants<f64>, point: CollocationPoint, length: f64) -> LocalCoefficients<f64> {
         let known = self.known(point.index, &[point.x], length);
         known.map_or_else(|| constants.at(point.x, length), |range| self.local[range.start])
@@ -196,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_what_would_be_computed() {
+    fn cached_coefficients_equal_recomputed_ones() {
         let cue = "kappa:u0=0.4,omega=0.6Lh,amplitude=0.1+regulator:step,u0=0.25,omega=0.1,amplitude=1,turnover=10,diffusion=1,xi_s=0.5";
         let mut cortex = Cortex::new(&Cell::new(2.0).with_cue(cue.parse().unwrap()), Domain::Full, &[]);
         let amplitude = Parameter::Cue { term: 0, quantity: Quantity::Amplitude };

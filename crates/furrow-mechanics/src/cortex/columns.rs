@@ -1,5 +1,5 @@
-//! ∂f/∂p of scalar unknowns that enter by the coefficients of the equations: of free parameters, and of the contour's length by
-//! the cue's widths.
+//! ∂f/∂p for scalar unknowns that enter through the coefficients of the equations: free parameters, and the length of
+//! the contour through the cue's widths.
 
 use furrow_bvp::{CollocationPoints, PointJacobian};
 use multiversion::multiversion;
@@ -12,20 +12,20 @@ use super::jacobian::{varied, varied_flux};
 use super::lanes::Each;
 use super::sweep::{GROUP, Group, Regulated, Shared, Sweep, Values};
 
-/// Which unknown, and how the coefficients change with it.
+/// A scalar unknown, and the derivatives of the coefficients by it.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'a> {
-    /// Its place among the scalar unknowns.
+    /// Its index among the scalar unknowns.
     pub scalar: usize,
-    /// The constants with their derivatives by it.
+    /// The constants with their derivatives by the unknown.
     pub constants: &'a Constants<Dual64>,
-    /// The contour's length, with its derivative as far as the cue's widths bring it in.
+    /// The length of the contour, with its derivative if the unknown is the length in the cue's widths.
     pub length: Dual64,
-    /// Whether the cue's profiles change with it.
+    /// Whether the cue's profiles depend on the unknown.
     pub paints: bool,
 }
 
-/// How the equations change with one unknown at the points of a group.
+/// Derivatives of the equations by one unknown at the points of a group.
 pub(super) struct Varied<'a> {
     column: Column<'a>,
     local: LocalCoefficients<Values>,
@@ -72,7 +72,7 @@ impl<'a> Varied<'a> {
         self.scatter(&column, [PSI, Q, V, T], sweep, from, out);
     }
 
-    /// [`add`](Self::add) of a cell with a regulator.
+    /// [`add`](Self::add) for a cell with a regulator.
     pub fn add_regulated(
         &mut self,
         group: &Regulated,
@@ -108,7 +108,7 @@ impl<'a> Varied<'a> {
     }
 }
 
-/// The column of a cell without a regulator.
+/// The column for a cell without a regulator.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn vary(group: &Group, by: &Varied<'_>, shared: &Shared, out: &mut [Values; COMPONENTS]) {
     let shell = [shared.shell.map(Each), by.shell.map(Each)];
@@ -122,7 +122,7 @@ fn vary(group: &Group, by: &Varied<'_>, shared: &Shared, out: &mut [Values; COMP
     }
 }
 
-/// The column of a cell with a regulator.
+/// The column for a cell with a regulator.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn vary_regulated(
     group: &Regulated,

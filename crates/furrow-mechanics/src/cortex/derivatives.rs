@@ -18,7 +18,7 @@ struct Lifted<D> {
 }
 
 impl<D: Number> Lifted<D> {
-    /// What is the same at all points of a cell without a cue.
+    /// The values common to all points of a cell without a cue.
     fn shared(&self) -> Shared<D> {
         Shared::of(&self.constants, self.length, self.pressure)
     }
@@ -132,7 +132,7 @@ mod tests {
     use furrow_bvp::{BoundaryValueProblem, PointJacobian};
     use furrow_cell::{Cell, Parameter};
 
-    /// Numbers around `middle`, without order.
+    /// Irregular numbers around `middle`.
     fn scattered(middle: f64, count: usize) -> Vec<f64> {
         (0..count).map(|k| middle + 0.3 * (1.7 * (k * k) as f64 + middle).sin()).collect()
     }
@@ -141,9 +141,9 @@ mod tests {
         rows.each_mut().map(|row| row.each_mut().map(|values| &mut values[..]))
     }
 
-    /// More points than a group has, and not a multiple of it.
+    /// More points than a group holds, and not a multiple of its size.
     #[test]
-    fn points_side_by_side_are_those_one_at_a_time() {
+    fn points_in_groups_give_the_same_as_single_points() {
         const POINTS: usize = 11;
         let cortex = Cortex::new(&Cell::new(2.0), Domain::Half, &[Parameter::XiS, Parameter::R0]);
         let (p, x) = ([6.0, 0.4, 25.0, 2.0], scattered(0.3, POINTS));

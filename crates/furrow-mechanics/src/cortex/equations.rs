@@ -1,13 +1,14 @@
 //! The force balance of the cortex, stated once for any number type.
 //!
-//! Numbers in brackets are those of the book (`docs/book`), here and wherever comments cite an equation.
+//! Numbers in brackets refer to the book (`docs/book`), here and wherever comments cite an equation.
 //!
 //! State on u ∈ [0, 1] (or the mirror-symmetric half [0, ½]): y = (r, z, m, ψ, q, v, T) with arclength s = L u; the first
 //! three are quadrature components, see [`Dimensions::quadratures`](furrow_bvp::Dimensions::quadratures). The eighth equation of
 //! the model, V′ = πr² sinψ \[M.11 volume\], is a quadrature and enters as the integral condition V(1) = 4πR0³/3. Scalar unknowns are
 //! (L, p) and any free parameters after them.
 //!
-//! With c2 = sinψ/r and C = c1 + c2 \[M.2 curvatures\], which m = κC \[M.3 bending\] gives as C = m/κ, c1 = C − c2, X_s = gξ_s and X_b = gξ_b, all coefficients those of the place u:
+//! With c2 = sinψ/r and C = c1 + c2 \[M.2 curvatures\], where m = κC \[M.3 bending\] gives C = m/κ and c1 = C − c2, with
+//! X_s = gξ_s and X_b = gξ_b, and all coefficients taken at u:
 //!
 //! * \[M.1 geometry\] r_s = cosψ, z_s = −sinψ, ψ_s = c1, m_s = q
 //! * \[M.4 strain rate\] S_φφ = (cosψ/r) v + c2 v_n, S_uu = (T − X_s(½C − c2) − X_b C − (η_b − η_s)S_φφ)/(η_b + η_s)
@@ -30,7 +31,7 @@
 //!
 //! * \[N.18 amount\] ∂_tφ + (v − w) j + (1 + φ)(S_uu + S_φφ) = ∂_t(r L c)/(r L) + (v − w) j + c [S_uu + (cosψ/r)(v − w) − E],
 //!
-//! whose last terms are the divergence of the flux r c (v − w), which vanishes at the poles.
+//! where the last terms are the divergence of the flux r c (v − w), which vanishes at the poles.
 
 use std::f64::consts::PI;
 
@@ -55,7 +56,7 @@ pub const V: usize = 5;
 pub const T: usize = 6;
 /// Number of components of a cell without a regulator.
 pub const COMPONENTS: usize = 7;
-/// Gradient j = ∂_sφ of the regulator, where there is one.
+/// Gradient j = ∂_sφ of the regulator, if there is one.
 pub const J: usize = 7;
 /// The regulator φ.
 pub const PHI: usize = 8;
@@ -66,22 +67,22 @@ pub const LENGTH: usize = 0;
 /// Index of p among the scalar unknowns.
 pub const PRESSURE: usize = 1;
 
-/// Which part of the contour is solved for.
+/// The part of the contour that is solved for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// u ∈ [0, 1], pole to pole.
     Full,
-    /// u ∈ [0, ½] of a mirror-symmetric shape; L and V are still those of the whole cell.
+    /// u ∈ [0, ½] of a mirror-symmetric shape; L and V still refer to the whole cell.
     Half,
 }
 
 impl Domain {
-    /// Right end of the mesh, and its part of the whole cell.
+    /// Right end of the mesh, which is also its share of the whole contour.
     pub fn end(self) -> f64 {
         if self == Domain::Full { 1.0 } else { 0.5 }
     }
 
-    /// The part that suffices for a cell: half of it if it is mirror-symmetric and its shape too.
+    /// The part that suffices for a cell: half of the contour for a mirror-symmetric cell and shape.
     pub fn of(cell: &Cell) -> Domain {
         if cell.is_mirror_symmetric() { Domain::Half } else { Domain::Full }
     }
@@ -100,7 +101,7 @@ pub struct BdfTerm<D = f64> {
     pub carried_past: Carried<D>,
 }
 
-/// What the past of a regulator is combined from.
+/// The quantities that define the past of a regulator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Carried<D = f64> {
     /// r L (1 + φ), or φ of a label of the material.
@@ -112,14 +113,14 @@ pub struct Carried<D = f64> {
 }
 
 impl Carried {
-    /// That of a state on a contour of length `length`.
+    /// The past of a state on a contour of length `length`.
     pub fn of(y: &[f64], length: f64, diluted: bool) -> Carried {
         let (sin, cos) = sin_cos(y[PSI]);
         let amount = if diluted { y[R] * length * (1.0 + y[PHI]) } else { y[PHI] };
         Carried { amount, r_u: length * cos, z_u: -(length * sin) }
     }
 
-    /// Its parts, to be combined.
+    /// Its parts, for linear combinations.
     pub fn parts(self) -> [f64; 3] {
         [self.amount, self.r_u, self.z_u]
     }
@@ -149,7 +150,7 @@ impl<D> BdfTerm<D> {
     }
 }
 
-/// The shell: coefficients that are the same all along the contour.
+/// The shell: coefficients that are uniform along the contour.
 #[derive(Clone, Copy, Debug)]
 pub struct ShellCoefficients<D> {
     /// 1/a² of the shell.
@@ -160,7 +161,7 @@ pub struct ShellCoefficients<D> {
     pub shell_force: D,
     /// 1/w².
     pub inverse_w2: D,
-    /// Whether ½C²∂_sκ is kept.
+    /// Whether the term ½C²∂_sκ is kept.
     pub rigidity_gradient: bool,
 }
 
@@ -181,20 +182,21 @@ impl<D> ShellCoefficients<D> {
 /// The constants of one cell, ready for evaluation; generic so that their derivatives can be carried along.
 #[derive(Clone, Debug)]
 pub struct Constants<D> {
-    /// Coefficients where the cue does nothing.
+    /// Coefficients without the cue.
     pub uniform: LocalCoefficients<D>,
     /// The cue's terms.
     pub cue: Vec<Term<D>>,
-    /// What the flow carries.
+    /// The regulator that the flow carries.
     pub regulator: Option<Regulator<D>>,
-    /// The shell, and what is kept of the equations.
+    /// The shell, and the choice of terms in the equations.
     pub shell: ShellCoefficients<D>,
     /// Volume of the whole cell, 4πR0³/3.
     pub volume: D,
 }
 
 impl<D: Number> Constants<D> {
-    /// Constants of a cell, the half-axes of its shell by M.10; `vary` may replace any named parameter by a number that carries derivatives.
+    /// Constants of a cell, with the half axes of its shell by M.10; `vary` may replace any named parameter by a number
+    /// that carries derivatives.
     pub fn new(cell: &Cell, vary: impl Fn(Parameter, f64) -> D) -> Constants<D> {
         let Cell { material, shell, .. } = cell;
         let (r0, epsilon) = (vary(Parameter::R0, cell.r0), vary(Parameter::Epsilon, cell.epsilon));
@@ -238,19 +240,19 @@ impl<D: Number> Constants<D> {
         kappa.fold(D::from(0.0), |sum, term| sum + self.uniform.kappa * term.at(u, length)[2])
     }
 
-    /// What makes the regulator at a place.
+    /// The source of the regulator.
     pub fn source(&self) -> Option<Source<D>> {
         self.regulator.as_ref()?.source
     }
 
-    /// A f and A ∂f/∂u of the cue's terms at u on a contour of length `length`; behind them those of the regulator's source.
+    /// A f and A ∂f/∂u for the cue's terms at u on a contour of length `length`, followed by the regulator's source.
     #[inline]
     pub fn profiles(&self, u: f64, length: D) -> impl Iterator<Item = [D; 2]> {
         let source = self.source().map(|source| source.profile.at(u, length).map(|f| f * source.amplitude));
         self.cue.iter().map(move |term| term.at(u, length)).chain(source).map(|[f, f_u, _]| [f, f_u])
     }
 
-    /// The coefficients at a place of such [`profiles`](Self::profiles).
+    /// The coefficients at a place with these [`profiles`](Self::profiles).
     #[inline]
     pub fn painted(&self, profiles: impl Iterator<Item = [D; 2]>) -> LocalCoefficients<D> {
         let mut local = self.uniform;
@@ -267,12 +269,12 @@ impl<D: Number> Constants<D> {
         self.painted(self.profiles(u, length))
     }
 
-    /// Whether the coefficients differ from place to place.
+    /// Whether the coefficients vary along the contour.
     pub fn vary(&self) -> bool {
         !self.cue.is_empty() || self.source().is_some()
     }
 
-    /// The coefficients at a place with what the regulator adds there, M.27: `phi` is φ and `phi_u` is L j.
+    /// The coefficients at a place with the contribution of the regulator, M.27: `phi` is φ and `phi_u` is L j.
     pub fn regulated(&self, mut here: LocalCoefficients<D>, phi: D, phi_u: D) -> LocalCoefficients<D> {
         for coupling in self.regulator.iter().flat_map(|regulator| &regulator.couplings) {
             let [h, slope, _] = coupling.at(phi);
@@ -281,7 +283,7 @@ impl<D: Number> Constants<D> {
         here
     }
 
-    /// The coefficients at u of the state `y` there, the regulator's say included.
+    /// The coefficients at u in the state `y`, including the contribution of the regulator.
     #[inline]
     pub fn of_state(&self, u: f64, y: &[D], length: D) -> LocalCoefficients<D> {
         let here = self.at(u, length);
@@ -290,7 +292,7 @@ impl<D: Number> Constants<D> {
 }
 
 impl Constants<f64> {
-    /// Derivatives by u of the coefficients [`at`](Self::at) a place.
+    /// Derivatives by u of the coefficients [`at`](Self::at) u.
     pub fn slope(&self, u: f64, length: f64) -> LocalCoefficients<f64> {
         let mut slope = self.uniform.map(|_| 0.0);
         for term in &self.cue {
@@ -320,19 +322,19 @@ impl Constants<f64> {
     }
 }
 
-/// How the regulator moves: its constants.
+/// The transport constants of the regulator.
 #[derive(Clone, Copy, Debug)]
 pub struct Transport<D> {
     /// Turnover k.
     pub turnover: D,
     /// 1/D.
     pub inverse_diffusion: D,
-    /// 1 where flow dilutes it, 0 for a label of the material.
+    /// 1 if flow dilutes it, 0 for a label of the material.
     pub dilution: D,
 }
 
 impl<D: Number> Transport<D> {
-    /// Those of a regulator.
+    /// The constants of a regulator.
     pub fn of(regulator: &Regulator<D>) -> Transport<D> {
         Transport {
             turnover: regulator.turnover,
@@ -354,8 +356,8 @@ impl<D> Transport<D> {
     }
 }
 
-/// Right-hand side d/du of the equations and the integrand of the volume, for any number type: of seven components, or of nine with a
-/// regulator.
+/// Right-hand side d/du of the equations and the integrand of the volume, for any number type: seven components, or
+/// nine with a regulator.
 ///
 /// `noise` multiplies the activity.
 pub fn equations<D: Number, const N: usize>(
@@ -381,7 +383,7 @@ pub fn equations<D: Number, const N: usize>(
     (out, volume)
 }
 
-/// What the balances of forces share at one place; names are those of [`balances`].
+/// Quantities at one place that several balances share; the names follow [`balances`].
 #[derive(Clone, Copy, Debug)]
 pub struct Place<D> {
     /// sinψ.
@@ -413,11 +415,11 @@ pub struct Balance<D> {
     pub f: [D; COMPONENTS],
     /// Integrand of the volume.
     pub volume: D,
-    /// What they share.
+    /// Shared quantities.
     pub place: Place<D>,
 }
 
-/// j_s of M.26: how the regulator `[j, φ]` is carried along by a moving shape.
+/// j_s of M.26: transport of the regulator `[j, φ]` on a moving shape.
 #[inline(always)]
 pub fn carried<D: Arithmetic>(
     c: &Transport<D>,
@@ -438,8 +440,8 @@ pub fn carried<D: Arithmetic>(
     (changed + spread + c.turnover * (phi - source)) * c.inverse_diffusion - at.cot * j
 }
 
-/// [`equations`] of the shape with the coefficients of the place at hand. This is the readable statement;
-/// [`linearised`](super::jacobian::linearised) is the same with hand-written derivatives, and a test holds the two together.
+/// [`equations`] of the shape with given coefficients. This is the readable statement;
+/// [`linearised`](super::jacobian::linearised) repeats it with hand-written derivatives, and a test compares the two.
 #[inline(always)]
 pub fn balances<D: Arithmetic>(
     c: &ShellCoefficients<D>,
@@ -486,7 +488,7 @@ pub fn balances<D: Arithmetic>(
     }
 }
 
-/// Multiplies the activity in the first step \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).
+/// The factor of the noise on the activity \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).
 pub fn noise_factor(coefficients: &[f64; 10], u: f64) -> f64 {
     1.0 + coefficients.iter().enumerate().map(|(k, r)| r * ((k + 1) as f64 * PI * u).cos()).sum::<f64>()
 }

@@ -1,19 +1,19 @@
-//! Everything that acts at a place of the contour: curvatures, tensions, velocities, and the normal forces that balance there
-//! (Figs 1B–D and S2 of the paper).
+//! Curvatures, tensions, velocities and the balance of normal forces at a place of the contour (Figs 1B–D and S2 of the
+//! paper).
 //!
-//! The normal balance of the model, ∂_s q + (cosψ/r) q − c1 (t_uu + T_uu) − c2 (t_φφ + T_φφ) + p + f_c = 0, is split by what
-//! each term comes from (M.12); outwards is positive:
+//! The normal balance of the model, ∂_s q + (cosψ/r) q − c1 (t_uu + T_uu) − c2 (t_φφ + T_φφ) + p + f_c = 0, is split by
+//! the origin of its terms (M.12); outwards is positive:
 //!
 //! | part | |
 //! |---|---|
 //! | active | −(c1 Tᵃ_uu + c2 Tᵃ_φφ), Tᵃ_uu = ½X_s(c1 − c2) + X_b C, Tᵃ_φφ = −½X_s(c1 − c2) + X_b C |
-//! | viscous | −(c1 Tᵈ_uu + c2 Tᵈ_φφ) with what is left of T, η_b(S_uu + S_φφ) ± η_s(S_uu − S_φφ) |
+//! | viscous | −(c1 Tᵈ_uu + c2 Tᵈ_φφ) with the remainder of T, η_b(S_uu + S_φφ) ± η_s(S_uu − S_φφ) |
 //! | elastic | ∂_s q + (cosψ/r) q − γC + ½κ(c1 − c2)²C: bending, and passive tension |
 //! | pressure | p |
 //! | shell | f_c |
 //!
-//! At collocation points the parts sum to zero as exactly as the shape was solved for; between them as exactly as the collocation
-//! polynomial resolves the shape.
+//! At collocation points the parts sum to zero with the accuracy of the solution; between them, with the accuracy of
+//! the collocation polynomial.
 
 use furrow_bvp::{Gauss, Solution};
 
@@ -21,21 +21,21 @@ use super::Cortex;
 use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, Z};
 use furrow_cell::cue::Field;
 
-/// Closer to the axis than this, relative to R0, cosψ/r and sinψ/r are taken at their limits on the axis.
+/// Closer to the axis than this, relative to R0, cosψ/r and sinψ/r are replaced by their limits.
 const ON_AXIS: f64 = 1e-9;
 
-/// The normal forces at a place, by what they come from; outwards is positive, in κ0/L_h³.
+/// The normal forces at a place by their origin; outwards is positive, in κ0/L_h³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NormalForces {
-    /// Of active tension.
+    /// Due to active tension.
     pub active: f64,
-    /// Of viscous tension.
+    /// Due to viscous tension.
     pub viscous: f64,
-    /// Of bending and passive tension.
+    /// Due to bending and passive tension.
     pub elastic: f64,
     /// Pressure p.
     pub pressure: f64,
-    /// Of the shell.
+    /// Due to the shell.
     pub shell: f64,
 }
 
@@ -45,13 +45,13 @@ impl NormalForces {
         [self.active, self.viscous, self.elastic, self.pressure, self.shell]
     }
 
-    /// What is left of the balance: 0 of an exact solution.
+    /// The sum of all parts: 0 for an exact solution.
     pub fn residual(&self) -> f64 {
         self.parts().iter().sum()
     }
 }
 
-/// What is known at one place of the contour. Lengths in L_h, tensions in κ0/L_h², velocities in L_h/τ.
+/// The state of one place of the contour. Lengths in L_h, tensions in κ0/L_h², velocities in L_h/τ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
     /// Arclength fraction u.
@@ -74,20 +74,22 @@ pub struct Place {
     pub v: f64,
     /// Normal velocity v_n, outwards.
     pub v_n: f64,
-    /// ∂_t r and ∂_t z at fixed u: how the contour moves in its own coordinate, which is not how the cortex flows.
+    /// ∂_t r and ∂_t z at fixed u: the motion of the contour in its own coordinate, which differs from the flow of the
+    /// cortex.
     pub moving: [f64; 2],
     /// Tangential active force density ∂_s Tᵃ_uu + (cosψ/r)(Tᵃ_uu − Tᵃ_φφ), towards larger u, in κ0/L_h³; its normal
     /// component is `normal.active`.
     pub active_tangential: f64,
     /// The normal forces.
     pub normal: NormalForces,
-    /// The regulator φ, where the cell has one.
+    /// The regulator φ, if the cell has one.
     pub phi: Option<f64>,
 }
 
 impl Place {
-    /// What is known part of the way from this place to another of the same u, at times `dt` apart. The contour follows the
-    /// cubic with the rates at both ends, all else a straight line: normal forces that balance at both ends do so between.
+    /// The state between this place and another at the same u, a time `dt` later, at `share` of the way. The contour
+    /// follows the cubic with the rates at both ends, all other quantities a straight line: normal forces that balance
+    /// at both ends also balance in between.
     pub fn between(&self, later: &Place, share: f64, dt: f64) -> Place {
         let line = |a: f64, b: f64| a + share * (b - a);
         let (left, right) = (share * (1.0 - share) * (1.0 - share) * dt, share * share * (share - 1.0) * dt);
@@ -121,7 +123,7 @@ impl Place {
     }
 }
 
-/// The shape and its rate of change at one place, before anything is derived from them.
+/// The shape and its rate of change at one place.
 struct State {
     u: f64,
     y: [f64; REGULATED],
@@ -133,18 +135,18 @@ struct State {
     noise: f64,
 }
 
-/// What acts at u on a shape `y` of `cortex`, which must hold the motion that the shape was solved with: its rate and past at
-/// the collocation points of the mesh of `y`.
+/// The state at u of a shape `y` of `cortex`. The cortex must hold the motion that the shape was solved with: its rate,
+/// and the past at the collocation points of the mesh of `y`.
 pub fn at(cortex: &Cortex, gauss: &Gauss, y: &Solution, u: f64) -> Place {
     let i = y.interval_of(u);
     let theta = (u - y.mesh[i]) / (y.mesh[i + 1] - y.mesh[i]);
     place(cortex, y, &between(cortex, gauss, y, i, theta))
 }
 
-/// What acts at the collocation points and at the two ends of the mesh, where the equations themselves were solved.
+/// The states at the collocation points, where the equations were solved, and at the two ends of the mesh.
 ///
 /// # Examples
-/// The normal forces on a cell at rest add up to nothing:
+/// The normal forces on a cell at rest sum to zero:
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics};
@@ -162,21 +164,21 @@ pub fn profile(cortex: &Cortex, gauss: &Gauss, y: &Solution) -> Vec<Place> {
     along(cortex, gauss, y, &gauss.c)
 }
 
-/// What acts at `count` evenly spaced places of each mesh interval, and at the two ends of the mesh: for pictures, where the
-/// collocation points are too far apart.
+/// The states at `count` evenly spaced places of each mesh interval, and at the two ends of the mesh: for pictures,
+/// where the collocation points are too far apart.
 pub fn dense_profile(cortex: &Cortex, gauss: &Gauss, y: &Solution, count: usize) -> Vec<Place> {
     let thetas: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
     along(cortex, gauss, y, &thetas)
 }
 
-/// What acts at the same places θ of each mesh interval, and at the two ends of the mesh.
+/// The states at the same places θ of each mesh interval, and at the two ends of the mesh.
 fn along(cortex: &Cortex, gauss: &Gauss, y: &Solution, thetas: &[f64]) -> Vec<Place> {
     let inside = (0..y.intervals()).flat_map(|i| thetas.iter().map(move |theta| (i, *theta)));
     let all = [(0, 0.0)].into_iter().chain(inside).chain([(y.intervals() - 1, 1.0)]);
     all.map(|(i, theta)| place(cortex, y, &between(cortex, gauss, y, i, theta))).collect()
 }
 
-/// The polynomials of interval i at θ: of the shape, and of its rate of change, which is known at the Gauss points.
+/// The shape and its rate of change at θ in interval i, by their polynomials; the rate is known at the Gauss points.
 fn between(cortex: &Cortex, gauss: &Gauss, y: &Solution, i: usize, theta: f64) -> State {
     let mut state = State {
         u: y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]),
@@ -207,7 +209,7 @@ fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
     let (sin, cos) = y[PSI].sin_cos();
     let mean = y[M] / here.kappa;
     let on_axis = y[R].abs() < ON_AXIS * cortex.cell.r0;
-    // What goes with cosψ/r vanishes on the axis, and its quotient there is its derivative.
+    // Quantities multiplied by cosψ/r vanish on the axis, where the quotient equals their derivative.
     let by_r = |value: f64, value_u: f64| if on_axis { value_u / length } else { cos / y[R] * value };
     let c_pp = if on_axis { 0.5 * mean } else { sin / y[R] };
     let c_uu = mean - c_pp;
@@ -254,7 +256,7 @@ fn shell(cortex: &Cortex, y: &[f64]) -> f64 {
     -(c.shell.shell_force * inside * (y[R] * sin * b + y[Z] * cos * a))
 }
 
-/// ∂_s Tᵃ_uu + (cosψ/r)(Tᵃ_uu − Tᵃ_φφ) off the axis. Noise, which lasts for the first step alone, counts as uniform.
+/// ∂_s Tᵃ_uu + (cosψ/r)(Tᵃ_uu − Tᵃ_φφ) off the axis. The slope of the noise is neglected.
 fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
     let State { u, y, noise, .. } = state;
     let (length, constants) = (shape.scalars[LENGTH], cortex.constants());
@@ -263,7 +265,7 @@ fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
     let mean = y[M] / here.kappa;
     let (c_pp, cot) = (sin / y[R], cos / y[R]);
     let c_uu = mean - c_pp;
-    // Along the arclength: of κC = m with m′ = q, and of sinψ/r.
+    // Derivatives by arclength of κC = m, with m′ = q, and of sinψ/r.
     let mean_s = (y[Q] - mean * here.kappa_u / length) / here.kappa;
     let c_pp_s = cot * (c_uu - c_pp);
     let (mut x_s_u, mut x_b_u) = (0.0, 0.0);
@@ -314,8 +316,8 @@ mod tests {
         Cell::gao2026_thresholds(4.0).with_cue(cue.parse().unwrap())
     }
 
-    /// A shape is solved for to a few 1e-7 of itself, and so its velocities, which are differences of shapes, to that times the
-    /// rate of the step; forces are sums of several terms of either.
+    /// A shape is solved to a few 1e-7 of its size, and its velocities, which are differences of shapes, to the same
+    /// times the rate of the step; forces are sums of several terms of both kinds.
     #[test]
     fn normal_forces_sum_to_zero_at_every_collocation_point_of_a_division() {
         for cell in [Cell::gao2026_thresholds(2.0), cued()] {
@@ -334,7 +336,7 @@ mod tests {
     fn normal_forces_balance_between_collocation_points_to_the_accuracy_of_the_mesh() {
         let mut checked = 0;
         observe(cued(), &mut |frame| {
-            // A narrow neck closes faster than the walls beside it, where little acts, are resolved.
+            // A narrow neck closes faster than the mesh resolves the walls beside it, where forces are small.
             if frame.neck.is_some_and(|neck| neck.radius < 0.2 * frame.cortex.cell.r0) {
                 return;
             }
@@ -348,7 +350,7 @@ mod tests {
         assert!(checked > 5000, "{checked}");
     }
 
-    /// The shell and friction are all that acts on the cell from outside: their axial forces cancel.
+    /// The shell and friction are the only external forces on the cell: their axial components cancel.
     #[test]
     fn forces_from_outside_cancel_along_the_axis() {
         observe(cued(), &mut |frame| {
@@ -398,7 +400,7 @@ mod tests {
             }
         });
         assert!(first.iter().all(|place| place.normal.active == 0.0 && place.normal.viscous.abs() < 1e-9));
-        // What is left is bending, which the pressure and the shell hold.
+        // The remaining forces are bending, pressure and the shell.
         assert!(first.iter().all(|place| place.normal.residual().abs() < 1e-3), "{first:?}");
         assert!(first.iter().any(|place| place.normal.shell < -0.01) && first[0].normal.pressure != 0.0, "{first:?}");
     }

@@ -1,7 +1,7 @@
 //! The equations with hand-written derivatives, for the collocation sweep of Newton's method.
 //!
-//! Each line repeats one of [`balances`] and differentiates it by what it depends on; `crates/furrow-verification`
-//! holds the two together for every field and profile of a cue.
+//! Each line repeats a line of [`balances`] with its derivatives; tests in `crates/furrow-verification` compare the two
+//! for every field and profile of a cue.
 
 use std::f64::consts::PI;
 
@@ -11,12 +11,12 @@ use super::equations::{
 };
 use super::lanes::Arithmetic;
 
-/// The equations at one place and their derivatives. Those not named here are zero.
+/// The equations at one place and their derivatives. Derivatives without a field here are zero.
 #[derive(Clone, Copy, Debug)]
 pub struct Linearised<D> {
     /// Right-hand sides f.
     pub f: [D; COMPONENTS],
-    /// ∂f/∂L but for what widths in L_h add.
+    /// ∂f/∂L, without the contribution of widths in L_h.
     pub by_length: [D; COMPONENTS],
     /// ∂(r′, z′)/∂ψ.
     pub geometry: [D; 2],
@@ -32,14 +32,14 @@ pub struct Linearised<D> {
     pub volume: [D; 4],
     /// ∂S_uu/∂(r, z, m, ψ, q, v, T).
     pub strain: [D; COMPONENTS],
-    /// What the balances share.
+    /// Shared quantities.
     pub place: Place<D>,
 }
 
 /// The equations of a cell with a regulator at one place and their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearisedRegulated<D> {
-    /// Those of the shape.
+    /// The shape's equations.
     pub shape: Linearised<D>,
     /// ∂f/∂φ of the shape's right-hand sides.
     pub by_phi: [D; COMPONENTS],
@@ -47,12 +47,12 @@ pub struct LinearisedRegulated<D> {
     pub tangential_by_j: D,
     /// j_s, and its derivatives by all nine components, in units of arclength.
     pub carried: (D, [D; REGULATED]),
-    /// ∂j_s/∂L but for what widths in L_h add.
+    /// ∂j_s/∂L, without the contribution of widths in L_h.
     pub carried_by_length: D,
 }
 
-/// What the balances of forces share at one place, in units of arclength; names are those of
-/// [`balances`], with `_r`, `_z`, `_m`, `_psi`, `_v` and `_t` for derivatives.
+/// The force balances at one place and their derivatives, in units of arclength. Names follow [`balances`], with `_r`,
+/// `_z`, `_m`, `_psi`, `_v` and `_t` for derivatives.
 #[inline(always)]
 pub fn linearised<D: Arithmetic>(
     c: &ShellCoefficients<D>,
@@ -161,8 +161,8 @@ pub fn linearised<D: Arithmetic>(
     }
 }
 
-/// [`linearised`] of a cell with a regulator `[j, φ]`: `here` are the coefficients with what it adds there, and `by_phi` their
-/// derivatives by φ.
+/// [`linearised`] for a cell with a regulator `[j, φ]`: `here` are the coefficients with its contribution, `by_phi`
+/// their derivatives by φ.
 #[inline(always)]
 pub fn linearised_regulated<D: Arithmetic>(
     c: &ShellCoefficients<D>,
@@ -177,7 +177,7 @@ pub fn linearised_regulated<D: Arithmetic>(
 ) -> LinearisedRegulated<D> {
     let mut shape = linearised(c, here, motion, noise, y, length, pressure);
     let (by_phi_f, strain_phi) = through_coefficients(c, [here, by_phi], noise, y, &shape.place, length);
-    // κ_u and γ_u are L j times what κ and γ do with φ.
+    // κ_u and γ_u are L j times the derivatives of κ and γ by φ.
     let mean = shape.place.mean;
     let mut pull = by_phi.tension;
     if c.rigidity_gradient {
@@ -191,13 +191,13 @@ pub fn linearised_regulated<D: Arithmetic>(
     let one = D::from(1.0);
     let (inverse_r, inverse_length) = (y[R].recip(), length.recip());
     let slip = y[V] - (cos * dr - sin * dz);
-    // Of E, with its derivatives by ψ and L.
+    // E, with its derivatives by ψ and L.
     let followed = (cos * past.r_u - sin * past.z_u) * inverse_length;
     let stretched = (one - followed) * rate;
     let stretched_psi = (sin * past.r_u + cos * past.z_u) * inverse_length * rate;
     let stored = rate * transport.dilution * past.amount * inverse_r * inverse_length;
     let dilution = transport.dilution * (phi + one);
-    // What goes with v − w.
+    // Factor of v − w.
     let by_slip = j + dilution * cot;
     let mut by = [D::from(0.0); REGULATED];
     for k in 0..COMPONENTS {
@@ -226,8 +226,8 @@ pub fn linearised_regulated<D: Arithmetic>(
     }
 }
 
-/// ∂f/∂φ of the shape's right-hand sides and ∂S_uu/∂φ, which come about by the coefficients alone; with `_phi` for derivatives. The
-/// same for any other number that coefficients depend on.
+/// ∂f/∂φ of the shape's right-hand sides and ∂S_uu/∂φ, which act through the coefficients only; `_phi` marks
+/// derivatives. The same holds for any other number that coefficients depend on.
 #[inline(always)]
 fn through_coefficients<D: Arithmetic>(
     c: &ShellCoefficients<D>,
@@ -265,8 +265,8 @@ fn through_coefficients<D: Arithmetic>(
     (f, s_u_phi)
 }
 
-/// Derivatives of [`balances`] and of S_uu by a number that enters by the coefficients alone: of the shell and of the place, each
-/// with its own derivatives behind it.
+/// Derivatives of [`balances`] and of S_uu by a number that enters only through the coefficients: of the shell and of
+/// the place, each followed by its own derivatives.
 #[inline(always)]
 pub fn varied<D: Arithmetic>(
     [c, by]: &[ShellCoefficients<D>; 2],
@@ -289,7 +289,8 @@ pub fn varied<D: Arithmetic>(
     (f, strain, place)
 }
 
-/// The derivative of [`carried`] by such a number, on which also the transport and the source may depend; `strain` is ∂S_uu.
+/// The derivative of [`carried`] by such a number, on which the transport and the source may depend too; `strain` is
+/// ∂S_uu.
 #[inline(always)]
 pub fn varied_flux<D: Arithmetic>(
     [c, by]: &[Transport<D>; 2],

@@ -1,5 +1,6 @@
-//! Derivatives of the equations along given directions, at many points side by side: for stationary shapes of cells without a cue,
-//! whose coefficients are the same everywhere. Points go through in groups, as in `sweep`, so that the loop becomes vector code.
+//! Directional derivatives of the equations at many points side by side, for stationary shapes of cells without a cue,
+//! where the coefficients are uniform. Points are processed in groups, as in `sweep`, so that the compiler vectorises
+//! the loop.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -11,8 +12,8 @@ use num_dual::{Dual3_64, HyperDual64};
 use super::equations::{Balance, BdfTerm, COMPONENTS, Constants, LocalCoefficients, ShellCoefficients, balances};
 use super::lanes::{Arithmetic, Each};
 
-/// A number with its derivative along a direction. Jets of jets have higher ones: what is not read of them is not computed, and
-/// what is equal along equal directions is computed once.
+/// A number with its derivative along a direction. Nested jets hold higher derivatives: the compiler drops unused ones,
+/// and a derivative along equal directions is computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Jet<T> {
     value: T,
@@ -144,10 +145,10 @@ const GROUP: usize = 8;
 /// Numbers at the points of a group.
 type Group<const K: usize> = [[f64; GROUP]; K];
 
-/// f, and behind it the integrand of the volume.
+/// f, followed by the integrand of the volume.
 const OUT: usize = COMPONENTS + 1;
 
-/// What is the same at all points.
+/// The values common to all points.
 #[derive(Clone, Copy)]
 pub(super) struct Shared<D> {
     shell: ShellCoefficients<D>,
@@ -157,7 +158,7 @@ pub(super) struct Shared<D> {
 }
 
 impl<D: Copy> Shared<D> {
-    /// Of a cell whose coefficients are the same everywhere.
+    /// The values of a cell with uniform coefficients.
     pub(super) fn of(constants: &Constants<D>, length: D, pressure: D) -> Shared<D> {
         Shared { shell: constants.shell, local: constants.uniform, length, pressure }
     }
@@ -170,8 +171,8 @@ impl<D: Copy> Shared<D> {
 }
 
 impl<D: Arithmetic> Shared<D> {
-    /// f and the integrand of the volume at point i of a group, whose state and directions are made into a `number`. That is no
-    /// closure: one of a function that is compiled for several machines is not inlined.
+    /// f and the integrand of the volume at point i of a group; `number` combines the state and the directions. It is a
+    /// function, not a closure, because closures in functions compiled for several targets are not inlined.
     #[inline(always)]
     fn at<const K: usize>(&self, group: &[Group<COMPONENTS>; K], i: usize, number: impl Fn([f64; K]) -> D) -> [D; OUT] {
         let state = std::array::from_fn(|k| number(std::array::from_fn(|which| group[which][k][i])));
@@ -207,7 +208,7 @@ fn third(shared: &Shared<Dual3_64>, group: &[Group<COMPONENTS>; 2], [out, last]:
     }
 }
 
-/// Reads the values of group `j`; behind the last point it is repeated.
+/// Reads the values of group `j`; the last point is repeated to fill the group.
 fn read<const K: usize>(all: [&[f64]; K], j: usize) -> [Group<COMPONENTS>; K] {
     all.map(|values| {
         let last = values.len() / COMPONENTS - 1;
@@ -216,7 +217,7 @@ fn read<const K: usize>(all: [&[f64]; K], j: usize) -> [Group<COMPONENTS>; K] {
     })
 }
 
-/// Writes what was found of group `j`.
+/// Writes the results of group `j`.
 fn write(found: &Group<OUT>, j: usize, [f, g]: &mut [&mut [f64]; 2]) {
     let (f, g) = (&mut f[j * GROUP * COMPONENTS..], &mut g[j * GROUP..]);
     for (i, (f, g)) in f.chunks_exact_mut(COMPONENTS).zip(g).take(GROUP).enumerate() {
@@ -225,7 +226,7 @@ fn write(found: &Group<OUT>, j: usize, [f, g]: &mut [&mut [f64]; 2]) {
     }
 }
 
-/// D²f\[a, b\] and that of the integrand of the volume at all points.
+/// D²f\[a, b\] and D²g\[a, b\] at all points, with g the integrand of the volume.
 pub(super) fn second_many(
     shared: &Shared<HyperDual64>,
     points: CollocationPoints<'_>,
@@ -239,7 +240,7 @@ pub(super) fn second_many(
     }
 }
 
-/// D²f\[a, a\] and D³f\[a, a, a\], and those of the integrand of the volume, at all points.
+/// D²f\[a, a\] and D³f\[a, a, a\], and the same of the integrand g of the volume, at all points.
 pub(super) fn third_many(
     shared: &Shared<Dual3_64>,
     points: CollocationPoints<'_>,

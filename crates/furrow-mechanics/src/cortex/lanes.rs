@@ -1,7 +1,7 @@
-//! Numbers whose loops become vector code.
+//! Numbers for loops that the compiler vectorises.
 //!
-//! A call of the library's sine keeps a loop from being vectorised, and its last digit differs from machine to machine. The
-//! functions here are polynomials without branches, exact to about the last digit, and the same everywhere.
+//! A call of the library's sine prevents vectorisation, and its last digit differs between machines. The functions here
+//! are polynomials without branches, exact to about the last digit, and the same on every machine.
 
 use std::f64::consts::{FRAC_2_PI, LOG2_E};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -10,7 +10,7 @@ use num_dual::DualNum;
 
 use furrow_cell::Number;
 
-/// What the equations of the cortex ask of a number.
+/// The arithmetic that the equations of the cortex use.
 pub trait Arithmetic:
     Copy
     + From<f64>
@@ -47,7 +47,7 @@ impl<D: Number> Arithmetic for D {
     }
 }
 
-/// One of many numbers that a loop runs over.
+/// One of the numbers that a loop runs over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Each(pub f64);
 
@@ -112,13 +112,13 @@ impl Arithmetic for Each {
     }
 }
 
-/// Adding 1.5 · 2⁵² rounds to whole numbers, and leaves them in the lowest bits.
+/// Adding 1.5 · 2⁵² rounds to an integer and leaves it in the lowest bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// π/2 in three parts, of which the first two have 33 bits, so that multiples of them are exact.
+/// π/2 in three parts; the first two have 33 bits, so that their multiples are exact.
 const HALF_PI: [f64; 3] = [1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21];
 
-/// ln 2 in two parts, of which the first has 40 bits.
+/// ln 2 in two parts; the first has 40 bits.
 const LN_2: [f64; 2] = [0.6931471805592082, 7.371002565167799e-13];
 
 /// Σ c_k x^k by Horner's rule, the highest coefficient first.
@@ -127,7 +127,7 @@ fn polynomial<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     coefficients.into_iter().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// ± 1/k! for every second k from `first` on, the highest of `N` first, with alternating signs.
+/// ± 1/k! for every second k from `first` on: `N` values with alternating signs, the highest k first.
 const fn alternating<const N: usize>(first: u32) -> [f64; N] {
     let mut out = [0.0; N];
     let (mut k, mut factorial, mut j) = (0, 1.0, 0);
@@ -158,7 +158,7 @@ const SINE: [f64; 8] = alternating(3);
 const COSINE: [f64; 8] = alternating(2);
 const EXPONENTIAL: [f64; 14] = factorials();
 
-/// Sine and cosine, to about the last digit below 10⁶; beyond, of angles that no contour has, to fewer and fewer.
+/// Sine and cosine, to about the last digit below 10⁶; beyond, at angles that no contour has, accuracy decreases.
 #[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     let rounded = x * FRAC_2_PI + ROUND;
@@ -172,8 +172,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     (signed(sin, quarter), signed(cos, quarter.wrapping_add(1)))
 }
 
-/// The exponential, to about the last digit; arguments are held between those whose exponentials are the smallest and the
-/// largest of normal numbers.
+/// The exponential, to about the last digit; arguments are clamped to the range with normal results.
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
     let x = if x < -708.0 { -708.0 } else { x };
@@ -188,7 +187,7 @@ pub fn exp(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Places from 1e−9 to 1e6 of both signs.
+    /// Numbers from 1e−9 to 1e6 of both signs.
     fn places() -> impl Iterator<Item = f64> {
         (0..30_000).map(|i| (if i % 2 == 0 { 1.0 } else { -1.0 }) * 10f64.powf(-9.0 + 15.0 * f64::from(i) / 30_000.0))
     }
@@ -211,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_stays_so() {
+    fn nan_propagates() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(sin_cos(x).0.is_nan() && sin_cos(x).1.is_nan());
         }

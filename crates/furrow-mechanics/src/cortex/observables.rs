@@ -1,4 +1,4 @@
-//! What is read off a shape: elongation, neck, furrow, volumes.
+//! Observables of a shape: elongation, neck, furrow, volumes.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,8 @@ pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
     out.extend(y.stages.chunks_exact(y.components).map(|s| [s[R], s[Z]]));
 }
 
-/// Collects what a regulator was at the collocation points of a solution, as the past of a step; nothing without one.
+/// Collects the state of a regulator at the collocation points of a solution, as the past of a step; empty without a
+/// regulator.
 pub fn carried(cortex: &Cortex, y: &Solution, out: &mut Vec<Carried>) {
     out.clear();
     if let Some(regulator) = cortex.cell.cue.regulator() {
@@ -23,7 +24,7 @@ pub fn carried(cortex: &Cortex, y: &Solution, out: &mut Vec<Carried>) {
     }
 }
 
-/// φ at u of a shape, of a half also beyond it; none without a regulator.
+/// φ at u; u > ½ on a half contour is mirrored. `None` without a regulator.
 pub fn regulator_at(gauss: &Gauss, y: &Solution, domain: Domain, u: f64) -> Option<f64> {
     let mut out = [0.0; REGULATED];
     let u = if domain == Domain::Half && u > 0.5 { 1.0 - u } else { u };
@@ -33,7 +34,7 @@ pub fn regulator_at(gauss: &Gauss, y: &Solution, domain: Domain, u: f64) -> Opti
     })
 }
 
-/// The same shape with other components: those of a regulator at rest are added, or left out.
+/// The same shape with another number of components: the components of a regulator at rest are added or removed.
 pub fn with_components(y: &Solution, components: usize) -> Solution {
     let convert = |values: &[f64]| -> Vec<f64> {
         let state = |s: &[f64]| -> Vec<f64> { (0..components).map(|k| s.get(k).copied().unwrap_or(0.0)).collect() };
@@ -43,8 +44,8 @@ pub fn with_components(y: &Solution, components: usize) -> Solution {
     Solution { components, m: y.m, mesh: y.mesh.clone(), nodes, stages, scalars: y.scalars.clone() }
 }
 
-/// The whole contour as (r, z) at `count` + 1 values of u, evenly spaced from pole to pole; that of a half is completed by its
-/// mirror image.
+/// The whole contour as (r, z) at `count` + 1 values of u, evenly spaced from pole to pole; a half contour is completed
+/// by its mirror image.
 pub fn contour(gauss: &Gauss, y: &Solution, domain: Domain, count: usize) -> Vec<[f64; 2]> {
     let mut out = [0.0; REGULATED];
     let mut at = |u: f64| {
@@ -71,7 +72,8 @@ pub fn equator_radius(gauss: &Gauss, y: &Solution) -> f64 {
     out[R]
 }
 
-/// A cell has divided when its neck is narrower than this, relative to R0 (M.20); thinner ones are no shapes of one cell.
+/// A cell has divided when its neck is narrower than this, relative to R0 (M.20); a thinner neck does not belong to one
+/// cell.
 pub const PINCH_OFF: f64 = 1e-3;
 
 /// The narrowest interior minimum of r.
@@ -83,13 +85,13 @@ pub struct Neck {
     pub radius: f64,
 }
 
-/// Finds the neck of a full contour: the smallest radius where the tangent angle passes ψ = π/2 downwards. None if the
-/// contour has no waist.
+/// Finds the neck of a full contour: the smallest radius at which the tangent angle passes ψ = π/2 downwards. `None` if
+/// the contour has no waist.
 pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
     let mut best: Option<Neck> = None;
     let mut value = [0.0; REGULATED];
     for i in 0..y.intervals() {
-        // ψ above π/2 means r falls.
+        // r decreases where ψ exceeds π/2.
         let mut before = (0.0, y.node(i)[PSI]);
         for j in 0..=y.m {
             let theta = if j < y.m { gauss.c[j] } else { 1.0 };
@@ -132,15 +134,16 @@ pub fn volume_until(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
     total
 }
 
-/// (V_above − V_below)/V of the parts from u above and below a place, as a rule the neck: χ with its sign, M.21.
+/// (V_above − V_below)/V for the parts on both sides of u, usually of the neck: χ with its sign, M.21.
 pub fn asymmetry(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
     1.0 - 2.0 * volume_until(gauss, y, u) / volume_until(gauss, y, 1.0)
 }
 
-/// The meridional furrow position: where the curvature c1 is least, next to the collocation point where it is most negative; `None`
-/// if c1 is positive at all of them.
+/// The meridional furrow position: the minimum of the curvature c1 next to the collocation point with the most negative
+/// c1; `None` if c1 is positive at all of them.
 ///
-/// There c1_s = q/κ − m κ_s/κ² − (cosψ/r)(c1 − c2) vanishes, which says where to the last digits; c1 itself would to half of them.
+/// There c1_s = q/κ − m κ_s/κ² − (cosψ/r)(c1 − c2) vanishes, which gives the position to the last digits; minimising c1
+/// itself would give half of them.
 pub fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f64> {
     let length = y.scalars[LENGTH];
     let place = |index: usize| y.stage_x(gauss, index / y.m, index % y.m);
@@ -167,7 +170,7 @@ pub fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f
     for _ in 0..60 {
         let u = newest.0 - newest.1 * (newest.0 - before.0) / (newest.1 - before.1);
         let (next, moved) = ((u, slope(u)), (u - newest.0).abs());
-        // The Illinois rule: an end that stays counts half.
+        // The Illinois rule: the value at an end that is kept is halved.
         before = if next.1 * newest.1 < 0.0 { newest } else { (before.0, 0.5 * before.1) };
         newest = next;
         if moved < 1e-12 {

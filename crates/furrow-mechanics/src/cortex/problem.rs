@@ -24,7 +24,7 @@ pub(crate) const QUADRATURES: usize = 3;
 /// Quadratures with a regulator.
 const ALL_QUADRATURES: usize = QUADRATURES + 1;
 
-/// Conditions at the pole where u = 0, and as many at the other end; a regulator brings one more.
+/// Conditions at the pole u = 0, and the same number at the other end; a regulator adds one at each.
 const LEFT: usize = 4;
 
 /// Number of scalar unknowns before the free parameters: L and p.
@@ -54,19 +54,19 @@ pub struct Cortex {
     pub rate: f64,
     /// Past (r, z) at every collocation point; may be empty if `rate` = 0.
     pub past: Vec<[f64; 2]>,
-    /// The past of a regulator at every collocation point; may be empty if `rate` = 0 or there is none.
+    /// The past of a regulator at every collocation point; may be empty if `rate` = 0 or without a regulator.
     pub carried_past: Vec<Carried>,
-    /// Factor on the activity at every collocation point; empty for none.
+    /// Factor on the activity at every collocation point; empty if it is 1 everywhere.
     pub noise: Vec<f64>,
-    /// Whether a linear condition on the amount of a conserved regulator takes the place of j = 0 at the far end, which at rest
-    /// follows from j = 0 at the near one.
+    /// Whether a linear condition on the amount of a conserved regulator replaces j = 0 at the far end, which at rest
+    /// follows from j = 0 at the near end.
     pub(crate) amount_is_given: bool,
     constants: Constants<f64>,
     /// The constants with their derivatives by each free parameter.
     sensitivities: Vec<Constants<Dual64>>,
-    /// The constants as numbers that carry derivatives, where the contour's length enters by the cue's widths.
+    /// The constants with derivatives, if the length of the contour enters through the cue's widths.
     along_length: Option<Constants<Dual64>>,
-    /// The coefficients at the points of the sweep that was prepared last, where they differ.
+    /// Cached coefficients at the points of the last prepared sweep, if they are not uniform.
     coefficients: CoefficientCache,
 }
 
@@ -91,7 +91,7 @@ impl Cortex {
         cortex
     }
 
-    /// Sizes for a cell and a number of free parameters, on either domain.
+    /// Sizes for a cell and a number of free parameters; the same on both domains.
     pub fn dimensions_for(cell: &Cell, free: usize) -> Dimensions {
         let regulator = usize::from(cell.cue.regulator().is_some());
         Dimensions {
@@ -105,12 +105,12 @@ impl Cortex {
         }
     }
 
-    /// Whether a regulator is carried along, which takes two more components.
+    /// Whether the cell has a regulator, which adds two components.
     pub fn is_regulated(&self) -> bool {
         self.cell.cue.regulator().is_some()
     }
 
-    /// Whether the amount of a regulator, ∫ c dA, never changes.
+    /// Whether the amount of a regulator, ∫ c dA, is conserved.
     pub fn conserves_regulator(&self) -> bool {
         self.cell.cue.regulator().is_some_and(|regulator| regulator.diluted && regulator.turnover == 0.0)
     }
@@ -142,7 +142,7 @@ impl Cortex {
         let with_slope =
             |which: &Parameter| Constants::new(&self.cell, |p, v| Dual64::new(v, if p == *which { 1.0 } else { 0.0 }));
         self.sensitivities = self.free.iter().map(with_slope).collect();
-        // A term of amplitude 0 leaves no trace, not even in roundings.
+        // A term with amplitude 0 must have no effect, not even on rounding.
         let by_length = |term: &Term| term.amplitude != 0.0 && matches!(term.profile.width(), Some(Width::Length(_)));
         let sourced =
             matches!(self.constants.source().and_then(|source| source.profile.width()), Some(Width::Length(_)));
@@ -154,8 +154,8 @@ impl Cortex {
         self.coefficients.refresh(by_length);
     }
 
-    /// Whether the coefficients are the same everywhere, and stay so when the free parameters change. A term of amplitude 0 leaves
-    /// no trace here either.
+    /// Whether the coefficients are uniform and stay so when the free parameters change. Here too a term with amplitude
+    /// 0 has no effect.
     pub(super) fn is_uniform(&self) -> bool {
         let cue = &self.cell.cue;
         let varies = self.free.iter().any(|free| free.is_of_cue()) || cue.regulator().is_some();
@@ -176,8 +176,8 @@ impl Cortex {
         }
     }
 
-    /// The scalar unknowns that enter by the coefficients: L where the cue's widths bring it in by more than the factor L, and the
-    /// free parameters.
+    /// The scalar unknowns that enter through the coefficients: L, if the cue's widths depend on it, and the free
+    /// parameters.
     fn columns(&self, length: f64) -> impl Iterator<Item = Column<'_>> {
         let along_length = self.along_length.iter().map(move |constants| Column {
             scalar: LENGTH,
@@ -210,8 +210,8 @@ impl Cortex {
         if y.len() == REGULATED { self.constants.regulated(here, y[PHI], y[J] * length) } else { here }
     }
 
-    /// What the motion of the cortex adds to the right-hand sides at one point of state `y` and contour length `length`; the
-    /// equations are linear in it.
+    /// The derivatives of the right-hand sides at one point, with state `y` and contour length `length`, by the motion
+    /// of the cortex; the equations are linear in the motion.
     pub fn response_to_motion(&self, at: CollocationPoint, y: &[f64], length: f64) -> MotionResponse {
         let here = self.coefficients_at(at, y, length);
         let (sin, cos) = sin_cos(y[PSI]);
@@ -232,7 +232,8 @@ impl Cortex {
         response
     }
 
-    /// What j′ at a point of state `y` loses to a change of the past, but for that of v_n: of (r, z) and of the regulator.
+    /// The decrease of j′ at a point of state `y` with a change of the past of (r, z) and of the regulator, except
+    /// through v_n.
     pub fn response_to_past(&self, y: &[f64], length: f64, [r, z]: [f64; 2], past: Carried) -> f64 {
         let Some(regulator) = self.cell.cue.regulator() else { return 0.0 };
         let (sin, cos) = sin_cos(y[PSI]);
@@ -247,20 +248,20 @@ impl Cortex {
     }
 }
 
-/// What the motion of the cortex adds to the right-hand sides at a place, per unit of it.
+/// Derivatives of the right-hand sides at a place by the motion of the cortex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionResponse {
     /// ∂(q′, v′, T′)/∂v_n.
     pub normal: [f64; 3],
-    /// ∂j′/∂v_n by the stretching of the surface, and ∂j′ by ∂_tφ − w j, how the regulator changes in the frame of the cortex's own
-    /// tangential motion w.
+    /// ∂j′/∂v_n through the stretching of the surface, and ∂j′ by ∂_tφ − w j, the change of the regulator in the frame
+    /// of the cortex's own tangential motion w.
     pub carried: [f64; 2],
-    /// ∂j′/∂v_n by S_uu alone.
+    /// ∂j′/∂v_n through S_uu alone.
     pub strain: f64,
 }
 
 impl MotionResponse {
-    /// The same times `factor`.
+    /// The response multiplied by `factor`.
     pub fn scaled(self, factor: f64) -> MotionResponse {
         MotionResponse {
             normal: self.normal.map(|r| r * factor),
@@ -269,8 +270,8 @@ impl MotionResponse {
         }
     }
 
-    /// The response to a normal velocity, and to a change ∂_tφ − w j of the regulator, into the right-hand sides of a point. Those
-    /// that do not respond are left as they are.
+    /// Writes the response to a normal velocity, and to a change ∂_tφ − w j of the regulator, into the right-hand sides
+    /// of a point. Right-hand sides without a response are left unchanged.
     pub fn put(&self, normal: f64, carried: f64, to: &mut [f64]) {
         for (k, response) in [Q, V, T].into_iter().zip(self.normal) {
             to[k] = normal * response;
@@ -288,8 +289,9 @@ impl BoundaryValueProblem for Cortex {
         dimensions
     }
 
-    /// Compiled for the sizes of most work: steps and shapes at rest, branches, and curves of cells without a regulator.
-    /// Never inlined, so that no crate above compiles kernels of its own, with what optimisation it happens to have.
+    /// Compiled for the most frequent sizes: steps and shapes at rest, branches, and curves of cells without a
+    /// regulator. Never inlined, so that crates that use this one do not compile the kernels again with their own
+    /// optimisation.
     #[inline(never)]
     fn kernels(&self, stages: usize) -> Kernels {
         match (self.is_regulated(), stages, self.free.len()) {
@@ -308,7 +310,7 @@ impl BoundaryValueProblem for Cortex {
 
     fn prepare(&mut self, p: &[f64]) {
         let values = self.free.iter().zip(&p[SHAPE_SCALARS..]);
-        // At a singular point the same values are prepared for each of several directions.
+        // At a singular point the same values are prepared for several directions.
         if values.clone().any(|(free, value)| free.get(&self.cell) != *value) {
             values.for_each(|(free, value)| free.set(&mut self.cell, *value));
             self.refresh();
@@ -357,9 +359,10 @@ impl BoundaryValueProblem for Cortex {
         }
     }
 
-    /// At the far pole r = 0, ψ = π, q = 0, v = 0 \[M.13 poles\]; at the mirror everything odd is at its centre, M.14.
+    /// At the far pole r = 0, ψ = π, q = 0, v = 0 \[M.13 poles\]; at the mirror every odd component is at its centre,
+    /// M.14.
     fn right(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
-        // The condition that may be left out is the last on either domain.
+        // The condition that may be left out is the last one on either domain.
         let (n, conditions) = (y.len(), out.r.len());
         let mut put = |k: usize, component: usize, value: f64| {
             out.r[k] = y[component] - value;

@@ -1,23 +1,23 @@
-//! Where a mesh has to be fine: the monitor that meshes follow.
+//! The mesh monitor, which determines where a mesh is fine.
 
 use furrow_bvp::Solution;
 
 use super::Cortex;
 use super::equations::{J, LENGTH, M, PHI, PSI, R, REGULATED};
 
-/// What is added to the mesh monitor everywhere, as a part of its mean.
+/// Floor added to the mesh monitor everywhere, as a fraction of its mean.
 const FLOOR: f64 = 0.3;
 /// Growth of the interval width per interval that the monitor allows.
 const GRADING: f64 = 1.0;
 
-/// Weight of a cue's slope beside the turning of the contour.
+/// Weight of a cue's slope relative to the turning of the contour.
 const CUE: f64 = 10.0;
 
-/// Weight of a regulator's slope beside the turning of the contour.
+/// Weight of a regulator's slope relative to the turning of the contour.
 const REGULATOR: f64 = 0.4;
 
-/// How steep the cue is in an interval, over all its terms; amplitudes count by what they change in proportion. Steep
-/// places between the collocation points count, however narrow: the mesh sees the narrowest term.
+/// Steepness of the cue in an interval, summed over its terms with their amplitudes relative to the field. Steep places
+/// between the collocation points count however narrow they are, so that the mesh resolves the narrowest term.
 fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
     let term = |term: &furrow_cell::cue::Term| {
         let amplitude = term.amplitude.abs();
@@ -31,13 +31,14 @@ fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
     cortex.constants().cue.iter().map(term).sum::<f64>() + sourced
 }
 
-/// How steep the regulator is at a point of state `y`, beside the turning of the contour.
+/// Steepness of the regulator at a point of state `y`, relative to the turning of the contour.
 fn gradient(y: &[f64], length: f64) -> f64 {
     if y.len() == REGULATED { REGULATOR * length * y[J].abs() / (1.0 + y[PHI].abs()) } else { 0.0 }
 }
 
-/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue and the regulator, over a floor of
-/// three tenths of their mean, so that no region is left empty. `symmetric` averages it with its mirror image on a mirror-symmetric mesh.
+/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue and the regulator, plus
+/// a floor of three tenths of their mean, so that no region is left empty. `symmetric` averages it with its mirror
+/// image on a mirror-symmetric mesh.
 pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<f64>) {
     let length = y.scalars[LENGTH];
     let end = y.mesh[y.intervals()] - y.mesh[0];
@@ -65,8 +66,8 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
     spread(&y.mesh, end, weight);
 }
 
-/// Lifts the weights to their floor and lets the interval widths they ask for vary gently: the wanted width 1/w may grow
-/// by at most [`GRADING`] per unit of u.
+/// Adds the floor to the weights and smooths the resulting interval widths: the wanted width 1/w may grow by at most
+/// [`GRADING`] per unit of u.
 fn spread(mesh: &[f64], end: f64, weight: &mut [f64]) {
     let n = weight.len();
     let total = |weight: &[f64]| mesh.windows(2).zip(weight).map(|(x, w)| (x[1] - x[0]) * w).sum::<f64>();

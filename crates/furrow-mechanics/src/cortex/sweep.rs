@@ -1,8 +1,8 @@
 //! The equations at many collocation points side by side.
 //!
-//! Points go through in groups of eight, quantity by quantity, so that one loop over a group evaluates [`balances`] or
-//! [`linearised`] for [`Each`] of them, and becomes vector code for whatever instructions the machine has. No sum is reordered
-//! and no multiply–add fused: the results are the same on all of them.
+//! Points are processed in groups of eight, quantity by quantity, so that one loop over a group evaluates [`balances`]
+//! or [`linearised`] for [`Each`] of them and is vectorised for the machine's instructions. No sum is reordered and no
+//! multiply–add fused, so that the results are the same on all machines.
 
 use furrow_bvp::{CollocationPoints, PointJacobian};
 use multiversion::multiversion;
@@ -15,7 +15,7 @@ use super::equations::{
 use super::jacobian::{Linearised, LinearisedRegulated, linearised, linearised_regulated};
 use super::lanes::Each;
 
-/// What a sweep reads of the problem.
+/// The inputs of a sweep.
 pub(super) struct Sweep<'a> {
     /// The constants.
     pub constants: &'a Constants<f64>,
@@ -23,13 +23,13 @@ pub(super) struct Sweep<'a> {
     pub rate: f64,
     /// Past (r, z) at every collocation point.
     pub past: &'a [[f64; 2]],
-    /// The past of a regulator there.
+    /// The past of a regulator at every collocation point.
     pub carried_past: &'a [Carried],
-    /// Factor on the activity at every collocation point; empty for none.
+    /// Factor on the activity at every collocation point; empty if it is 1 everywhere.
     pub noise: &'a [f64],
-    /// The coefficients at the points of the sweep, without what a regulator adds; empty where they are the same everywhere.
+    /// The coefficients at the points of the sweep, without the contribution of a regulator; empty if they are uniform.
     pub local: &'a [LocalCoefficients<f64>],
-    /// The cue's profiles at these points, if they are known.
+    /// The cue's profiles at these points; empty if they are not cached.
     pub profiles: &'a [[f64; 2]],
     /// Number of scalar unknowns.
     pub scalars: usize,
@@ -41,7 +41,7 @@ pub(super) const GROUP: usize = 8;
 /// A quantity at the points of a group.
 pub(super) type Values = [f64; GROUP];
 
-/// What the equations read at the points of a group.
+/// The arguments of the equations at the points of a group.
 pub(super) struct Group {
     y: [Values; COMPONENTS],
     local: LocalCoefficients<Values>,
@@ -49,7 +49,7 @@ pub(super) struct Group {
     noise: Values,
 }
 
-/// What is the same at all points.
+/// The values common to all points.
 #[derive(Clone, Copy)]
 pub(super) struct Shared {
     pub shell: ShellCoefficients<f64>,
@@ -59,13 +59,13 @@ pub(super) struct Shared {
 }
 
 impl Group {
-    /// A group of a cell without a cue, and without motion and noise.
+    /// A group for a cell without a cue, motion and noise.
     fn of(sweep: &Sweep<'_>) -> Group {
         let local = sweep.constants.uniform.map(|value| [value; GROUP]);
         Group { y: [[0.0; GROUP]; COMPONENTS], local, past: [[0.0; GROUP]; 2], noise: [1.0; GROUP] }
     }
 
-    /// Reads the group that starts at point `from`; behind the last point it is repeated.
+    /// Reads the group that starts at point `from`; the last point is repeated to fill the group.
     fn read<const N: usize>(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize) {
         let last = points.x.len() - 1;
         for i in 0..GROUP {
@@ -138,7 +138,7 @@ impl Shared {
     }
 }
 
-/// f, and behind it the integrand of the volume.
+/// f, followed by the integrand of the volume.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn evaluate(group: &Group, shared: &Shared, out: &mut [Values; COMPONENTS + 1]) {
     let shell = shared.shell.map(Each);
@@ -168,7 +168,7 @@ fn linearise(group: &Group, shared: &Shared, out: &mut [Values; NUMBERS]) {
 }
 
 impl Linearised<Each> {
-    /// Its numbers into those of point i of a group.
+    /// Stores its numbers for point i of a group.
     #[inline(always)]
     fn store<const K: usize>(&self, i: usize, out: &mut [Values; K]) {
         let Linearised { f, by_length, geometry, turning, normal, flow, tangential, volume, .. } = self;
@@ -209,8 +209,8 @@ pub(super) fn rhs_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p: &[f6
     }
 }
 
-/// f, g and their derivatives by the components, L, p and what else is among the columns at all points. What is zero is left as it
-/// is.
+/// f, g and their derivatives by the components, L, p and the unknowns of `columns` at all points. Entries that are
+/// always zero are not written.
 pub(super) fn jacobian_many<'a>(
     sweep: &Sweep<'_>,
     points: CollocationPoints<'_>,
@@ -238,7 +238,7 @@ pub(super) fn jacobian_many<'a>(
     }
 }
 
-/// Puts the numbers of point i of a group into their places.
+/// Writes the numbers of point i of a group to their places.
 #[inline]
 fn scatter<const K: usize, const N: usize>(
     numbers: &[Values; K],
@@ -268,7 +268,7 @@ fn scatter<const K: usize, const N: usize>(
     (out.g[0], out.gy[R], out.gy[PSI], out.gp[LENGTH]) = (volume, by_r, by_psi, by_length);
 }
 
-/// What the equations read at the points of a group of a cell with a regulator.
+/// The arguments of the equations at the points of a group, for a cell with a regulator.
 pub(super) struct Regulated {
     shape: Group,
     /// Derivatives of the coefficients by φ.
@@ -317,7 +317,7 @@ impl Regulated {
     }
 }
 
-/// f of a cell with a regulator, and behind it the integrand of the volume.
+/// f of a cell with a regulator, followed by the integrand of the volume.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn evaluate_regulated(
     group: &Regulated,
@@ -343,7 +343,7 @@ fn evaluate_regulated(
 /// Numbers of a [`LinearisedRegulated`].
 const NUMBERS_REGULATED: usize = NUMBERS + COMPONENTS + 1 + REGULATED + 2;
 
-/// All numbers of a [`LinearisedRegulated`], those of the shape first.
+/// All numbers of a [`LinearisedRegulated`], beginning with the shape's.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn linearise_regulated(
     group: &Regulated,
@@ -371,7 +371,7 @@ fn linearise_regulated(
     }
 }
 
-/// [`rhs_many`] of a cell with a regulator.
+/// [`rhs_many`] for a cell with a regulator.
 pub(super) fn rhs_many_regulated(
     sweep: &Sweep<'_>,
     points: CollocationPoints<'_>,
@@ -395,7 +395,7 @@ pub(super) fn rhs_many_regulated(
     }
 }
 
-/// [`jacobian_many`] of a cell with a regulator.
+/// [`jacobian_many`] for a cell with a regulator.
 pub(super) fn jacobian_many_regulated<'a>(
     sweep: &Sweep<'_>,
     points: CollocationPoints<'_>,

@@ -1,8 +1,8 @@
-//! Symmetry under the mirror u → 1 − u, stated once.
+//! Symmetry under the mirror u → 1 − u.
 //!
-//! A mirror-symmetric shape has r, m, T and φ even about the equator u = ½, and z, q, v, j and ψ − π/2 odd (M.14). Everything else
-//! about symmetry follows from this table: the conditions at the mirror on the half domain, which components an
-//! antisymmetric disturbance leaves at zero there, and how halves unfold.
+//! A mirror-symmetric shape has r, m, T and φ even about the equator u = ½, and z, q, v, j and ψ − π/2 odd (M.14). All
+//! other statements about symmetry follow from this table: the conditions at the mirror on the half domain, the
+//! components that an antisymmetric perturbation leaves at zero there, and the unfolding of half contours.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,19 +11,20 @@ use furrow_bvp::{Direction, MirrorSymmetric, Solution};
 use super::Cortex;
 use super::equations::{COMPONENTS, Domain, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z};
 
-/// Those of n components that are even about the equator. Pitchforks are told by what a mode leaves of the last: one of the shape.
+/// The even components among n. The last must be a component of the shape: pitchforks are detected by the value of an
+/// antisymmetric mode in it.
 #[inline(always)]
 pub fn even(n: usize) -> &'static [usize] {
     if n == REGULATED { &[PHI, R, M, T] } else { &[R, M, T] }
 }
 
-/// Those of n components that are odd about the equator, each about its [`CENTRE`].
+/// The odd components among n, each about its [`CENTRE`].
 #[inline(always)]
 pub fn odd(n: usize) -> &'static [usize] {
     if n == REGULATED { &[Z, PSI, Q, V, J] } else { &[Z, PSI, Q, V] }
 }
 
-/// What odd components are at the equator of a mirror-symmetric shape.
+/// The values of odd components at the equator of a mirror-symmetric shape.
 pub const CENTRE: [f64; REGULATED] = {
     let mut centre = [0.0; REGULATED];
     centre[PSI] = FRAC_PI_2;
@@ -31,18 +32,18 @@ pub const CENTRE: [f64; REGULATED] = {
 };
 
 impl MirrorSymmetric for Cortex {
-    /// Antisymmetric changes of what is even vanish at the equator, M.15.
+    /// Antisymmetric changes of even components vanish at the equator, M.15.
     fn vanishing_at_mirror(&self) -> &[usize] {
         even(self.components())
     }
 
-    /// The tangent angle first: it turns with every antisymmetric mode of a waist.
+    /// The tangent angle first: every antisymmetric mode of a waist changes it.
     fn free_at_mirror(&self) -> &[usize] {
         if self.is_regulated() { &[PSI, Q, V, Z, J] } else { &[PSI, Q, V, Z] }
     }
 }
 
-/// Turns a state into that at 1 − u of the mirrored shape.
+/// Turns a state into the state at 1 − u of the mirrored shape.
 #[inline(always)]
 pub fn mirror(y: &mut [f64]) {
     for &component in odd(y.len()) {
@@ -50,7 +51,7 @@ pub fn mirror(y: &mut [f64]) {
     }
 }
 
-/// Turns a direction into the antisymmetric one at 1 − u: what is even changes sign, what is odd does not.
+/// Turns a direction into the antisymmetric direction at 1 − u: even components change sign, odd ones do not.
 #[inline(always)]
 fn mirror_antisymmetric(y: &mut [f64]) {
     for &component in even(y.len()) {
@@ -67,7 +68,7 @@ pub fn unfold(half: &Solution) -> Solution {
     Solution { mesh, nodes, stages, scalars: half.scalars.clone(), ..*half }
 }
 
-/// The states of a half, and behind them the images of so many of them, from the last to the first.
+/// The states of a half contour, followed by the images of the first `points` of them in reverse order.
 fn with_images(half: &[f64], components: usize, points: usize, image: fn(&mut [f64])) -> Vec<f64> {
     let mut out = Vec::with_capacity(half.len() + points * components);
     out.extend_from_slice(half);
@@ -79,7 +80,7 @@ fn with_images(half: &[f64], components: usize, points: usize, image: fn(&mut [f
     out
 }
 
-/// An antisymmetric direction of the half contour on the full one, with `scalars` scalar unknowns that it leaves alone.
+/// An antisymmetric direction of the half contour on the full one, with `scalars` scalar unknowns that do not change.
 pub fn unfold_antisymmetric(half: &Direction, components: usize, scalars: usize) -> Direction {
     let of = |half: &[f64], centre: usize| {
         with_images(half, components, half.len() / components - centre, mirror_antisymmetric)
@@ -87,7 +88,7 @@ pub fn unfold_antisymmetric(half: &Direction, components: usize, scalars: usize)
     Direction { nodes: of(&half.nodes, 1), stages: of(&half.stages, 0), scalars: vec![0.0; scalars] }
 }
 
-/// Whether a mesh of the whole contour has a node at u = ½ and mirror-symmetric ones about it, but for roundings.
+/// Whether a mesh of the whole contour has a node at u = ½ and is mirror-symmetric about it, up to rounding.
 pub fn is_mirrored(mesh: &[f64]) -> bool {
     let pairs = mesh.iter().zip(mesh.iter().rev());
     mesh.len() % 2 == 1 && pairs.take(mesh.len() / 2 + 1).all(|(a, b)| (a + b - 1.0).abs() < 1e-14)
@@ -106,7 +107,7 @@ pub fn fold(full: &Solution, even: &mut Solution, odd: &mut Direction) {
     split(&full.stages, &mut even.stages, &mut odd.stages);
 }
 
-/// The states of the first half by parity, one in the middle included.
+/// The states of the first half by parity, including a state in the middle.
 fn split<const N: usize>(full: &[f64], even: &mut Vec<f64>, odd: &mut Vec<f64>) {
     let points = (full.len() / N).div_ceil(2);
     even.resize(points * N, 0.0);
@@ -124,7 +125,7 @@ fn split<const N: usize>(full: &[f64], even: &mut Vec<f64>, odd: &mut Vec<f64>) 
     }
 }
 
-/// The whole of two parts told apart by [`fold`], into a shape that already has the mesh.
+/// Joins two parts split by [`fold`] into a shape that already has the mesh.
 pub fn join(even: &Solution, odd: &Direction, full: &mut Solution) {
     full.scalars.clone_from(&even.scalars);
     let join = if full.components == REGULATED { join_states::<REGULATED> } else { join_states::<COMPONENTS> };
@@ -176,13 +177,13 @@ mod tests {
             join(&symmetric, &antisymmetric, &mut again);
             let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
             assert!(near(&whole.nodes, &again.nodes) && near(&whole.stages, &again.stages));
-            // Without its antisymmetric part it is what the symmetric half unfolds to.
+            // Without its antisymmetric part the shape is the unfolded symmetric half.
             antisymmetric.scale(0.0);
             join(&symmetric, &antisymmetric, &mut again);
             let unfolded = unfold(&symmetric);
             assert!(near(&unfolded.nodes, &again.nodes) && near(&unfolded.stages, &again.stages));
-            // What is even vanishes at the mirror in an antisymmetric direction, and what is odd has its centre there in a symmetric
-            // shape.
+            // At the mirror, even components vanish in an antisymmetric direction, and odd components have their centre
+            // in a symmetric shape.
             fold(&whole, &mut symmetric, &mut antisymmetric);
             let (middle, change) = (symmetric.node(3), &antisymmetric.nodes[3 * components..]);
             assert!(even(components).iter().all(|&k| change[k] == 0.0));
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn meshes_that_are_not_mirrored_are_told() {
+    fn meshes_without_mirror_symmetry_are_detected() {
         assert!(is_mirrored(&[0.0, 0.1, 0.5, 0.9, 1.0]));
         for mesh in [&[0.0, 0.1, 0.9, 1.0][..], &[0.0, 0.1, 0.5, 0.8, 1.0], &[0.0, 0.4, 1.0]] {
             assert!(!is_mirrored(mesh));

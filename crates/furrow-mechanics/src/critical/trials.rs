@@ -1,4 +1,4 @@
-//! Divisions tried below a critical radius: it ends branches of trees only where they rest.
+//! Trial divisions below a critical radius: it ends branches of trees only where they come to rest.
 
 use std::sync::atomic::AtomicBool;
 
@@ -8,13 +8,13 @@ use crate::equilibria::budget::StepBudget;
 use crate::equilibria::error::{CellName, Result, ShapeError};
 use furrow_cell::{Cell, Numerics};
 
-/// The part of the critical radius at which a division is tried first.
+/// The fraction of the critical radius at which the first division is tried.
 const JUST_BELOW: f64 = 0.999;
 
-/// The parts at which more divisions are tried, in this order.
+/// The fractions at which further divisions are tried, in order.
 const TRIED: [f64; 5] = [0.97, 0.9, 0.75, 0.5, 0.2];
 
-/// Whether the division of a cell like `cell`, of radius R0 `r0`, comes to rest.
+/// Whether a cell like `cell` with radius `r0` comes to rest undivided.
 ///
 /// # Errors
 /// [`ShapeError::Interrupted`].
@@ -27,10 +27,10 @@ fn rests(cell: &Cell, numerics: &Numerics, r0: f64, cancel: Option<&AtomicBool>)
     }
 }
 
-/// The radius R0 just below the critical radius `critical_r0` of cells like `cell`, where a division was tried and rests.
+/// A radius just below the critical radius `critical_r0` of cells like `cell` at which a trial division comes to rest.
 ///
 /// # Errors
-/// [`ShapeError::NoBound`] if it divides or does not come to rest; [`ShapeError::Interrupted`].
+/// [`ShapeError::NoBound`] if the cell divides or does not come to rest; [`ShapeError::Interrupted`].
 pub fn rests_below(
     cell: &Cell,
     numerics: &Numerics,
@@ -44,11 +44,11 @@ pub fn rests_below(
     }
 }
 
-/// The smallest radius R0 of which a division was tried below the critical radius `critical_r0` of cells like `cell`: those that
-/// were tried between the two rest.
+/// The smallest radius with a trial division below the critical radius `critical_r0` of cells like `cell`, such that
+/// all trial divisions between the two come to rest.
 ///
 /// # Errors
-/// Those of [`rests_below`].
+/// The errors of [`rests_below`].
 pub fn rests_from(
     cell: &Cell,
     numerics: &Numerics,
@@ -66,10 +66,10 @@ pub fn rests_from(
     Ok(from)
 }
 
-/// The critical radius of cells like `cell`, and down to which radius divisions rest, of a few that are tried.
+/// The critical radius of cells like `cell`, and the radius down to which a few trial divisions come to rest.
 ///
 /// # Errors
-/// Those of [`critical_radius_within`] and [`rests_from`].
+/// The errors of [`critical_radius_within`] and [`rests_from`].
 pub fn resting_radii(
     cell: &Cell,
     numerics: &Numerics,

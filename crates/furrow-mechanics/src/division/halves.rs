@@ -1,12 +1,14 @@
 //! Steps of a nearly mirror-symmetric cell on half of its contour.
 //!
-//! While the antisymmetric part of a shape is small it does not act back on the symmetric one. That solves the step by itself, on
-//! half of the contour with the conditions of the mirror (M.14); the antisymmetric part solves the step linearised about it, with
-//! those of M.15: N.16. Both have the same intervals, so that one elimination serves both. What is left out is of second order in the
-//! antisymmetric part, which has its own error in the step-size control.
+//! While the antisymmetric part of a shape is small, it does not affect the symmetric part. The symmetric part solves
+//! the step by itself, on half of the contour with the conditions of the mirror (M.14); the antisymmetric part solves
+//! the step linearised about it, with the conditions of M.15: N.16. Both have the same intervals, so that one
+//! elimination serves both. The neglected terms are of second order in the antisymmetric part, which has its own error
+//! in the step-size control.
 //!
-//! Neither needs the factors of this step: the symmetric part is found by chord steps with those of a step before, and the
-//! antisymmetric part by corrections of what is left of its linear equations, which are evaluated about the solution.
+//! Neither part needs a factorisation in every step: the symmetric part is found by chord steps with the factors of an
+//! earlier step, and the antisymmetric part by iterative refinement of its linear equations, evaluated about the
+//! solution.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{
@@ -19,14 +21,14 @@ use crate::cortex::lanes::sin_cos;
 use crate::cortex::symmetry::{self, fold, join};
 use crate::cortex::{Cortex, Domain};
 
-/// The antisymmetric part of a step is solved to this part of itself.
+/// Relative accuracy of the antisymmetric part of a step.
 const EXACT: f64 = 1e-4;
-/// Corrections of it go on from one at most this fraction of the one before.
+/// Refinement continues while each correction is at most this fraction of the previous one.
 const LEAST_CONTRACTION: f64 = 0.5;
-/// Most corrections before the factors are made anew.
+/// Most corrections before a new factorisation.
 const MOST_CORRECTIONS: usize = 8;
 
-/// What a step on halves is solved with.
+/// Workspace for steps on half contours.
 pub struct Halves {
     /// Linear algebra.
     pub system: System,
@@ -37,16 +39,16 @@ pub struct Halves {
     odd: Direction,
     /// Antisymmetric part of the past (r, z) at the collocation points of the half.
     odd_past: Vec<[f64; 2]>,
-    /// That of the past of a regulator.
+    /// Antisymmetric part of the past of a regulator.
     odd_carried: Vec<Carried>,
-    /// What the past does to the equations of the antisymmetric part.
+    /// Residual of the antisymmetric part's equations due to the past.
     source: Residual,
     residual: Residual,
     correction: Direction,
 }
 
 impl Halves {
-    /// For the shapes of a mirror-symmetric cell that are discretised like `shape`.
+    /// For shapes of a mirror-symmetric cell with the discretisation of `shape`.
     pub fn new(cortex: &Cortex, shape: &Solution) -> Halves {
         Halves {
             system: System::new(cortex.dimensions(), shape.m),
@@ -63,11 +65,11 @@ impl Halves {
         }
     }
 
-    /// Solves the step that `cortex` states on a mirrored mesh, from and into `y`. With `reuse` the factors at hand are tried
-    /// first.
+    /// Solves the step stated by `cortex` on a mirror-symmetric mesh, from and into `y`. With `reuse` the existing
+    /// factors are tried first.
     ///
     /// # Errors
-    /// [`NewtonError`] if the iteration does not converge from there.
+    /// [`NewtonError`] if the iteration does not converge.
     pub fn solve(
         &mut self,
         newton: &Newton,
@@ -98,7 +100,7 @@ impl Halves {
         Ok(report)
     }
 
-    /// The symmetric part of the past becomes that of the half's own problem.
+    /// Splits the past by parity; the symmetric part becomes the past of the problem on the half contour.
     fn fold_past(&mut self, cortex: &Cortex) {
         self.cortex.rate = cortex.rate;
         self.cortex.past.clear();
@@ -118,8 +120,9 @@ impl Halves {
         }
     }
 
-    /// The residual of the antisymmetric part if there were none of it now, only in the past, about the symmetric part that the
-    /// system was evaluated at. The past enters by the normal velocity, in which the equations are linear.
+    /// The residual of the antisymmetric part if it were zero now and only the past had one, about the symmetric part
+    /// at which the system was evaluated. The past enters through the normal velocity, in which the equations are
+    /// linear.
     fn find_source(&mut self) {
         let Halves { system, cortex, even, source, odd_past, odd_carried, .. } = self;
         system.zero_residual_into(source);
@@ -144,14 +147,14 @@ impl Halves {
         }
     }
 
-    /// Factors of both problems where the system was evaluated.
+    /// Factorises both problems where the system was evaluated.
     fn factorise(&mut self) -> Result<(), PivotFailure> {
         self.system.condense()?;
         self.system.factor_blocks(&[])?;
         self.system.eliminate_antisymmetric(symmetry::even(self.even.components), &mut self.end)
     }
 
-    /// Corrects the antisymmetric part with the factors at hand.
+    /// Corrects the antisymmetric part with the existing factors.
     fn correct(&mut self) {
         let Halves { system, end, odd, residual, source, correction, .. } = self;
         residual.clone_from(source);
@@ -161,7 +164,8 @@ impl Halves {
         values.zip(correction.nodes.iter().chain(&correction.stages)).for_each(|(y, d)| *y += d);
     }
 
-    /// Corrects the antisymmetric part until it is exact enough, and counts; none if corrections do not contract.
+    /// Corrects the antisymmetric part until it is accurate enough, and returns the number of corrections; `None` if
+    /// they do not contract.
     fn correct_repeatedly(&mut self) -> Option<usize> {
         let mut before = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {

@@ -1,20 +1,20 @@
 //! One division in time: implicit stepping of the cortex from the passive shape, or from a stationary one, to pinch-off or rest.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
 //! | [`run`] | one division: noise, steps, pinch-off or rest |
 //! | [`stepper`] | backward differentiation formulas on a moving mesh |
-//! | `halves` | their steps on half of the contour, while the shape is nearly mirror-symmetric |
+//! | `halves` | steps on half of the contour, while the shape is nearly mirror-symmetric |
 //! | `step_size` | the length of the next step |
 //! | `start` | the start shape |
 //! | [`noise`] | the seeded noise of the first step |
 //! | [`sensitivity`] | derivatives of the outcome, by the tangent of every step |
 //! | `rest` | detection of equilibria |
-//! | [`saddle`] | skips the linear growth at a saddle, where a cell waits longer than the time it is given |
+//! | [`saddle`] | skips the linear growth at a saddle where a cell waits longer than the allowed time |
 //! | [`oscillation`] | detection of limit cycles |
-//! | `limits` | the step budget, and cells that drift freely or creep |
-//! | [`outcome`] | how a division ended: [`Division`] |
-//! | [`trajectory`] | all shapes of a division, with the forces on them |
+//! | `limits` | the step budget, and cells that drift or creep |
+//! | [`outcome`] | the outcome of a division: [`Division`] |
+//! | [`trajectory`] | all shapes of a division, with their forces |
 //! | [`statistics`] | statistics of several divisions |
 
 mod halves;
@@ -41,7 +41,7 @@ pub use trajectory::{Recorder, Snapshot, Trajectory};
 use furrow_cell::settings::MOST_INTERVALS;
 use furrow_cell::{Cell, Numerics};
 
-/// What one division depends on, and all it depends on: equal inputs give bit-identical outcomes.
+/// All inputs of a division: equal inputs give bit-identical outcomes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DivisionInput {
     /// The cell.
@@ -58,7 +58,7 @@ impl DivisionInput {
         DivisionInput { cell, numerics: Numerics::default(), seed: 0 }
     }
 
-    /// The same on twice as many mesh intervals, if a mesh may have as many.
+    /// The same on twice as many mesh intervals; `None` above the largest number of intervals.
     ///
     /// ```
     /// use furrow_cell::Cell;

@@ -8,20 +8,22 @@ use furrow_cell::{Numerics, Scheme};
 
 /// The factor 1 + Σ r_n cos(nπu) on ξ_s and ξ_b, n = 1 … 10.
 ///
-/// The coefficients r_n are uniform on [−amplitude, amplitude]: doubles (53 bits) of MT19937, seeded with the seed if it has 32 bits
-/// and with its two halves otherwise. The first ten act in the first step. Sustained noise takes ten more every `noise_time` and goes smoothly from one set
-/// to the next, so that it is a function of time alone, whatever the steps.
+/// The coefficients r_n are uniform on [−amplitude, amplitude]: doubles (53 bits) of MT19937, seeded with the seed if
+/// it has 32 bits and with its two halves otherwise. The first ten act in the first step. Sustained noise draws ten
+/// more every `noise_time` and changes smoothly from one set to the next, so that it depends on time alone, not on the
+/// steps.
 #[derive(Clone, Debug)]
 pub struct Noise {
     amplitude: f64,
-    /// Time between two sets of coefficients, in τ; none where only the first step is noisy.
+    /// Time between two sets of coefficients, in τ; `None` if only the first step is noisy.
     time: Option<f64>,
     generator: Mt,
-    /// The sets so far, the first at t = 0.
+    /// The sets drawn so far, the first at t = 0.
     knots: Vec<[f64; 10]>,
 }
 
-/// MT19937 of a seed: its reference code takes 32 bits, or an array of such numbers, here the lower and the upper half.
+/// MT19937 for a seed: its reference code takes 32 bits, or an array of such numbers, here the lower and the upper
+/// half.
 fn generator(seed: u64) -> Mt {
     match u32::try_from(seed) {
         Ok(seed) => Mt::new(seed),
@@ -36,7 +38,7 @@ impl Noise {
         Noise { amplitude: numerics.noise, time, generator: generator(seed), knots: Vec::new() }
     }
 
-    /// The time that the noise takes to change, where it lasts for all of the division.
+    /// The time between two sets of coefficients, if the noise is sustained.
     pub fn sustained(&self) -> Option<f64> {
         self.time
     }
@@ -82,14 +84,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_seed_has_noise_of_its_own() {
+    fn every_seed_has_its_own_noise() {
         let numerics = Numerics::default();
         let drawn = |seed: u64| Noise::new(seed, &numerics).coefficients(0.0);
         let seeds = [0, 1, u64::from(u32::MAX), 1 << 32, (1 << 32) + 1, 1 << 33, u64::MAX];
         for (k, seed) in seeds.iter().enumerate() {
             assert!(seeds[..k].iter().all(|other| drawn(*other) != drawn(*seed)), "{seed}");
         }
-        // Seeds of 32 bits draw what they always have: the first double of MT19937 with the seed 0.
+        // Seeds of 32 bits keep their random numbers: the first double of MT19937 with the seed 0.
         let first = numerics.noise * (2.0 * 0.548_813_503_927_324_8 - 1.0);
         assert!((drawn(0)[0] / first - 1.0).abs() < 1e-12, "{} {first}", drawn(0)[0]);
     }

@@ -1,17 +1,17 @@
-//! Detects limit cycles: cells that neither divide nor come to rest, and would run until `t_max`.
+//! Detection of limit cycles: cells that neither divide nor come to rest, and would run until `t_max`.
 //!
-//! Where a stationary shape off the centre loses its stability to a pair of complex growth rates, the furrow wanders from side
-//! to side around it, with the same period for ever. It is told by the length of the contour: a cycle lasts from one of its
-//! maxima to the next.
+//! Where a stationary shape off the centre loses its stability to a pair of complex growth rates, the furrow oscillates
+//! about it with a constant period. The cycle is detected in the length of the contour: it lasts from one maximum to
+//! the next.
 
-/// Cycles that are looked at together, the older half beside the younger.
+/// Cycles that are compared, the older half with the younger.
 const CYCLES: usize = 24;
-/// By how much the two halves may differ, relative to their mean. What changes more slowly does not end in the time that a
-/// cell is given either.
+/// Largest difference between the two halves, relative to their mean. A slower change does not end within the allowed
+/// time either.
 const SAME: f64 = 1e-3;
-/// By how much a single period may differ from the mean: shapes are known at time steps alone.
+/// Largest deviation of a single period from the mean: shapes are known only at time steps.
 const SCATTER: f64 = 0.2;
-/// Least change of the contour's length in a cycle, relative to it: a shape at rest moves by rounding.
+/// Least relative change of the contour's length in a cycle: a shape at rest moves by rounding.
 const LEAST: f64 = 1e-4;
 
 /// The length of a contour over time.
@@ -21,14 +21,14 @@ pub struct Oscillation {
     recent: Vec<[f64; 2]>,
     /// Time of the last maximum.
     peak: Option<f64>,
-    /// Least length since.
+    /// Least length since then.
     least: f64,
-    /// Of the last cycles, oldest first: the time from one maximum to the next, in τ, and the relative change of length.
+    /// The last cycles, oldest first: the time from one maximum to the next, in τ, and the relative change of length.
     cycles: Vec<[f64; 2]>,
 }
 
 impl Oscillation {
-    /// Notes the length at a time; gives the period once it is one.
+    /// Records the length at a time; returns the period once the motion is periodic.
     pub fn note(&mut self, t: f64, length: f64) -> Option<f64> {
         self.least = self.least.min(length);
         let peaked = match self.recent[..] {
@@ -69,14 +69,14 @@ mod tests {
     use crate::division::{DivisionError, DivisionInput, divide};
     use furrow_cell::Cell;
 
-    /// The period found in lengths over time, if any.
+    /// The period detected in lengths over time, if any.
     fn period_of(length: impl Fn(f64) -> f64) -> Option<f64> {
         let mut oscillation = Oscillation::default();
         (0..4000).map(|k| f64::from(k) * 0.37).find_map(|t| oscillation.note(t, length(t)))
     }
 
     #[test]
-    fn a_cycle_is_told_and_what_grows_dies_out_or_only_trembles_is_not() {
+    fn a_cycle_is_detected_but_growth_decay_and_rounding_are_not() {
         let period = period_of(|t| 15.0 + 0.05 * (t / 3.0).sin()).unwrap();
         assert!((period / (6.0 * std::f64::consts::PI) - 1.0).abs() < 5e-3, "{period}");
         assert!(period_of(|t| 15.0 + 0.001 * (t / 300.0).exp() * (t / 3.0).sin()).is_none());
@@ -85,9 +85,9 @@ mod tests {
         assert!(period_of(|t| 15.0 - t).is_none());
     }
 
-    /// With steps and meshes as fine as 1e-6 and 96 the period is 17.102; those of the preset see it 1.4 % shorter.
+    /// On 96 intervals with a time tolerance of 1e-6 the period is 17.102; with the preset's numerics it is 1.4 % shorter.
     #[test]
-    fn a_cell_that_oscillates_says_so() {
+    fn an_oscillating_cell_is_an_error_with_its_period() {
         let input =
             DivisionInput::new(Cell { xi_s: 13.661062187437096, ..Cell::gao2026_thresholds(4.314170770347118) });
         match divide(&input) {

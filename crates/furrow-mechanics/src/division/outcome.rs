@@ -1,4 +1,4 @@
-//! How a division ended.
+//! The outcome of a division.
 
 use furrow_bvp::{NewtonError, Work};
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::equilibria::error::CellName;
 use crate::polarity::PolarityError;
 
-/// How a division ended, in one word.
+/// The outcome of a division in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -36,7 +36,7 @@ impl std::fmt::Display for Outcome {
     }
 }
 
-/// How a division ended, with the numbers that belong to it.
+/// The end of a division, with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
     /// The neck closed.
@@ -53,32 +53,32 @@ pub enum Ending {
     },
     /// The cell came to rest undivided.
     Arrested {
-        /// Leading growth rate of the final state, in 1/τ: negative (stable), except where the published scheme rests at a
-        /// shape that grows. Absent if a disturbed shape still moved when its time was over.
+        /// Leading growth rate of the final state, in 1/τ: negative (stable), except if the published scheme rests at
+        /// an unstable shape. Absent if a perturbed shape still moved at the end of its time.
         growth_rate: Option<f64>,
     },
 }
 
-/// Divisions whose χ differs by no more than this between seeds are said not to depend on the noise. To most cells the noise
-/// does 10⁻⁵ to 3·10⁻⁴; where two furrows compete, 10⁻² to 10⁻¹.
+/// Two divisions agree if χ differs between seeds by at most this. For most cells the noise changes χ by 10⁻⁵ to
+/// 3·10⁻⁴; where two furrows compete, by 10⁻² to 10⁻¹.
 pub const NOISE_TOLERANCE: f64 = 1e-3;
 
-/// χ that moves by more than this on twice the mesh is said to depend on the mesh. To most cells the mesh does below 10⁻³; where two
-/// furrows compete, or a bud at a pole grows from next to nothing, 10⁻² to 1.
+/// A division depends on the mesh if χ changes by more than this on twice the mesh. For most cells the change is below
+/// 10⁻³; where two furrows compete, or a bud at a pole grows from a tiny amplitude, it is 10⁻² to 1.
 pub const MESH_TOLERANCE: f64 = 5e-3;
 
-/// The outcome of one division and the work it took, as the memo, the store, the tree and answers hold it.
+/// The outcome of one division and its work, as stored in the memo, the store, the tree and answers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "DivisionRow", try_from = "DivisionRow")]
 pub struct Division {
-    /// How it ended.
+    /// Its end.
     pub ending: Ending,
     /// Time of pinch-off, or the time at which the shape was found at rest, in τ.
     pub t_end: f64,
-    /// For a cell just above the threshold of division: growth rate σ of the stationary shape at which it waited for longer
-    /// than `t_max` allows, in 1/τ. The wait, ln(amplitude after/amplitude before)/σ, is in `t_end`.
+    /// For a cell just above the threshold of division: growth rate σ of the stationary shape at which it waited longer
+    /// than `t_max` allows, in 1/τ. The wait, ln(amplitude after/amplitude before)/σ, is included in `t_end`.
     pub slow_growth_rate: Option<f64>,
-    /// The regulator φ at the furrow at pinch-off, or at u = ½ of the shape at rest; none without a regulator.
+    /// The regulator φ at the furrow at pinch-off, or at u = ½ of the shape at rest; `None` without a regulator.
     pub phi: Option<f64>,
     /// Largest relative deviation of the cell volume over the whole division.
     pub volume_drift: f64,
@@ -87,7 +87,7 @@ pub struct Division {
 }
 
 impl Division {
-    /// How it ended, in one word.
+    /// The outcome in one word.
     pub fn outcome(&self) -> Outcome {
         match self.ending {
             Ending::Divided { symmetric: true, .. } => Outcome::Symmetric,
@@ -96,22 +96,22 @@ impl Division {
         }
     }
 
-    /// Size asymmetry χ = |V1 − V2|/V; none if the cell did not divide.
+    /// Size asymmetry χ = |V1 − V2|/V; `None` if the cell did not divide.
     pub fn chi(&self) -> Option<f64> {
         self.chi_signed().map(f64::abs)
     }
 
-    /// χ with the sign of [`Ending::Divided`]; none if the cell did not divide.
+    /// χ with the sign of [`Ending::Divided`]; `None` if the cell did not divide.
     pub fn chi_signed(&self) -> Option<f64> {
         if let Ending::Divided { chi_signed, .. } = self.ending { Some(chi_signed) } else { None }
     }
 
-    /// Furrow position in arclength fraction from the pole u = 0; none if the cell did not divide.
+    /// Furrow position in arclength fraction from the pole u = 0; `None` if the cell did not divide.
     pub fn u_furrow(&self) -> Option<f64> {
         if let Ending::Divided { u_furrow, .. } = self.ending { Some(u_furrow) } else { None }
     }
 
-    /// Radii R0 of the daughters from u below and above the furrow, in L_h; none if the cell did not divide.
+    /// Radii R0 of the daughters from u below and above the furrow, in L_h; `None` if the cell did not divide.
     pub fn daughters(&self) -> Option<[f64; 2]> {
         if let Ending::Divided { daughters, .. } = self.ending { Some(daughters) } else { None }
     }
@@ -121,8 +121,8 @@ impl Division {
         if let Ending::Arrested { growth_rate } = self.ending { growth_rate } else { None }
     }
 
-    /// Volumes of the daughters from u below and above the furrow, as parts of the mother's; none if it did not divide.
-    /// Equal to the last bit where the division is symmetric.
+    /// Volumes of the daughters from u below and above the furrow, as fractions of the mother's volume; `None` if it
+    /// did not divide. Exactly equal if the division is symmetric.
     pub fn shares(&self) -> Option<[f64; 2]> {
         let below = match self.ending {
             Ending::Divided { symmetric: true, .. } => 0.5,
@@ -132,20 +132,23 @@ impl Division {
         Some([below, 1.0 - below])
     }
 
-    /// Whether this and the division of the same cell with another seed agree: the same outcome, and χ within
-    /// [`NOISE_TOLERANCE`]; χ with its sign, unless the cell is mirror-symmetric, whose noise decides the side.
+    /// Whether this division agrees with the division of the same cell with another seed: the same outcome, and χ
+    /// within [`NOISE_TOLERANCE`]. The sign of χ counts unless the cell is mirror-symmetric, since the noise then
+    /// decides the side.
     pub fn agrees_with(&self, other: &Division, mirror_symmetric: bool) -> bool {
         let near = self.chi_apart(other, mirror_symmetric).is_none_or(|apart| apart <= NOISE_TOLERANCE);
         self.outcome() == other.outcome() && (near || self.outcome() == Outcome::Symmetric)
     }
 
-    /// The difference between χ of two divisions of a cell, if both divide: of χ with its sign, unless the cell is mirror-symmetric.
+    /// The difference of χ between two divisions of a cell, if both divide. The sign of χ counts unless the cell is
+    /// mirror-symmetric.
     pub fn chi_apart(&self, other: &Division, mirror_symmetric: bool) -> Option<f64> {
         let chi = |of: &Division| if mirror_symmetric { of.chi() } else { of.chi_signed() };
         Some((chi(self)? - chi(other)?).abs())
     }
 
-    /// Whether the division on twice the mesh says something else: that the cell rests, or divides, or χ beyond [`MESH_TOLERANCE`].
+    /// Whether the division on twice the mesh differs: only one of the two divides, or χ differs by more than
+    /// [`MESH_TOLERANCE`].
     pub fn depends_on_mesh(&self, finer: &Division, mirror_symmetric: bool) -> bool {
         let moved = self.chi_apart(finer, mirror_symmetric).is_some_and(|apart| apart > MESH_TOLERANCE);
         moved || self.chi().is_some() != finer.chi().is_some()
@@ -169,8 +172,8 @@ impl Division {
         self
     }
 
-    /// The same division as it is handed to a cell of `factor` times the radius that was solved: the daughters' radii go with
-    /// the cell's, so that no volume is lost to rounding.
+    /// The division for a cell with `factor` times the computed radius: the daughters' radii scale with the cell's, so
+    /// that no volume is lost to rounding.
     pub fn with_daughters_scaled(mut self, factor: f64) -> Division {
         if let Ending::Divided { daughters, .. } = &mut self.ending {
             *daughters = daughters.map(|r0| r0 * factor);
@@ -179,7 +182,7 @@ impl Division {
     }
 }
 
-/// A division as one row of a table or one flat JSON object. The fields are those of [`Division`] and [`Ending`].
+/// A division as one row of a table or one flat JSON object, with the fields of [`Division`] and [`Ending`].
 #[expect(missing_docs, reason = "documented at `Division` and `Ending`")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DivisionRow {
@@ -238,19 +241,19 @@ impl TryFrom<DivisionRow> for Division {
     }
 }
 
-/// What stopped the time stepping.
+/// The reason why time stepping stopped.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepFailure {
     /// The equations of a step could not be solved.
     #[error(transparent)]
     Newton(#[from] NewtonError),
-    /// Every step was solved, none accurately enough.
+    /// Every step was solved, but not accurately enough.
     #[error("the local error stays above its tolerance")]
     Inaccurate,
 }
 
-/// Why a division could not be computed.
+/// The reason why a division could not be computed.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -261,7 +264,7 @@ pub enum DivisionError {
     /// The passive shape was not found.
     #[error("no passive shape found for {cell} ({source}); {}", cell.advice())]
     NoPassiveShape { cell: CellName, source: NewtonError },
-    /// The place of a cue that follows PAR polarity could not be computed.
+    /// The position of a cue that follows PAR polarity could not be computed.
     #[error("PAR polarity, which the cue follows: {source}")]
     Polarity { source: PolarityError },
     /// The start shape did not converge on the division's mesh.
@@ -275,12 +278,12 @@ pub enum DivisionError {
         advice_on_steps(*r0)
     )]
     Stalled { r0: f64, t: f64, dt: f64, source: StepFailure },
-    /// The regulator takes away a coefficient that must stay above zero.
+    /// The regulator reduces a coefficient that must stay above zero.
     #[error(
         "the regulator brings {field} of the cell with R0 = {r0} to {value:.2e} at u = {u:.3} and t = {t:.3e}, where it must stay above 0; lower its coupling or let it saturate (`half`)"
     )]
     Coefficient { r0: f64, t: f64, field: &'static str, u: f64, value: f64 },
-    /// The regulator gathers in one place without end.
+    /// The regulator concentrates in one place without limit.
     #[error(
         "the regulator of the cell with R0 = {r0} collapses to a point: at u = {u:.4} and t = {t:.3e} it is {c:.0} times as concentrated as at rest; raise its turnover or diffusion, or lower its coupling"
     )]
@@ -295,7 +298,7 @@ pub enum DivisionError {
         "the cell with R0 = {r0} oscillates with a period of {period:.3} τ: it neither divides nor comes to rest; change R0, epsilon or xi_s by a percent"
     )]
     Oscillates { r0: f64, period: f64 },
-    /// The cell moves on without ever repeating itself.
+    /// The cell keeps moving without repeating itself.
     #[error(
         "the cell with R0 = {r0} still moves at t = {t:.3} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; lower xi_s or the cue's amplitude"
     )]
@@ -308,10 +311,10 @@ pub enum DivisionError {
     Undecided { r0: f64, epsilon: f64, t_max: f64 },
 }
 
-/// Larger cells than this were not found to divide.
+/// No divisions were found for larger cells.
 const LARGEST: f64 = 100.0;
 
-/// What helps where a time step cannot be solved.
+/// Advice if a time step cannot be solved.
 fn advice_on_steps(r0: f64) -> &'static str {
     match r0 > LARGEST {
         true => "divisions are found of cells of R0 up to 100",
@@ -319,10 +322,10 @@ fn advice_on_steps(r0: f64) -> &'static str {
     }
 }
 
-/// Below this volume fraction the shell may be so wide that its force at the cell is less than rounding.
+/// Below this volume fraction the force of the shell on the cell may be below rounding.
 const WIDE_SHELL: f64 = 0.3;
 
-/// What helps where a cell is not found to be at rest.
+/// Advice if a cell is not found to be at rest.
 fn advice_on_rest(epsilon: f64) -> &'static str {
     match epsilon < WIDE_SHELL {
         true => "raise epsilon to 0.3: in a shell as wide as this nothing holds the cell in its place",

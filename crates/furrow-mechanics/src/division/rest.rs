@@ -1,4 +1,4 @@
-//! Whether a shape is at rest: the stationary state next to it, and whether that is stable.
+//! Detection of rest: the stationary state next to a shape, and its stability.
 
 use furrow_bvp::{Newton, Solution, mesh};
 
@@ -10,25 +10,27 @@ use crate::stability::Stability;
 
 /// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
 const REST_SPEED: f64 = 1e-2;
-/// Time between two looks for a stationary state, in τ.
+/// Time between two searches for a stationary state, in τ.
 pub const REST_INTERVAL: f64 = 0.5;
-/// A slow shape that seems to be farther from rest than this, relative to R0, is passed over: it has left a saddle, or not come near.
+/// A slow shape farther from rest than this by its estimate, relative to R0, is passed over: it leaves a saddle, or has
+/// not come near.
 const SURELY_TOO_FAR: f64 = 2.0 * REST_DISTANCE;
-/// How many in a row are passed over at most: what it seems is of one mode alone.
+/// Most shapes passed over in a row: the estimate assumes a single mode.
 const MOST_PASSED_OVER: usize = 20;
-/// Below this, in 1/τ, a growth rate is looked at on finer and finer meshes until it is known to a hundredth.
+/// A growth rate below this, in 1/τ, is computed on finer and finer meshes until it is known to 1 %.
 const CRITICAL: f64 = 5e-4;
-/// Most halvings of a mesh for it.
+/// Most halvings of a mesh for this.
 const MOST_HALVINGS: u32 = 4;
 
 /// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
 const REST_DISTANCE: f64 = 2e-3;
 
-/// Symmetric shapes that grow or decay more slowly than this, in 1/τ, may have asymmetric ones as near to them.
+/// Symmetric shapes that grow or decay more slowly than this, in 1/τ, may have asymmetric stationary shapes equally
+/// near.
 const CLEAR: f64 = 1e-3;
 
-/// The first iteration for it. From so near it takes one factorisation. Next to a singular point it takes more, and goes on; what
-/// has gone away by then had nothing near it.
+/// The first iteration for the stationary state. From a nearby shape it takes one factorisation. Next to a singular
+/// point it takes more and continues; an iteration that has moved away by then had no solution nearby.
 const NEARBY: Newton = Newton {
     tolerance: 1e-9,
     max_factorisations: 2,
@@ -38,29 +40,29 @@ const NEARBY: Newton = Newton {
     chord_contraction: 0.3,
 };
 
-/// A stationary shape next to that of the cell, on a finer mesh than the division's.
+/// A stationary shape next to the cell's, on the division's mesh with halved intervals.
 pub struct Rest {
-    /// The cell's own shape on that mesh.
+    /// The cell's own shape on this mesh.
     pub here: Solution,
     /// The stationary shape.
     pub stationary: Solution,
     /// Its leading growth rate, in 1/τ.
     pub growth_rate: f64,
-    /// How many times every interval of the division's mesh is halved.
+    /// Number of times that every interval of the division's mesh is halved.
     pub halvings: u32,
 }
 
-/// Detects during a division that a slow shape is at rest.
+/// Detects rest during a division.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EquilibriumDetector {
-    /// When to look next, in τ.
+    /// Time of the next search, in τ.
     pub next: f64,
-    /// Slow shapes since the last look that seemed too far from rest.
+    /// Slow shapes since the last search that were estimated to be too far from rest.
     passed_over: usize,
 }
 
 impl EquilibriumDetector {
-    /// The stationary state that the shape has come near to, if it has.
+    /// The stationary state near the shape, if there is one.
     ///
     /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for, and its
     /// leading growth rate decides.
@@ -91,8 +93,8 @@ impl EquilibriumDetector {
 }
 
 impl Rest {
-    /// The stationary state next to the newest shape, on the division's mesh with every interval halved so many times. Where a
-    /// mirror-symmetric one may be near enough it is looked for first, on half of the contour.
+    /// The stationary state next to the newest shape, on the division's mesh with every interval halved `halvings`
+    /// times. If a mirror-symmetric state may be near enough, it is looked for first, on half of the contour.
     pub fn near(stepper: &Stepper, halvings: u32, nearly_symmetric: bool) -> Option<Rest> {
         let newest = &stepper.history[0].y;
         let grid = (0..halvings).fold(newest.mesh.clone(), |grid, _| mesh::halved(&grid));
@@ -111,7 +113,8 @@ impl Rest {
     }
 }
 
-/// The stationary state beside the shape `here`, solved for on a domain, with its leading growth rate; none if it is too far.
+/// The stationary state next to the shape `here`, on a domain, with its leading growth rate; `None` if it is too far
+/// away.
 fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solution, f64)> {
     let mut cortex = Cortex::new(&stepper.cortex.cell, domain, &[]);
     let (mut y, n) = (here.clone(), here.components);

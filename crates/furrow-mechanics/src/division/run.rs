@@ -20,43 +20,44 @@ use crate::cortex::{Cortex, Domain};
 use crate::polarity;
 use furrow_cell::{Cell, Numerics, Parameter, Scheme};
 
-/// The first step is not made shorter than about this, in τ.
+/// Length below which the first step is not shortened further, in τ.
 const SHORTEST_FIRST_STEP: f64 = 1e-9;
-/// Longest first step after a skipped wait at a saddle, in τ: no growing mode is as fast as that there.
+/// Longest first step after a skipped wait at a saddle, in τ: no mode that grows there is as fast.
 const STEP_AFTER_SADDLE: f64 = 1.0;
-/// Longest step under noise that lasts, relative to the time in which it changes.
+/// Longest step under sustained noise, relative to the time between its sets of coefficients.
 const NOISE_STEP: f64 = 0.25;
 /// Largest relative narrowing of the neck per step.
 const NECK_STEP: f64 = 0.4;
-/// The same in the published scheme, whose error nothing else controls.
+/// The same in the published scheme, which has no other error control.
 const PUBLISHED_NECK_STEP: f64 = 0.08;
-/// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
+/// Below this neck radius, relative to R0, the closing of the neck is faster than all other changes.
 const CLOSING: f64 = 0.3;
-/// Errors that are allowed then, in units of the time tolerance: they move the time of pinch-off alone.
+/// Errors allowed while the neck closes, in units of the time tolerance: they affect only the time of pinch-off.
 const CLOSING_TOLERANCE: f64 = 4.0;
-/// Size of the antisymmetric part of a shape, relative to R0, up to which it does not act back on the symmetric part: what its square
-/// does to the volume stays below 1e-8 of it.
+/// Size of the antisymmetric part of a shape, relative to R0, up to which its effect on the symmetric part is
+/// neglected: the effect of its square on the volume stays below 1e-8 of the volume.
 const NEARLY_SYMMETRIC: f64 = 1.5e-5;
-/// The same while the neck closes, when that has no time to add up.
+/// The same while the neck closes, when the effect has no time to accumulate.
 const NEARLY_SYMMETRIC_CLOSING: f64 = 4e-5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
 const ODD_TOLERANCE: f64 = 375.0;
-/// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
+/// An odd part below this, relative to R0, is rounding and is not resolved: without noise, rounding is all that is odd
+/// at first.
 const ODD_ROUNDING: f64 = 1e-12;
 
-/// A time that falls short of another by less than this part of it is that time.
+/// Times that differ by less than this fraction count as equal.
 const ROUNDING: f64 = 1e-9;
 
-/// A saddle that grows more slowly than this, in 1/τ, is left on a finer mesh: its growth rate must be right.
+/// A mesh is refined at a saddle with a growth rate below this, in 1/τ, because the rate must be right.
 const NEAR_CRITICAL: f64 = 0.1;
-/// Time until the detector looks again at a saddle, in 1/σ: a growing mode needs several of these to leave it.
+/// Time until the next search for rest at a saddle, in 1/σ: a growing mode needs several of these to leave it.
 const SADDLE_WAIT: f64 = 5.0;
-/// After so many visits to a saddle the mesh is taken to hold the shape there.
+/// Number of visits to a saddle after which the mesh is refined there.
 const MOST_VISITS: usize = 3;
-/// Time that a cell which has left a saddle is given to divide or come to rest elsewhere, in 1/σ.
+/// Time for a cell that has left a saddle to divide or come to rest elsewhere, in 1/σ.
 const AFTERWARDS: f64 = 1e3;
 
-/// What an observer of a division sees after every accepted step.
+/// The state of a division that an observer receives after every accepted step.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
     /// Time, in τ.
@@ -65,14 +66,14 @@ pub struct Frame<'a> {
     pub shape: &'a Solution,
     /// Its neck, if it has a waist.
     pub neck: Option<Neck>,
-    /// The problem that the shape solves, with its motion: what [`forces`](crate::cortex::forces) reads. At t = 0 that of the
-    /// passive cell, or of the stationary shape that it starts from.
+    /// The problem that the shape solves, with its motion: the input of [`forces`](crate::cortex::forces). At t = 0 it
+    /// is the problem of the passive cell, or of the stationary shape at the start.
     pub cortex: &'a Cortex,
     /// The collocation scheme of the shape.
     pub gauss: &'a Gauss,
 }
 
-/// What to watch in a division, and when to stop it. The default watches nothing and never stops.
+/// Options of a division: observation and cancellation. The default has neither.
 #[derive(Default)]
 pub struct DivisionOptions<'a> {
     /// Called with the start shape and after every accepted step.
@@ -90,25 +91,26 @@ impl<'a> DivisionOptions<'a> {
     }
 }
 
-/// A division, with its derivatives by each parameter asked for.
+/// A division, with its derivatives by each requested parameter.
 pub type Divided = Result<(Division, Option<Vec<Sensitivity>>), DivisionError>;
 
 /// Computes one division.
 ///
 /// # Errors
-/// [`DivisionError`], naming the cell and what was tried.
+/// [`DivisionError`], which names the cell and the attempts.
 pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
     Ok(divide_with(input, DivisionOptions::default())?.0)
 }
 
-/// [`divide`] with options, and the exact derivatives of the outcome by each parameter that they name. There are no derivatives
-/// where the outcome is not smooth: where the cell does not divide, or where its wait at a stationary shape was skipped.
+/// [`divide`] with options, and the exact derivatives of the outcome by each parameter in them. There are no
+/// derivatives where the outcome is not smooth: if the cell does not divide, or if its wait at a stationary shape was
+/// skipped.
 ///
 /// # Errors
 /// See [`divide`].
 ///
 /// # Examples
-/// How χ of a cell with the germline's cue follows its size and the strength of the cue:
+/// Derivatives of χ of a cell with the germline's cue by its size and by the strength of the cue:
 ///
 /// ```
 /// use furrow_cell::{Cell, Cue, Parameter};
@@ -147,8 +149,8 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     run.first_step(&mut stepper, &mut noise)?;
     run.regulated = stepper.cortex.is_regulated();
     run.noise = Some(noise).filter(|noise| noise.sustained().is_some());
-    // Noise that lasts keeps exciting the antisymmetric part. Without noise there is no antisymmetric part but for roundings, which
-    // are to grow as they do on the whole contour.
+    // Sustained noise keeps exciting the antisymmetric part. Without noise the antisymmetric part consists of rounding
+    // errors, which must grow as they do on the whole contour.
     if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 && run.noise.is_none() {
         stepper.nearly_symmetric = NEARLY_SYMMETRIC;
         stepper.halve();
@@ -162,7 +164,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             run.dt = run.dt.min(longest_step.min(until - stepper.history[0].t) / factor);
         }
         run.advance(&mut stepper)?;
-        // The equations may have solutions beyond, but no cortex is like that.
+        // The equations may have solutions beyond this point, but they have no physical meaning.
         if let Some(error) = limits::taken_away(&stepper, 0.0) {
             return Err(error);
         }
@@ -178,7 +180,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
         }
         if let Some([until, _]) = start.watched() {
             if stepper.history[0].t >= until * (1.0 - ROUNDING) {
-                // With the growth rate of the shape that it has come to.
+                // With the growth rate of the nearest stationary shape.
                 let growth_rate = Rest::near(&stepper, 0, run.parity).map(|rest| rest.growth_rate);
                 return Ok((run.arrested(&stepper, growth_rate), None));
             }
@@ -186,11 +188,11 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             continue;
         }
         if let Some(rest) = run.detector.look(&stepper, run.parity) {
-            // The published scheme cannot leave every shape that grows: backward Euler multiplies by 1/(1 − σΔt).
+            // The published scheme cannot leave every unstable shape: backward Euler multiplies a mode by 1/(1 − σΔt).
             if rest.growth_rate < 0.0 || run.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0) {
                 return Ok((run.arrested(&stepper, Some(rest.growth_rate)), None));
             }
-            // Noise that lasts is what takes the cell away.
+            // Sustained noise moves the cell away from the saddle.
             if run.noise.is_none() {
                 run.wait_at_saddle(&mut stepper, &rest);
             }
@@ -208,7 +210,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             match (drifts, run.slow_growth_rate) {
                 (Some(_), _) => return Ok((run.arrested(&stepper, drifts), None)),
                 (None, Some(growth_rate)) => return Err(DivisionError::Critical { r0, growth_rate }),
-                // The time in which it creeps does not count.
+                // Creeping time does not count.
                 (None, None) if run.fixed.is_none() && limits::creeps(&stepper, run.longest) => {
                     run.t_max = newest.t + run.longest;
                 }
@@ -219,7 +221,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     }
 }
 
-/// The regulator at u of one of the last shapes.
+/// The regulator at u in one of the last shapes.
 fn phi_at(stepper: &Stepper, level: usize, u: f64) -> Option<f64> {
     observables::regulator_at(&stepper.system.gauss, &stepper.history.get(level)?.y, Domain::Full, u)
 }
@@ -229,16 +231,16 @@ fn phi_at(stepper: &Stepper, level: usize, u: f64) -> Option<f64> {
 struct Run {
     tolerance: f64,
     factor: f64,
-    /// A regulator is carried along, which changes at the neck until it closes.
+    /// Whether there is a regulator, which changes at the neck until it closes.
     regulated: bool,
-    /// The shape is nearly mirror-symmetric and its odd part is resolved in its own right.
+    /// Whether the shape is nearly mirror-symmetric, with its odd part resolved relative to its own size.
     parity: bool,
     odd_floor: f64,
     dt: f64,
     step_size: StepSize,
     /// The step of the published scheme.
     fixed: Option<f64>,
-    /// Noise that lasts.
+    /// Sustained noise.
     noise: Option<Noise>,
     steps: usize,
     rejected: usize,
@@ -248,20 +250,20 @@ struct Run {
     neck_rate: f64,
     /// Largest time of the numerics, in τ.
     longest: f64,
-    /// Largest time of this cell: later for one that has waited at a saddle.
+    /// Largest time of this cell: later for a cell that has waited at a saddle.
     t_max: f64,
-    /// How often the shape was found at a saddle.
+    /// Number of times that the shape was found at a saddle.
     saddle_visits: usize,
     /// Growth rate of that saddle.
     slow_growth_rate: Option<f64>,
-    /// How the shape changes with parameters, if that is asked.
+    /// Derivatives of the shape by parameters, if requested.
     tangent: Option<Tangent>,
-    /// The length of the contour so far.
+    /// Detector of oscillations in the length of the contour.
     oscillation: Oscillation,
 }
 
 impl Run {
-    /// Before the first step.
+    /// The state before the first step.
     fn new(numerics: &Numerics, parity: bool, tangent: Option<Tangent>) -> Run {
         Run {
             tolerance: numerics.time_tolerance,
@@ -276,9 +278,9 @@ impl Run {
         }
     }
 
-    /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor; where
-    /// that step cannot be solved, as where a strong cue makes the cortex a hundred times quicker, to one of a tenth of it, and
-    /// so on: what the noise starts there grows as much sooner.
+    /// The first step, with noisy activity. The noise acts in a step of given length, independent of the step factor.
+    /// If this step cannot be solved, for example because a strong cue makes the cortex a hundred times faster, the
+    /// length is reduced by factors of ten; perturbations from the noise then grow correspondingly sooner.
     fn first_step(&mut self, stepper: &mut Stepper, noise: &mut Noise) -> Result<(), DivisionError> {
         stepper.cortex.noise = noise.factors(0.0, &stepper.history[0].y, &stepper.system.gauss);
         let first = loop {
@@ -307,8 +309,8 @@ impl Run {
         taken_away.or_else(|| limits::collapsed(stepper)).unwrap_or(stalled)
     }
 
-    /// One step of the published scheme. Steps have a fixed length, and are shorter where a step cannot be solved or the neck
-    /// closes.
+    /// One step of the published scheme. Steps have a fixed length, but are shorter if a step cannot be solved or while
+    /// the neck closes.
     fn advance_fixed(&mut self, stepper: &mut Stepper, fixed: f64) -> Result<(), DivisionError> {
         while let Err(error) = self.attempt(stepper, self.dt, 1) {
             self.rejected += 1;
@@ -322,7 +324,7 @@ impl Run {
         Ok(())
     }
 
-    /// Tries a step, with the noise of its end.
+    /// Attempts a step with the noise at its end.
     fn attempt(&mut self, stepper: &mut Stepper, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
         if let Some(noise) = &mut self.noise {
             let newest = &stepper.history[0];
@@ -346,7 +348,7 @@ impl Run {
             let attempt = self.attempt(stepper, dt, order);
             let shrink = match &attempt {
                 Ok(a) => {
-                    // The step factor scales steps chosen for the tolerance: a smaller error does not win them back.
+                    // The step factor scales steps chosen for the tolerance: a smaller error does not make them longer.
                     let error = self.error_ratio(a, r0) / self.factor.powi(order as i32 + 1);
                     if error <= 1.0 || stepper.history.len() == 1 {
                         let growth = self.step_size.growth(self.dt, error, order);
@@ -375,10 +377,10 @@ impl Run {
         self.neck.is_some_and(|neck| neck.radius < CLOSING * r0)
     }
 
-    /// Error of a step in units of what is allowed: N.14 while the shape is nearly mirror-symmetric.
+    /// Error of a step in units of the tolerance: N.14 while the shape is nearly mirror-symmetric.
     fn error_ratio(&self, attempt: &Attempt, r0: f64) -> f64 {
         let Attempt { error: ParityNorm { even, odd }, odd_size } = *attempt;
-        // Once the neck closes the outcome is decided and no odd mode has time to grow.
+        // Once the neck closes, the outcome is decided and no odd mode has time to grow.
         let closing = self.closes(r0);
         let tolerance = self.tolerance * if closing && !self.regulated { CLOSING_TOLERANCE } else { 1.0 };
         let absolute = even.hypot(odd) / (tolerance * r0);
@@ -418,12 +420,12 @@ impl Run {
         self.parity &= stepper.history[0].size.is_some_and(|size| size.odd < 0.05 * size.even);
         if self.closes(stepper.cortex.cell.r0) {
             stepper.nearly_symmetric = NEARLY_SYMMETRIC_CLOSING;
-            // Whatever was slow is behind it.
+            // The closing neck needs no mesh refined for a saddle.
             stepper.halvings = 0;
         }
     }
 
-    /// At a saddle: waits until the shape leaves it or, where that would take too long, skips the wait.
+    /// At a saddle: waits until the shape leaves it or, if this would take too long, skips the wait.
     fn wait_at_saddle(&mut self, stepper: &mut Stepper, rest: &Rest) {
         let (growth, t) = (rest.growth_rate, stepper.history[0].t);
         self.detector.next = t + (SADDLE_WAIT / growth).max(REST_INTERVAL);
@@ -434,14 +436,14 @@ impl Run {
         if self.detector.next > self.longest && self.slow_growth_rate.is_none() {
             self.skip_linear_growth(stepper, rest);
         }
-        // As slow as it grows it comes to rest elsewhere, off-centre by a little.
+        // It may come to rest at a slightly asymmetric shape, as slowly as it leaves the saddle.
         self.t_max = self.t_max.max(stepper.history[0].t + AFTERWARDS / growth);
     }
 
     fn skip_linear_growth(&mut self, stepper: &mut Stepper, rest: &Rest) {
         let growth = rest.growth_rate;
         self.slow_growth_rate = Some(growth);
-        // Without the direction the division continues as it is.
+        // Without the direction the division continues unchanged.
         let Ok(departure) = saddle::leave(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
         let t = stepper.history[0].t + departure.waited;
         stepper.restart();

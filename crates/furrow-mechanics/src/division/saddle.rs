@@ -1,8 +1,8 @@
-//! Cells that wait at a saddle for longer than the time they are given.
+//! Cells that wait at a saddle longer than the allowed time.
 //!
-//! Just above a threshold of division the stationary shape is a saddle that grows at a rate σ near zero. The cell approaches
-//! it along the decaying modes and leaves it along the one growing mode, as a e^{σt}, M.24. This linear growth is known without
-//! stepping through it, so it is skipped, to an amplitude that is still small, and the division continues from there.
+//! Just above a threshold of division the stationary shape is a saddle with a growth rate σ near zero. The cell
+//! approaches it along the decaying modes and leaves it along the single growing mode, as a e^{σt}, M.24. This linear
+//! growth is known, so that it is skipped up to an amplitude that is still small; the division continues from there.
 
 use furrow_bvp::{Direction, Gauss, Solution};
 
@@ -10,22 +10,22 @@ use crate::cortex::Cortex;
 use crate::cortex::equations::{R, Z};
 use crate::stability::{Stability, StabilityError};
 
-/// Amplitude, relative to R0 and as the L² norm of (r, z) over u, after the skip: far below 1, so that the
-/// growing mode is still linear, and far above what a time step is solved to.
+/// Amplitude after the skip, relative to R0, as the L² norm of (r, z) over u: far below 1, so that the growing mode is
+/// still linear, and far above the accuracy of a time step.
 const DEPARTURE: f64 = 1e-3;
 /// A smaller amplitude than this, relative to R0, is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Where a shape leaves a saddle.
+/// The departure of a shape from a saddle.
 pub struct Departure {
-    /// The shape there, on the saddle's mesh.
+    /// The shape at departure, on the saddle's mesh.
     pub shape: Solution,
     /// Time that is skipped, in τ: ln(amplitude after/amplitude before)/σ.
     pub waited: f64,
 }
 
-/// The shape that `here` becomes after its wait at `saddle`, a stationary shape on the same mesh that grows at `growth`, to
-/// the side on which it is. Without noise that is rounding.
+/// The shape that `here` becomes after its wait at `saddle`, a stationary shape on the same mesh with growth rate
+/// `growth`. It leaves towards the side of `here`; without noise, rounding decides.
 ///
 /// # Errors
 /// The growing direction cannot be computed.
@@ -44,7 +44,7 @@ pub fn leave(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -
     Ok(Departure { shape, waited: (after / known).ln() / growth })
 }
 
-/// How far `here` is from `saddle` along `mode`, a direction of length 1.
+/// Amplitude of the distance of `here` from `saddle` along `mode`, a direction of length 1.
 fn amplitude(gauss: &Gauss, here: &Solution, saddle: &Solution, mode: &Direction) -> f64 {
     let part = |i: usize| (here.stages[i] - saddle.stages[i]) * mode.stages[i];
     let at = |k: usize| {

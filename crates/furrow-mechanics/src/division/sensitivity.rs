@@ -1,16 +1,16 @@
-//! Sensitivities: how the outcome of a division changes with the cell's parameters, exactly.
+//! Sensitivities: exact derivatives of the outcome of a division by the cell's parameters.
 //!
-//! A step solves F(y; past, p) = 0 for the new shape y. Its derivative by a parameter p follows the shape from step to step,
+//! A step solves F(y; past, p) = 0 for the new shape y. Its derivative by a parameter p is carried from step to step,
 //!
 //! * \[N.17 tangent\] ∂F/∂y · dy/dp = −∂F/∂p − ∂F/∂past · d(past)/dp,
 //!
-//! with the Jacobian that Newton's method has at the solution: one more factorisation a step, and one solve for each
-//! parameter. The past is the combination of former shapes that the backward differentiation formula says, and its
-//! derivative is the same combination of theirs. Steps and meshes are taken as they are: what depends on them is the error
-//! of the division, not its outcome.
+//! with the Jacobian of Newton's method at the solution: one more factorisation in each step, and one solve for each
+//! parameter. The past is the combination of former shapes in the backward differentiation formula, and its derivative
+//! is the same combination of their derivatives. Steps and meshes are held fixed: they affect the error of the
+//! division, not its outcome.
 //!
-//! The division ends when the neck is as narrow as [`PINCH_OFF`], at a time t\* that depends on p too: with the rates of
-//! change of the last shape, dt\*/dp = −(∂(neck)/∂p − 10⁻³ ∂R0/∂p)/(d neck/dt) and dχ/dp = ∂χ/∂p + dχ/dt · dt\*/dp.
+//! The division ends when the neck is as narrow as [`PINCH_OFF`], at a time t\* that depends on p too: with the rates
+//! of change of the last shape, dt\*/dp = −(∂(neck)/∂p − 10⁻³ ∂R0/∂p)/(d neck/dt) and dχ/dp = ∂χ/∂p + dχ/dt · dt\*/dp.
 //!
 //! # References
 //! Maly & Petzold, *Appl. Numer. Math.* 20, 57 (1996), staggered direct method.
@@ -25,10 +25,11 @@ use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::Parameter;
 
-/// Largest displacement, relative to R0, by which what is read off the last shape is differentiated: small beside the neck.
+/// Largest displacement, relative to R0, for differences of observables of the last shape: small compared with the
+/// neck.
 const DISPLACEMENT: f64 = 1e-5;
 
-/// Derivatives of a division's outcome by one parameter, in units of one over the parameter's.
+/// Derivatives of a division's outcome by one parameter, in the unit of the outcome over the parameter's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensitivity {
     /// Of the signed size asymmetry χ.
@@ -42,23 +43,23 @@ pub struct Sensitivity {
 /// Derivatives of the shapes of a running division by some parameters.
 pub(super) struct Tangent {
     parameters: Vec<Parameter>,
-    /// The problem of a step with the parameters as unknowns, each held where it is.
+    /// The problem of a step with the parameters as unknowns, each fixed at its value.
     cortex: Cortex,
     system: System,
     held: Vec<LinearCondition>,
-    /// Derivatives of the last shapes, newest first, by each parameter; on the mesh of the newest.
+    /// Derivatives of the last shapes by each parameter, newest first, on the mesh of the newest.
     history: Vec<Vec<Solution>>,
     /// Whether all steps so far could be differentiated.
     sound: bool,
 }
 
 impl Tangent {
-    /// At the passive shape, which a division starts from.
+    /// At the passive shape, the start of a division.
     pub(super) fn of_start(stepper: &Stepper, parameters: &[Parameter]) -> Tangent {
         let cell = &stepper.cortex.cell;
         let stages = stepper.history[0].y.m;
-        // The start has neither activity nor cue, whatever their numbers: these are replaced by one that shapes at rest do
-        // not depend on either, and their derivatives come out as nothing.
+        // The start has neither activity nor cue, so that their parameters are replaced by one on which shapes at rest
+        // do not depend either; their derivatives are then zero.
         let acts = |p: &Parameter| matches!(p, Parameter::XiS | Parameter::Cue { .. } | Parameter::Regulator(_));
         let known = parameters.iter().map(|p| if acts(p) { Parameter::Friction } else { *p });
         let mut tangent = Tangent {
@@ -85,7 +86,7 @@ impl Tangent {
         }
         let y = &stepper.history[0].y;
         let gauss = &self.system.gauss;
-        // The shapes that the step started from: a restart has forgotten the older ones.
+        // The shapes in the formula of the step: a restart has discarded the older ones.
         self.history.truncate(stepper.weights.len() - 1);
         for derivative in self.history.iter_mut().flatten().filter(|derivative| derivative.mesh != y.mesh) {
             *derivative = derivative.on_mesh(gauss, &y.mesh);
@@ -119,7 +120,8 @@ impl Tangent {
         self.history.truncate(MAX_ORDER + 1);
     }
 
-    /// Derivatives of the solution `y` of the problem at hand, given those of the past at every collocation point.
+    /// Derivatives of the solution `y` of the current problem, given the derivatives of the past at every collocation
+    /// point.
     fn solve(&mut self, y: &Solution, pasts: &[Vec<PastChange>]) -> Vec<Solution> {
         let mut y = y.clone();
         y.scalars.truncate(SHAPE_SCALARS);
@@ -146,8 +148,8 @@ impl Tangent {
         pasts.iter().enumerate().map(one).collect()
     }
 
-    /// ∂F/∂past · `past`, to the residuals at the stages. The equations are linear in the velocities, and these in the past:
-    /// a difference is the derivative, whatever its size.
+    /// Adds ∂F/∂past · `past` to the residuals at the stages. The equations are linear in the velocities, and these in
+    /// the past, so that a difference of any size is the derivative.
     fn add_past(&self, y: &Solution, past: &[PastChange], stages: &mut [f64]) {
         if self.cortex.rate == 0.0 {
             return;
@@ -176,7 +178,7 @@ impl Tangent {
         }
     }
 
-    /// Derivatives of the outcome at the last shape; none if a step could not be differentiated.
+    /// Derivatives of the outcome at the last shape; `None` if a step could not be differentiated.
     pub(super) fn read(&self, stepper: &Stepper) -> Option<Vec<Sensitivity>> {
         let newest = self.history.first().filter(|_| self.sound)?;
         let shapes: Vec<&Solution> = stepper.history.iter().map(|level| &level.y).collect();
@@ -186,7 +188,7 @@ impl Tangent {
             let [chi, u, neck] = self.along(shapes[0], derivative)?;
             let widened = if self.parameters[k] == Parameter::R0 { PINCH_OFF } else { 0.0 };
             let t_end = -(neck - widened) / neck_rate;
-            // χ and u are told in the frame of the last shape, at a later or earlier time by t_end.
+            // χ and u are evaluated on the last shape, and corrected for the shift t_end of the time of pinch-off.
             Some(Sensitivity { chi_signed: chi + chi_rate * t_end, u_furrow: u + u_rate * t_end, t_end })
         };
         newest.iter().enumerate().map(of).collect()
@@ -211,16 +213,16 @@ impl Tangent {
     }
 }
 
-/// How the past at a collocation point changes with a parameter.
+/// Derivatives of the past at a collocation point by a parameter.
 #[derive(Clone, Copy)]
 struct PastChange {
-    /// That of (r, z).
+    /// Derivatives of (r, z).
     place: [f64; 2],
-    /// That of a regulator.
+    /// Derivatives of the past of a regulator.
     carried: [f64; 3],
 }
 
-/// How the parts of [`Carried`] at stage i of a shape change along a direction.
+/// Derivatives of the parts of [`Carried`] at stage i of a shape along a direction.
 fn change_of_carried(y: &Solution, direction: &Solution, i: usize, diluted: bool) -> [f64; 3] {
     let n = y.components;
     let (state, change) = (&y.stages[i * n..(i + 1) * n], &direction.stages[i * n..(i + 1) * n]);
@@ -251,7 +253,7 @@ mod tests {
     use furrow_cell::cue::Quantity;
     use furrow_cell::{Cell, Cue, Numerics};
 
-    /// Central differences of converged divisions by a parameter, to fourth order in `step` of its value.
+    /// Central differences of converged divisions by a parameter, of fourth order in the relative step `step`.
     fn differences(input: &DivisionInput, parameter: Parameter, step: f64) -> [f64; 3] {
         let value = parameter.get(&input.cell);
         let at = |amount: f64| {
@@ -268,10 +270,10 @@ mod tests {
     }
 
     #[test]
-    fn tangents_are_what_differences_tend_to() {
+    fn tangents_agree_with_differences() {
         let cue = |quantity| Parameter::Cue { term: 0, quantity };
-        // Steps within which the outcome is smooth: it turns quickly with ε, and slowly enough with the others for what is
-        // left of the error of a division, 10⁻⁶, to be small beside the difference.
+        // Steps within which the outcome is smooth: it varies quickly with ε, and slowly enough with the others that
+        // the remaining error of a division, 10⁻⁶, is small compared with the difference.
         let steps = [
             (Parameter::R0, 1e-2),
             (Parameter::XiS, 1e-2),
@@ -281,7 +283,7 @@ mod tests {
             (cue(Quantity::Amplitude), 2e-2),
         ];
         let parameters = steps.map(|(parameter, _)| parameter);
-        // Fine enough that differences of divisions are derivatives.
+        // Fine enough that differences of divisions approximate derivatives.
         let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };
         let input =
             DivisionInput { numerics, ..DivisionInput::new(Cell::gao2026_thresholds(3.3).with_cue(Cue::published())) };
@@ -291,7 +293,7 @@ mod tests {
         for ((parameter, step), found) in steps.into_iter().zip(sensitivities.unwrap()) {
             let expected = differences(&input, parameter, step);
             let found = [found.chi_signed, found.u_furrow, found.t_end];
-            // What is nothing beside a change by all of its value is compared by that.
+            // A derivative close to zero is compared on the scale of a change of the parameter by its whole value.
             let floor = 3e-4 / parameter.get(&input.cell);
             for (found, expected) in found.into_iter().zip(expected) {
                 assert!((found - expected).abs() < 5e-3 * expected.abs() + floor, "{parameter}: {found} {expected}");
@@ -300,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_divide_has_no_sensitivities() {
+    fn an_undivided_cell_has_no_sensitivities() {
         let options = DivisionOptions { parameters: &[Parameter::R0], ..DivisionOptions::default() };
         let (division, sensitivities) =
             divide_with(&DivisionInput::new(Cell::gao2026_thresholds(1.6)), options).unwrap();

@@ -1,4 +1,4 @@
-//! What a division starts from: the passive shape, or a stationary shape of the active cell.
+//! The start of a division: the passive shape, or a stationary shape of the active cell.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Newton, NewtonReport, Solution};
@@ -12,23 +12,23 @@ use crate::equilibria::error::CellName;
 use crate::equilibria::passive;
 use furrow_cell::{Cell, Numerics};
 
-/// Out-of-balance of a mesh at which it is made anew before the first step.
+/// Imbalance of the mesh above which it is rebuilt before the first step.
 pub(super) const FIRST_MESH: f64 = 1.2;
 
-/// What a division starts from, and for how long it runs.
+/// The start of a division, and its duration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Start<'a> {
     /// The passive shape without the cue, which is switched on together with the activity.
     Passive,
-    /// A stationary shape of the cell on the whole contour. What follows is watched for a given time, and nothing is leapt
-    /// over in it.
+    /// A stationary shape of the cell on the whole contour. The motion that follows is observed for a given time,
+    /// without skipping a wait at a saddle.
     Stationary {
         /// The shape.
         shape: &'a Solution,
-        /// How long it is watched, in τ.
+        /// Duration of the observation, in τ.
         until: f64,
-        /// Longest time step, in τ: what grows from a tiny disturbance is not seen by the error of a step, and a long one
-        /// would damp it.
+        /// Longest time step, in τ: the error of a step does not reveal growth from a tiny perturbation, and a long
+        /// step would damp it.
         longest_step: f64,
     },
 }
@@ -47,7 +47,7 @@ pub(super) fn check(cell: &Cell) -> Result<(), DivisionError> {
 impl Start<'_> {
     /// The cell at t = 0.
     pub(super) fn stepper(&self, cell: &Cell, numerics: &Numerics) -> Result<Stepper, DivisionError> {
-        // Cues that say the same in other words have one key, and so must give the same to the last bit.
+        // Equivalent cues have one key, and so must give bit-identical results.
         let active = Cell { cue: cell.cue.simplified(), ..cell.clone() };
         let cortex = Cortex::new(&active, Domain::Full, &[]);
         let (shape, report) = match self {
@@ -69,20 +69,20 @@ impl Start<'_> {
         Ok(stepper)
     }
 
-    /// The problem that the shape at t = 0 solves.
+    /// The problem solved by the shape at t = 0.
     pub(super) fn cortex(&self, cell: &Cell) -> Cortex {
         let passive = cell.passive();
         Cortex::new(if let Start::Passive = self { &passive } else { cell }, Domain::Full, &[])
     }
 
-    /// Time after which nothing more is watched, and the longest time step, in τ; none from the passive shape.
+    /// The end of the observation and the longest time step, in τ; `None` from the passive shape.
     pub(super) fn watched(&self) -> Option<[f64; 2]> {
         if let Start::Stationary { until, longest_step, .. } = *self { Some([until, longest_step]) } else { None }
     }
 }
 
-/// Makes the start shape stationary on the mesh of the division: carried over from another mesh it is so to the accuracy of
-/// that mesh alone, which may be a larger disturbance than the noise.
+/// Makes the start shape stationary on the mesh of the division. A shape from another mesh is stationary only to the
+/// accuracy of that mesh, which may be a larger perturbation than the noise.
 fn settle(stepper: &mut Stepper) -> Result<(), DivisionError> {
     let mut cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };

@@ -1,8 +1,8 @@
-//! What several divisions of one kind of cell say together.
+//! Statistics of several divisions of one kind of cell.
 
 use super::{Division, Outcome};
 
-/// Counts of outcomes, and χ over the divisions that divided.
+/// Counts of outcomes, and χ over the cells that divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Statistics {
     /// Divisions into equal daughters.
@@ -11,7 +11,7 @@ pub struct Statistics {
     pub asymmetric: usize,
     /// Cells that came to rest undivided.
     pub failed: usize,
-    /// Mean of χ; none if no cell divided.
+    /// Mean of χ; `None` if no cell divided.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chi_mean: Option<f64>,
     /// Sample standard deviation of χ; 0 for a single division.

@@ -1,28 +1,29 @@
-//! How long the next time step is.
+//! Control of the time step.
 //!
-//! The error of a step of order k goes with its length to the power k + 1, which gives the length that makes the error what is
-//! allowed. Where steps become shorter and shorter, as while a neck closes, that is always too long, and every other step would be
-//! rejected; so the change of the error over the last two steps is continued, and the shorter of both lengths taken, N.15.
+//! The error of a step of order k is proportional to its length to the power k + 1, which gives the length with the
+//! allowed error. While steps become shorter and shorter, as when a neck closes, this length is always too long, and
+//! every other step would be rejected. Therefore the change of the error over the last two steps is extrapolated, and
+//! the shorter of both lengths taken, N.15.
 //!
 //! # References
 //! Gustafsson, *ACM Transactions on Mathematical Software* 20 (1994) 496; Hairer & Wanner, *Solving Ordinary Differential
 //! Equations II*, Springer 1996, ch. IV.8.
 
-/// Steps are this much shorter than what their error asks for: a step rejected costs as much as one made.
+/// Safety factor on the length of steps: a rejected step costs as much as an accepted one.
 const SAFETY: f64 = 0.8;
-/// A step is at least and at most this many times as long as the one before.
+/// Smallest and largest ratio of the lengths of successive steps.
 const GROWTH: [f64; 2] = [0.3, 2.0];
-/// The same for a step that is tried again.
+/// The same for a repeated step.
 const SHRINKAGE: [f64; 2] = [0.2, 0.8];
-/// Smaller errors, in units of what is allowed, are taken for this.
+/// Smaller errors, in units of the tolerance, are replaced by this.
 const SMALLEST: f64 = 1e-8;
 
-/// Length and error, in units of what is allowed, of the step before.
+/// Length and error, in units of the tolerance, of the previous step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StepSize(Option<[f64; 2]>);
 
 impl StepSize {
-    /// How many times longer than a step that is made, of this length, order and error, the next may be.
+    /// Ratio of the next step to an accepted step of the given length, error and order.
     pub fn growth(&mut self, length: f64, error: f64, order: usize) -> f64 {
         let power = 1.0 / (order as f64 + 1.0);
         let error = error.max(SMALLEST);
@@ -33,7 +34,7 @@ impl StepSize {
         growth.clamp(GROWTH[0], GROWTH[1])
     }
 
-    /// How many times longer than a step that made too large an error the next attempt is.
+    /// Ratio of the next attempt to a step with too large an error.
     pub fn shrinkage(error: f64, order: usize) -> f64 {
         (SAFETY * error.powf(-1.0 / (order as f64 + 1.0))).clamp(SHRINKAGE[0], SHRINKAGE[1])
     }
@@ -44,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steady_errors_are_brought_to_what_is_allowed() {
+    fn steady_errors_are_brought_to_the_tolerance() {
         let mut size = StepSize::default();
         size.growth(0.1, 0.5, 4);
         assert_eq!(size.growth(0.1, 0.5, 4), 0.8 * 0.5f64.powf(-0.2));
@@ -53,8 +54,9 @@ mod tests {
     }
 
     #[test]
-    fn errors_that_grow_in_shorter_and_shorter_steps_are_foreseen() {
-        // An error of (length/τ)⁵ with τ, the time that is left, falling to 0: steps of a fixed part of it make equal errors.
+    fn growing_errors_of_ever_shorter_steps_are_anticipated() {
+        // An error of (length/τ)⁵, where the remaining time τ falls to 0: steps of a fixed fraction of τ make equal
+        // errors.
         let (mut size, mut left, mut length, mut rejected) = (StepSize::default(), 1.0, 0.2, 0);
         for _ in 0..40 {
             let error = f64::powi(length / (0.3 * left), 5);

@@ -1,10 +1,9 @@
 //! Implicit time stepping of the cortex: variable-step backward differentiation formulas on a moving mesh.
 //!
-//! One step solves the boundary-value problem with ∂_t x = α₀ (x − x_past), N.13: α₀ and x_past follow from differentiating
-//! the polynomial through the new and the last k shapes at fixed u. The difference to the extrapolated shape estimates
-//! the local error. Backward differentiation damps what it does not resolve, so an unresolved *growing* mode would be
-//! damped too; while the shape is nearly mirror-symmetric its odd part is therefore held to a tolerance relative to its
-//! own size.
+//! One step solves the boundary-value problem with ∂_t x = α₀ (x − x_past), N.13: α₀ and x_past follow from
+//! differentiating the polynomial through the new and the last k shapes at fixed u. The difference from the
+//! extrapolated shape estimates the local error. Backward differentiation damps unresolved modes, including *growing*
+//! ones; while the shape is nearly mirror-symmetric, its odd part is therefore controlled relative to its own size.
 //!
 //! # References
 //! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
@@ -18,24 +17,25 @@ use super::halves::Halves;
 use crate::cortex::equations::{COMPONENTS, Carried, LENGTH, PHI, R, REGULATED, Z};
 use crate::cortex::{Cortex, amount, resolution, symmetry};
 
-/// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
+/// Share of the mesh monitor (about the turning of the contour, in radians) in one interval at the default resolution
 /// of 48.
 const SHARE: f64 = 1.1;
-/// Part of that share a new mesh uses, so that the shape can sharpen before the mesh must move again.
+/// Fraction of that share in a new mesh, so that the shape can sharpen before the mesh must move again.
 const ROOM: f64 = 0.85;
 /// Most intervals a mesh may grow to.
 const MAX_INTERVALS: usize = 1024;
 
-/// Every step is solved to this, relative to 1 + |value|, at the preset's time tolerance, and to less where that is less: to a small
-/// part of the error that it may make in time. Volumes are kept to a tenth of it.
+/// Newton's tolerance for a step, relative to 1 + |value|, at the preset's time tolerance; it is smaller for smaller
+/// time tolerances, always a small fraction of the error allowed in time. Volumes are accurate to a tenth of it.
 pub const SOLVED_TO: f64 = 1e-7;
 /// The same as a part of the time tolerance.
 const SOLVED_SHARE: f64 = 6.25e-3;
-/// Steps of a large cell, or short ones, cannot be solved to less: velocities are differences of shapes over the step.
+/// Steps of a large cell, or short steps, cannot be solved more accurately: velocities are differences of shapes over
+/// the step.
 const ROUNDING: f64 = 1e-8;
 
-/// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to a new one.
-/// While a neck closes, forces there are far larger than all else and grow at first on the way to the solution.
+/// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to
+/// a new one. While a neck closes, its forces are far larger than all others and grow at first during the iteration.
 const NEWTON: Newton = Newton {
     tolerance: SOLVED_TO,
     max_factorisations: 6,
@@ -45,10 +45,10 @@ const NEWTON: Newton = Newton {
     chord_contraction: 0.5,
 };
 
-/// Factors serve for steps whose rate is at most so much another, relative to it.
+/// Largest relative difference of the rate 1/Δt at which factors are reused.
 const SAME_RATE: f64 = 0.25;
 
-/// What an error of the regulator by its resting concentration counts as, relative to R0.
+/// Weight, relative to R0, of an error of the regulator in units of its resting concentration.
 const CARRIED: f64 = 0.05;
 
 /// Highest order of the formulas.
@@ -61,7 +61,7 @@ pub struct HistoryPoint {
     pub t: f64,
     /// The full state.
     pub y: Solution,
-    /// Size of (r, z) by parity where the shape is one that a step has led to.
+    /// Size of (r, z) by parity, for shapes that a step has led to.
     pub size: Option<ParityNorm>,
 }
 
@@ -110,8 +110,8 @@ pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2
     ParityNorm { even: even.sqrt(), odd: odd.sqrt() }
 }
 
-/// [`parity_norm`] of a change of shape of which any two components at the stage that begins at i are given; that of a
-/// regulator by its resting concentration counts as `scale`.
+/// [`parity_norm`] of a change of shape. `change` returns any two components of the change at the stage that begins at
+/// i; the change of a regulator, relative to its resting concentration, is multiplied by `scale`.
 pub fn change_norm(
     gauss: &Gauss,
     y: &Solution,
@@ -143,14 +143,14 @@ pub struct Stepper {
     pub system: System,
     /// Accepted shapes, newest first, all on the same mesh.
     pub history: Vec<HistoryPoint>,
-    /// Whether steps are begun from the polynomial through the last shapes, and not from the last shape itself.
+    /// Whether steps start from the polynomial through the last shapes instead of the last shape.
     pub extrapolates: bool,
     /// Work of all attempts; steps are counted by the caller.
     pub work: Work,
     /// Size of the antisymmetric part of a shape, relative to R0, below which the step from there may be solved on
     /// [halves](Self::halve).
     pub nearly_symmetric: f64,
-    /// Weights of the shapes in the rate of change of the newest, newest first: those of the formula last attempted.
+    /// Weights of the shapes, newest first, in the rate of change of the newest, for the formula last attempted.
     pub weights: Vec<f64>,
     spare: Vec<HistoryPoint>,
     trial: HistoryPoint,
@@ -158,10 +158,10 @@ pub struct Stepper {
     newton: Newton,
     weight: Vec<f64>,
     grid: Vec<f64>,
-    /// Whether the factors at hand are those of halves, and the rate they belong to.
+    /// Whether the current factors belong to half contours, and their rate.
     factored: Option<(bool, f64)>,
     share: f64,
-    /// How many times meshes are halved that are made from the next [`adapt`](Self::adapt) on.
+    /// Number of times that the intervals are halved in meshes from the next [`adapt`](Self::adapt) on.
     pub(super) halvings: u32,
     halves: Option<Halves>,
 }
@@ -192,36 +192,36 @@ impl Stepper {
         }
     }
 
-    /// Solves steps on half of the contour from now on wherever the shape of this mirror-symmetric cell is
-    /// [nearly symmetric](Self::nearly_symmetric).
+    /// From now on solves steps on half of the contour whenever the shape of this mirror-symmetric cell is [nearly
+    /// symmetric](Self::nearly_symmetric).
     pub fn halve(&mut self) {
         self.halves = Some(Halves::new(&self.cortex, &self.history[0].y));
     }
 
-    /// Solves steps as exactly as a time tolerance asks for.
+    /// Sets the accuracy of the steps' equations for a time tolerance.
     pub fn solve_for(&mut self, time_tolerance: f64) {
         self.newton.tolerance = (SOLVED_SHARE * time_tolerance).clamp(ROUNDING, SOLVED_TO);
     }
 
-    /// Solves steps more exactly, on a finer mesh: for small disturbances of a shape that does not change.
+    /// Solves steps more accurately, on a finer mesh: for small perturbations of a stationary shape.
     pub fn exacting(&mut self) {
         self.newton.tolerance *= 0.3;
         self.share *= 0.7;
     }
 
-    /// Counts the work of a Newton iteration.
+    /// Adds the work of a Newton iteration.
     pub fn count(&mut self, report: NewtonReport) {
         self.work.iterations += report.iterations;
         self.work.factorisations += report.factorisations;
     }
 
-    /// Forgets all but the newest shape: the next step is of first order.
+    /// Discards all shapes except the newest: the next step is of first order.
     pub fn restart(&mut self) {
         self.spare.extend(self.history.drain(1..));
         self.factored = None;
     }
 
-    /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
+    /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) accepts it.
     pub fn attempt(&mut self, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
         let order = order.min(self.history.len()).min(MAX_ORDER);
         let t = self.history[0].t + dt;
@@ -257,7 +257,8 @@ impl Stepper {
         Ok(Attempt { error, odd_size: size.odd })
     }
 
-    /// States the step with these weights of the shapes in the rate of change, newest first: its rate and its past.
+    /// States the step with these weights of the shapes, newest first, in the rate of change: sets its rate and its
+    /// past.
     fn state(&mut self, weights: &[f64]) {
         self.weights.clear();
         self.weights.extend_from_slice(weights);
@@ -290,8 +291,8 @@ impl Stepper {
         self.cortex.rate = weights[0];
     }
 
-    /// Solves the step that is stated from the trial shape and into it, on halves if it may be, and with the factors at hand if
-    /// they are of such a step and of nearly its rate.
+    /// Solves the stated step from the trial shape and into it, on half contours if allowed, with the current factors
+    /// if they belong to such a step at nearly the same rate.
     fn solve_trial(&mut self) -> Result<(), NewtonError> {
         let (newest, rate) = (&self.history[0], self.cortex.rate);
         let halved = self.halves.is_some()
@@ -338,9 +339,9 @@ impl Stepper {
         self.rate_of_change(|i, k| (new.y.stages[i + k] - old.y.stages[i + k]) / (new.t - old.t))
     }
 
-    /// About how far the shape is from where it would be at rest, in L² and relative to R0. A mode of rate σ, real or not, that
-    /// decays towards it or leaves it by, has σ times that for its speed, and σ times its speed for its acceleration. None before
-    /// three shapes are known.
+    /// Estimated distance of the shape from rest, in L² and relative to R0. For a mode with rate σ, real or complex,
+    /// that approaches or leaves rest, the speed is σ times the distance, and the acceleration σ times the speed.
+    /// `None` before three shapes are known.
     pub fn distance_to_rest(&self) -> Option<f64> {
         let [new, old, older, ..] = &self.history[..] else { return None };
         let velocity = |a: &HistoryPoint, b: &HistoryPoint, i: usize| (a.y.stages[i] - b.y.stages[i]) / (a.t - b.t);
@@ -350,14 +351,14 @@ impl Stepper {
         Some(self.speed().powi(2) / acceleration)
     }
 
-    /// L² over u, relative to R0, of a change whose component k at the stage that begins at i is given.
+    /// L² norm over u, relative to R0, of a change; `change` returns its component k at the stage that begins at i.
     fn rate_of_change(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
         let (newest, r0) = (&self.history[0].y, self.cortex.cell.r0);
         let norm = change_norm(&self.system.gauss, newest, r0, |i, at| at.map(|k| change(i, k)));
         norm.even.hypot(norm.odd) / r0
     }
 
-    /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.
+    /// Even number of intervals that keeps the share of each in the monitor below `room` of its limit.
     fn wanted_intervals(&self, mesh: &[f64], room: f64) -> usize {
         let total: f64 = mesh.windows(2).zip(&self.weight).map(|(x, w)| (x[1] - x[0]) * w).sum();
         let share = self.share * 0.5f64.powi(self.halvings as i32);
@@ -375,7 +376,7 @@ impl Stepper {
         if mesh::imbalance(&y.mesh, &self.weight) < tolerance && wanted <= now && 3 * wanted >= 2 * now {
             return;
         }
-        // The monitor is only known at the old points, so a sharp neck takes a second look on the new ones.
+        // The monitor is known only at the old points, so a sharp neck takes a second iteration on the new ones.
         let mut source = self.spare.pop().unwrap_or_else(|| self.history[0].clone());
         source.y.clone_from(&self.history[0].y);
         for _ in 0..3 {

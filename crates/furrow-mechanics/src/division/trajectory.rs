@@ -36,12 +36,12 @@ struct Step {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Trajectory {
-    /// How it ended.
+    /// Its outcome.
     pub division: Division,
     cortex: Cortex,
     gauss: Gauss,
     steps: Vec<Step>,
-    /// Places of each mesh interval, where not the collocation points are taken.
+    /// Number of places in each mesh interval, if they replace the collocation points.
     dense: Option<usize>,
 }
 
@@ -54,12 +54,12 @@ pub struct Snapshot {
     pub length: f64,
     /// Pressure p, in κ0/L_h³.
     pub pressure: f64,
-    /// The contour from pole to pole, at the collocation points of its mesh, or as many places as were asked for, and at
-    /// both ends.
+    /// The contour from pole to pole, at the collocation points of its mesh or at the requested places, and at both
+    /// ends.
     pub places: Vec<Place>,
     /// Its neck, if it has a waist.
     pub neck: Option<Neck>,
-    /// (V_above − V_below)/V of the parts from u above and below the neck; 0 without one.
+    /// (V_above − V_below)/V for the parts on both sides of the neck; 0 without a neck.
     pub asymmetry: f64,
 }
 
@@ -75,7 +75,7 @@ impl Snapshot {
 pub struct Recorder(Vec<Step>);
 
 impl Recorder {
-    /// Records a shape; to be called by the division's observer.
+    /// Records a shape; called by the division's observer.
     pub fn record(&mut self, frame: Frame<'_>) {
         let Frame { t, shape, neck, cortex, .. } = frame;
         self.0.push(Step { t, shape: shape.clone(), cortex: cortex.clone(), neck });
@@ -83,7 +83,7 @@ impl Recorder {
 
     /// The trajectory, once the division has ended.
     pub fn finish(self, input: &DivisionInput, division: Division) -> Trajectory {
-        // It has divided, so that its cue has its place.
+        // The division has succeeded, so that the cue's position can be resolved.
         let cell = polarity::resolved(&input.cell).unwrap_or(Cow::Borrowed(&input.cell));
         let cortex = Cortex::new(&cell, Domain::Full, &[]);
         Trajectory {
@@ -112,7 +112,7 @@ impl Trajectory {
         Trajectory { dense: Some(count.max(1)), ..self }
     }
 
-    /// Where a step is looked at.
+    /// The places of a step.
     fn profile(&self, step: &Step) -> Vec<Place> {
         match self.dense {
             None => forces::profile(&step.cortex, &self.gauss, &step.shape),
@@ -120,7 +120,7 @@ impl Trajectory {
         }
     }
 
-    /// The cell, with its cue in its place.
+    /// The cell, with the resolved position of its cue.
     pub fn cell(&self) -> &Cell {
         &self.cortex.cell
     }
@@ -130,19 +130,19 @@ impl Trajectory {
         forces::shell_axes(&self.cortex)
     }
 
-    /// The time of every step, the first at 0. The last is that of the shape whose neck is below pinch-off, a little later than
-    /// the division is said to end.
+    /// The times of all steps, the first at 0. At the last time the neck is narrower than at pinch-off, a little later
+    /// than the end of the division.
     pub fn times(&self) -> Vec<f64> {
         self.steps.iter().map(|step| step.t).collect()
     }
 
-    /// The cell at a time of [`times`](Self::times), by its number, counted from 0; past the last the last.
+    /// The cell at step `number` of [`times`](Self::times), counted from 0; the last one beyond the end.
     pub fn step(&self, number: usize) -> Snapshot {
         let Some(step) = self.steps.get(number).or(self.steps.last()) else { return Snapshot::default() };
         self.snapshot(step.t, step, None, self.profile(step))
     }
 
-    /// The cell at any time, between the first step and the last: at the places of the step behind, interpolated in time
+    /// The cell at any time between the first step and the last: at the places of the next step, interpolated in time
     /// at fixed u.
     pub fn at(&self, t: f64) -> Snapshot {
         let behind = self.steps.partition_point(|step| step.t < t);
@@ -158,7 +158,7 @@ impl Trajectory {
         self.snapshot(t, before, Some((after, share)), places)
     }
 
-    /// The times k·step, and the last; the last alone where the step is not above 0.
+    /// The times k·step, and the last time; only the last if `step` is not above 0.
     pub fn uniform_times(&self, step: f64) -> Vec<f64> {
         let end = self.steps.last().map_or(0.0, |step| step.t);
         let count = if step > 0.0 { ((end - 1e-9 * step) / step).ceil().max(0.0) as usize } else { 0 };
@@ -197,7 +197,7 @@ mod tests {
     use furrow_cell::Cue;
 
     #[test]
-    fn between_steps_the_contour_is_that_of_a_finer_division() {
+    fn between_steps_the_contour_agrees_with_a_finer_division() {
         let cell = Cell::gao2026_thresholds(4.0).with_cue(Cue::published());
         let coarse = Trajectory::compute(&DivisionInput::new(cell.clone())).unwrap();
         let mut input = DivisionInput::new(cell);
@@ -229,9 +229,9 @@ mod tests {
         assert!((last.asymmetry.abs() - trajectory.division.chi().unwrap()).abs() < 1e-3);
     }
 
-    /// What is drawn of a cue that follows PAR polarity is where it was.
+    /// A cue that follows PAR polarity is drawn at its position in the division.
     #[test]
-    fn the_cell_has_its_cue_in_its_place() {
+    fn the_cell_has_the_resolved_cue() {
         let cue = "kappa:par_band,amplitude=0.1".parse().unwrap();
         let trajectory = Trajectory::compute(&DivisionInput::new(Cell::new(5.4).with_cue(cue))).unwrap();
         let drawn = &trajectory.cell().cue;

@@ -1,4 +1,4 @@
-//! The branch that leaves the mirror-symmetric one at a pitchfork, on the full contour.
+//! The branch that leaves the mirror-symmetric branch at a pitchfork, on the full contour.
 
 use furrow_bvp::continuation::State;
 use furrow_bvp::predictor::History;
@@ -17,9 +17,9 @@ use crate::cortex::symmetry::{is_mirrored, unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Parameter};
 
-/// Switches onto the asymmetric branch at a pitchfork of a cell, towards u_f < ½ (its mirror image is the other half of
-/// the branch). The tangent there is the null vector, and the first step is the distance along it that moves the furrow by
-/// the first of [`SCALING_RANGE`] in u.
+/// Switches to the asymmetric branch at a pitchfork of a cell, towards u_f < ½ (its mirror image is the other half of
+/// the branch). The tangent there is the null vector, and the first step is the distance along it that moves the furrow
+/// by the first of [`SCALING_RANGE`] in u.
 fn switch(pitchfork: &Pitchfork, cell: &Cell, settings: &ContinuationSettings) -> Continuation<Cortex> {
     let solution = unfold(&pitchfork.shape);
     let free = [Parameter::XiS];
@@ -62,40 +62,41 @@ pub struct AsymmetricBranch {
 /// Furrow shifts Δu used for the scaling.
 const SCALING_RANGE: [f64; 2] = [5e-4, 8e-3];
 
-/// A step that ends this little short of mirror-symmetric shapes, in its own length, has come back to them.
+/// A step has returned to mirror-symmetric shapes if the asymmetry vanishes within this many of its lengths from its
+/// start.
 const REACHED: f64 = 1.02;
-/// So does one that ends as near as this, where the asymmetry has shrunk to this fraction of its largest: next to a pitchfork steps
-/// can become short.
+/// The same limit, and the fraction of the largest asymmetry below which it applies: steps can become short next to a
+/// pitchfork.
 const CLOSE: f64 = 3.0;
 const SHRUNK: f64 = 1e-3;
-/// A mesh that is not quite mirror-symmetric turns the branch back shortly before the pitchfork, in a fold that cannot always be located. Up
-/// to this fraction of the largest asymmetry the pitchfork is looked for in its place.
+/// On a mesh that is not quite mirror-symmetric the branch turns back shortly before the pitchfork, in a fold that
+/// cannot always be located. Below this fraction of the largest asymmetry the pitchfork is looked for instead.
 const TURNS: f64 = 2e-2;
 
-/// Shapes with less than this of the largest asymmetry may be on the way back to mirror-symmetric ones.
+/// Shapes with less than this fraction of the largest asymmetry may be returning to mirror symmetry.
 const NEARLY: f64 = 0.3;
 
-/// What a run along an asymmetric branch keeps.
+/// Data of a run along an asymmetric branch.
 #[derive(Default)]
 struct Run {
     points: Vec<ShapePoint>,
     events: Vec<BranchEvent>,
-    /// (|Δu|, ξ_s − ξ_s*) on the way out.
+    /// (|Δu|, ξ_s − ξ_s*) while the branch opens.
     samples: Vec<[f64; 2]>,
-    /// Whether Δu has only grown so far: the furrow may come back later.
+    /// Whether Δu has only grown so far: the furrow may return later.
     opening: bool,
     asymmetry: Vec<f64>,
     largest: f64,
-    /// Where along the newest step, or up to [`CLOSE`] of its lengths, the asymmetry vanishes.
+    /// Fraction of the newest step, at most [`CLOSE`], at which the asymmetry vanishes.
     vanishes: Option<f64>,
-    /// The [course] of the branch at the point before.
+    /// The [course] of the branch at the previous point.
     before: [f64; 3],
     stop: Option<BranchEnd>,
 }
 
 impl Run {
-    /// The pitchfork at which the newest step has come back to mirror-symmetric shapes, if it has; why it cannot be located if these have
-    /// been reached nevertheless.
+    /// The pitchfork at which the newest step has returned to mirror-symmetric shapes, if it has; the error if such
+    /// shapes were reached but the pitchfork cannot be located.
     fn rejoined(&mut self, branch: &Continuation<Cortex>) -> Option<Result<Pitchfork, SingularError>> {
         let before = std::mem::replace(&mut self.asymmetry, asymmetry(&branch.system.gauss, &branch.state.solution));
         self.largest = self.size().max(self.largest);
@@ -105,7 +106,7 @@ impl Run {
         Some(rejoined(branch, share)).filter(|found| found.is_ok() || symmetric && share < REACHED)
     }
 
-    /// The pitchfork in the place of a fold that cannot be located, where there is one.
+    /// The pitchfork near a fold that cannot be located, if there is one.
     fn turned(&self, branch: &Continuation<Cortex>) -> Option<Pitchfork> {
         let lost = matches!(self.stop, Some(BranchEnd::NotLocated(_))) && self.size() < TURNS * self.largest;
         self.vanishes.filter(|_| lost).and_then(|share| rejoined(branch, share).ok())
@@ -115,7 +116,7 @@ impl Run {
         self.asymmetry.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
     }
 
-    /// Adds the folds of the newest step, up to where the neck becomes too narrow.
+    /// Adds the folds of the newest step, up to the narrowest allowed neck.
     fn folds(&mut self, branch: &mut Continuation<Cortex>, passed: bool) {
         match folds_near(branch, self.before, passed) {
             Ok(folds) => self.events.extend(folds.into_iter().map(|fold| BranchEvent::Fold(Box::new(fold)))),
@@ -128,8 +129,8 @@ impl Run {
         self.before = course(branch);
     }
 
-    /// Keeps the mesh mirror-symmetric next to mirror-symmetric shapes: on another one the pitchfork there is imperfect, and the branch turns
-    /// back before it in a fold of the mesh's own.
+    /// Keeps the mesh mirror-symmetric near mirror-symmetric shapes: on other meshes the pitchfork is imperfect, and
+    /// the branch turns back before it in a spurious fold.
     fn mirror_mesh(&self, branch: &mut Continuation<Cortex>) {
         let near = self.size() < NEARLY * self.largest;
         branch.monitor = Some(if near { mirrored_monitor } else { mesh_monitor });
@@ -138,7 +139,7 @@ impl Run {
         }
     }
 
-    /// Takes a point in; whether to go on.
+    /// Adds a point; returns whether to continue.
     fn take_in(&mut self, point: ShapePoint, threshold: f64) -> bool {
         self.opening &= point.delta_u.abs() < SCALING_RANGE[1];
         if self.opening && self.events.is_empty() && point.delta_u.abs() >= SCALING_RANGE[0] {
@@ -149,9 +150,9 @@ impl Run {
     }
 }
 
-/// Follows the asymmetric branch from a pitchfork of a cell until ξ_s leaves its range, the neck is pinched or the shapes
-/// are mirror-symmetric again. A fold that cannot be located ends it, as does the loss of the branch: [`Branch::ended`]
-/// says so.
+/// Follows the asymmetric branch from a pitchfork of a cell until ξ_s leaves its range, the neck is pinched or the
+/// shapes are mirror-symmetric again. The branch also ends at a fold that cannot be located, or where continuation
+/// fails: see [`Branch::ended`].
 pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> AsymmetricBranch {
     let mut branch = switch(pitchfork, cell, &options.settings);
     let mut run = Run { points: vec![pitchfork.point], opening: true, before: course(&branch), ..Run::default() };

@@ -1,8 +1,9 @@
-//! Where a cell comes to rest undivided: exact intervals of ξ_s between the folds and pitchforks of the branch that grows
-//! out of the passive shape.
+//! Shapes at which a cell rests undivided: exact intervals of ξ_s between the folds and pitchforks of the branch that
+//! starts at the passive shape.
 //!
-//! Stability changes at folds and pitchforks, and so in whole segments between two of them; where a cue makes a cell lose it
-//! by oscillation within a segment, the interval ends between the points that show it.
+//! Stability changes at folds and pitchforks, so that whole segments between them are stable or unstable. If a cue
+//! causes a cell to become unstable by oscillation within a segment, the interval ends between the two points that show
+//! it.
 
 use serde::Serialize;
 
@@ -63,10 +64,10 @@ pub fn rest_shapes(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<Rest
     Ok(RestShapes { intervals: stable_intervals(&edges, &branch.points), edges })
 }
 
-/// Growth rates nearer to zero than this, in 1/τ, are those of an edge itself, and may have either sign beside it.
+/// Growth rates closer to zero than this, in 1/τ, belong to an edge, and may have either sign next to it.
 const MARGINAL: f64 = 1e-3;
 
-/// The stable part of every segment between two edges: what surrounds its middle point, if that is stable. A segment
+/// The stable part of every segment between two edges: the part around its middle point, if this is stable. A segment
 /// shorter than a step has no point and is left to divisions.
 fn stable_intervals(edges: &[Edge], points: &[ShapePoint]) -> Vec<[f64; 2]> {
     let ends: Vec<f64> = edges.iter().map(Edge::xi_s).collect();
@@ -85,8 +86,8 @@ fn stable_intervals(edges: &[Edge], points: &[ShapePoint]) -> Vec<[f64; 2]> {
     (0..=edges.len()).filter_map(stable).collect()
 }
 
-/// Where stability is lost along points that begin with a stable one, if it is lost clearly: without a fold or a pitchfork
-/// between, by a pair of complex rates, as a cue can bring about. Between its two points the rate is taken as linear.
+/// The ξ_s at which stability is clearly lost along points that begin with a stable one: without a fold or a pitchfork,
+/// by a pair of complex rates, as a cue can cause. The rate is interpolated linearly between the two points.
 fn oscillates_at(points: &[&ShapePoint]) -> Option<f64> {
     points.windows(2).find_map(|pair| {
         let [a, b] = [pair[0].growth_rate?, pair[1].growth_rate?];
@@ -112,7 +113,7 @@ mod tests {
             point(0, 3.0, -1.0),
             point(0, 6.0, -0.2),
             point(1, 5.0, 0.5),
-            // The first growth rate after an edge is next to nothing, and may have either sign.
+            // The first growth rate after an edge is nearly zero, and may have either sign.
             point(2, 3.91, 1e-9),
             point(2, 5.0, -0.3),
             point(2, 6.2, -0.1),
@@ -121,7 +122,7 @@ mod tests {
         ];
         assert_eq!(stable_intervals(&edges, &points), [[0.0, 6.14], [3.9, 6.24]]);
         assert_eq!(stable_intervals(&[], &points[..2]), [[0.0, 3.0]]);
-        // Lost by oscillation, a quarter of the way from 6 to 8.
+        // Stability is lost by oscillation, a quarter of the way from 6 to 8.
         let lost = [point(0, 0.0, -3.0), point(0, 3.0, -1.0), point(0, 6.0, -0.2), point(0, 8.0, 0.6)];
         assert_eq!(stable_intervals(&[fold(8.2, true)], &lost), [[0.0, 6.5]]);
         assert_eq!(stable_intervals(&[fold(6.85, true)], &points[..3]), [[0.0, 6.85]]);

@@ -1,4 +1,4 @@
-//! Growth rates of every azimuthal number along a branch, and where they change sign.
+//! Growth rates of every azimuthal number along a branch, and their sign changes.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Continuation, Newton, Solution, System};
@@ -9,36 +9,36 @@ use crate::cortex::Cortex;
 use crate::cortex::problem::SHAPE_SCALARS;
 use furrow_cell::Parameter;
 
-/// Steps of the search for a crossing, and how close to it in ξ_s it ends.
+/// Most steps of the search for a crossing, and its accuracy in ξ_s.
 const SEARCH: usize = 40;
 pub(super) const CLOSE: f64 = 1e-9;
 
-/// A shape where disturbances of one azimuthal number neither grow nor decay.
+/// A shape at which perturbations of one azimuthal number neither grow nor decay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The azimuthal number.
     pub m: usize,
     /// The shape.
     pub point: ShapePoint,
-    /// Whether they grow beyond it, along the branch.
+    /// Whether they grow beyond it along the branch.
     pub grows: bool,
 }
 
 /// Growth rates along a branch for m = 1 … `most`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AzimuthalScan {
-    /// Largest azimuthal number; none are computed if it is 0.
+    /// Largest azimuthal number; 0 computes no rates.
     most: usize,
-    /// Of every point, the largest growth rate for m = 1, 2, …, where it could be computed.
+    /// For every point, the largest growth rate for m = 1, 2, …, if it could be computed.
     pub rates: Vec<Vec<Option<f64>>>,
-    /// Where they change sign.
+    /// Points where a rate changes sign.
     pub crossings: Vec<Crossing>,
-    /// Azimuthal numbers that change sign behind a point (its index) without a crossing that could be located.
+    /// Azimuthal numbers with a sign change after a point (its index) that could not be located.
     pub not_located: Vec<(usize, usize)>,
     before: Option<Solution>,
 }
 
-/// The largest growth rate of disturbances of azimuthal number m.
+/// The largest growth rate of perturbations of azimuthal number m.
 pub(super) fn rate(cortex: &Cortex, y: &Solution, m: usize) -> Option<f64> {
     Azimuthal::new(cortex, y, m).growth_rate().ok()
 }
@@ -49,7 +49,7 @@ impl AzimuthalScan {
         AzimuthalScan { most, ..AzimuthalScan::default() }
     }
 
-    /// The azimuthal numbers whose rate could not be computed somewhere, each with the indices of these points.
+    /// The azimuthal numbers with points where the rate could not be computed, and the indices of these points.
     pub fn missing(&self) -> Vec<(usize, Vec<usize>)> {
         let of = |m: usize| {
             let at = |(k, rates): (usize, &Vec<Option<f64>>)| matches!(rates.get(m - 1), Some(None)).then_some(k);
@@ -59,7 +59,7 @@ impl AzimuthalScan {
         (1..=most).map(of).filter(|(_, points)| !points.is_empty()).collect()
     }
 
-    /// Takes in the newest point of a branch.
+    /// Adds the newest point of a branch.
     pub(crate) fn take_in(&mut self, branch: &Continuation<Cortex>) {
         if self.most == 0 {
             return;
@@ -83,7 +83,7 @@ impl AzimuthalScan {
     }
 }
 
-/// Stationary shapes of one cell at activities as they are asked for.
+/// Computes stationary shapes of one cell at given activities.
 pub(super) struct Corrector {
     /// The cell.
     pub cortex: Cortex,
@@ -99,7 +99,7 @@ impl Corrector {
         Corrector { cortex, system, scratch: NewtonScratch::default() }
     }
 
-    /// The shape at ξ_s near `y`, which it becomes, and the growth rate of its disturbances of azimuthal number m.
+    /// The growth rate of perturbations of azimuthal number m at ξ_s; `y`, a shape nearby, becomes the shape there.
     pub fn rate(&mut self, xi: f64, y: &mut Solution, m: usize) -> Option<f64> {
         y.scalars.truncate(SHAPE_SCALARS);
         self.cortex.set(Parameter::XiS, xi);
@@ -108,7 +108,7 @@ impl Corrector {
     }
 }
 
-/// A solution on the way from one to another on the same mesh, or beyond.
+/// Linear interpolation or extrapolation between two solutions on the same mesh.
 pub(super) fn between(from: &Solution, to: &Solution, share: f64) -> Solution {
     let mut y = to.clone();
     for (y, from) in [(&mut y.nodes, &from.nodes), (&mut y.stages, &from.stages), (&mut y.scalars, &from.scalars)] {
@@ -117,8 +117,8 @@ pub(super) fn between(from: &Solution, to: &Solution, share: f64) -> Solution {
     y
 }
 
-/// The shape between two of a branch where the growth rate is 0, by false position on ξ_s; none where the branch turns back between
-/// them, or a shape is not found.
+/// The shape with growth rate 0 between two shapes of a branch, by false position in ξ_s; `None` if the branch turns
+/// back between them, or a shape is not found.
 pub(super) fn crossing(
     cortex: &Cortex,
     [from, to]: [&Solution; 2],
@@ -140,7 +140,7 @@ pub(super) fn crossing(
         if here == 0.0 || step < CLOSE * (1.0 + xi.abs()) {
             break;
         }
-        // The Illinois rule: an end that stays counts half.
+        // The Illinois rule: the value at an end that is kept is halved.
         if (here < 0.0) == (rates[1] < 0.0) {
             rates[0] *= 0.5;
         } else {

@@ -1,7 +1,7 @@
-//! The activity from which disturbances of one azimuthal number grow, as a curve over a parameter.
+//! The activity above which perturbations of one azimuthal number grow, as a curve over a parameter.
 //!
-//! The growth rate at the threshold is the rightmost of all, and simple: the curve is followed by secants, and every point of it is
-//! located by itself. Those of the preset `gao2026` are kept as a table, which costs nothing to read.
+//! The threshold is a simple zero of the rightmost growth rate: the curve is followed by secants, and each of its
+//! points is located independently. The thresholds of the preset `gao2026` are stored in a table.
 
 use std::sync::LazyLock;
 
@@ -18,24 +18,26 @@ use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Numerics, Parameter};
 
-/// The first step along a curve and the longest one, in parts of its range; it is given up where this small a part leads nowhere.
+/// First and longest steps along a curve, as fractions of its range, and the step below which the curve is abandoned.
 const FIRST_STEP: f64 = 1.0 / 24.0;
 const LONGEST_STEP: f64 = 1.0 / 12.0;
 const SMALLEST_STEP: f64 = 1e-4;
-/// Most that a threshold may differ from its prediction, relative to itself; a step that predicts so much better is lengthened.
+/// Largest relative deviation of a threshold from its prediction, and the deviation below which the next step is
+/// lengthened.
 const FAR: f64 = 0.03;
 const NEAR: f64 = 0.005;
-/// Most steps of the search for one point.
+/// Most steps of the search for a point.
 const SEARCH: usize = 12;
-/// Step in ξ_s for the first slope of the growth rate, relative.
+/// Relative step in ξ_s for the first slope of the growth rate.
 const SLOPE_STEP: f64 = 1e-3;
 
-/// R0 and ξ_s where disturbances m = 1 begin to grow in cells of the preset `gao2026` without a cue, as `furrow branch --r0 R
-/// --azimuthal 1` locates it.
+/// R0 and ξ_s at which perturbations with m = 1 begin to grow in cells of the preset `gao2026` without a cue, as
+/// located by `furrow branch --r0 R --azimuthal 1`.
 const PRESET: &str = include_str!("../../data/gao2026.azimuthal.json");
 
-/// The activity from which disturbances m = 1, which deepen a furrow on one side, grow in a resting cell, without solving: for cells with
-/// the constants of the preset `gao2026`, without a cue, to 0.1 %. None for other cells, and for R0 beyond what is tabulated.
+/// The activity above which perturbations with m = 1, which deepen a furrow on one side, grow in a resting cell, from a
+/// table to 0.1 %: for cells with the constants of the preset `gao2026` and without a cue. `None` for other cells, and
+/// for R0 outside the table.
 ///
 /// # Examples
 /// ```
@@ -55,12 +57,13 @@ pub fn one_sided_from(cell: &Cell) -> Option<f64> {
     Some(xi_s + (cell.r0 - r0) / (next_r0 - r0) * (next_xi_s - xi_s))
 }
 
-/// Whether disturbances m = 1 grow in a resting cell, by [`one_sided_from`]: it rests as long as it keeps its axis.
+/// Whether perturbations with m = 1 grow in a resting cell, by [`one_sided_from`]: it rests only while it stays
+/// axisymmetric.
 pub fn grows_one_sided(cell: &Cell) -> bool {
     one_sided_from(cell).is_some_and(|from| cell.xi_s > from)
 }
 
-/// A threshold, and what the next one is predicted from.
+/// A threshold, with the data that predict the next one.
 struct Threshold {
     value: f64,
     xi_s: f64,
@@ -69,8 +72,8 @@ struct Threshold {
     shape: Solution,
 }
 
-/// The first shape of the primary branch at which disturbances of azimuthal number m begin to grow as ξ_s rises. Behind a fold beyond
-/// which the shapes pinch off it is not looked for.
+/// The first shape of the primary branch at which perturbations of azimuthal number m begin to grow as ξ_s rises. The
+/// search ends at a fold beyond which the shapes pinch off.
 fn first(cell: &Cell, numerics: &Numerics, m: usize) -> Result<(Cortex, ShapePoint, Solution)> {
     let cell = &*resolved(cell)?;
     let options = BranchOptions::default();
@@ -104,7 +107,7 @@ fn first(cell: &Cell, numerics: &Numerics, m: usize) -> Result<(Cortex, ShapePoi
     }
 }
 
-/// A curve of thresholds, being followed.
+/// A curve of thresholds during its continuation.
 struct Follower<'a> {
     cortex: Cortex,
     gauss: Gauss,
@@ -137,7 +140,8 @@ impl Follower<'_> {
         Some(Threshold { value, xi_s: point.xi_s, slope: (beyond - here) / step, shape })
     }
 
-    /// The threshold at a value, from a prediction of it with the slope of the growth rate there; none where it is not close by.
+    /// The threshold at a value, from a prediction of it and of the slope of the growth rate there; `None` if it is not
+    /// close to the prediction.
     fn locate(&mut self, predicted: Threshold) -> Option<Threshold> {
         let Threshold { value, xi_s: guess, mut slope, mut shape } = predicted;
         let mut at_rest = self.at(value, shape.m);
@@ -170,7 +174,7 @@ impl Follower<'_> {
         }
     }
 
-    /// Follows the curve from its first threshold to a value; how far it came.
+    /// Follows the curve from its first threshold to a value; returns the value reached.
     fn follow(&mut self, first: Threshold, to: f64) -> f64 {
         let whole = to - first.value;
         let mut step = FIRST_STEP * whole;
@@ -180,7 +184,7 @@ impl Follower<'_> {
                 return last.value;
             }
             let left = to - last.value;
-            // No small step is left for the end.
+            // The last step is not a very short one.
             let by = if step.abs() > 0.99 * left.abs() { left } else { step };
             let value = if by == left { to } else { last.value + by };
             let (xi_s, shape) = match &before {
@@ -205,7 +209,8 @@ impl Follower<'_> {
     }
 }
 
-/// The slope of a curve at each of its points, by the parabola through it and its neighbours; not a number on a curve of fewer points.
+/// The slope of a curve at each of its points, by the parabola through it and its neighbours; NaN for curves of fewer
+/// than three points.
 fn fill_slopes(points: &mut [CurvePoint]) {
     let places: Vec<[f64; 2]> = points.iter().map(|point| [point.value, point.xi_s]).collect();
     for (k, point) in points.iter_mut().enumerate() {
@@ -221,11 +226,11 @@ fn fill_slopes(points: &mut [CurvePoint]) {
     }
 }
 
-/// Follows the threshold of disturbances of azimuthal number m from one value of a parameter (where it is looked for first, along the
-/// primary branch) to another. A curve that ends on the way keeps what there is of it.
+/// Follows the threshold of perturbations of azimuthal number m from one value of a parameter, where it is located
+/// along the primary branch, to another. A curve that ends on the way keeps its points.
 ///
 /// # Examples
-/// Larger cells lose their axial symmetry at a smaller activity:
+/// Larger cells lose their axisymmetry at a smaller activity:
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics, Parameter};
@@ -256,7 +261,7 @@ pub fn threshold_curve(
 fn follow(cell: &Cell, numerics: &Numerics, parameter: Parameter, range: [f64; 2], m: usize) -> Result<Curve> {
     let [from, to] = range;
     let (cortex, point, shape) = first(&curves::at_value(cell, parameter, from), numerics, m)?;
-    // What is mirror-symmetric at one value alone needs the whole contour.
+    // A shape that is mirror-symmetric only at one value needs the whole contour.
     let whole = curves::domain_along(cell, parameter) != cortex.domain;
     let (cortex, shape) = match whole {
         true => (Cortex::new(&cortex.cell, Domain::Full, &[]), unfold(&shape)),
@@ -280,7 +285,7 @@ fn follow(cell: &Cell, numerics: &Numerics, parameter: Parameter, range: [f64; 2
 mod tests {
     use super::*;
 
-    /// The thresholds that `branch --azimuthal` locates, one at a time, on other meshes.
+    /// The thresholds of single cells from `branch --azimuthal`, on other meshes.
     #[test]
     fn the_curve_passes_the_thresholds_of_single_cells() {
         let numerics = Numerics::default();
@@ -304,13 +309,13 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_grow_has_no_curve() {
+    fn perturbations_that_decay_have_no_curve() {
         let error = threshold_curve(&Cell::new(2.0), &Numerics::default(), Parameter::R0, [1.9, 2.0], 4).unwrap_err();
         assert!(matches!(error, ShapeError::NoGrowth { m: 4, .. }), "{error}");
     }
 
     #[test]
-    fn the_table_of_the_preset_is_what_is_computed() {
+    fn the_table_of_the_preset_agrees_with_the_computation() {
         let table: Vec<[f64; 2]> = serde_json::from_str(PRESET).unwrap();
         assert!(table.len() > 40 && table.is_sorted_by(|[a, _], [b, _]| a < b));
         let [first_r0, last_r0] = [table[0][0], table[table.len() - 1][0]];
@@ -322,7 +327,7 @@ mod tests {
         for r0 in [f64::NAN, 0.0, first_r0 - 0.01, last_r0 + 0.01, f64::INFINITY] {
             assert_eq!(one_sided_from(&Cell::new(r0)), None, "{r0}");
         }
-        // The preset's critical radius is 1.72: cells just below it would furrow from one side, the smallest would not.
+        // The preset's critical radius is 1.72: cells just below it furrow from one side, the smallest do not.
         assert!(grows_one_sided(&Cell::new(1.7)) && !grows_one_sided(&Cell::new(0.7)));
     }
 }

@@ -1,4 +1,4 @@
-//! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
+//! Branches of stationary shapes: points, folds, pitchforks and ends.
 
 use furrow_bvp::{
     AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Gauss, Metric, Solution,
@@ -12,25 +12,25 @@ use crate::cortex::equations::{COMPONENTS, J, M, Q, R, REGULATED, T, V, Z};
 use crate::cortex::{Cortex, Domain, observables, resolution};
 use furrow_cell::{Cell, Parameter};
 
-/// What is followed, and how far.
+/// Options of a continuation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BranchOptions {
-    /// Range of ξ_s; the branch ends where it leaves it.
+    /// Range of ξ_s; the branch ends where it leaves this range.
     pub xi: [f64; 2],
     /// Most points.
     pub points: usize,
     /// Continuation settings.
     pub settings: ContinuationSettings,
-    /// Most pitchforks that are looked for; folds are all located.
+    /// Most pitchforks that are looked for; all folds are located.
     pub pitchforks: usize,
     /// Whether growth rates are computed at every point.
     pub growth_rates: bool,
     /// Whether the contour of every point is kept.
     pub contours: bool,
-    /// Largest azimuthal number m whose growth rates are computed at every point; 0 for none.
+    /// Largest azimuthal number m for which growth rates are computed at every point; 0 computes no such rates.
     pub azimuthal: usize,
-    /// Whether the way to the first pitchfork is found on a coarse mesh. What is located lies on the given one; other points of the
-    /// branch are approximate.
+    /// Whether the branch is followed on a coarse mesh up to the first pitchfork. Singular points are located on the
+    /// given mesh; other points of the branch are approximate.
     pub coarse: bool,
 }
 
@@ -65,7 +65,7 @@ pub struct FoldPoint {
     pub point: ShapePoint,
     /// Whether ξ_s is largest (rather than smallest) here along the branch.
     pub maximum: bool,
-    /// Estimated error of ξ_s; infinite if there is no such point on intervals half as long.
+    /// Estimated error of ξ_s; infinite if the point does not exist on halved intervals.
     pub error: f64,
     /// How the location converged.
     pub report: AugmentedReport,
@@ -84,7 +84,7 @@ pub enum Criticality {
 }
 
 impl Criticality {
-    /// That of a coefficient c in ξ_s = ξ_s* + c a², M.23.
+    /// The criticality for a coefficient c of ξ_s = ξ_s* + c a², M.23.
     pub fn of(coefficient: f64) -> Criticality {
         if coefficient < 0.0 { Criticality::Subcritical } else { Criticality::Supercritical }
     }
@@ -104,7 +104,7 @@ pub struct Pitchfork {
     /// c of ξ_s = ξ_s* + c (u_f − ½)² on the asymmetric branch, u_f the furrow (most negative meridional curvature).
     /// Positive: supercritical.
     pub coefficient: f64,
-    /// Estimated error of ξ_s*; infinite if there is no such point on intervals half as long.
+    /// Estimated error of ξ_s*; infinite if the point does not exist on halved intervals.
     pub error: f64,
     /// How the location converged.
     pub report: AugmentedReport,
@@ -123,7 +123,7 @@ impl Pitchfork {
     }
 }
 
-/// Something on a branch.
+/// A singular point of a branch.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BranchEvent {
@@ -142,7 +142,7 @@ impl BranchEvent {
         }
     }
 
-    /// Estimated error of its ξ_s; infinite if there is no such point on intervals half as long.
+    /// Estimated error of its ξ_s; infinite if the point does not exist on halved intervals.
     pub fn error(&self) -> f64 {
         match self {
             BranchEvent::Pitchfork(pitchfork) => pitchfork.error,
@@ -150,7 +150,7 @@ impl BranchEvent {
         }
     }
 
-    /// Which kind it is.
+    /// Its kind.
     pub fn kind(&self) -> PointKind {
         match self {
             BranchEvent::Pitchfork(_) => PointKind::Pitchfork,
@@ -169,7 +169,7 @@ impl BranchEvent {
     }
 }
 
-/// How a branch ended.
+/// The reason for the end of a branch.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BranchEnd {
@@ -177,27 +177,27 @@ pub enum BranchEnd {
     Bound(f64),
     /// The largest number of points is reached.
     PointLimit(usize),
-    /// The neck is narrower than this, relative to R0: the shapes beyond are two cells on a thread.
+    /// The neck is narrower than this, relative to R0: the shapes beyond are two cells connected by a thread.
     Pinched(f64),
-    /// An asymmetric branch has come back to mirror-symmetric shapes, at a pitchfork of theirs.
+    /// An asymmetric branch has returned to mirror-symmetric shapes, at one of their pitchforks.
     Rejoined,
-    /// The caller had seen enough.
+    /// The caller stopped.
     Enough,
     /// The branch could not be followed further.
     Lost(ShapeError),
-    /// A singular point that was passed could not be located; the events before it are complete.
+    /// A singular point could not be located; the events before it are complete.
     NotLocated(ShapeError),
 }
 
 impl BranchEnd {
-    /// Its name in files, and what it means.
+    /// Its name in files, and its description.
     fn words(&self) -> (&'static str, String) {
         match self {
             BranchEnd::Bound(_) => ("bound", "the bound of ξ_s".into()),
             BranchEnd::PointLimit(_) => ("point_limit", "the largest number of points".into()),
             BranchEnd::Pinched(neck) => ("pinched", format!("its neck is narrower than {neck} R0")),
             BranchEnd::Rejoined => ("rejoined", "its shapes are mirror-symmetric again".into()),
-            BranchEnd::Enough => ("enough", "no more was asked for".into()),
+            BranchEnd::Enough => ("enough", "stopped by the caller".into()),
             BranchEnd::Lost(_) => ("lost", "lost".into()),
             BranchEnd::NotLocated(_) => ("not_located", "a singular point that cannot be located".into()),
         }
@@ -208,7 +208,7 @@ impl BranchEnd {
         self.words().0
     }
 
-    /// What went wrong, if something did.
+    /// The error, if there was one.
     pub fn error(&self) -> Option<&ShapeError> {
         match self {
             BranchEnd::Lost(error) | BranchEnd::NotLocated(error) => Some(error),
@@ -223,10 +223,10 @@ impl std::fmt::Display for BranchEnd {
     }
 }
 
-/// A branch is followed until its neck is this narrow, in R0: it goes on to pinch-off at finite ξ_s without end.
+/// Narrowest neck of a branch, in R0: the branch would continue to pinch-off at finite ξ_s without end.
 pub const NARROWEST: f64 = 0.03;
 
-/// Places of a contour that is kept, besides the first: evenly spaced in u.
+/// Intervals between the places of a stored contour, evenly spaced in u.
 const CONTOUR: usize = 240;
 
 /// The contour of the newest point of a branch.
@@ -239,14 +239,14 @@ pub(super) fn contour(gauss: &Gauss, y: &Solution, domain: Domain) -> Vec<[f64; 
     observables::contour(gauss, y, domain, CONTOUR)
 }
 
-/// A branch followed.
+/// A computed branch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
     /// Its points in order of arclength.
     pub points: Vec<ShapePoint>,
-    /// Their contours (r, z) from pole to pole, if asked for; else none.
+    /// Their contours (r, z) from pole to pole, if requested; otherwise empty.
     pub contours: Vec<Vec<[f64; 2]>>,
-    /// Growth rates of disturbances that are not axisymmetric, if asked for.
+    /// Growth rates of non-axisymmetric perturbations, if requested.
     pub azimuthal: AzimuthalScan,
     /// Folds and pitchforks in order.
     pub events: Vec<BranchEvent>,
@@ -257,7 +257,8 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// What a run along `branch` has found, with how the continuation ended and, if it was stopped on the way, why.
+    /// The results of a run along `branch`, with the end of the continuation and, if it was stopped on the way, the
+    /// reason.
     pub(super) fn complete(
         branch: &Continuation<Cortex>,
         (points, contours, azimuthal): (Vec<ShapePoint>, Vec<Vec<[f64; 2]>>, AzimuthalScan),
@@ -288,8 +289,8 @@ impl Branch {
     }
 }
 
-/// Norm of branches of cells of radius R0: lengths in R0, stresses in κ/R0², and ξ_s with weight 1 on its own scale. Other
-/// free parameters count by their own value until the caller says otherwise.
+/// Norm for branches of cells of radius R0: lengths in R0, stresses in κ/R0², and ξ_s with weight 1 on its own scale.
+/// Other free parameters have weight 1 until the caller changes it.
 pub fn metric(cell: &Cell, free: &[Parameter]) -> Metric {
     let (r0, regulated) = (cell.r0, cell.cue.regulator().is_some());
     let mut components = vec![1.0; if regulated { REGULATED } else { COMPONENTS }];
@@ -309,18 +310,19 @@ pub fn metric(cell: &Cell, free: &[Parameter]) -> Metric {
     Metric { components, scalars }
 }
 
-/// The mesh monitor of branches. Their meshes seldom move, so that what is located on them changes smoothly with a cell's numbers,
-/// to the last digits: calibrations and sensitivities rely on it.
+/// The mesh monitor of branches. Their meshes seldom move, so that located points depend smoothly on the parameters of
+/// a cell, to the last digits: calibrations and sensitivities rely on this.
 pub fn mesh_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
     resolution::monitor(cortex, y, false, weight);
 }
 
-/// Share of what [`mesh_monitor`] sees in [`error_monitor`]: a coarse mesh does not see in its defect what lies between its points.
+/// Share of [`mesh_monitor`] in [`error_monitor`]: the defect on a coarse mesh misses features between its points.
 const SEEN: f64 = 0.3;
 
-/// A mesh monitor for branches that asks for equal parts of the estimated error, by the defect. With
-/// [`remesh_above`](ContinuationSettings::remesh_above) at 1.3 folds are a few times closer on the same number of intervals, but no
-/// longer smooth in the cell's numbers below that error, since meshes move in leaps.
+/// A mesh monitor for branches that distributes the estimated error, the defect, evenly. With
+/// [`remesh_above`](ContinuationSettings::remesh_above) at 1.3, folds are a few times more accurate on the same number
+/// of intervals, but no longer depend smoothly on the parameters of a cell below that error, since meshes move in
+/// jumps.
 ///
 /// # Examples
 /// ```
@@ -345,7 +347,7 @@ pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
     }
 }
 
-/// The branch upwards in ξ_s from the shape `y` of a cell at ξ_s = 0.
+/// The branch towards larger ξ_s from the shape `y` of a cell at ξ_s = 0.
 ///
 /// # Errors
 /// [`ShapeError::Branch`].

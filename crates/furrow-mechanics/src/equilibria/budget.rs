@@ -1,14 +1,14 @@
-//! How much work a search among shapes may take, and whether it is still wanted.
+//! The budget of a search among shapes, and its interruption.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::{CellName, ShapeError};
 
-/// The work that is left to a search, which is over when none is, or when it is interrupted.
+/// The budget of a search, which ends when the budget is spent or when it is interrupted.
 ///
-/// Work is counted in steps tried along branches and curves, never in time: a search ends at the same point on every machine,
-/// and what follows from it is the same.
+/// Work is counted in attempted steps along branches and curves, never in time: a search ends at the same point on
+/// every machine, with the same consequences.
 #[derive(Debug)]
 pub struct StepBudget<'a> {
     most: usize,
@@ -17,12 +17,12 @@ pub struct StepBudget<'a> {
 }
 
 impl<'a> StepBudget<'a> {
-    /// At most so many steps, until the flag is set.
+    /// At most the given number of steps, until the flag is set.
     pub fn new(most: usize, interrupt: Option<&'a AtomicBool>) -> StepBudget<'a> {
         StepBudget { most, spent: Cell::new(0), interrupt }
     }
 
-    /// As many as it takes.
+    /// Without a limit.
     pub fn unlimited() -> StepBudget<'a> {
         StepBudget::new(usize::MAX, None)
     }
@@ -32,7 +32,7 @@ impl<'a> StepBudget<'a> {
         self.spent.get()
     }
 
-    /// Counts steps tried, and says whether more may follow.
+    /// Counts attempted steps, and returns whether more may follow.
     pub(crate) fn spend(&self, steps: usize) -> bool {
         self.spent.set(self.spent.get().saturating_add(steps));
         self.spent.get() <= self.most && !self.is_interrupted()
@@ -42,7 +42,7 @@ impl<'a> StepBudget<'a> {
         self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// Goes on only with a search that may.
+    /// Checks that the search may continue.
     ///
     /// # Errors
     /// [`ShapeError::Interrupted`], [`ShapeError::OutOfBudget`].

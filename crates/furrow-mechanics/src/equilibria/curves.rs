@@ -28,7 +28,7 @@ pub struct CurvePoint {
     pub r0: f64,
     /// Confinement ε.
     pub epsilon: f64,
-    /// Value of the parameter varied.
+    /// Value of the varied parameter.
     pub value: f64,
     /// Activity ξ_s at the singular point.
     pub xi_s: f64,
@@ -36,26 +36,26 @@ pub struct CurvePoint {
     pub slope: f64,
     /// Elongation H there.
     pub elongation: f64,
-    /// Of a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)².
+    /// For a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)².
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub coefficient: Option<f64>,
 }
 
 impl CurvePoint {
-    /// Sub- or supercritical, of a pitchfork.
+    /// Sub- or supercritical, for a pitchfork.
     pub fn criticality(&self) -> Option<Criticality> {
         self.coefficient.map(Criticality::of)
     }
 }
 
-/// How a curve ended.
+/// The end of a curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum CurveEnd {
-    /// At the value it was followed to.
+    /// At the given value.
     #[default]
     Reached,
-    /// It turned back in its parameter, at a cusp in which two folds are born.
+    /// It turned back in its parameter, at a cusp where two folds meet.
     Cusp(CurvePoint),
     /// It could not be followed further.
     Stopped(ShapeError),
@@ -72,14 +72,14 @@ impl CurveEnd {
     }
 }
 
-/// A curve followed over a range of its parameter.
+/// A curve over a range of its parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// Its points, in the order followed.
     pub points: Vec<CurvePoint>,
-    /// Points where criticality changes sign (pitchforks).
+    /// Points where the criticality changes (pitchforks).
     pub degenerate: Vec<CurvePoint>,
-    /// Where it passes the activity it was asked about, if it does so exactly once on its way to the end.
+    /// The point at the requested activity, if the curve passes it exactly once on its way to the end.
     pub at_activity: Option<CurvePoint>,
     /// How it ended.
     pub ended: CurveEnd,
@@ -88,7 +88,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The cusp it ended in, if it did.
+    /// The cusp at its end, if there is one.
     pub fn cusp(&self) -> Option<CurvePoint> {
         match self.ended {
             CurveEnd::Cusp(point) => Some(point),
@@ -96,7 +96,7 @@ impl Curve {
         }
     }
 
-    /// Why it ended before the value it was followed to, if it did and not in a cusp.
+    /// The error that ended it before the given value; `None` if it reached this value or a cusp.
     pub fn error(&self) -> Option<&ShapeError> {
         match &self.ended {
             CurveEnd::Stopped(error) => Some(error),
@@ -105,9 +105,9 @@ impl Curve {
     }
 }
 
-/// A curve of pitchforks of cells, being followed.
+/// A curve of pitchforks of cells during its continuation.
 pub type PitchforkCurve = Codim2Curve<Cortex, SymmetryBreaking>;
-/// A curve of folds of cells, being followed.
+/// A curve of folds of cells during its continuation.
 pub type FoldCurve = Codim2Curve<Cortex, Fold>;
 
 /// Largest number of steps of one curve.
@@ -120,14 +120,14 @@ pub(crate) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
     moved
 }
 
-/// The part of the contour that shapes along a curve need: half of it if the cell is mirror-symmetric whatever the value of
-/// the parameter.
+/// The part of the contour needed for shapes along a curve: half of it if the cell is mirror-symmetric for every value
+/// of the parameter.
 pub(crate) fn domain_along(cell: &Cell, parameter: Parameter) -> Domain {
     let elsewhere = at_value(cell, parameter, parameter.get(cell) + 0.01);
     if cell.is_mirror_symmetric() { Domain::of(&elsewhere) } else { Domain::Full }
 }
 
-/// The curve through a singular point of a cell, ready to be followed.
+/// The curve through a singular point of a cell, ready for continuation.
 fn through<S: Singularity<Cortex> + Clone>(
     cell: &Cell,
     domain: Domain,
@@ -140,10 +140,10 @@ fn through<S: Singularity<Cortex> + Clone>(
     let cortex = Cortex::new(cell, domain, &free);
     let mut metric = metric(cell, &free);
     let value = cortex.get(parameter);
-    // The parameter varied counts relative to its own size.
+    // The varied parameter is weighted relative to its own size.
     metric.scalars[SECOND] = 1.0 / (value * value).max(1e-2);
-    // It normalises at the singular point: any direction the branch is not orthogonal to. The contour length grows along
-    // every branch near its singular points.
+    // A normalisation at the singular point: any direction that is not orthogonal to the branch. The length of the
+    // contour increases along every branch near its singular points.
     let tangent = along_scalar(shape, SECOND, LENGTH);
     let mut y = shape.clone();
     y.scalars.truncate(SECOND);
@@ -154,14 +154,14 @@ fn through<S: Singularity<Cortex> + Clone>(
     Ok(curve)
 }
 
-/// The direction in which only scalar unknown `index` of so many changes, beside a shape.
+/// The direction that changes only scalar unknown `index` out of `count`, at a shape.
 pub(crate) fn along_scalar(y: &Solution, count: usize, index: usize) -> Direction {
     let mut scalars = vec![0.0; count];
     scalars[index] = 1.0;
     Direction { nodes: vec![0.0; y.nodes.len()], stages: vec![0.0; y.stages.len()], scalars }
 }
 
-/// The curve of pitchforks through one of them, ready to be followed.
+/// The curve of pitchforks through a given one, ready for continuation.
 ///
 /// # Errors
 /// [`CurveError::Start`].
@@ -174,14 +174,14 @@ pub fn through_pitchfork(
     through(cell, Domain::Half, parameter, SymmetryBreaking::default(), &pitchfork.shape, upwards)
 }
 
-/// The curve of folds through one of them, ready to be followed.
+/// The curve of folds through a given one, ready for continuation.
 ///
 /// # Errors
 /// [`CurveError::Start`].
 pub fn through_fold(cell: &Cell, fold: &FoldPoint, parameter: Parameter, up: bool) -> Result<FoldCurve, CurveError> {
     let domain = domain_along(cell, parameter);
     let shape = match (Domain::of(cell), domain) {
-        // A mirror-symmetric cell that is none at other values.
+        // A mirror-symmetric cell that is asymmetric at other values.
         (Domain::Half, Domain::Full) => &unfold(&fold.shape),
         _ => &fold.shape,
     };
@@ -206,8 +206,9 @@ pub fn curve_point<S: Singularity<Cortex> + Clone>(
     }
 }
 
-/// c of ξ_s = ξ_s* + c (u_f − ½)² at the point `y` on which the curve has just converged, as `report` says. Third derivatives
-/// magnify what the factors are off by: they are those of the last iteration if its correction was next to nothing.
+/// c of ξ_s = ξ_s* + c (u_f − ½)² at the point `y` on which the curve has just converged, with the given report. Third
+/// derivatives magnify the error of the factors, which stem from the last iteration: they are recomputed unless its
+/// correction was negligible.
 ///
 /// # Errors
 /// [`SingularError`].
@@ -240,8 +241,8 @@ pub(crate) fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn
     move |source| ShapeError::Curve { kind, parameter, value, source }
 }
 
-/// Follows the curve of the first pitchfork of a mirror-symmetric cell from one value of a parameter (where it is looked
-/// for first) to another.
+/// Follows the curve of the first pitchfork of a mirror-symmetric cell from one value of a parameter, where it is
+/// located first, to another.
 ///
 /// # Errors
 /// [`ShapeError`]; `Curve` if the curve ends on the way, `NoPitchfork` if the cell's cue breaks the symmetry.
@@ -249,7 +250,7 @@ pub fn pitchfork_curve(cell: &Cell, numerics: &Numerics, parameter: Parameter, [
     first_pitchforks(cell, numerics, parameter, [from, to], None)
 }
 
-/// As [`pitchfork_curve`], asked about an activity.
+/// As [`pitchfork_curve`], with an activity to record.
 fn first_pitchforks(
     cell: &Cell,
     numerics: &Numerics,
@@ -321,8 +322,8 @@ fn degenerate(curve: &mut PitchforkCurve, mut ends: [[f64; 2]; 2]) -> Option<Cur
     None
 }
 
-/// Follows one fold until the parameter reaches `to`, the curve turns back at a cusp or leaves ξ_s > 0, or it cannot be
-/// followed further. `activity` is one that the curve is asked about.
+/// Follows one fold until the parameter reaches `to`, the curve turns back at a cusp or leaves ξ_s > 0, or continuation
+/// fails. The passage through `activity` is recorded.
 pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64, activity: Option<f64>) -> Curve {
     let mut found = Curve { points: vec![curve_point(curve, None)], ..Curve::default() };
     let direction = curve.tangent.scalars[SECOND].signum();
@@ -357,7 +358,7 @@ pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64, activit
     found
 }
 
-/// Refuses cues that are another for every cell.
+/// Refuses cues that differ for every cell.
 pub(crate) fn refuse_par(cell: &Cell, kind: PointKind) -> Result<()> {
     match cell.cue.follows_par() {
         true => Err(ShapeError::FollowsPar { cell: CellName::of(cell), kind }),
@@ -365,15 +366,15 @@ pub(crate) fn refuse_par(cell: &Cell, kind: PointKind) -> Result<()> {
     }
 }
 
-/// The curve of one fold from a cell to another value of the parameter, as far as it can be followed.
+/// The curve of one fold from a cell to another value of the parameter, as far as continuation leads.
 fn fold_curve(cell: &Cell, fold: &FoldPoint, parameter: Parameter, to: f64, activity: Option<f64>) -> Result<Curve> {
     let curve = through_fold(cell, fold, parameter, to > parameter.get(cell));
     Ok(follow_fold(&mut curve.map_err(lost(PointKind::Fold, parameter, to))?, parameter, to, activity))
 }
 
-/// The folds of primary branches of a mirror-symmetric cell at both ends of a range of a parameter, each followed over the range: those of
-/// the first that no curve has led to are followed to the end, those of the second to the beginning. A curve that cannot be followed to its
-/// end keeps what there is of it, and why in [`Curve::ended`].
+/// The folds of the primary branches of a mirror-symmetric cell at both ends of a range of a parameter, followed over
+/// the range: folds at the first end are followed to the second, and folds at the second end that no curve has reached
+/// are followed to the first. A curve that ends early keeps its points, and the reason in [`Curve::ended`].
 fn fold_curves(cell: &Cell, branches: [&Branch; 2], parameter: Parameter, range: [f64; 2]) -> Result<Vec<Curve>> {
     let mut curves: Vec<Curve> = Vec::new();
     for (branch, [start, end]) in branches.into_iter().zip([range, [range[1], range[0]]]) {
@@ -391,19 +392,20 @@ fn fold_curves(cell: &Cell, branches: [&Branch; 2], parameter: Parameter, range:
     Ok(curves)
 }
 
-/// What bounds outcomes over a range of a parameter.
+/// The curves that bound outcomes over a range of a parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoundaryCurves {
-    /// The curve of the first pitchfork of a cell that is mirror-symmetric whatever the parameter's value.
+    /// The curve of the first pitchfork of a cell that is mirror-symmetric for every value of the parameter.
     pub pitchfork: Option<Curve>,
-    /// All folds of the primary branches of such a cell; of others, that which ends the stable shapes.
+    /// All folds of the primary branches of such a cell; for other cells, the fold that ends the stable shapes.
     pub folds: Vec<Curve>,
 }
 
-/// What bounds the division of a cell over a range of a parameter, as [`boundary_curves`], with all folds of mirror-symmetric shapes.
+/// The curves that bound division of a cell over a range of a parameter, as [`boundary_curves`], with all folds of
+/// mirror-symmetric shapes.
 ///
 /// # Errors
-/// [`ShapeError`] as from the first end.
+/// [`ShapeError`] of the first end.
 pub fn boundary_and_folds(
     cell: &Cell,
     numerics: &Numerics,
@@ -423,20 +425,21 @@ pub fn boundary_and_folds(
         Some(Ok(curve)) => Some(curve),
         _ => boundary_curves(cell, numerics, parameter, range, activity)?.pitchfork,
     };
-    // Only its folds matter.
+    // Only its folds are used.
     let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
     let last = primary::follow(&at_to, numerics, &options, |_| true)?;
     Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &last], parameter, range)? })
 }
 
-/// What bounds the division of a cell over a range of a parameter: the curve of its first pitchfork if it is
-/// mirror-symmetric whatever the parameter's value, else that of the fold which ends its stable shapes. Where that cannot be
-/// found at one end of the range it is followed from the other; where it ends on the way, in a cusp say, the curve from the
-/// other end is the second. If `activity` is given, [`Curve::at_activity`] of the first curve says where it passes it; of one
-/// from the other end it does not.
+/// The curves that bound division of a cell over a range of a parameter: the curve of its first pitchfork if it is
+/// mirror-symmetric for every value of the parameter, else the curve of the fold that ends its stable shapes. If this
+/// point is not found at one end of the range, the curve is followed from the other end; if the curve of folds ends on
+/// the way, for example in a cusp, a second curve is followed from the other end. If `activity` is given,
+/// [`Curve::at_activity`] of a curve from the first end is its passage through it; a curve from the other end has none
+/// recorded.
 ///
 /// # Errors
-/// [`ShapeError`] as from the first end.
+/// [`ShapeError`] of the first end.
 pub fn boundary_curves(
     cell: &Cell,
     numerics: &Numerics,

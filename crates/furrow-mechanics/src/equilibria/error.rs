@@ -24,7 +24,7 @@ impl std::fmt::Display for PointKind {
     }
 }
 
-/// Which cell an error is about.
+/// The cell in an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellName {
     /// Radius R0.
@@ -39,7 +39,7 @@ impl CellName {
         CellName { r0: cell.r0, epsilon: cell.epsilon }
     }
 
-    /// What may help where a cell has no passive shape.
+    /// Advice if a cell has no passive shape.
     pub(crate) fn advice(&self) -> &'static str {
         match self.r0 {
             0.01..1000.0 => "try a tension nearer to 0, an aspect nearer to 1, or more mesh intervals",
@@ -54,7 +54,7 @@ impl std::fmt::Display for CellName {
     }
 }
 
-/// What searches among shapes give.
+/// The result of a search among shapes.
 pub type Result<T, E = ShapeError> = std::result::Result<T, E>;
 
 /// Why a stationary branch, or a point of it, could not be computed.
@@ -65,7 +65,7 @@ pub enum ShapeError {
     /// No passive shape to start from.
     #[error("no passive shape for {cell} ({source}); {}", cell.advice())]
     Passive { cell: CellName, source: NewtonError },
-    /// With its cue, the passive cell has no shape.
+    /// The passive cell with its cue has no shape.
     #[error(
         "no passive shape with the cue for {cell} ({source}); try a cue of smaller amplitude, or more mesh intervals"
     )]
@@ -73,54 +73,54 @@ pub enum ShapeError {
     /// The branch cannot be followed.
     #[error("{cell}: {source}; try more mesh intervals")]
     Branch { cell: CellName, source: ContinuationError },
-    /// A singular point seen on the way cannot be located.
+    /// A singular point on the way cannot be located.
     #[error("{cell}: the {kind} near xi_s = {xi_s} cannot be located: {source}")]
     Point { cell: CellName, kind: PointKind, xi_s: f64, source: SingularError },
-    /// There is none in the range searched.
+    /// The range contains no such point.
     #[error("{cell}: no {kind} for xi_s up to {xi_max}")]
     NotFound { cell: CellName, kind: PointKind, xi_max: f64 },
-    /// The cell's cue tells the poles apart: its branch has no pitchfork but folds.
+    /// The cell's cue distinguishes the poles: its branch has folds but no pitchfork.
     #[error(
-        "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; what bounds its shapes is a fold"
+        "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold"
     )]
     NoPitchfork { cell: CellName, cue: String },
-    /// A curve of singular points does not reach the value asked for.
+    /// A curve of singular points does not reach the requested value.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: {source}")]
     Curve { kind: PointKind, parameter: Parameter, value: f64, source: CurveError },
     /// A curve of singular points ends at shapes without activity.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: xi_s falls to 0 on the way")]
     Inactive { kind: PointKind, parameter: Parameter, value: f64 },
-    /// Disturbances of this azimuthal number decay along the branch of the passive shape.
+    /// Perturbations of this azimuthal number decay along the branch of the passive shape.
     #[error("{cell}: disturbances m = {m} do not grow on the branch of the passive shape up to xi_s = {xi_s:.4}")]
     NoGrowth { cell: CellName, m: usize, xi_s: f64 },
-    /// A curve of thresholds of such disturbances does not reach the value asked for.
+    /// A curve of thresholds of such perturbations does not reach the requested value.
     #[error("the threshold of disturbances m = {m} is not found beyond {parameter} = {reached}, on the way to {value}")]
     ThresholdLost { m: usize, parameter: Parameter, reached: f64, value: f64 },
     /// Cells below a critical radius divide, or do not come to rest.
     #[error("{cell}: the {kind} at R0 = {r0} bounds no division: smaller cells do not rest")]
     NoBound { cell: CellName, kind: PointKind, r0: f64 },
-    /// The place of a cue that follows PAR polarity could not be computed.
+    /// The position of a cue that follows PAR polarity could not be computed.
     #[error("{cell}: PAR polarity, which the cue follows: {source}")]
     Polarity { cell: CellName, source: PolarityError },
-    /// Without turnover every amount of a regulator has shapes at rest of its own.
+    /// Without turnover, every amount of a regulator has its own shapes at rest.
     #[error(
-        "{cell}: regulator.turnover = 0: shapes at rest need a turnover above 0, as any amount has its own without it"
+        "{cell}: regulator.turnover = 0: shapes at rest need a turnover above 0, since without it every amount of the regulator has its own"
     )]
     NoTurnover { cell: CellName },
-    /// A cue that follows PAR polarity changes along with the cell.
+    /// A cue that follows PAR polarity differs for every cell.
     #[error(
-        "{cell}: the cue follows PAR polarity and is another for every cell: its {kind}s have no curve; write it as the step or the band that furrow polarity prints"
+        "{cell}: the cue follows PAR polarity and differs for every cell: its {kind}s have no curve; write it as the step or the band that furrow polarity prints"
     )]
     FollowsPar { cell: CellName, kind: PointKind },
-    /// It is not found with the work allowed.
-    #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
+    /// Not found within the budget.
+    #[error("{cell}: not found in {steps} steps along branches and curves, the largest number tried")]
     OutOfBudget { cell: CellName, steps: usize },
     /// The search was interrupted.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// The cell with what follows PAR polarity in its cue in its place.
+/// The cell, with cues that follow PAR polarity at their resolved positions.
 ///
 /// # Errors
 /// [`ShapeError::Polarity`], and [`ShapeError::NoTurnover`].

@@ -1,4 +1,4 @@
-//! Folds and pitchforks, located between the last two points of a branch.
+//! Location of folds and pitchforks between the last two points of a branch.
 
 use furrow_bvp::locate::{self, Located};
 use furrow_bvp::normal_form::pitchfork_normal_form;
@@ -14,8 +14,8 @@ use super::point::{ShapePoint, XI};
 use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
 use crate::cortex::{Cortex, Domain, observables};
 
-/// The folds between the last two points of a continuation, of which the step says whether ξ_s has turned an odd number of times, and
-/// `before` was ([arclength, ξ_s, dξ_s/ds]) at its start.
+/// The folds between the last two points of a continuation. `passed` says whether ξ_s has turned an odd number of times
+/// in the step; `before` is [arclength, ξ_s, dξ_s/ds] at its start.
 ///
 /// # Errors
 /// [`SingularError`].
@@ -35,7 +35,7 @@ pub(super) fn folds_near(
 /// # Errors
 /// [`SingularError`].
 pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, SingularError> {
-    // Past a maximum ξ_s falls.
+    // Beyond a maximum ξ_s decreases.
     fold_between(branch, branch.state.parameter_slope() < 0.0)
 }
 
@@ -47,13 +47,13 @@ fn fold_between(branch: &mut Continuation<Cortex>, maximum: bool) -> Result<Fold
     Ok(FoldPoint { point, maximum, error: found.error, report: found.report, shape: found.solution })
 }
 
-/// Where the parabola of dξ_s/ds falls to the first share of its smaller end within a step, and the polynomial through the points before to
-/// the second, dξ_s/ds itself may fall below 0.
+/// Two folds in one step are looked for if the parabola of dξ_s/ds falls below the first share of its smaller end value
+/// within the step, and the slope of the polynomial through the previous points below the second.
 const DIP: [f64; 2] = [0.5, 0.75];
-/// Half of the part of a step over which that polynomial's slope is taken.
+/// Half of the fraction of a step over which that polynomial's slope is taken.
 const NEAR: f64 = 0.01;
 
-/// The two folds that one step has passed, or none: the tangents at both of its ends do not show them.
+/// The two folds that one step has passed, if any: the tangents at its ends do not show them.
 fn two_folds(
     branch: &mut Continuation<Cortex>,
     [start, from, slope]: [f64; 3],
@@ -90,7 +90,7 @@ fn two_folds(
     let first = fold_between(branch, now > 0.0);
     branch.state.history.push(end, &newest);
     let second = fold_between(branch, now < 0.0);
-    // Tangents of predictions may have shown two where one lies ahead, which the next step passes.
+    // Predicted tangents may suggest two folds where there is only one ahead, which the next step passes.
     Ok(first.ok().zip(second.ok()).map_or_else(Vec::new, |(first, second)| vec![first, second]))
 }
 
@@ -99,8 +99,8 @@ pub(super) fn course(branch: &Continuation<Cortex>) -> [f64; 3] {
     [branch.state.arclength, branch.state.parameter(), branch.state.parameter_slope()]
 }
 
-/// Where the newest shape of a branch is narrower than `limit`, in R0, the branch ends at the shape between the last two points that is as
-/// wide as that, if there is one: not at the newest, which depends on the length of the steps.
+/// If the newest shape of a branch is narrower than `limit`, in R0, ends the branch at the shape of this width between
+/// the last two points, if there is one: the newest shape depends on the length of the steps.
 pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Option<BranchEnd> {
     const MOST: usize = 30;
     const CLOSE: f64 = 1e-6;
@@ -141,12 +141,12 @@ pub fn pitchfork_near(branch: &mut Continuation<Cortex>, signs: [f64; 2]) -> Res
     pitchfork_at(confirmed(found, SymmetryBreaking::default())?)
 }
 
-/// A shape as narrow as this, in R0, may need a finer mesh than its branch has.
+/// A shape narrower than this, in R0, may need a finer mesh than its branch.
 const NARROW: f64 = 0.05;
-/// What is found there lies elsewhere on a finer mesh by this much of its ξ_s at most, or is none of the cell's but one of the mesh.
+/// Largest relative change of ξ_s on a finer mesh; a singular point that moves further is an artefact of the mesh.
 const MOVES: f64 = 1e-2;
 
-/// A singular point of a narrow shape as it is on a mesh with halved intervals; others as they are.
+/// A singular point of a narrow shape, recomputed on halved intervals; other points are unchanged.
 fn confirmed<S: Singularity<Cortex>>(
     found: Located<Cortex, S>,
     singularity: S,
@@ -169,7 +169,7 @@ fn confirmed<S: Singularity<Cortex>>(
     Ok(Located { augmented, solution, arclength: *arclength, error, report })
 }
 
-/// Radius of the narrowest place of a contour beside its poles, if there is one.
+/// Radius of the narrowest place of a contour away from its poles, if there is one.
 pub(super) fn narrowest(gauss: &Gauss, y: &Solution, domain: Domain) -> Option<f64> {
     let neck = observables::neck(gauss, y).map(|neck| neck.radius);
     match domain {
@@ -179,7 +179,7 @@ pub(super) fn narrowest(gauss: &Gauss, y: &Solution, domain: Domain) -> Option<f
     }
 }
 
-/// What is said of a pitchfork.
+/// The observables and the normal form of a located pitchfork.
 pub(super) fn pitchfork_at(found: Located<Cortex, SymmetryBreaking>) -> Result<Pitchfork, SingularError> {
     let Located { augmented: mut at, solution: y, arclength, error, report } = found;
     let form = pitchfork_normal_form(&mut at, &y)?;
@@ -210,7 +210,7 @@ pub fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f64 {
     let f = &mut f[..y.components];
     cortex.rhs(CollocationPoint { x: 0.5, index: 0 }, state, &y.scalars, f, &mut g);
     let phi = &null.nodes[last * y.components..];
-    // An antisymmetric change leaves φ at the equator, and turns its slope j.
+    // An antisymmetric change leaves φ at the equator unchanged, but changes its slope j.
     let mut kappa_turn = 0.0;
     if y.components == REGULATED {
         let (_, by_phi) = cortex.constants().regulated_by_phi(cortex.constants().at(0.5, length), state[PHI], 0.0);

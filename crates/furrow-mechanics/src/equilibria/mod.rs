@@ -1,22 +1,22 @@
-//! Stationary shapes: their branches in ξ_s, the folds and pitchforks of these.
+//! Stationary shapes: their branches in ξ_s, with folds and pitchforks.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
 //! | [`mod@passive`] | the shape of a cell without activity, in its shell |
 //! | [`branch`] | points, events and ends of branches |
-//! | [`point`] | what is said of one point |
-//! | `rates` | growth rates along a branch, computed beside it |
-//! | [`primary`] | the branch that grows out of the passive shape, with or without a cue |
+//! | [`point`] | observables of a point |
+//! | `rates` | growth rates along a branch, computed concurrently |
+//! | [`primary`] | the branch that starts at the passive shape, with or without a cue |
 //! | [`locate`] | folds and pitchforks between two points of a branch |
 //! | [`pitchfork`] | the first pitchfork |
-//! | [`asymmetric`] | the branch that leaves there |
-//! | `rejoin` | where it comes back to mirror-symmetric shapes |
+//! | [`asymmetric`] | the branch that leaves at a pitchfork |
+//! | `rejoin` | its return to mirror-symmetric shapes |
 //! | [`mod@stationary`] | one shape at one activity |
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
-//! | `passage` | where a curve of them passes an activity |
-//! | [`azimuthal_scan`] | along a branch, growth rates of disturbances that are not axisymmetric |
-//! | [`azimuthal_threshold`] | where such disturbances begin to grow, over a parameter |
+//! | `passage` | passage of a curve through an activity |
+//! | [`azimuthal_scan`] | growth rates of non-axisymmetric perturbations along a branch |
+//! | [`azimuthal_threshold`] | the threshold of such perturbations over a parameter |
 //! | [`budget`] | the step budget of a search |
 
 pub mod asymmetric;

@@ -1,4 +1,4 @@
-//! Where a curve of singular points passes an activity, seen while it is followed.
+//! Passages of a curve of singular points through an activity, detected during its continuation.
 
 use furrow_bvp::{AugmentedReport, Codim2Curve, Singularity};
 
@@ -6,22 +6,22 @@ use super::curves::SECOND;
 use super::point::XI;
 use crate::cortex::Cortex;
 
-/// The passages of a curve through one activity. The curve that is followed stays as it is: of each passage a copy is kept.
+/// The passages of a curve through one activity. The curve itself is not changed: each passage keeps a copy.
 pub(super) struct Passage<S> {
     xi_s: f64,
     /// (ξ_s, value) of the newest point.
     newest: [f64; 2],
-    /// The curve just behind each passage, and the values on both sides of it.
+    /// The curve just beyond each passage, and the values on both sides of it.
     seen: Vec<(Codim2Curve<Cortex, S>, [f64; 2])>,
 }
 
 impl<S: Singularity<Cortex> + Clone> Passage<S> {
-    /// Of a curve at its first point.
+    /// For a curve at its first point.
     pub(super) fn of(xi_s: f64, curve: &Codim2Curve<Cortex, S>) -> Passage<S> {
         Passage { xi_s, newest: parameters(curve), seen: Vec::new() }
     }
 
-    /// Takes in the newest point of the curve.
+    /// Adds the newest point of the curve.
     pub(super) fn take_in(&mut self, curve: &Codim2Curve<Cortex, S>) {
         let now = parameters(curve);
         let before = std::mem::replace(&mut self.newest, now);
@@ -30,8 +30,8 @@ impl<S: Singularity<Cortex> + Clone> Passage<S> {
         }
     }
 
-    /// The curve at the point where it passes, and how that converged; none if it passes never or several times, or if the
-    /// solver leads to a point that is not between the two it was seen between.
+    /// The curve at its passage, with the report of the Newton iteration; `None` unless it passes exactly once, and if
+    /// the solver leads to a point outside the interval of the passage.
     pub(super) fn solve(mut self) -> Option<(Codim2Curve<Cortex, S>, AugmentedReport)> {
         let (mut curve, [a, b]) = self.seen.pop().filter(|_| self.seen.is_empty())?;
         let (y, report) = curve.at(XI, self.xi_s).ok()?;
@@ -53,13 +53,13 @@ mod tests {
     use crate::equilibria::curves::{BoundaryCurves, boundary_and_folds, boundary_curves};
     use furrow_cell::{Cell, Cue, Numerics, Parameter};
 
-    /// The boundary over a range, asked about the cell's own activity.
+    /// The boundary over a range, with the cell's own activity recorded.
     fn along(cell: &Cell, parameter: Parameter, range: [f64; 2]) -> BoundaryCurves {
         boundary_curves(cell, &Numerics::default(), parameter, range, Some(cell.xi_s)).unwrap()
     }
 
     #[test]
-    fn where_a_curve_passes_is_what_the_search_finds() {
+    fn the_passage_of_a_curve_agrees_with_the_search() {
         let gradient: Cue = "tension:gradient,amplitude=0.1".parse().unwrap();
         for (cell, parameter, range, starts, kind) in [
             (Cell::new(1.0), Parameter::R0, [1.6, 1.9], &STARTS[..], BoundaryKind::Pitchfork),
@@ -82,12 +82,12 @@ mod tests {
     }
 
     #[test]
-    fn curves_that_say_nothing_are_not_believed() {
+    fn curves_without_a_valid_passage_give_no_value() {
         let cell = Cell::new(1.0);
         assert_eq!(value_on(&along(&cell, Parameter::R0, [1.8, 1.9]), Parameter::R0), None, "ξ_s is not passed");
         let unasked = boundary_and_folds(&cell, &Numerics::default(), Parameter::R0, [1.6, 1.9], None).unwrap();
         assert_eq!(value_on(&unasked, Parameter::R0), None);
-        // Where ξ_s rises with R0, smaller cells have no stable shape.
+        // If ξ_s rises with R0, smaller cells have no stable shape.
         let mut rising = along(&cell, Parameter::R0, [1.6, 1.9]);
         for point in rising.pitchfork.iter_mut().flat_map(|curve| &mut curve.at_activity) {
             point.slope = -point.slope;

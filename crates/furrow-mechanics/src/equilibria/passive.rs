@@ -1,4 +1,4 @@
-//! Passive shapes: a cell without activity in its shell, where every division and every branch starts.
+//! Passive shapes: a cell without activity in its shell, the start of every division and every branch.
 
 use std::f64::consts::PI;
 
@@ -16,13 +16,13 @@ struct Spheroid {
     /// Half axes along and across.
     a: f64,
     b: f64,
-    /// Arclength up to the ends of equal pieces of the parametric angle, by Gauss quadrature.
+    /// Arclength up to the ends of equal intervals of the parametric angle, by Gauss quadrature.
     arc: Vec<f64>,
     /// Points and weights of the quadrature.
     rule: (Vec<f64>, Vec<f64>),
 }
 
-/// Pieces of the table of arclengths.
+/// Number of intervals in the table of arclengths.
 const PIECES: usize = 400;
 
 impl Spheroid {
@@ -64,13 +64,13 @@ impl Spheroid {
     }
 }
 
-/// A prolate spheroid of the cell's volume that fits the shell: between a sphere (loose shell) and the shell's own shape
-/// scaled to the cell's volume (tight shell), sampled on `mesh`; (L, p) are its contour length and 0.
+/// A prolate spheroid with the cell's volume that fits the shell: between a sphere (loose shell) and the shell's own
+/// shape scaled to the cell's volume (tight shell), sampled on `mesh`; (L, p) are its contour length and 0.
 ///
 /// # Errors
-/// [`InvalidInput`] if `mesh` is none.
+/// [`InvalidInput`] if `mesh` is not a valid mesh.
 pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Result<Solution, InvalidInput> {
-    // Pressed shapes follow the shell; at small ε the sphere fits with room to spare.
+    // Confined shapes follow the shell; at small ε the sphere fits easily.
     let weight = ((cell.epsilon - 0.3) / 0.4).clamp(0.0, 1.0);
     let aspect = cell.shell.aspect.powf(weight);
     let b = cell.r0 / aspect.cbrt();
@@ -93,13 +93,13 @@ pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Result<Solution, In
 /// A shape and the work it took.
 type Found = Result<(Solution, NewtonReport), NewtonError>;
 
-/// Newton's tolerance on passive shapes, from which everything else starts.
+/// Newton's tolerance for passive shapes, on which everything else is based.
 const TOLERANCE: f64 = 1e-11;
 
 /// The passive (ξ = 0) shape of a cell without its cue, on the mirror-symmetric half domain; R0 > 0 and ε ∈ [0.3, 0.95].
 ///
-/// Newton from a spheroid; where that fails, implicit steps of growing size lead to the shape, which without activity is
-/// an attractor.
+/// Newton's method from a spheroid; if this fails, implicit steps of increasing size lead to the shape, which is an
+/// attractor without activity.
 ///
 /// # Examples
 /// ```
@@ -112,7 +112,7 @@ const TOLERANCE: f64 = 1e-11;
 /// ```
 ///
 /// # Errors
-/// What Newton said last.
+/// The last error of Newton's method.
 pub fn passive(cell: &Cell, numerics: &Numerics) -> Found {
     let cell = cell.passive();
     let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
@@ -127,7 +127,7 @@ pub fn passive(cell: &Cell, numerics: &Numerics) -> Found {
     }
 }
 
-/// Follows the passive dynamics from a guess by implicit steps of growing size until they are long enough for rest.
+/// Follows the passive dynamics from a guess by implicit steps of increasing size until they are long enough for rest.
 fn relax(mut cortex: Cortex, mut system: System, newton: Newton, mut y: Solution) -> Found {
     // Times scale with R0².
     let scale = cortex.cell.r0 * cortex.cell.r0;

@@ -24,11 +24,11 @@ pub fn first(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Resul
     first_within(cell, numerics, options, &StepBudget::unlimited())
 }
 
-/// The primary branch of a mirror-symmetric cell, with its first pitchfork and all its folds. If the pitchfork comes first, the way there is
-/// on a coarse mesh, on which it is found for [`first`] too; folds lie on the given one.
+/// The primary branch of a mirror-symmetric cell, with its first pitchfork and all its folds. If the pitchfork comes
+/// first, the branch up to it is computed on a coarse mesh, as in [`first`]; folds lie on the given mesh.
 ///
 /// # Errors
-/// Those of [`primary::follow`].
+/// The errors of [`primary::follow`].
 pub(super) fn branch_beyond(cell: &Cell, numerics: &Numerics) -> Result<Branch> {
     let options = BranchOptions { pitchforks: 1, ..BranchOptions::default() };
     let quick = BranchOptions { coarse: true, ..options.clone() };
@@ -43,10 +43,10 @@ pub(super) fn branch_beyond(cell: &Cell, numerics: &Numerics) -> Result<Branch> 
     }
 }
 
-/// As [`first`], with so much work.
+/// As [`first`], within a budget.
 ///
 /// # Errors
-/// Those of [`first`] and of [`primary::follow_within`].
+/// The errors of [`first`] and of [`primary::follow_within`].
 pub fn first_within(
     cell: &Cell,
     numerics: &Numerics,
@@ -58,7 +58,7 @@ pub fn first_within(
         return Err(ShapeError::NoPitchfork { cell: name, cue: cell.cue.to_string() });
     }
     let mut unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
-    // The way there on a coarse mesh, which sees no narrow necks: a fold, or no pitchfork, is for the given mesh to tell.
+    // The coarse mesh misses narrow necks: if it gives a fold first, or no pitchfork, the given mesh decides.
     let quick = BranchOptions { coarse: true, ..options.clone() };
     let mut either = |_: &BranchEvent| false;
     if let Ok(Branch { events, .. }) = primary::follow_within(cell, numerics, &quick, budget, &mut either)

@@ -1,4 +1,4 @@
-//! What is said of one stationary shape on a branch.
+//! Observables of a stationary shape on a branch.
 
 use furrow_bvp::{Continuation, Gauss, Solution};
 
@@ -28,7 +28,7 @@ pub struct ShapePoint {
     pub arclength: f64,
     /// Folds and pitchforks passed since the start of the branch.
     pub passed: usize,
-    /// Largest growth rate of disturbances, in 1/τ, if asked for and found.
+    /// Largest growth rate of perturbations, in 1/τ, if requested and found.
     pub growth_rate: Option<f64>,
 }
 
@@ -47,7 +47,7 @@ impl ShapePoint {
         }
     }
 
-    /// The newest point of a branch, after so many folds and pitchforks.
+    /// The newest point of a branch, after `passed` folds and pitchforks.
     pub(super) fn newest(of: &Continuation<Cortex>, passed: usize) -> ShapePoint {
         let (y, cortex) = (&of.state.solution, &of.problem);
         ShapePoint { arclength: of.state.arclength, passed, ..ShapePoint::of(y, cortex, &of.system.gauss) }

@@ -1,8 +1,9 @@
-//! The primary branch: the stationary shapes that grow out of the passive one as activity rises.
+//! The primary branch: the stationary shapes that start at the passive shape as activity rises.
 //!
-//! Of a mirror-symmetric cell, without a cue or with an even one, they are mirror-symmetric and are computed on the half
-//! domain, where pitchforks are simple zeros of one determinant. A cue that tells the poles apart breaks the symmetry, and
-//! the pitchfork with it: the branch leans to one side and, where the cell begins to divide, ends its stable part in a fold.
+//! For a mirror-symmetric cell, without a cue or with an even one, they are mirror-symmetric and are computed on the
+//! half domain, where pitchforks are simple zeros of one determinant. A cue that distinguishes the poles breaks the
+//! symmetry, and the pitchfork becomes imperfect: the branch leans to one side and its stable part ends, where the cell
+//! begins to divide, in a fold.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solution, SymmetryBreaking, System, mesh};
@@ -21,11 +22,12 @@ use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
 use furrow_cell::{Cell, Numerics};
 
-/// Smallest part of a cue by which it is switched on.
+/// Smallest fraction of a cue in which it is switched on.
 const SMALLEST_PART: f64 = 1e-3;
 
-/// The shape of a cell without activity, with its cue: the half of it if the cell is mirror-symmetric. In a wide shell a
-/// weak cue moves the passive cell far: it is reached from the shape without a cue, by parts of the cue where need be.
+/// The shape of a cell without activity, with its cue: half of the contour if the cell is mirror-symmetric. In a wide
+/// shell a weak cue moves the passive cell far: the shape is reached from the shape without a cue, by fractions of the
+/// cue if necessary.
 ///
 /// # Errors
 /// [`ShapeError::Passive`], [`ShapeError::Cue`].
@@ -60,7 +62,7 @@ pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
     Ok(y)
 }
 
-/// The primary branch at ξ_s = 0, ready to be followed upwards.
+/// The primary branch at ξ_s = 0, ready for continuation to larger ξ_s.
 ///
 /// # Errors
 /// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Branch`].
@@ -71,20 +73,22 @@ pub fn start(cell: &Cell, numerics: &Numerics, settings: &ContinuationSettings) 
 /// Detects folds and pitchforks along the branch.
 struct EventDetector {
     breaking: SymmetryBreaking,
-    /// Parts that intervals of the mesh are cut into before a point is located.
+    /// Number of parts into which mesh intervals are divided before a point is located.
     refinement: usize,
-    /// Pitchforks still to be found.
+    /// Number of pitchforks still to be found.
     pitchforks: usize,
-    /// Passive shapes have no antisymmetric null vector; their sign is the first one seen.
+    /// Last sign of the antisymmetric determinant. The first one seen is the reference, since passive shapes have no
+    /// antisymmetric null vector.
     sign: Option<f64>,
     stop: Option<BranchEnd>,
 }
 
 impl EventDetector {
-    /// The pitchfork between the last two points, if the antisymmetric determinant has changed its sign.
+    /// The pitchfork between the last two points, if the antisymmetric determinant has changed sign.
     ///
-    /// It is judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the neck's
-    /// radius, can lie on the other side of a pitchfork for several points. A failed pivot has no sign; the next point has.
+    /// The sign is taken at the point itself: on constricted shapes the corrector's prediction, whose error is
+    /// comparable to the neck's radius, can lie on the other side of a pitchfork for several points. A failed pivot has
+    /// no sign; the next point is used instead.
     fn pitchfork(&mut self, branch: &mut Continuation<Cortex>) -> Option<BranchEvent> {
         if branch.problem.domain == Domain::Full || self.pitchforks == 0 || branch.factorise_newest().is_err() {
             return None;
@@ -103,7 +107,7 @@ impl EventDetector {
         self.located(branch, PointKind::Pitchfork, found)
     }
 
-    /// Leaves a coarse mesh, once.
+    /// Leaves the coarse mesh, once.
     fn refine(&mut self, branch: &mut Continuation<Cortex>) {
         let parts = std::mem::replace(&mut self.refinement, 1);
         if parts > 1 {
@@ -123,9 +127,9 @@ impl EventDetector {
     }
 }
 
-/// Follows the primary branch until ξ_s leaves its range or the neck is pinched off, and locates every fold and pitchfork
-/// on the way. `wanted` may end it early, being shown every event. A singular point that cannot be located, or a branch
-/// that is lost, ends it with what came before; [`Branch::ended`] says so.
+/// Follows the primary branch until ξ_s leaves its range or the neck is pinched off, and locates every fold and
+/// pitchfork on the way. `wanted` receives every event and may end the branch early. The branch also ends, with the
+/// events found so far, at a singular point that cannot be located or where continuation fails: see [`Branch::ended`].
 ///
 /// # Examples
 /// At R0 = 2 the symmetric shapes lose their stability at a pitchfork, and end in a fold at a larger activity:
@@ -151,11 +155,11 @@ pub fn follow(
     follow_within(cell, numerics, options, &StepBudget::unlimited(), &mut wanted)
 }
 
-/// As [`follow`], with so much work.
+/// As [`follow`], within a budget.
 ///
 /// # Errors
-/// Those of [`follow`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search must end before the branch
-/// does.
+/// The errors of [`follow`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search is stopped
+/// before the end of the branch.
 pub fn follow_within(
     cell: &Cell,
     numerics: &Numerics,
@@ -181,7 +185,7 @@ pub fn follow_within(
             let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
             new.extend(detector.folds(branch, before, advance.passed_fold));
             new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
-            // What cannot be located may lie beyond.
+            // A point that cannot be located may lie beyond the end.
             if let Some(end) = end_at_width(branch, narrowest) {
                 detector.stop = Some(end);
                 new.retain(|event| event.point().arclength <= branch.state.arclength);
@@ -202,27 +206,27 @@ pub fn follow_within(
     Ok(Branch::complete(&branch, (points, contours, azimuthal), events, ended, detector.stop))
 }
 
-/// The intervals of a coarse mesh of half a contour are this many times fewer, and at least so many.
+/// Factor by which a coarse mesh of half a contour has fewer intervals, and its least number of intervals.
 const COARSER: usize = 3;
 const FEWEST: usize = 8;
 
-/// A discretisation that is good enough to find the way along a branch, and into how many parts its intervals are to be cut for
-/// the one given. They are the same where that is coarse already.
+/// A discretisation accurate enough to follow a branch, and the number of parts into which its intervals must be
+/// divided to give the original one. The original is returned, with one part, if it is coarse already.
 pub(super) fn coarse(numerics: &Numerics) -> (Numerics, usize) {
     let wanted = numerics.intervals / 2;
     let parts = if wanted.is_multiple_of(COARSER) && wanted >= FEWEST * COARSER { COARSER } else { 1 };
     (Numerics { intervals: 2 * (wanted / parts), ..*numerics }, parts)
 }
 
-/// Growth rates at a fold that ends a stable shape are none above this, in 1/τ: the mode of the fold itself neither grows
-/// nor decays.
+/// Bound of the growth rate at a fold that ends stable shapes, in 1/τ: the mode of the fold itself neither grows nor
+/// decays.
 const MARGINAL: f64 = 1e-3;
 
 /// The fold at which the last stable shape of the branch ends; above its ξ_s a cell with a cue divides. In a wide shell
-/// that is not the first one, but that of the second rise of an S.
+/// this is not the first fold, but the fold at the end of the second rise of an S.
 ///
 /// # Errors
-/// Those of [`follow_within`]; `NotFound` if no stable shape ends in a fold in the range.
+/// The errors of [`follow_within`]; `NotFound` if no stable shape ends in a fold in the range.
 pub fn failure_fold(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<FoldPoint> {
     let cell = &*resolved(cell)?;
     let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };

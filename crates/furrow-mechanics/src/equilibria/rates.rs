@@ -1,4 +1,4 @@
-//! Growth rates of the points of a branch, computed beside it: the branch does not wait for them.
+//! Growth rates of the points of a branch, computed concurrently: the branch does not wait for them.
 
 use std::collections::VecDeque;
 use std::sync::Mutex;
@@ -9,11 +9,11 @@ use super::point::ShapePoint;
 use crate::cortex::Cortex;
 use crate::stability::following::FollowedRates;
 
-/// Takes in the next point of a branch, after so many folds and pitchforks.
+/// Receives the next point of a branch, and the number of folds and pitchforks before it.
 pub(super) type TakeIn<'a> = dyn FnMut(&Solution, usize) + 'a;
 
-/// Points whose growth rates are still to be computed. Each computation starts from the previous modes, so one thread at a time does
-/// them, in order.
+/// Points without growth rates yet. Each computation starts from the previous modes, so that only one thread at a time
+/// works on them, in order.
 struct Queue {
     waiting: Mutex<Waiting>,
     rates: Mutex<(FollowedRates, Vec<Option<f64>>)>,
@@ -22,19 +22,19 @@ struct Queue {
 #[derive(Default)]
 struct Waiting {
     points: VecDeque<(Solution, usize)>,
-    /// Whether a thread is at work, which takes what is added.
+    /// Whether a thread is working, which also takes points added meanwhile.
     at_work: bool,
 }
 
 impl Queue {
-    /// Adds a point; whether a thread must be found to work.
+    /// Adds a point; returns whether a thread must be started.
     fn add(&self, y: &Solution, passed: usize) -> bool {
         let mut waiting = self.waiting.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         waiting.points.push_back((y.clone(), passed));
         !std::mem::replace(&mut waiting.at_work, true)
     }
 
-    /// The next point, if there is one now.
+    /// The next point, if there is one.
     fn next(&self) -> Option<(Solution, usize)> {
         let mut waiting = self.waiting.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let next = waiting.points.pop_front();
@@ -42,7 +42,8 @@ impl Queue {
         next
     }
 
-    /// Computes rates until no point waits, then returns, so that the thread is free while the branch is followed to its next point.
+    /// Computes rates until no point waits, then returns, so that the thread is free until the branch has its next
+    /// point.
     fn work(&self) {
         let mut rates = self.rates.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let (rates, found) = &mut *rates;
@@ -52,7 +53,7 @@ impl Queue {
     }
 }
 
-/// Lets `follow` follow a branch and show its points, of which the largest growth rates are given back if they are `wanted`.
+/// Runs `follow`, which follows a branch and reports its points; also returns their largest growth rates if `wanted`.
 pub(super) fn with_rates<T>(
     branch: &mut Continuation<Cortex>,
     wanted: bool,
@@ -80,7 +81,7 @@ pub(super) fn with_rates<T>(
     (out, std::mem::take(&mut rates.1))
 }
 
-/// Gives the last points their growth rates.
+/// Assigns growth rates to the last points.
 pub(super) fn put(rates: &[Option<f64>], points: &mut [ShapePoint]) {
     points.iter_mut().rev().zip(rates.iter().rev()).for_each(|(point, rate)| point.growth_rate = *rate);
 }

@@ -1,7 +1,8 @@
-//! Where an asymmetric branch comes back to mirror-symmetric shapes: at a pitchfork of theirs.
+//! The return of an asymmetric branch to mirror-symmetric shapes, at one of their pitchforks.
 //!
-//! ξ_s turns there along the asymmetric branch as at a fold, because the branch goes on as its own mirror image. The equations of the full
-//! contour are singular at the point; on the half contour it is a regular root, as every pitchfork.
+//! ξ_s turns there along the asymmetric branch as at a fold, because the branch continues as its own mirror image. The
+//! equations of the full contour are singular at the point; on the half contour it is a regular root, like every
+//! pitchfork.
 
 use furrow_bvp::locate::Located;
 use furrow_bvp::{Continuation, Direction, Gauss, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
@@ -14,7 +15,7 @@ use crate::cortex::equations::{R, REGULATED, Z};
 use crate::cortex::symmetry::fold;
 use crate::cortex::{Cortex, Domain};
 
-/// How far a full contour is from its mirror image, at places along it: r(u) − r(1 − u) and z(u) + z(1 − u).
+/// The deviation of a full contour from its mirror image, at places along it: r(u) − r(1 − u) and z(u) + z(1 − u).
 pub(super) fn asymmetry(gauss: &Gauss, y: &Solution) -> Vec<f64> {
     const PLACES: usize = 32;
     let (mut here, mut there) = ([0.0; REGULATED], [0.0; REGULATED]);
@@ -28,12 +29,13 @@ pub(super) fn asymmetry(gauss: &Gauss, y: &Solution) -> Vec<f64> {
     (0..=PLACES).flat_map(at).collect()
 }
 
-/// A step that comes back to mirror-symmetric shapes ends with this much of its asymmetry at most, on the line through both ends.
+/// Largest remaining asymmetry at the root, relative to the step's change, for a step that returns to mirror symmetry.
 const LEFT: f64 = 0.5;
-/// A step that begins at a pitchfork does not come back to it.
+/// A root closer to the start of the step than this fraction is the pitchfork at which the step begins.
 const BEGINS: f64 = 1e-3;
 
-/// Where between two shapes, 0 at the first and 1 at the last, their asymmetry vanishes, up to `reach`; none if it does not.
+/// The fraction of the way from the first to the last shape, up to `reach`, at which their asymmetry vanishes; `None`
+/// if it does not.
 pub(super) fn vanishes(first: &[f64], last: &[f64], reach: f64) -> Option<f64> {
     let (mut along, mut length, mut size) = (0.0, 0.0, 0.0);
     for (a, b) in first.iter().zip(last) {
@@ -50,7 +52,7 @@ pub(super) fn mirrored(mesh: &[f64]) -> Vec<f64> {
     mesh.iter().zip(mesh.iter().rev()).map(|(a, b)| 0.5 * (a + 1.0 - b)).collect()
 }
 
-/// [`mesh_monitor`] made mirror-symmetric: it leaves a mirror-symmetric mesh so.
+/// [`mesh_monitor`] made mirror-symmetric, so that a mirror-symmetric mesh stays so.
 pub(super) fn mirrored_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
     mesh_monitor(cortex, y, weight);
     let half = weight.len() / 2;
@@ -61,8 +63,8 @@ pub(super) fn mirrored_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f
     }
 }
 
-/// The pitchfork at this share of the last step of an asymmetric branch. It lies within the length of the step from there: the step may end
-/// on the mirror-symmetric branch, anywhere beyond the pitchfork.
+/// The pitchfork at the fraction `share` of the last step of an asymmetric branch. It lies within one step length of
+/// that point: the step may end on the mirror-symmetric branch, anywhere beyond the pitchfork.
 ///
 /// # Errors
 /// [`SingularError`].

@@ -18,11 +18,11 @@ use furrow_cell::{Cell, Numerics};
 /// A stationary shape of one cell.
 #[derive(Clone, Debug)]
 pub struct StationaryShape {
-    /// The cell; its domain says which part of the contour `solution` is.
+    /// The cell; its domain says which part of the contour `solution` covers.
     pub cortex: Cortex,
-    /// The shape with (L, p): the half of a mirror-symmetric cell, else the whole contour.
+    /// The shape with (L, p): half of the contour of a mirror-symmetric cell, else the whole contour.
     pub solution: Solution,
-    /// ξ_s where the branch turned back on the way here.
+    /// ξ_s at the folds passed on the way to this shape.
     pub folds: Vec<f64>,
 }
 
@@ -34,26 +34,27 @@ pub enum StationaryError {
     /// The branch could not be followed.
     #[error(transparent)]
     Branch(#[from] ShapeError),
-    /// The branch never reaches the activity asked for.
+    /// The branch does not reach the requested activity.
     #[error(
         "{cell}: no stationary shape at xi_s = {xi_s} on the branch of the passive shape, which turns back at xi_s = {turn}"
     )]
     OutOfReach { cell: CellName, xi_s: f64, turn: f64 },
-    /// The branch is lost before it reaches the activity asked for.
+    /// Continuation failed before the requested activity.
     #[error("{cell}: the branch of the passive shape could not be followed to xi_s = {xi_s}: {source}")]
     Lost { cell: CellName, xi_s: f64, source: ContinuationError },
-    /// The branch takes too many points to the activity asked for.
+    /// The branch needs too many points to reach the requested activity.
     #[error("{cell}: the branch of the passive shape does not reach xi_s = {xi_s} in {points} points")]
     PointLimit { cell: CellName, xi_s: f64, points: usize },
 }
 
 /// Most points of a branch followed for one shape.
 const MOST_POINTS: usize = 400;
-/// Beyond a fold, a branch whose waist falls below this fraction of R0 leads to pinched shapes and is left there.
+/// Beyond a fold, the branch is abandoned when its waist falls below this fraction of R0, since it leads to pinched
+/// shapes.
 pub(crate) const PINCHING: f64 = 0.25;
 
-/// Longest steps along the branch, in its arclength. Landing on ξ_s extrapolates over a step of the branch: shorter ones are
-/// tried where that fails.
+/// Longest steps along the branch, in its arclength. Landing on ξ_s extrapolates over one step: shorter steps are tried
+/// if this fails.
 const STEPS: [f64; 3] = [3.0, 0.6, 0.1];
 
 /// The narrowest waist, or the largest radius of a contour without one.
@@ -68,7 +69,7 @@ pub(crate) fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
 /// The first stationary shape at the activity of the cell along its primary branch.
 ///
 /// # Examples
-/// A cell below the critical radius has a shape to rest in; a large one has none and must divide.
+/// A cell below the critical radius has a shape at rest; a large cell has no such shape and must divide.
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics};
@@ -80,11 +81,11 @@ pub(crate) fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
 /// ```
 ///
 /// # Errors
-/// [`StationaryError`]; `OutOfReach` when the cell has no such shape, as one that must divide.
+/// [`StationaryError`]; `OutOfReach` if the cell has no such shape, like a cell that must divide.
 pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, StationaryError> {
     let cell = &*resolved(cell)?;
     let [long, shorter @ ..] = STEPS;
-    // The way there on a coarse mesh; what turns back or gets lost is for the given mesh to tell.
+    // The branch is followed on a coarse mesh; if it turns back or is lost there, the given mesh decides.
     let (quick, parts) = primary::coarse(numerics);
     if parts > 1
         && let Ok(shape) = along_branch(cell, &quick, long)
@@ -98,7 +99,7 @@ pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, S
         }
         found => found,
     })?;
-    // At a fold itself the branch's own accuracy has to do.
+    // At a fold the accuracy of the branch must suffice.
     let _ = shape.polish();
     Ok(shape)
 }
@@ -109,7 +110,7 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
     let mut branch = primary::start(cell, numerics, &settings)?;
     let domain = branch.problem.domain;
     let mut folds = Vec::new();
-    // A number too small to be normal is as good as none, and leaves no room between itself and 0.
+    // A subnormal number counts as zero and leaves no room between itself and 0.
     if xi_s.abs() > f64::MIN_POSITIVE {
         if xi_s < 0.0 {
             branch.reverse();
@@ -134,7 +135,7 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
             Ok(Termination::PointLimit(points)) if folds.is_empty() => {
                 return Err(StationaryError::PointLimit { cell: name, xi_s, points });
             }
-            // Back at ξ_s = 0 without a fold seen, or stopped: no shape on the way either.
+            // The branch returned to ξ_s = 0 without a detected fold, or was stopped: it has no such shape.
             _ => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
         }
     }
@@ -143,11 +144,11 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
     Ok(StationaryShape { cortex, solution, folds })
 }
 
-/// A shape on a coarse mesh is trusted if its contour is as long on a fine one, to this part of it.
+/// A shape on a coarse mesh is accepted if its contour length agrees with a fine mesh to this relative accuracy.
 const SAME: f64 = 1e-3;
 
 impl StationaryShape {
-    /// Solves for the shape to rounding; it stays as it is where that fails.
+    /// Solves for the shape to rounding; leaves it unchanged if this fails.
     fn polish(&mut self) -> Result<(), NewtonError> {
         let mut system = System::new(self.cortex.dimensions(), self.solution.m);
         let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
@@ -157,7 +158,8 @@ impl StationaryShape {
         Ok(())
     }
 
-    /// The same shape with every interval of its mesh cut into so many; none where a finer mesh does not confirm it.
+    /// The same shape with every interval of its mesh divided into `parts`; `None` if the finer mesh does not confirm
+    /// it.
     fn refined(self, parts: usize) -> Option<StationaryShape> {
         let coarse = &self.solution;
         let solution = coarse.on_mesh(&coarse.gauss(), &mesh::subdivided(&coarse.mesh, parts));
@@ -187,12 +189,12 @@ impl StationaryShape {
         observables::equator_radius(&self.solution.gauss(), &self.solution)
     }
 
-    /// The regulator φ at u; none without one.
+    /// The regulator φ at u; `None` without a regulator.
     pub fn regulator_at(&self, u: f64) -> Option<f64> {
         observables::regulator_at(&self.solution.gauss(), &self.solution, self.cortex.domain, u)
     }
 
-    /// Disturbances of azimuthal number m, which need not be axisymmetric.
+    /// Perturbations of azimuthal number m, which need not be axisymmetric.
     pub fn azimuthal(&self, m: usize) -> Azimuthal {
         Azimuthal::new(&self.cortex, &self.solution, m)
     }

@@ -1,7 +1,7 @@
-//! Polarised states over the size of the cell, and the fold below which there are none.
+//! Polarised states as a function of cell size, and the folds at which they end.
 //!
-//! A branch runs over the scale ℓ of one shape. A cell of another R0 has a slightly different shape as well, so that the radius
-//! at which polarity ends is the one whose own shape has its fold at ℓ = 1.
+//! A branch runs over the scale ℓ of a fixed shape. A cell with another R0 also has a slightly different shape, so that
+//! polarity ends at the radius for which the cell's own shape has its fold at ℓ = 1.
 
 use furrow_bvp::continuation::Advance;
 use furrow_bvp::{
@@ -17,7 +17,7 @@ use super::problem::{COMPONENTS, MEAN_A, Polarity, SCALE};
 use super::states::{Evolution, Readings, Resolution, is_polarised, readings, step};
 use furrow_cell::{Cell, Numerics, ZYGOTE};
 
-/// Chemistry, units and discretisation: all that a cell does not say of its polarity.
+/// Chemistry, units and discretisation: the inputs of polarity besides the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chemistry {
     /// Constants.
@@ -30,37 +30,37 @@ pub struct Chemistry {
     pub resolution: Resolution,
 }
 
-/// Places at which the boundary of a first state lies.
+/// Initial positions of the boundary.
 const PLACES: [f64; 3] = [0.5, 0.35, 0.65];
 
-/// Radii R0, relative to the zygote's, of cells that are tried for a polarised state.
+/// Radii R0, relative to the zygote's, at which a polarised state is looked for.
 const SIZES: [f64; 10] = [0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5, 2.5, 4.0];
 
 /// Radii, relative to the zygote's, between which branches are followed.
 const RANGE: [f64; 2] = [0.02, 50.0];
 
-/// Largest defect of a state whose boundary the mesh resolves.
+/// Largest defect of a state with a resolved boundary.
 const MOST_DEFECT: f64 = 1e-2;
 
 /// Most points of a branch.
 const MOST_POINTS: usize = 2000;
 
-/// Where polarised states end, as cells shrink or grow.
+/// The end of polarised states towards smaller or larger cells.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PolarityLimit {
-    /// Radius R0 of that cell, in L_h.
+    /// Radius R0 of the last polarised cell, in L_h.
     pub r0: f64,
     /// Its only polarised state.
     #[serde(flatten)]
     pub state: Readings,
 }
 
-/// In which direction along the sizes a branch is followed.
+/// The direction in size in which a branch is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Towards {
     /// To smaller cells.
     Smaller,
-    /// To larger ones.
+    /// To larger cells.
     Larger,
 }
 
@@ -85,7 +85,7 @@ impl Chemistry {
             .map_err(|source| PolarityError::Shape { r0: cell.r0, source })
     }
 
-    /// The stationary state that a membrane, `scale` times as large, evolves to from a boundary at `u`.
+    /// The stationary state that evolves on a membrane, `scale` times as large, from a boundary at `u`.
     ///
     /// # Errors
     /// [`PolarityError::Evolution`], [`PolarityError::Unresolved`].
@@ -106,7 +106,7 @@ impl Chemistry {
         }
     }
 
-    /// The polarised state that a membrane evolves to, if it does from any of several places of the boundary.
+    /// The polarised state that evolves on a membrane from one of several initial boundaries, if there is one.
     fn evolved_polarised(&self, membrane: &Membrane, scale: f64) -> Result<Option<Solution>, PolarityError> {
         for u in PLACES {
             let state = self.evolved(membrane, scale, u)?;
@@ -117,17 +117,17 @@ impl Chemistry {
         Ok(None)
     }
 
-    /// The polarised state of a cell; none where no polarised state exists at its size. A membrane that evolves to a uniform state
-    /// may still have a polarised one: it is looked for along the branch that begins at a size which is polarised.
+    /// The polarised state of a cell; `None` if there is no such state at its size. A membrane that evolves to a
+    /// uniform state may still have a polarised one: it is looked for along the branch that starts at a polarised size.
     ///
     /// # Errors
-    /// [`PolarityError`]; `NoPolarity` if that shape is polarised at no size.
+    /// [`PolarityError`]; `NoPolarity` if the shape is polarised at no size.
     pub fn polarised(&self, cell: &Cell) -> Result<Option<Solution>, PolarityError> {
         let membrane = self.membrane(cell)?;
         if let Some(state) = self.evolved_polarised(&membrane, 1.0)? {
             return Ok(Some(state));
         }
-        // From the nearest size, as there may be several ranges of them.
+        // The search starts from the nearest size, as there may be several ranges of sizes.
         let mut scales = self.scales(&membrane);
         scales.sort_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
         let (scale, state) = self.first_polarised(&membrane, &scales)?;
@@ -141,17 +141,17 @@ impl Chemistry {
         Ok(Some(state))
     }
 
-    /// Radius R0 of a cell as large as the real zygote.
+    /// Radius R0 of a cell with the size of the real zygote.
     fn zygote(&self) -> f64 {
         ZYGOTE * LENGTH_UM / self.length_um
     }
 
-    /// Scales of a membrane that are tried for a polarised state, from the smallest cell to the largest.
+    /// Scales of a membrane at which a polarised state is looked for, from the smallest cell to the largest.
     fn scales(&self, membrane: &Membrane) -> [f64; SIZES.len()] {
         SIZES.map(|size| size * self.zygote() / membrane.r0)
     }
 
-    /// The first of some scales at which a membrane is polarised, and its state there.
+    /// The first of the scales at which a membrane is polarised, and its state there.
     fn first_polarised(&self, membrane: &Membrane, scales: &[f64]) -> Result<(f64, Solution), PolarityError> {
         // Nearly all states evolve from a boundary in the middle.
         for u in PLACES {
@@ -186,11 +186,11 @@ impl Chemistry {
         Ok(Continuation::start(problem, guess, metric, settings, towards == Towards::Larger)?)
     }
 
-    /// Where polarised states of cells like `cell`, whatever its own radius, end towards smaller or larger cells: followed from the
-    /// smallest or the largest of several cells that is polarised.
+    /// The size at which polarised states of cells like `cell`, for any radius of `cell`, end towards smaller or larger
+    /// cells. The branch starts at the smallest or the largest polarised cell of several sizes.
     ///
     /// # Errors
-    /// [`PolarityError`]; `NoFold` if they do not end in a fold.
+    /// [`PolarityError`]; `NoFold` if the states do not end in a fold.
     pub fn limit(&self, cell: &Cell, towards: Towards) -> Result<PolarityLimit, PolarityError> {
         let cell = Cell { r0: self.zygote(), ..cell.clone() };
         let membrane = self.membrane(&cell)?;
@@ -217,8 +217,8 @@ impl Chemistry {
         self.own_fold(&cell, located.solution, &branch.state.tangent)
     }
 
-    /// The radius whose own shape has its fold at scale 1, from the fold over the scale of the shape of `cell`. The shape moves
-    /// there in steps that Newton can follow.
+    /// The radius for which the cell's own shape has its fold at scale 1, starting from the fold over the scale of the
+    /// shape of `cell`. The shape is changed in steps small enough for Newton's method.
     fn own_fold(&self, cell: &Cell, mut y: Solution, tangent: &Direction) -> Result<PolarityLimit, PolarityError> {
         let (mut cell, mut largest) = (cell.clone(), SHAPE_STEP);
         for _ in 0..MOST_SHAPES {
@@ -244,13 +244,14 @@ impl Chemistry {
     }
 }
 
-/// Most shapes tried for a limit, the factor between their radii at first and at least, and when a shape is the one looked for.
+/// Most shapes tried for a limit, the largest and the smallest factor between their radii, and the accuracy of the
+/// scale.
 const MOST_SHAPES: usize = 300;
 const SHAPE_STEP: f64 = 1.1;
 const SMALLEST_SHAPE_STEP: f64 = 1.001;
 const SAME_SCALE: f64 = 1e-10;
 
-/// The norm of branches: concentrations relative to their means, the scale to its own size.
+/// The norm for branches: concentrations relative to their means, the scale relative to its own size.
 fn metric(state: &Solution, scale: f64) -> Metric {
     let weight = |k: usize| 1.0 / state.scalars[MEAN_A + k].powi(2).max(1e-6);
     let mut components = vec![0.0; COMPONENTS];
@@ -258,12 +259,12 @@ fn metric(state: &Solution, scale: f64) -> Metric {
     Metric { components, scalars: vec![0.0, 0.0, 1.0 / (scale * scale)] }
 }
 
-/// How a branch ended.
+/// The end of a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BranchEnd {
-    /// At the scale wanted.
+    /// At the requested scale.
     Reached,
-    /// In a fold before it, between the last two points.
+    /// In a fold before that scale, between the last two points.
     Fold,
     /// In a state that is not polarised.
     Even,
@@ -271,10 +272,10 @@ pub enum BranchEnd {
     Endless,
 }
 
-/// Follows a branch to a scale, or to where polarised states end before it.
+/// Follows a branch to a scale, or to the end of polarised states before it.
 ///
 /// # Errors
-/// The branch is lost.
+/// Continuation fails.
 pub fn follow(branch: &mut Continuation<Polarity>, wanted: f64) -> Result<BranchEnd, ContinuationError> {
     let start = branch.state.parameter();
     let range = [start.min(wanted), start.max(wanted)];

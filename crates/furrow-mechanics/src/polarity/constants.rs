@@ -4,21 +4,21 @@ use furrow_cell::settings::Value;
 use furrow_input::{InputError, did_you_mean};
 use serde::{Deserialize, Serialize};
 
-/// How much surface there is per volume of the cytosol, ψ.
+/// Surface per volume of the cytosol, ψ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceToVolume {
-    /// That of the cell's own passive shape: it grows as 1/R0.
+    /// From the cell's own passive shape: proportional to 1/R0.
     #[default]
     Shape,
-    /// The same for cells of all sizes, in 1/µm.
+    /// The same value for cells of all sizes, in 1/µm.
     Fixed(f64),
 }
 
-/// ψ of the real zygote, in 1/µm, as Goehring et al. measured it.
+/// ψ of the real zygote, in 1/µm, measured by Goehring et al.
 pub const ZYGOTE_SURFACE_TO_VOLUME: f64 = 0.174;
 
-/// L_h in µm for which the published zygote, R0 = 5.4, has the size of the real one.
+/// L_h in µm for which the published zygote, R0 = 5.4, has the size of the real zygote.
 pub const LENGTH_UM: f64 = 3.2;
 
 /// Constants of two antagonists A and P, in µm and s.
@@ -48,7 +48,7 @@ pub struct ParConstants {
     pub surface_to_volume: SurfaceToVolume,
 }
 
-/// A constant by its name.
+/// A named constant.
 struct Named {
     name: &'static str,
     slot: fn(&mut ParConstants) -> &mut f64,
@@ -56,7 +56,7 @@ struct Named {
     may_vanish: bool,
 }
 
-/// The numbers that [`ParConstants::set`] knows; `psi` comes on top.
+/// The constants that [`ParConstants::set`] knows, besides `psi`.
 const NAMED: [Named; 10] = [
     Named { name: "d_a", slot: |c| &mut c.d_a, may_vanish: false },
     Named { name: "d_p", slot: |c| &mut c.d_p, may_vanish: false },
@@ -82,7 +82,7 @@ pub struct Uniform {
     pub p: f64,
 }
 
-/// Pieces in which uniform states are looked for.
+/// Number of intervals in which uniform states are looked for.
 const PIECES: usize = 4000;
 
 impl ParConstants {
@@ -101,10 +101,10 @@ impl ParConstants {
         surface_to_volume: SurfaceToVolume::Shape,
     };
 
-    /// Sets one constant from text such as `d_a=0.3`, `psi=0.174` or `psi=shape`; `place` is what errors call its source.
+    /// Sets one constant from text such as `d_a=0.3`, `psi=0.174` or `psi=shape`; `place` names the source in errors.
     ///
     /// # Errors
-    /// Names the constant, its value and what is allowed.
+    /// Names the constant, its value and the allowed values.
     pub fn set(&mut self, place: &str, text: &str) -> Result<(), InputError> {
         let Some((name, value)) = text.split_once('=') else {
             return Err(InputError::not_allowed(place, "par", text, "KEY=VALUE, as in k_ap=0.19"));
@@ -112,10 +112,10 @@ impl ParConstants {
         self.assign(place, name.trim(), &Value::Text(value.trim().to_owned()))
     }
 
-    /// Sets one constant by its name; `place` is what errors call the value's source.
+    /// Sets one constant by its name; `place` names the source of the value in errors.
     ///
     /// # Errors
-    /// Names the constant, its value and what is allowed.
+    /// Names the constant, its value and the allowed values.
     pub fn assign(&mut self, place: &str, name: &str, value: &Value) -> Result<(), InputError> {
         if name == PSI && value.text() == "shape" {
             self.surface_to_volume = SurfaceToVolume::Shape;
@@ -140,26 +140,26 @@ impl ParConstants {
         Ok(())
     }
 
-    /// A where P is uniform and A has come to rest, at surface per volume `psi`.
+    /// The uniform stationary A for a uniform P, at surface per volume `psi`.
     fn a_beside(&self, p: f64, psi: f64) -> f64 {
         self.k_on_a * self.rho_a / (self.k_off_a + self.k_on_a * psi + self.k_ap * p)
     }
 
-    /// What P gains beside such A.
+    /// The rate of change of P for that A.
     fn gain_of_p(&self, p: f64, psi: f64) -> f64 {
         let a = self.a_beside(p, psi);
         self.k_on_p * (self.rho_p - psi * p) - self.k_off_p * p - self.k_pa * a * a * p
     }
 
-    /// The uniform states at surface per volume `psi`, P from the smallest to the largest.
+    /// The uniform states at surface per volume `psi`, ordered by increasing P.
     pub fn uniform_states(&self, psi: f64) -> Vec<Uniform> {
         let most = self.k_on_p * self.rho_p / (self.k_off_p + self.k_on_p * psi);
-        // Evenly by the logarithm: where A rules there is little P.
+        // Evenly spaced in the logarithm: there is little P where A dominates.
         let at = |k: usize| most * (1e-9f64.ln() * (1.0 - k as f64 / PIECES as f64)).exp();
         let mut found = Vec::new();
         let mut below = 0.0;
         for k in 0..=PIECES {
-            // The last place lies behind the largest P possible.
+            // The last place lies beyond the largest possible P.
             let above = if k == PIECES { most * (1.0 + 1e-9) } else { at(k) };
             if self.gain_of_p(below, psi) > 0.0 && self.gain_of_p(above, psi) <= 0.0
                 || self.gain_of_p(below, psi) < 0.0 && self.gain_of_p(above, psi) >= 0.0
@@ -173,7 +173,7 @@ impl ParConstants {
     }
 }
 
-/// A zero of `of` between two places at which its signs differ.
+/// A zero of `of` between two places where its signs differ.
 fn bisect(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     let rises = of(low) < 0.0;
     for _ in 0..200 {

@@ -16,7 +16,7 @@ pub enum PolarityError {
         /// Error of the solver.
         source: NewtonError,
     },
-    /// The evolution in time broke off.
+    /// The evolution in time failed.
     #[error("R0 = {}: the evolution of both antagonists stops after {time:.3e} s: {source}", shown_number(*.r0))]
     Evolution {
         /// Radius R0.
@@ -38,22 +38,22 @@ pub enum PolarityError {
         /// Largest defect.
         defect: f64,
     },
-    /// No cell of the sizes tried is polarised.
+    /// No tried size of cell is polarised.
     #[error("no polarised state found for cells of R0 from {:.3} to {:.3} with these constants", .range[0], .range[1])]
     NoPolarity {
         /// Smallest and largest radius R0 tried.
         range: [f64; 2],
     },
-    /// Without polarity, what is left of a cue is not allowed.
+    /// Without polarity, the rest of a cue is not allowed.
     #[error(transparent)]
     Cue(#[from] CueError),
-    /// The branch of polarised states was lost.
+    /// Continuation of the branch of polarised states failed.
     #[error("the branch of polarised states is lost: {0}")]
     Branch(#[from] ContinuationError),
     /// The branch does not end in a fold.
     #[error("polarised states do not end in a fold: {why}")]
     NoFold {
-        /// What was found instead.
+        /// Description of the end that was found.
         why: String,
     },
     /// The fold was not located.

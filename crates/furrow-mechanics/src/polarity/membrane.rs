@@ -12,7 +12,7 @@ use furrow_cell::{Cell, Numerics};
 /// The surface of a cell at rest.
 #[derive(Clone, Debug)]
 pub struct Membrane {
-    /// One half of the passive shape, up to its mirror.
+    /// Half of the passive shape, up to its mirror.
     half: Solution,
     gauss: Gauss,
     /// ∫ r du over the whole contour, in L_h.
@@ -26,7 +26,7 @@ pub struct Membrane {
 }
 
 impl Membrane {
-    /// That of a cell whose unit of length L_h is `length_um` µm.
+    /// The membrane of a cell, for a unit of length L_h of `length_um` µm.
     ///
     /// # Errors
     /// The cell has no passive shape.
@@ -43,7 +43,7 @@ impl Membrane {
         Ok(Membrane { half, gauss, mean_radius, r0: cell.r0, length: length * length_um, surface_to_volume })
     }
 
-    /// ψ of the chemistry, in 1/µm, if the cell were `scale` times as large.
+    /// ψ of the chemistry, in 1/µm, for a cell `scale` times as large.
     pub fn psi(&self, constants: &ParConstants, scale: f64) -> f64 {
         match constants.surface_to_volume {
             SurfaceToVolume::Shape => self.surface_to_volume / scale,

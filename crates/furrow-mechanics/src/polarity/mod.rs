@@ -5,19 +5,19 @@
 //! * \[P.1 antagonists\] ∂ₜA = D_A ∇²A + k_onA (ρ_A − ψĀ) − k_offA A − k_AP P A,
 //! * and ∂ₜP = D_P ∇²P + k_onP (ρ_P − ψP̄) − k_offP P − k_PA A² P.
 //!
-//! Bars are means over the surface, ψ is its size per volume, and ρ the amount of each per volume. The surface is the
-//! [passive shape](mod@crate::equilibria::passive), which stays as it is. P is high at the posterior pole, u = 0.
+//! Bars denote means over the surface, ψ is the surface per volume, and ρ the amount of each per volume. The surface is
+//! the [passive shape](mod@crate::equilibria::passive), which does not change. P is high at the posterior pole, u = 0.
 //!
-//! Polarised states exist in a range of sizes: below it the boundary between both antagonists is too wide for the cell. If κ
-//! follows P, the place and width of the cue are computed and no longer given: [`resolved`].
+//! Polarised states exist in a range of sizes: below it the boundary between the antagonists is too wide for the cell.
+//! If κ follows P, the position and width of the cue are computed instead of given: [`resolved`].
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`constants`] | the constants by name, those of Goehring et al. 2011, uniform states |
+//! | [`constants`] | named constants, the values of Goehring et al. 2011, uniform states |
 //! | [`membrane`] | the passive shape in µm |
 //! | [`problem`] | the equations as a boundary-value problem, with exact derivatives |
-//! | [`states`] | evolution in time, what is read off a state |
-//! | [`branch`] | polarised states over size, the folds where they end |
+//! | [`states`] | evolution in time, observables of a state |
+//! | [`branch`] | polarised states over size, and the folds at which they end |
 //! | [`error`] | why polarity could not be computed |
 //!
 //! # References
@@ -43,8 +43,9 @@ use furrow_cell::cue::{Profile, Regulator, Term};
 use furrow_cell::{Cell, Cue};
 use std::borrow::Cow;
 
-/// The cell with what [follows PAR polarity](furrow_cell::cue::Profile::Par) in its cue in its place: a step that follows P, or a band at
-/// its edge, for the constants of Goehring et al. 2011 and L_h = [`LENGTH_UM`] µm. Where the cell has no polarity its cue lacks these parts.
+/// The cell, with profiles that [follow PAR polarity](furrow_cell::cue::Profile::Par) replaced by a step that follows
+/// P, or a band at the boundary, for the constants of Goehring et al. 2011 and L_h = [`LENGTH_UM`] µm. If the cell is
+/// not polarised, its cue lacks these terms.
 ///
 /// ```
 /// use furrow_cell::Cell;

@@ -23,12 +23,12 @@ pub const A_U: usize = 2;
 pub const P_U: usize = 3;
 /// Number of components.
 pub const COMPONENTS: usize = 4;
-/// Index of Ā among the scalars; that of P̄ is the next.
+/// Index of Ā among the scalars; P̄ is the next.
 pub const MEAN_A: usize = 0;
-/// Index of the scale ℓ, where it is free.
+/// Index of the scale ℓ, if it is free.
 pub const SCALE: usize = 2;
 
-/// What drives the system away from where it was.
+/// The past of an implicit step.
 #[derive(Clone, Debug, Default)]
 pub struct Past {
     /// 1/Δt of an implicit step, in 1/s; 0 for stationary states.
@@ -42,7 +42,7 @@ pub struct Past {
 pub struct Polarity {
     /// Constants.
     pub constants: ParConstants,
-    /// Where they are.
+    /// The surface.
     pub membrane: Membrane,
     /// The scale, if it is not a scalar unknown.
     pub fixed_scale: Option<f64>,
@@ -60,7 +60,7 @@ pub struct Scaling {
 }
 
 impl Polarity {
-    /// Stationary states at a scale, or at any.
+    /// Stationary states at a fixed scale, or with a free scale.
     pub fn new(constants: ParConstants, membrane: Membrane, fixed_scale: Option<f64>) -> Polarity {
         Polarity { constants, membrane, fixed_scale, past: Past::default(), points: Vec::new() }
     }
@@ -90,7 +90,8 @@ impl Polarity {
         [self.constants.k_on_a, self.constants.k_on_p]
     }
 
-    /// What leaves the membrane at concentrations (A, P), less what would attach from a full pool; its derivatives by A and P.
+    /// Loss from the membrane at concentrations (A, P), less the attachment from a full pool; with its derivatives by A
+    /// and P.
     fn loss(&self, a: f64, p: f64) -> [[f64; 3]; 2] {
         let c = &self.constants;
         [
@@ -107,7 +108,7 @@ impl Polarity {
         }
     }
 
-    /// The value before the step at a point, and how fast the step holds on to it.
+    /// The value before the step at a point, and the rate of the step; zeros for stationary states.
     fn held(&self, index: usize, species: usize) -> [f64; 2] {
         if self.past.rate == 0.0 { [0.0; 2] } else { [self.past.values[index][species], self.past.rate] }
     }
@@ -189,7 +190,7 @@ impl BoundaryValueProblem for Polarity {
     }
 }
 
-/// Second derivatives are those of stationary states.
+/// Second derivatives for stationary states.
 impl Directional for Polarity {
     fn second(&self, PointValues { y, p, .. }: PointValues, [a, b]: [PointDirection; 2], [f, _]: [&mut [f64]; 2]) {
         let Scaling { square, pool } = self.scaling(self.scale(p));
@@ -213,7 +214,7 @@ impl Directional for Polarity {
 
     fn third(&self, point: PointValues, a: PointDirection, [[f2, g2], [f3, _]]: [[&mut [f64]; 2]; 2]) -> bool {
         self.second(point, [a, a], [f2, g2]);
-        // Along A and P alone, as directions of power series are.
+        // Only directions in A and P, as for power series.
         let square = self.scaling(self.scale(point.p)).square[0];
         f3[P_U] = self.stiffness()[1] * square * 6.0 * self.constants.k_pa * a.y[A] * a.y[A] * a.y[P];
         a.p.iter().all(|along| *along == 0.0)

@@ -1,4 +1,4 @@
-//! States of the chemistry at one size: their evolution in time, and what is read off them.
+//! States of the chemistry at one size: evolution in time, observables.
 
 use furrow_bvp::BoundaryValueProblem;
 use furrow_bvp::newton::NewtonScratch;
@@ -8,12 +8,12 @@ use serde::Serialize;
 
 use super::problem::{A, A_U, COMPONENTS, MEAN_A, P, P_U, Polarity};
 
-/// Discretisation of the chemistry: its boundary is far narrower than the furrow.
+/// Discretisation of the chemistry: the boundary is far narrower than the furrow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
     /// Mesh intervals.
     pub intervals: usize,
-    /// Gauss points of each.
+    /// Gauss points in each interval.
     pub stages: usize,
 }
 
@@ -23,7 +23,7 @@ impl Default for Resolution {
     }
 }
 
-/// Newton's tolerance on states.
+/// Newton's tolerance for states.
 pub(super) const NEWTON: Newton = Newton {
     tolerance: 1e-10,
     max_factorisations: 30,
@@ -33,19 +33,19 @@ pub(super) const NEWTON: Newton = Newton {
     chord_contraction: 0.3,
 };
 
-/// Width of the boundary of a state that one starts from, in µm.
+/// Width of the boundary in an initial state, in µm.
 const START_WIDTH: f64 = 1.5;
 
-/// Both antagonists, P at the posterior pole, with a boundary at `u`: where the evolution starts from.
+/// Both antagonists, P at the posterior pole, with a boundary at `u`: the initial state of the evolution.
 ///
 /// # Errors
-/// [`InvalidInput`] for a resolution that is not offered.
+/// [`InvalidInput`] for an unsupported resolution.
 pub fn step(problem: &Polarity, resolution: Resolution, u: f64) -> Result<Solution, InvalidInput> {
     let scale = problem.fixed_scale.unwrap_or(1.0);
     let c = &problem.constants;
     let psi = problem.membrane.psi(c, scale);
     let alone = |k_on: f64, k_off: f64, rho: f64| k_on * rho / (k_off + k_on * psi);
-    // Each as without the other where it rules: the pool is filled up by what the other half lacks.
+    // Each as without the other on its own side; the pool holds the amount missing on the other side.
     let (a, p) = (alone(c.k_on_a, c.k_off_a, c.rho_a), alone(c.k_on_p, c.k_off_p, c.rho_p));
     let omega = START_WIDTH / (problem.membrane.length * scale);
     let gauss = Gauss::new(resolution.stages)?;
@@ -86,7 +86,7 @@ impl Evolution {
         mesh::defect(&self.system.gauss, &mut self.problem, &self.state).into_iter().fold(0.0, f64::max)
     }
 
-    /// Moves the mesh if it no longer fits.
+    /// Moves the mesh if it no longer fits the state.
     fn remesh(&mut self) {
         let Evolution { problem, state, weight, system, .. } = self;
         let defect = mesh::defect(&system.gauss, problem, state);
@@ -100,17 +100,18 @@ impl Evolution {
         }
     }
 
-    /// Takes the state as the one before the next step.
+    /// Stores the state as the past of the next step.
     fn remember(&mut self) {
         let values = &mut self.problem.past.values;
         values.clear();
         values.extend(self.state.stages.chunks_exact(COMPONENTS).map(|y| [y[A], y[P]]));
     }
 
-    /// One implicit step of `dt` seconds; infinity asks for a stationary state. The state stays as it is on an error.
+    /// One implicit step of `dt` seconds; an infinite step gives a stationary state. The state is unchanged on an
+    /// error.
     ///
     /// # Errors
-    /// Newton does not converge.
+    /// Newton's method does not converge.
     pub fn advance(&mut self, dt: f64) -> Result<NewtonReport, NewtonError> {
         self.problem.past.rate = 0.0;
         self.remesh();
@@ -129,7 +130,7 @@ impl Evolution {
     /// Follows the state until `time` seconds have passed, by steps that grow from `first` while they succeed.
     ///
     /// # Errors
-    /// Newton does not converge for the shortest step.
+    /// Newton's method does not converge for the shortest step.
     pub fn until(&mut self, time: f64, first: f64) -> Result<(), NewtonError> {
         let mut dt = first;
         while self.time < time {
@@ -145,10 +146,10 @@ impl Evolution {
     /// Follows the state to rest.
     ///
     /// # Errors
-    /// Newton does not converge for the shortest step.
+    /// Newton's method does not converge for the shortest step.
     pub fn rest(&mut self) -> Result<(), NewtonError> {
         self.until(LONG, FIRST_STEP)?;
-        // Twice: the second time on the mesh of the state itself.
+        // The second time on the mesh of the stationary state itself.
         for _ in 0..2 {
             self.advance(f64::INFINITY)?;
         }
@@ -157,33 +158,33 @@ impl Evolution {
     }
 }
 
-/// Seconds after which everything rests.
+/// Seconds after which every state rests.
 const LONG: f64 = 1e9;
 
-/// How fast steps grow: evolution to rest takes about fifty.
+/// Growth of the steps: evolution to rest takes about fifty steps.
 const GROWTH: f64 = 1.6;
 
 /// The first step, in s.
 const FIRST_STEP: f64 = 0.1;
 
-/// What is read off a polarised state.
+/// Observables of a polarised state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Readings {
-    /// The boundary: where P is the mean of its values at the poles.
+    /// The boundary: the position where P equals the mean of its values at the poles.
     pub u0: f64,
-    /// Width, P.3: with the slope of P at the boundary as ½(1 + tanh((u − u0)/ω)) has it between its values at the poles. Negative, as P
-    /// falls from the posterior pole, u = 0.
+    /// Width, P.3: the ω for which ½(1 + tanh((u − u0)/ω)), between the values at the poles, has the slope of P at the
+    /// boundary. Negative, since P decreases from the posterior pole, u = 0.
     pub omega: f64,
     /// A at the posterior and at the anterior pole, 1/µm².
     pub a: [f64; 2],
-    /// P at both.
+    /// P at the same poles.
     pub p: [f64; 2],
     /// Means over the surface of A and P.
     pub means: [f64; 2],
 }
 
 impl Readings {
-    /// The profile of what follows P: a step between the poles, or a band at the boundary of both antagonists, as wide as it.
+    /// The profile of a term that follows P: a step between the poles, or a band at the boundary with its width.
     pub fn followed(&self, band: bool) -> Profile {
         let Readings { u0, omega, .. } = *self;
         match band {
@@ -193,7 +194,7 @@ impl Readings {
     }
 }
 
-/// A and P are polarised if at the poles P differs by more than this part of their sum.
+/// A state is polarised if P differs between the poles by more than this fraction of the sum.
 pub const POLARISED: f64 = 0.05;
 
 /// (P(0) − P(1))/(P(0) + P(1)): 0 for even states, 1 for complete polarity with P at the posterior pole.
@@ -207,7 +208,7 @@ pub fn is_polarised(y: &Solution) -> bool {
     polarity(y).abs() > POLARISED
 }
 
-/// What is read off a state; none if it is not polarised with P at the posterior pole.
+/// The observables of a state; `None` unless it is polarised with P at the posterior pole.
 pub fn readings(y: &Solution) -> Option<Readings> {
     if polarity(y) <= POLARISED {
         return None;
@@ -229,7 +230,7 @@ pub fn readings(y: &Solution) -> Option<Readings> {
     Some(Readings { u0, omega, a: [first[A], last[A]], p: [first[P], last[P]], means })
 }
 
-/// A and P at `count` + 1 places from pole to pole, evenly spaced: u, A, P.
+/// A and P at `count` + 1 evenly spaced places from pole to pole: u, A, P.
 pub fn profile(y: &Solution, count: usize) -> Vec<[f64; 3]> {
     let gauss = y.gauss();
     let mut value = [0.0; COMPONENTS];

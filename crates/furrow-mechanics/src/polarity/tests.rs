@@ -13,7 +13,7 @@ fn zygote() -> (Chemistry, Membrane) {
     (chemistry, membrane)
 }
 
-/// ∫ of(A, P) over the surface, over the surface.
+/// Mean of `of(A, P)` over the surface.
 fn surface_mean(membrane: &Membrane, y: &Solution, of: impl Fn(f64, f64) -> f64) -> f64 {
     let gauss = y.gauss();
     let mut sum = 0.0;
@@ -27,7 +27,7 @@ fn surface_mean(membrane: &Membrane, y: &Solution, of: impl Fn(f64, f64) -> f64)
 }
 
 #[test]
-fn uniform_states_solve_the_algebra_and_stay_as_they_are() {
+fn uniform_states_solve_the_algebra_and_are_stationary() {
     let (chemistry, membrane) = zygote();
     let (c, psi) = (chemistry.constants, membrane.surface_to_volume);
     let found = c.uniform_states(psi);
@@ -49,7 +49,7 @@ fn uniform_states_solve_the_algebra_and_stay_as_they_are() {
     }
 }
 
-/// Without antagonism A comes to rest at k_on ρ/(k_off + k_on ψ), wherever it was before.
+/// Without antagonism A comes to rest at k_on ρ/(k_off + k_on ψ), for any initial state.
 #[test]
 fn without_antagonism_both_are_uniform() {
     let (mut chemistry, membrane) = zygote();
@@ -65,14 +65,14 @@ fn without_antagonism_both_are_uniform() {
     assert!((uniform.a - expected[0]).abs() < 1e-12 && (uniform.p - expected[1]).abs() < 1e-12);
 }
 
-/// On a sphere a Legendre mode without a mean decays by detachment and at D l(l + 1)/R²: an implicit step divides it by 1 + Δt times
-/// the rate.
+/// On a sphere a Legendre mode without a mean decays by detachment plus D l(l + 1)/R²: an implicit step divides it by 1
+/// + Δt times the rate.
 #[test]
-fn legendre_modes_decay_on_a_sphere_as_they_must() {
+fn legendre_modes_decay_on_a_sphere_at_their_exact_rate() {
     let mut chemistry = Chemistry::goehring2011();
     (chemistry.constants.k_ap, chemistry.constants.k_pa) = (0.0, 0.0);
     let c = chemistry.constants;
-    // A cell with much room in its shell is a sphere.
+    // A cell in a loose shell is a sphere.
     let cell = Cell { epsilon: 0.3, ..Cell::new(2.0) };
     let membrane = chemistry.membrane(&cell).unwrap();
     let radius = 2.0 * chemistry.length_um;
@@ -107,9 +107,9 @@ fn legendre_modes_decay_on_a_sphere_as_they_must() {
     }
 }
 
-/// Derivatives by y, by the scalars and along pairs of directions, against differences.
+/// Derivatives by y, by the scalars and along pairs of directions, compared with differences.
 #[test]
-fn derivatives_are_those_of_the_equations() {
+fn derivatives_agree_with_differences() {
     let (mut chemistry, membrane) = zygote();
     for psi in [SurfaceToVolume::Shape, SurfaceToVolume::Fixed(0.174)] {
         chemistry.constants.surface_to_volume = psi;
@@ -151,7 +151,7 @@ fn derivatives_are_those_of_the_equations() {
                 );
             }
         }
-        // Second derivatives: of stationary states.
+        // Second derivatives are implemented for stationary states.
         problem.past.rate = 0.0;
         let (a, b) = ([0.3, -0.5, 0.2, 0.9, 0.4, -0.3, 0.8], [-0.6, 0.2, 0.7, 0.1, -0.2, 0.5, 0.6]);
         let along = |d: &[f64; 7], step: f64| std::array::from_fn(|k| x[k] + step * d[k]);
@@ -164,7 +164,7 @@ fn derivatives_are_those_of_the_equations() {
             let expected: f64 = (0..7).map(|k| (above[r][k] - below[r][k]) / 2e-5 * a[k]).sum();
             assert!((f[r] - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{r}: {} {expected}", f[r]);
         }
-        // The third along A and P alone.
+        // The third derivative along A and P only.
         let flat = [0.3, -0.5, 0.2, 0.9, 0.0, 0.0, 0.0];
         let second = |step: f64| {
             let x: [f64; 7] = along(&flat, step);
@@ -182,7 +182,7 @@ fn derivatives_are_those_of_the_equations() {
     }
 }
 
-/// P at the posterior pole, and the boundary near the middle, as in the embryo.
+/// P is at the posterior pole, and the boundary near the middle, as in the embryo.
 #[test]
 fn the_zygote_of_goehring_is_polarised_with_its_boundary_near_the_middle() {
     let (chemistry, membrane) = zygote();
@@ -196,7 +196,7 @@ fn the_zygote_of_goehring_is_polarised_with_its_boundary_near_the_middle() {
     assert!((u0 - 0.46910).abs() < 1e-4, "{u0}");
     assert!((omega + 0.08407).abs() < 1e-4, "{omega}");
     assert!(p[0] > 100.0 * p[1] && a[1] > 100.0 * a[0], "{p:?} {a:?}");
-    // Diffusion neither adds nor removes: the means are at rest as well.
+    // Diffusion is conservative: the means are at rest as well.
     let c = chemistry.constants;
     let removed =
         [c.k_ap * surface_mean(&membrane, &y, |a, p| a * p), c.k_pa * surface_mean(&membrane, &y, |a, p| a * a * p)];
@@ -211,7 +211,7 @@ fn the_zygote_of_goehring_is_polarised_with_its_boundary_near_the_middle() {
 }
 
 #[test]
-fn the_mirror_image_of_a_state_is_one() {
+fn the_mirror_image_of_a_state_is_a_state() {
     let (chemistry, membrane) = zygote();
     let y = chemistry.polarised(&Cell::new(ZYGOTE)).unwrap().unwrap();
     let gauss = y.gauss();
@@ -250,8 +250,8 @@ fn two_resolutions_agree() {
     assert!((limits[0] - limits[1]).abs() < 1e-6, "{limits:?}");
 }
 
-/// The fold that continuation finds is where the evolution in time loses polarity: the last state recovers on a cell that is a
-/// hundredth larger, and dies on one that is a hundredth smaller.
+/// At the fold found by continuation the evolution in time loses polarity: the last state persists in a cell that is 1
+/// % larger, and vanishes in one that is 1 % smaller.
 #[test]
 fn polarity_ends_at_the_fold() {
     let chemistry = Chemistry::goehring2011();
@@ -271,7 +271,7 @@ fn polarity_ends_at_the_fold() {
     assert!((u0 - limit.state.u0).abs() < 2e-3, "{u0} {limit:?}");
 }
 
-/// Polarised states over size are a closed curve: in cells that are too large the pools no longer hold the boundary.
+/// Polarised states over size form a closed curve: in cells that are too large the pools no longer hold the boundary.
 #[test]
 fn polarised_states_form_a_closed_curve_over_size() {
     let chemistry = Chemistry::goehring2011();
@@ -295,13 +295,13 @@ fn polarised_states_form_a_closed_curve_over_size() {
     assert!(chemistry.polarised(&Cell::new(1.001 * largest.r0)).unwrap().is_none());
 }
 
-/// Sharp-interface limit, at ψ fixed: where the boundary is narrow its own curvature no longer moves it, the pools alone hold it, and
-/// the part of the surface that P takes is that of any other shape. What is left falls as the inverse of the size.
+/// Sharp-interface limit at fixed ψ: the curvature of a narrow boundary no longer moves it, only the pools hold it, and
+/// P takes the same fraction of the surface of every shape. The deviation is inversely proportional to the size.
 #[test]
 fn a_narrow_boundary_takes_the_same_part_of_any_surface() {
     let mut chemistry = Chemistry::goehring2011();
     chemistry.constants.surface_to_volume = SurfaceToVolume::Fixed(ZYGOTE_SURFACE_TO_VOLUME);
-    // A sphere, and a cell in its shell.
+    // A sphere, and a cell confined by its shell.
     let membranes = [0.3, 0.87].map(|epsilon| chemistry.membrane(&Cell { epsilon, ..Cell::new(ZYGOTE) }).unwrap());
     let part = |membrane: &Membrane, scale: f64| {
         let y = chemistry.evolved(membrane, scale, 0.5).unwrap();
@@ -313,9 +313,9 @@ fn a_narrow_boundary_takes_the_same_part_of_any_surface() {
     assert!(off[2] < 1e-3 && (1.6..2.2).contains(&(off[1] / off[2])), "{off:?}");
 }
 
-/// Before the fold a disturbed state returns, and behind it, where the branch leads back to larger cells, it leaves.
+/// Before the fold a perturbed state returns; beyond it, where the branch leads back to larger cells, it leaves.
 #[test]
-fn states_are_stable_before_the_fold_and_unstable_behind_it() {
+fn states_are_stable_before_the_fold_and_unstable_beyond_it() {
     let (chemistry, membrane) = zygote();
     let scale = 0.6;
     let stable = chemistry.evolved(&membrane, scale, 0.5).unwrap();
@@ -325,7 +325,7 @@ fn states_are_stable_before_the_fold_and_unstable_behind_it() {
     let mut unstable = branch.state.solution.clone();
     assert_eq!(unstable.scalars[SCALE], scale);
     unstable.scalars.truncate(SCALE);
-    // The boundary moves by about 0.004 of the contour; steps of 20 s resolve how it goes on.
+    // The boundary moves by about 0.004 of the contour; steps of 20 s resolve its further motion.
     let moved = |state: &Solution| {
         let mut disturbed = state.clone();
         let shift = |values: &mut Vec<f64>| {
@@ -361,7 +361,7 @@ fn a_boundary_that_the_mesh_does_not_resolve_is_refused() {
 }
 
 #[test]
-fn constants_are_set_by_name_and_what_is_not_allowed_is_named() {
+fn constants_are_set_by_name_and_errors_name_the_allowed_values() {
     let mut constants = ParConstants::GOEHRING2011;
     for text in ["d_a=0.3", "psi=0.174", "k_ap=0"] {
         constants.set("--par", text).unwrap();

@@ -1,4 +1,4 @@
-//! Disturbances as what describes them at every collocation point: their normal displacement w, and behind it δφ − j δw of a regulator.
+//! Perturbations described at every collocation point: by their normal displacement w and, for a regulator, δφ − j δw.
 
 use furrow_bvp::{CollocationPoint, Direction, Gauss, Residual, Solution, SolutionOperator, System};
 
@@ -11,10 +11,11 @@ use crate::cortex::problem::{MotionResponse, QUADRATURES};
 /// Components that are not quadratures, with a regulator.
 const MOST_FORCED: usize = REGULATED - QUADRATURES - 1;
 
-/// How the equations about one shape depend on a disturbance that the past had, and what describes one now.
+/// The dependence of the equations about one shape on a perturbation of the past, and the description of the present
+/// one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Disturbances {
-    /// h s times what a motion adds to the equations, at every collocation point.
+    /// h s times the response of the equations to motion, at every collocation point.
     response: Vec<MotionResponse>,
     /// (sinψ, cosψ), and j of a regulator.
     normal: Vec<[f64; 3]>,
@@ -23,13 +24,13 @@ pub(super) struct Disturbances {
     amount: AmountOf,
     /// Numbers per collocation point: 2 with a regulator.
     pub(super) per_point: usize,
-    /// The response and what is read as matrices, see [`SolutionOperator::assemble`].
+    /// The response and the reading of a perturbation as matrices, see [`SolutionOperator::assemble`].
     force: Vec<f64>,
     reading: Vec<f64>,
 }
 
 impl Disturbances {
-    /// Those of a shape, at a rate s.
+    /// Sets the data for a shape, at a rate s.
     pub(super) fn set(&mut self, cortex: &Cortex, y: &Solution, gauss: &Gauss, rate: f64) {
         self.response.clear();
         self.normal.clear();
@@ -51,7 +52,7 @@ impl Disturbances {
         }
     }
 
-    /// The map from a disturbance that the past had to the present one, of a system that is condensed.
+    /// The map from a perturbation of the past to the present one, for a condensed system.
     pub(super) fn assemble(&mut self, system: &System, operator: &mut SolutionOperator) {
         self.force.clear();
         self.reading.clear();
@@ -72,7 +73,7 @@ impl Disturbances {
         operator.assemble(system, [self.per_point; 2], &self.force, &self.reading);
     }
 
-    /// Makes a disturbance one that leaves the amount of a conserved regulator as it is.
+    /// Removes the part of a perturbation that changes the amount of a conserved regulator.
     pub(super) fn conserve(&self, disturbance: &mut [f64]) {
         if self.per_point == 2 {
             let excess = self.amount.excess(disturbance.as_chunks::<2>().0.iter().copied());
@@ -80,7 +81,7 @@ impl Disturbances {
         }
     }
 
-    /// s M w, as a residual that was zero or of another w.
+    /// s M w, written to a residual that was zero or belongs to another w.
     pub(super) fn load(&self, from: &[f64], residual: &mut Residual) {
         let components = residual.stages.len() / self.response.len();
         let (rows, from) = (residual.stages.chunks_exact_mut(components), from.chunks_exact(self.per_point));
@@ -90,7 +91,7 @@ impl Disturbances {
         }
     }
 
-    /// What describes a change of the whole state.
+    /// Reads the perturbation from a change of the whole state.
     pub(super) fn read(&self, change: &Direction, to: &mut [f64]) {
         let states = change.stages.chunks_exact(change.stages.len() / self.normal.len());
         for ((y, to), [sin, cos, gradient]) in states.zip(to.chunks_exact_mut(self.per_point)).zip(&self.normal) {

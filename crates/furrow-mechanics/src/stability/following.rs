@@ -1,9 +1,10 @@
-//! The largest growth rate at every point of a branch, each from the one before.
+//! The largest growth rate at every point of a branch, each computed from the previous one.
 //!
-//! For s → 0 the implicit step P_s of N.12, divided by s, becomes w ↦ K w = (−J)⁻¹ M w with the eigenvalues κ = −1/σ. Modes near zero are
-//! the first that an Arnoldi iteration finds. But modes that grow fast are among the last. How many grow is known: their number changes
-//! only at folds and pitchforks, which the branch locates, and behind each of them the spectrum is computed anew. The iteration ends when
-//! it has found as many. If it finds another number, as where a pair of complex rates begins to grow, the spectrum is computed anew too.
+//! For s → 0 the implicit step P_s of N.12, divided by s, becomes w ↦ K w = (−J)⁻¹ M w with the eigenvalues κ = −1/σ.
+//! An Arnoldi iteration finds modes near zero first, but fast-growing modes last. The number of growing modes is known:
+//! it changes only at folds and pitchforks, which the branch locates, and after each of them the spectrum is
+//! recomputed. The iteration ends when it has found this number of growing modes. If it finds another number, for
+//! example where a pair of complex rates begins to grow, the spectrum is recomputed too.
 
 use furrow_bvp::Solution;
 use furrow_cell::Parameter;
@@ -14,10 +15,10 @@ use super::{Parity, Stability, end_of, parities};
 use crate::cortex::Cortex;
 use crate::cortex::problem::SHAPE_SCALARS;
 
-/// Largest Krylov dimension before the spectrum is computed anew.
+/// Largest Krylov dimension before the spectrum is recomputed.
 const MOST_DIMENSIONS: usize = 24;
 
-/// Ritz vectors near which the next point begins.
+/// Number of Ritz vectors from which the next point starts.
 const KEPT: usize = 3;
 
 /// Growth rates along one branch.
@@ -25,16 +26,17 @@ const KEPT: usize = 3;
 pub(crate) struct FollowedRates {
     /// The cell at the last point.
     cortex: Cortex,
-    /// The parameters that points bring with them.
+    /// The parameters with values at each point.
     free: Vec<Parameter>,
     stability: Stability,
-    /// Folds and pitchforks before the point at which modes were counted, and how many then grew: even or of a full contour, odd.
+    /// Number of folds and pitchforks before the point at which modes were counted, and the numbers of growing modes:
+    /// even ones (all, on a full contour), and odd ones.
     counted: Option<(usize, [usize; 2])>,
     krylov: [Krylov; 2],
 }
 
 impl FollowedRates {
-    /// Of shapes of a cell with free parameters, with m stages per interval.
+    /// For shapes of a cell with free parameters, with m stages per interval.
     pub(crate) fn new(cortex: &Cortex, stages: usize) -> FollowedRates {
         FollowedRates {
             cortex: Cortex::new(&cortex.cell, cortex.domain, &[]),
@@ -45,7 +47,8 @@ impl FollowedRates {
         }
     }
 
-    /// The largest growth rate at the next point of a branch, after so many folds and pitchforks; none if it cannot be computed.
+    /// The largest growth rate at the next point of a branch, after `passed` folds and pitchforks; `None` if it cannot
+    /// be computed.
     pub(crate) fn at(&mut self, y: &Solution, passed: usize) -> Option<f64> {
         let mut y = y.clone();
         for (parameter, value) in self.free.iter().zip(y.scalars.drain(SHAPE_SCALARS..)) {
@@ -56,23 +59,23 @@ impl FollowedRates {
         growing.and_then(|growing| self.near_zero(&y, growing)).or_else(|| self.anew(&y, passed))
     }
 
-    /// From the whole spectrum, whose growing modes are counted.
+    /// From the whole spectrum; counts the growing modes.
     fn anew(&mut self, y: &Solution, passed: usize) -> Option<f64> {
         self.counted = None;
         if self.cortex.is_regulated() {
-            // Its fast modes may grow at complex rates.
+            // Fast modes of a regulator may grow at complex rates.
             return self.stability.growth_rate(&self.cortex, y).ok();
         }
         let spectrum = self.stability.leading(&self.cortex, y).ok()?;
         let growing =
             |odd: bool| spectrum.values.iter().filter(|v| v.re > 0.0 && odd == (v.parity == Parity::Odd)).count();
         let growing = [growing(false), growing(true)];
-        // Where there are as many as were asked for, there may be more.
+        // If all requested modes grow, there may be more.
         self.counted = growing.iter().all(|&count| count < self.stability.arnoldi.wanted).then_some((passed, growing));
         Some(spectrum.growth_rate())
     }
 
-    /// From the modes nearest to zero, if as many grow as have before.
+    /// From the modes nearest to zero, if the same number of modes grow as before.
     fn near_zero(&mut self, y: &Solution, growing: [usize; 2]) -> Option<f64> {
         let FollowedRates { cortex, stability, krylov, .. } = self;
         let Stability { arnoldi, system, antisymmetric, disturbances, operator, .. } = stability;
@@ -99,7 +102,7 @@ impl FollowedRates {
     }
 }
 
-/// A growth rate that a Ritz value stands for.
+/// The growth rate of a Ritz value.
 #[derive(Clone, Copy, Debug)]
 struct Mode {
     /// Re σ.
@@ -108,17 +111,17 @@ struct Mode {
     size: f64,
     /// Whether σ is accurate.
     settled: bool,
-    /// Its place among the Ritz values.
+    /// Its index among the Ritz values.
     place: usize,
 }
 
-/// The modes that Ritz values stand for, the rightmost first.
+/// The modes of Ritz values, the rightmost first.
 struct Modes {
     values: Vec<Mode>,
 }
 
 impl Modes {
-    /// Those that are accurate, or so slow that they ought to be.
+    /// The modes that are accurate, or slow enough that they must be.
     fn of(ritz: &[RitzValue], scale: f64, tolerance: f64) -> Modes {
         let mode = |(place, value): (usize, &RitzValue)| {
             let square = value.re * value.re + value.im * value.im;
@@ -131,13 +134,13 @@ impl Modes {
         Modes { values }
     }
 
-    /// Whether so many grow, and the rightmost of all is accurate.
+    /// Whether `growing` modes grow, and the rightmost mode is accurate.
     fn are_all(&self, growing: usize) -> bool {
         let grow = self.values.iter().filter(|mode| mode.rate > 0.0).count();
         grow == growing && self.values.first().is_some_and(|mode| mode.settled)
     }
 
-    /// The places of those that the next point's iteration begins near: the rightmost, then the slowest.
+    /// The indices of the modes from which the iteration at the next point starts: the rightmost, then the slowest.
     fn nearest(&self) -> Vec<usize> {
         let mut others = self.values[1..].to_vec();
         others.sort_by(|a, b| a.size.total_cmp(&b.size));
@@ -151,7 +154,8 @@ mod tests {
     use crate::equilibria::{BranchOptions, primary};
     use furrow_cell::{Cell, Numerics};
 
-    /// Along branches, over a pitchfork and a fold that the caller does not tell of, and with a cue on the whole contour.
+    /// Along branches, across a pitchfork and a fold that the caller does not report, and with a cue on the whole
+    /// contour.
     #[test]
     fn agrees_with_the_spectrum_at_every_point() {
         let cued = |r0, cue: &str| Cell::new(r0).with_cue(cue.parse().unwrap());

@@ -1,25 +1,26 @@
-//! Growth rates of small disturbances of a stationary shape.
+//! Growth rates of small perturbations of a stationary shape.
 //!
-//! Linearising the dynamics about a stationary state gives the pencil J x = σ M x (M.22), where M multiplies ∂_t(r, z). It acts
-//! only through the normal velocity v_n = sinψ ∂_t r + cosψ ∂_t z, so a disturbance is described by its normal
-//! displacement w at the collocation points; everything else follows instantly. One implicit step of rate s maps
-//! w ↦ P_s w = s (sM − J)⁻¹ M w, with eigenvalues
+//! Linearising the dynamics about a stationary state gives the pencil J x = σ M x (M.22), where M multiplies ∂_t(r, z).
+//! It acts only through the normal velocity v_n = sinψ ∂_t r + cosψ ∂_t z, so that a perturbation is described by its
+//! normal displacement w at the collocation points, which determines everything else instantly. One implicit step of
+//! rate s maps w ↦ P_s w = s (sM − J)⁻¹ M w, with eigenvalues
 //!
 //! * \[N.12 shift\] μ = s/(s − σ), σ = s (1 − 1/μ),
 //!
-//! so that the rightmost σ belong to the extreme μ, which an Arnoldi iteration finds first. A shift s > 0 misses nothing
-//! that grows: σ > s has μ < 0, outside the disc |μ − ½| ≤ ½ that holds all decaying modes. The step is the implicit time
-//! step of the division itself, with the same factors.
+//! so that the rightmost σ belong to the extreme μ, which an Arnoldi iteration finds first. A shift s > 0 misses no
+//! growing mode: σ > s has μ < 0, outside the disc |μ − ½| ≤ ½ that holds all decaying modes. The step is the implicit
+//! time step of the division itself, with the same factors.
 //!
 //! Mirror-symmetric states are given on the half domain; even modes solve the half problem, odd modes the same intervals
 //! with δr = δm = δT = 0 at u = ½ and no scalar unknowns.
 //!
-//! A regulator has a rate of change of its own. It enters as ∂_tφ − w j, w the tangential velocity of a place of fixed u, so that a
-//! disturbance is described by its normal displacement and by δφ − j δw, which no renaming of places along the contour changes.
+//! A regulator has its own rate of change. It enters as ∂_tφ − w j, where w is the tangential velocity of a place of
+//! fixed u, so that a perturbation is described by its normal displacement and by δφ − j δw, which does not depend on
+//! the labelling of places along the contour.
 //!
 //! # References
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
-//! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
+//! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a perturbation.
 
 mod disturbances;
 pub(crate) mod following;
@@ -42,14 +43,14 @@ pub use spectrum::{GrowthRate, Parity, Spectrum, StabilityError};
 use spectrum::{Result, sort};
 pub(crate) use {shifts::Shifts, spectrum::rightmost};
 
-/// Steps of the power iteration for one mode: each leaves a third of what is nearest to it, and far less of what decays at
-/// the cell's own pace.
+/// Steps of the power iteration for one mode: each reduces the mode closest to it to a third, and modes that decay at
+/// the cell's own rate far more.
 const DIRECTION_STEPS: usize = 12;
 
-/// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
+/// Workspace for growth rates; it allocates nothing large once it has handled the largest mesh.
 ///
 /// # Examples
-/// A small cell rests in a shape whose slowest disturbance is odd, and decays:
+/// A small cell rests in a shape with an odd slowest mode, which decays:
 ///
 /// ```
 /// use furrow_cell::{Cell, Numerics};
@@ -100,7 +101,7 @@ impl Stability {
         shifts.leading(wanted, |shift, wanted| self.at_shift(&mut fixed, &state, shift, wanted))
     }
 
-    /// The largest growth rate only, from one shift, and from more where the shape has a narrow neck.
+    /// The largest growth rate only, from one shift, and from further shifts if the shape has a narrow neck.
     ///
     /// # Errors
     /// As [`leading`](Self::leading).
@@ -110,14 +111,14 @@ impl Stability {
         shifts.growth_rate(|shift, wanted| self.at_shift(&mut fixed, &state, shift, wanted))
     }
 
-    /// The mode that grows at `growth` > 0, the rightmost rate of the stationary state `y`: the change of the whole state
-    /// that goes with it, of length 1 in the L² norm of (r, z) over u. Its sign is that of chance.
+    /// The mode that grows at `growth` > 0, the rightmost rate of the stationary state `y`: the corresponding change of
+    /// the whole state, of length 1 in the L² norm of (r, z) over u. Its sign is arbitrary.
     ///
     /// # Errors
-    /// A factorisation that fails.
+    /// A factorisation fails.
     pub fn unstable_direction(&mut self, cortex: &Cortex, y: &Solution, growth: f64) -> Result<Direction> {
         let (mut fixed, state) = freeze(cortex, y);
-        // A step at a rate just above the mode's own magnifies it threefold, and what decays hardly at all.
+        // A step at 1.5 times the mode's rate magnifies it threefold, and damps decaying modes.
         let shift = 1.5 * growth;
         let failed = StabilityError::at(shift);
         self.linearise(&mut fixed, &state, shift).map_err(&failed)?;
@@ -159,7 +160,7 @@ impl Stability {
             let end = end_of(parity, system, antisymmetric, y.components).map_err(&failed)?;
             let step = |from: &[f64], to: &mut [f64]| {
                 operator.apply(system, end, from, to, &mut scalars);
-                // Odd disturbances do not change the amount of a regulator.
+                // Odd perturbations do not change the amount of a regulator.
                 if parity != Parity::Odd {
                     disturbances.conserve(to);
                 }
@@ -195,7 +196,7 @@ fn parities(domain: Domain) -> &'static [Parity] {
     }
 }
 
-/// The end of the problem for odd modes, from the factors of that for even ones; none for other modes.
+/// The end of the problem for odd modes, from the factors of the problem for even modes; `None` for other modes.
 fn end_of<'a>(
     parity: Parity,
     system: &System,
@@ -234,7 +235,7 @@ mod tests {
     fn symmetric(r0: f64, epsilon: f64, xi_s: f64, numerics: &Numerics) -> (Cortex, Solution) {
         let below = Cell { epsilon, xi_s: xi_s.min(26.5), ..Cell::gao2026_thresholds(r0) };
         let StationaryShape { mut cortex, solution: mut y, .. } = stationary(&below, numerics).unwrap();
-        // A step along the branch would pass these and the fold above them.
+        // A step along the branch would pass these activities and the fold above them.
         for xi_s in [27.0, 27.02].into_iter().filter(|close| *close <= xi_s) {
             cortex.set(Parameter::XiS, xi_s);
             let (mut system, mut scratch) = (System::new(cortex.dimensions(), y.m), NewtonScratch::default());
@@ -243,7 +244,8 @@ mod tests {
         (cortex, y)
     }
 
-    /// Arnoldi against every finite eigenvalue of the pencil itself, assembled densely by differences of the residual.
+    /// Arnoldi compared with every finite eigenvalue of the pencil itself, assembled densely by differences of the
+    /// residual.
     #[test]
     fn agrees_with_the_dense_pencil() {
         let numerics = Numerics { stages: 3, intervals: 12, ..Numerics::default() };
@@ -275,7 +277,7 @@ mod tests {
         positions(&y, &mut cortex.past);
         let mass = derivative(&mut cortex) - &jacobian;
         cortex.rate = 0.0;
-        // J x = −σ M x: the eigenvalues of J⁻¹M are −1/σ, and 0 where the constraint has no rate.
+        // J x = −σ M x: the eigenvalues of J⁻¹M are −1/σ, and 0 for constraints without a rate.
         let inverse_rates = jacobian.lu().solve(&mass).unwrap().complex_eigenvalues();
         let finite = inverse_rates.iter().filter(|theta| theta.norm() > 1e-3).map(|theta| -theta.inv());
         let mut expected: Vec<f64> = finite.map(|x| x.re).collect();
@@ -298,13 +300,14 @@ mod tests {
         assert!(rate(0, Parity::Odd) < -1e-3 && rate(2, Parity::Odd) > 1e-3);
         assert!(rate(1, Parity::Odd).abs() < 3e-6, "{}", rate(1, Parity::Odd));
         assert!(spectra[0].is_stable() && !spectra[2].is_stable());
-        // σ of the even mode closes like a square root: σ² is linear in ξ_s.
+        // σ of the even mode vanishes like a square root: σ² is linear in ξ_s.
         let [a, b] = [3, 4].map(|k| rate(k, Parity::Even).powi(2));
         let fold = targets[4] + b * (targets[4] - targets[3]) / (a - b);
         assert!((fold - 27.029_71).abs() < 1e-4, "{fold}");
     }
 
-    /// A step neither makes nor loses any of a regulator without turnover, whatever the disturbance: flow dilutes as much as it gathers.
+    /// A step conserves the amount of a regulator without turnover for every perturbation: flow dilutes as much as it
+    /// concentrates.
     #[test]
     fn a_step_keeps_the_amount_of_a_conserved_regulator() {
         for strength in ["activity=0.3", "kappa=-0.2,friction=0.4"] {
@@ -325,7 +328,8 @@ mod tests {
         }
     }
 
-    /// Rates from the half contour, from the whole one and from the azimuthal equations for m = 0 agree, and 0 is not among them.
+    /// Rates from the half contour, from the whole contour and from the azimuthal equations for m = 0 agree, and none
+    /// of them is 0.
     #[test]
     fn modes_of_a_conserved_regulator_keep_its_amount() {
         let (cortex, y) = conserved("activity=0.3");
@@ -339,7 +343,7 @@ mod tests {
         }
     }
 
-    /// A cell at rest without turnover of its regulator, found from a shape with turnover.
+    /// A cell at rest without turnover of its regulator, computed from a shape with turnover.
     fn conserved(couplings: &str) -> (Cortex, Solution) {
         let cell = |turnover: f64| {
             let cue = format!("regulator:none,turnover={turnover},diffusion=1,{couplings}");

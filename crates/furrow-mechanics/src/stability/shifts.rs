@@ -1,4 +1,4 @@
-//! From which shifts the rightmost growth rates are looked for, whatever the disturbances are.
+//! The shifts at which the rightmost growth rates are computed, for all kinds of perturbations.
 
 use furrow_bvp::Solution;
 
@@ -9,35 +9,35 @@ use crate::cortex::equations::{M, PSI, R};
 /// Growth rates further than this many shifts from the shift are left to other shifts.
 pub(crate) const REACH: f64 = 50.0;
 
-/// A regulator that hardly spreads and turns over slowly has many modes of nearly one rate, which only a shift as small as they tells
-/// apart: where the first shift does not, it is made smaller by this factor so many times.
+/// A regulator with weak diffusion and slow turnover has many modes of nearly the same rate, which only a shift of
+/// similar size separates. If the first shift does not, it is reduced by this factor, at most [`MOST_NEARER`] times.
 const NEARER: f64 = 1.0 / 16.0;
 const MOST_NEARER: usize = 3;
 
-/// What is known of the growth rates of a shape before any is computed.
+/// Bounds on the growth rates of a shape before their computation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shifts {
-    /// The scale of the cell's own pace, see [`shift_scale`].
+    /// The scale of the cell's own rates, see [`shift_scale`].
     scale: f64,
-    /// A bound of growth rates.
+    /// An upper bound of growth rates.
     fastest: f64,
     /// Whether a regulator may have slow modes that lie close together.
     regulated: bool,
 }
 
 impl Shifts {
-    /// Those of a shape.
+    /// The bounds for a shape.
     pub(crate) fn of(cortex: &Cortex, y: &Solution) -> Shifts {
         Shifts { scale: shift_scale(cortex), fastest: fastest(cortex, y), regulated: cortex.is_regulated() }
     }
 
-    /// The scale of the cell's own pace.
+    /// The scale of the cell's own rates.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// The `wanted` rightmost growth rates from two shifts, and from more where the shape has a narrow neck; `at_shift` computes
-    /// those that one shift can see.
+    /// The `wanted` rightmost growth rates from two shifts, and from further ones if the shape has a narrow neck;
+    /// `at_shift` computes the rates within reach of one shift.
     pub(crate) fn leading(
         &self,
         wanted: usize,
@@ -49,14 +49,15 @@ impl Shifts {
         Ok(spectrum)
     }
 
-    /// The largest growth rate only, from one shift, and from more where the shape has a narrow neck.
+    /// The largest growth rate only, from one shift, and from further ones if the shape has a narrow neck.
     pub(crate) fn growth_rate(&self, mut at_shift: impl FnMut(f64, usize) -> Result<Spectrum>) -> Result<f64> {
         let (near, mut spectrum) = self.within_reach(&mut at_shift, 1)?;
         self.add_fast(&mut at_shift, near, 1, &mut spectrum)?;
         Ok(spectrum.growth_rate())
     }
 
-    /// Modes too fast for `shift` to see: a neck pinches at the rate its own curvature sets, whatever the cell's size.
+    /// Adds modes too fast for `shift`: a neck pinches at a rate set by its own curvature, independent of the cell's
+    /// size.
     fn add_fast(
         &self,
         at_shift: &mut impl FnMut(f64, usize) -> Result<Spectrum>,
@@ -71,8 +72,8 @@ impl Shifts {
         Ok(())
     }
 
-    /// Adds what a further shift sees, known to about `slack`. One that is too far to tell the slow modes of a regulator apart, and
-    /// sees nothing to the right of them, adds nothing.
+    /// Adds the modes within reach of another shift, with the tolerance `slack` for duplicates. A shift that is too far
+    /// away to separate the slow modes of a regulator, and has no modes to the right of them, adds nothing.
     fn add_at(
         &self,
         at_shift: &mut impl FnMut(f64, usize) -> Result<Spectrum>,
@@ -88,7 +89,7 @@ impl Shifts {
         Ok(())
     }
 
-    /// The smallest shift, from the scale of the cell upwards, that sees any mode, and what it sees.
+    /// The smallest shift, from the scale of the cell upwards, within reach of any mode, and its modes.
     fn within_reach(
         &self,
         at_shift: &mut impl FnMut(f64, usize) -> Result<Spectrum>,
@@ -103,7 +104,7 @@ impl Shifts {
             }
         }
         let mut spectrum = found?;
-        // Every mode decays faster than the shift can see: none is missed, but none is known.
+        // All modes decay faster than the shift can reach: no growing mode is missed, but the rates are not known yet.
         while spectrum.values.is_empty() && shift < 1e12 {
             shift *= 0.5 * REACH;
             spectrum = at_shift(shift, wanted)?;
@@ -112,8 +113,8 @@ impl Shifts {
     }
 }
 
-/// A positive rate of the order of the fastest slow mode: bending over the size of the cell against viscosity, plus what
-/// the activity can add.
+/// A positive rate of the order of the fastest slow mode: bending over the size of the cell against viscosity, plus the
+/// largest contribution of activity.
 pub(super) fn shift_scale(cortex: &Cortex) -> f64 {
     let (cell, material) = (&cortex.cell, &cortex.cell.material);
     let viscosity = material.eta_b + material.eta_s;
@@ -121,7 +122,7 @@ pub(super) fn shift_scale(cortex: &Cortex) -> f64 {
     material.kappa / (viscosity * cell.r0 * cell.r0) + activity * activity / (16.0 * material.kappa * viscosity)
 }
 
-/// A bound of growth rates: bending and active stress at the largest curvature of the shape against viscosity.
+/// An upper bound of growth rates: bending and active stress at the largest curvature of the shape against viscosity.
 fn fastest(cortex: &Cortex, y: &Solution) -> f64 {
     let (cell, material) = (&cortex.cell, &cortex.cell.material);
     let curvature = y.stages.chunks_exact(y.components).fold(0.0f64, |most, s| {

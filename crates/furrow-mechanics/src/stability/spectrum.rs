@@ -1,4 +1,4 @@
-//! Growth rates, and how they follow from one implicit step.
+//! Growth rates, and their computation from one implicit step.
 
 use furrow_bvp::PivotFailure;
 use furrow_spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
@@ -12,7 +12,7 @@ pub enum Parity {
     Even,
     /// r odd, z even: the mode breaks it.
     Odd,
-    /// The state itself was given on the full domain; nothing is known.
+    /// The state is given on the full domain; the symmetry of the mode is not known.
     Mixed,
 }
 
@@ -47,7 +47,7 @@ impl Spectrum {
         self.values.first().map_or(f64::NAN, |v| v.re)
     }
 
-    /// Adds what another shift saw and this spectrum does not hold yet: rates found from both agree.
+    /// Adds the rates from another shift that this spectrum does not hold yet; rates found from both agree.
     pub(super) fn add(&mut self, other: Spectrum, shift: f64) {
         for value in other.values {
             let slack = 1e-5 * (value.re.abs() + shift) + 10.0 * value.error;
@@ -59,7 +59,7 @@ impl Spectrum {
         sort(&mut self.values);
     }
 
-    /// Whether every disturbance decays.
+    /// Whether every perturbation decays.
     pub fn is_stable(&self) -> bool {
         self.growth_rate() < 0.0
     }
@@ -75,7 +75,7 @@ pub enum StabilityError {
     /// The eigenvalues of the projected matrix could not be computed.
     #[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
     Projected { dimension: usize },
-    /// The rightmost growth rate did not settle.
+    /// The rightmost growth rate did not converge.
     #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
     NotConverged { value: f64, error: f64, dimension: usize },
 }
@@ -89,7 +89,8 @@ impl StabilityError {
     }
 }
 
-/// The `wanted` rightmost growth rates of one parity that the shift can see: `step` is w ↦ P_s w, in the inner product of `weights`.
+/// The `wanted` rightmost growth rates of one parity within reach of the shift: `step` is w ↦ P_s w, in the inner
+/// product of `weights`.
 pub(crate) fn rightmost(
     arnoldi: &Arnoldi,
     krylov: &mut Krylov,
@@ -111,7 +112,7 @@ pub(crate) fn rightmost(
             Some(r) if dimension == limit && rates[0].error > allowed(&rates[0]) => {
                 Some(Err(StabilityError::NotConverged { value: r.re, error: r.error, dimension }))
             }
-            // Later values are given with their errors as they stand.
+            // Later values are returned with their current errors.
             _ if dimension == limit => Some(Ok(rates)),
             _ => None,
         }
@@ -120,8 +121,8 @@ pub(crate) fn rightmost(
     result.map_err(projected)?.unwrap_or_else(|| Ok(Vec::new()))
 }
 
-/// Whether all modes are too far from the shift to be seen: the largest Ritz value is too small even with ten times its residual.
-/// Larger spaces would show no more.
+/// Whether all modes are out of reach of the shift: the largest Ritz value is too small even with ten times its
+/// residual. Larger spaces would show no more.
 fn out_of_reach(values: &[RitzValue]) -> bool {
     let modulus = |mu: &RitzValue| mu.re.hypot(mu.im);
     let largest = values.iter().max_by(|a, b| modulus(a).total_cmp(&modulus(b)));
@@ -150,7 +151,8 @@ pub(crate) fn sort(values: &mut [GrowthRate]) {
 mod tests {
     use super::*;
 
-    /// Modes that all decay too fast for the shift end the iteration at the first look, not in the largest space allowed.
+    /// Modes that all decay too fast for the shift end the iteration at its first check, not in the largest allowed
+    /// space.
     #[test]
     fn modes_out_of_reach_are_given_up_early() {
         let rates_at = |slowest: f64| {
@@ -166,7 +168,7 @@ mod tests {
         };
         let (found, applied) = rates_at(80.0);
         assert!(found.is_empty() && applied <= 14, "{found:?} {applied}");
-        // One that is barely within reach is found.
+        // A mode barely within reach is found.
         let (found, _) = rates_at(45.0);
         assert!((found[0].re + 45.0).abs() < 1e-6, "{found:?}");
     }
