@@ -250,7 +250,8 @@ def volumes(
     ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
     ``population`` names the populations of a table of divisions that are used, one or several; default all. ``bins`` are
     rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers; without it
-    the ``units`` of the lineage count, then P0. ``unit`` is the unit of tables that name none, and ``voxel`` the edge of a voxel in µm.
+    the ``units`` of the lineage count, then P0. ``unit`` is that of tables which name none,
+    and ``voxel`` the edge of a voxel in µm.
     """
     known = shared_memo() if memo is None else memo
     if published not in PUBLISHED:

@@ -10,6 +10,7 @@ use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts, counts_beside};
 use furrow_figures::plot;
+use furrow_formats::read_tree;
 use furrow_input::InputError;
 use furrow_measured::tracked::{Absent, TrackOptions, read_embryo};
 use std::fmt::Write;
@@ -44,7 +45,11 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
         Ok::<_, InputError>((embryo, path.display().to_string()))
     };
     let measured = args.measured.as_deref().map(read).transpose()?;
-    let tree = Model::read(args.tree.as_deref())?.tree(context)?;
+    let is_lineage = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
+    let tree = match args.tree.as_deref() {
+        Some(file) if !is_lineage(&file) => read_tree(file)?,
+        lineage => Model::read(lineage)?.tree(context)?,
+    };
     let source = args.tree.as_ref().map_or("c_elegans.ron (built in)".to_owned(), |file| file.display().to_string());
     let found = match &measured {
         Some((measured, file)) => counts_beside(&tree, measured, file)?,

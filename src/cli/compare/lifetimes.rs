@@ -131,8 +131,12 @@ fn text(found: &LifetimesBeside) -> String {
         deviation.map_or(String::new(), |deviation| {
             let Deviation { cells, rms_ln, mean_ln, too_short, too_long, with_sd, within_two_sd } = deviation;
             let off = 100.0 * rms_ln;
+            let within = match with_sd {
+                0 => String::new(),
+                _ => format!(", {within_two_sd} of {with_sd} by at most 2 sd"),
+            };
             format!(
-                "the model's lifetimes of {cells} cells{which} are off by {off:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most 2 sd; \
+                "the model's lifetimes of {cells} cells{which} are off by {off:.1} % (root mean square of ln){within}; \
                  {too_short} are too short, {too_long} too long (mean of ln {mean_ln:+.2})\n"
             )
         })

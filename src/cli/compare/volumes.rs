@@ -375,7 +375,7 @@ fn group_text(group: &GroupBeside) -> String {
         let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>+8.3}{model}{first}{band}");
     }
     if !is_modelled && !with_firsts {
-        out += "the model's tree has no cell of these names\n";
+        out += "the model's tree has none of these mothers\n";
     }
     out + "\n"
 }
