@@ -228,6 +228,7 @@ def volumes(
     population: str | Sequence[str] | None = None,
     bins: Sequence[SupportsFloat] | None = None,
     voxel: SupportsFloat | None = None,
+    unit: Literal["um3", "voxels", "relative"] | None = None,
     length_scale: SupportsFloat | Literal["fit"] | None = None,
     lineage: str | os.PathLike[str] | None = None,
     constants: str | os.PathLike[str] | Constants | None = None,
@@ -248,7 +249,9 @@ def volumes(
 
     ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
     ``population`` names the populations of a table of divisions that are used, one or several; default all. ``bins`` are
-    rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers.
+    rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers; without it
+    the ``units`` of the lineage count, then P0. ``unit`` is that of tables which name none,
+    and ``voxel`` the edge of a voxel in µm.
     """
     known = shared_memo() if memo is None else memo
     if published not in PUBLISHED:
@@ -264,6 +267,7 @@ def volumes(
         "tables": tables_of(table),
         "against": tables_of(against),
         "voxel": None if voxel is None else positive("voxel", voxel),
+        "unit": unit,
         "group": None if group is None else text_of("group", group),
         "published": published,
         "bins": None if bins is None else _edges(bins),

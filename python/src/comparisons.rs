@@ -1,8 +1,10 @@
 //! The model beside measured embryos.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use furrow_analysis::compare::counts::{counts as counted, counts_beside};
+use furrow_analysis::compare::names_of;
 use furrow_analysis::compare::noise::noise_null;
 use furrow_analysis::compare::volumes::{
     BinModel, Cells, GroupBeside, Regression, Scale, ScaleFrom, add_bands, beside, model, model_by_bin, regression_of,
@@ -15,6 +17,7 @@ use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
 use furrow_measured::contour::series::{ModelContour, Series, series as laid_beside};
 use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
+use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::tracked::{TrackOptions, read_embryo};
 use furrow_measured::trend::{VolumeBin, adjacent_tests, volume_bins, volume_trend};
@@ -54,6 +57,7 @@ pub struct VolumesAsked {
     tables: Tables,
     against: Tables,
     voxel: Option<f64>,
+    unit: Option<String>,
     group: Option<String>,
     published: String,
     bins: Option<Vec<f64>>,
@@ -81,8 +85,18 @@ struct MeasuredVolumes {
 
 impl VolumesAsked {
     /// Adds tables: as text, and in files. Their rows without a group are of this one.
-    fn read_into(&self, volumes: &mut Volumes, (files, text): &Tables, group: &Option<String>) -> Result<(), Error> {
-        let options = ReadOptions { voxel: self.voxel, group: group.clone(), ..ReadOptions::default() };
+    fn read_into(
+        &self,
+        volumes: &mut Volumes,
+        (files, text): &Tables,
+        group: &Option<String>,
+        names: &Names,
+    ) -> Result<(), Error> {
+        let unit = self.unit.as_deref().map(|unit| {
+            unit.parse::<Unit>().map_err(|_| Error::not_allowed("unit", shown(unit), "um3, voxels or relative"))
+        });
+        let (group, names) = (group.clone(), names.clone());
+        let options = ReadOptions { voxel: self.voxel, group, unit: unit.transpose()?, names };
         if let Some(text) = text {
             volumes.read(text.as_bytes(), "volumes", &options)?;
         }
@@ -90,7 +104,7 @@ impl VolumesAsked {
         Ok(())
     }
 
-    fn read(&self) -> Result<MeasuredVolumes, Error> {
+    fn read(&self, names: &Names) -> Result<MeasuredVolumes, Error> {
         let mut volumes = Volumes::default();
         if is_empty(&self.tables) {
             let (source, groups) = match &*self.published {
@@ -104,8 +118,8 @@ impl VolumesAsked {
             true => [self.group.clone(), None],
             false => ["measured", "against"].map(|name| Some(name.to_owned())),
         };
-        self.read_into(&mut volumes, &self.tables, &first)?;
-        self.read_into(&mut volumes, &self.against, &second)?;
+        self.read_into(&mut volumes, &self.tables, &first, names)?;
+        self.read_into(&mut volumes, &self.against, &second, names)?;
         volumes.require_used("volumes")?;
         let mut found = divisions(&volumes);
         if let Some(wanted) = &self.population {
@@ -134,7 +148,7 @@ impl VolumesAsked {
         }
     }
 
-    /// One L_h, as the caller, the measured P0, or the lineage gives it, or by all mothers.
+    /// One L_h, as the caller, the lineage, or the measured P0 gives it, or by all mothers.
     fn scale(&self, divisions: &[Division], cells: &Cells, of_lineage: Option<f64>) -> Result<Option<Scale>, Error> {
         Ok(match &self.length_scale {
             Some(Length::Given(length)) => Some(Scale { length: *length, from: ScaleFrom::Given }),
@@ -143,7 +157,8 @@ impl VolumesAsked {
                 return Err(Error::not_allowed("length_scale", shown(word), "a length above 0, or \"fit\""));
             }
             None => {
-                scale(divisions, cells, true).or(of_lineage.map(|length| Scale { length, from: ScaleFrom::Lineage }))
+                let of_lineage = of_lineage.map(|length| Scale { length, from: ScaleFrom::Lineage });
+                of_lineage.or_else(|| scale(divisions, cells, true))
             }
         })
     }
@@ -167,8 +182,8 @@ pub fn compare_volumes(
         if let Some(Length::Given(length)) = asked.length_scale {
             length_scale(Some(length), "cube root of the tables' unit")?;
         }
-        let measured = asked.read()?;
         let lineage = lineage_of(asked.lineage.as_deref())?;
+        let measured = asked.read(&names_of(&lineage))?;
         given.for_divisions()?;
         let tree_settings = tree_settings(settings.clone(), &lineage, 0, memo.quantisation());
         let show = |progress| watch.divisions(progress);
@@ -196,7 +211,10 @@ pub fn compare_volumes(
         let bins = volume_bins(sized, bins);
         // Mothers without Sulston's names have no cell in the tree; one of their size is beside them.
         let by_bin = match length.filter(|_| !measured.volumes.divisions.is_empty() && !no_sizes) {
-            Some(Scale { length, .. }) => model_by_bin(&tree_settings, &bins, length, &memo, &options)?,
+            Some(Scale { length, .. }) => {
+                let own_cues = asked.lineage.is_some().then_some(&lineage.cues);
+                model_by_bin(&tree_settings, own_cues, &bins, length, &memo, &options)?
+            }
             None => Vec::new(),
         };
         let regressions = asked.regressions(&groups)?;
@@ -209,7 +227,7 @@ pub fn compare_volumes(
 fn volumes_found(
     measured: &MeasuredVolumes,
     (groups, regressions): (&[GroupBeside], Vec<Regression>),
-    (bins, by_bin): (&[VolumeBin], &[BinModel]),
+    (bins, by_bin): (&[VolumeBin], &[(String, Vec<BinModel>)]),
     (sized, length): (&[Division], Option<Scale>),
 ) -> Value {
     let MeasuredVolumes { source, volumes, found, .. } = measured;
@@ -228,7 +246,8 @@ fn volumes_found(
         "tests": adjacent_tests(bins),
         "trend": volume_trend(sized),
         "noise": noise_null(sized, bins),
-        "model_by_bin": by_bin,
+        "model_by_bin": by_bin.first().map_or(&[][..], |(_, bins)| bins),
+        "model_by_bin_with_cues": by_bin.iter().skip(1).cloned().collect::<BTreeMap<_, _>>(),
         "regressions": regressions,
     })
 }

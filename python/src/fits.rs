@@ -166,7 +166,17 @@ pub fn front(
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, settings) = read_thresholds(&source, unknowns.as_deref(), &given)?;
-        let found = searched(&targets, &settings.cell, &settings.numerics, count, seed, threads, &watch.stop)?;
+        let found = searched(
+            &targets,
+            &settings.cell,
+            &settings.numerics,
+            count,
+            seed,
+            threads,
+            &watch.stop,
+            None,
+            &|_, _| (),
+        )?;
         Document::of(&found)
     })
 }

@@ -191,17 +191,18 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "compare": ("furrow.compare", {}),
     "compare counts": (
         "furrow.compare.counts",
-        {"[TREE.json]": "furrow.compare.counts(tree)", "--measured": "furrow.compare.counts(measured)"}
+        {"[TREE.json|LINEAGE.ron]": "furrow.compare.counts(tree)", "--measured": "furrow.compare.counts(measured)"}
         | {"--plot": "furrow.Tree.plot(path)"},
     ),
     "compare volumes": (
         "furrow.compare.volumes",
         {"[FILE]": "furrow.compare.volumes(table)", "--plot": "furrow.compare.VolumesComparison.plot(path)"}
-        | {"--out": "furrow.compare.VolumesComparison.to_pandas", "--unit": "the heading of the table names the unit"}
+        | {"--out": "furrow.compare.VolumesComparison.to_pandas"}
         | {
             f"--{name}": f"furrow.compare.volumes({name.replace('-', '_')})"
-            for name in ("published", "against", "voxel", "regress", "population", "bins", "length-scale", "constants", "lineage")
-        },
+            for name in ("published", "against", "voxel", "unit", "regress", "population", "bins", "constants", "lineage")
+        }
+        | {"--length-scale": "furrow.compare.volumes(length_scale)"},
     ),
     "compare lifetimes": (
         "furrow.compare.lifetimes",

@@ -16,6 +16,7 @@ use furrow_cell::{Cue, Parameter};
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
+use furrow_lineage::Units;
 use furrow_mechanics::critical::Stored;
 use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
 use std::path::PathBuf;
@@ -80,7 +81,10 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         write_atomically(file, &records_csv(HEADER, rows)?)?;
     }
     picture.write(|| plot::boundary::draw(&found))?;
-    print_as(context.json, &found.document(), || if args.points { list(&named) } else { text(&found) })
+    print_as(context.json, &found.document(), || {
+        let units = &context.units;
+        if args.points { list(&named, units) } else { text(&found, units) }
+    })
 }
 
 impl BoundaryArgs {
@@ -97,32 +101,33 @@ impl BoundaryArgs {
 const HEADING: &str = "curve              R0         ε      value         ξ_s         H\n";
 
 /// Every point.
-fn list(named: &[(String, CurvePoint)]) -> String {
-    named.iter().fold(HEADING.to_owned(), |out, (name, point)| out + &line(name, point))
+fn list(named: &[(String, CurvePoint)], units: &Units) -> String {
+    named.iter().fold(HEADING.to_owned(), |out, (name, point)| out + &line(name, point, units))
 }
 
 /// Every curve by its two ends, and the points at which something happens.
-fn text(found: &BoundaryStudy) -> String {
+fn text(found: &BoundaryStudy, units: &Units) -> String {
     let ends = |name: &str, curve: &Curve| {
         let (Some(first), Some(last)) = (curve.points.first(), curve.points.last()) else { return String::new() };
         let how = match &curve.ended {
             CurveEnd::Reached => String::new(),
             ended => format!("; {} at {:.6}", ended.name(), curve.cusp().unwrap_or(*last).value),
         };
-        format!("{}{}  in {} points{how}\n", line(name, first), line("  to", last), curve.points.len())
+        format!("{}{}  in {} points{how}\n", line(name, first, units), line("  to", last, units), curve.points.len())
     };
     let pitchfork = Curve { ended: CurveEnd::Reached, ..found.pitchfork.clone() };
     let folds = found.folds.iter().enumerate().map(|(k, fold)| ends(&format!("fold {k}"), fold));
     let events =
         found.named().into_iter().filter(|(name, _)| ["degenerate", "cusp", "critical"].contains(&name.as_str()));
-    let events = events.map(|(name, point)| line(&name, &point));
+    let events = events.map(|(name, point)| line(&name, &point, units));
     let azimuthal = found.azimuthal.iter().flatten().map(|(m, curve)| ends(&format!("m = {m}"), curve));
     let curves = folds.chain(azimuthal).chain(events);
     [HEADING.to_owned(), ends("pitchfork", &pitchfork)].into_iter().chain(curves).collect()
 }
 
-fn line(name: &str, p: &CurvePoint) -> String {
+fn line(name: &str, p: &CurvePoint, units: &Units) -> String {
     let CurvePoint { r0, epsilon, value, xi_s, elongation: h, .. } = p;
     let of = p.criticality().map_or(String::new(), |criticality| format!("  {criticality}"));
-    format!("{name:<12} {r0:>8.5} {epsilon:>9.6} {value:>10.6} {xi_s:>11.6} {h:>9.6}{of}\n")
+    let um = units.in_micrometres(*r0);
+    format!("{name:<12} {r0:>8.5} {epsilon:>9.6} {value:>10.6} {xi_s:>11.6} {h:>9.6}{of}{um}\n")
 }

@@ -1,21 +1,25 @@
 //! `furrow calibrate`: constants from thresholds.
 
 use super::context::Context;
-use super::ensemble::sample;
+use super::ensemble::{journal_beside, sample, told_of_resuming};
 use super::error::CliError;
-use super::output::print_as;
+use super::interrupt;
+use super::messages;
+use super::output::{print_as, to_json, writable_file};
 use super::picture::PlotArgs;
+use super::progress::ProgressLine;
 use clap::Args;
 use furrow_analysis::fit::Goodness;
 use furrow_analysis::{Exclusion, Extent, Front, check_constraints, front};
 use furrow_cell::Parameter;
 use furrow_cell::settings::Settings;
 use furrow_figures::plot;
+use furrow_formats::{Provenance, write_atomically};
 use furrow_input::{parse_document, read_text};
 use furrow_mechanics::calibration::{Calibration, Targets, Unknown, calibrate};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -41,8 +45,9 @@ pub struct CalibrateArgs {
     /// Seed of the sample or of the search
     #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, requires = "search")]
     seed: u64,
-    /// File for the sample, for furrow tree --constants; default stdout
-    #[arg(help_heading = "Ensemble", long, value_name = "FILE.csv", requires = "ensemble")]
+    /// File for the sample, for furrow tree --constants, or for the front, as JSON; default stdout. With it an interrupted run
+    /// resumes
+    #[arg(help_heading = "Output", long, value_name = "FILE", requires = "search")]
     out: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotArgs,
@@ -60,7 +65,7 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
         return sample(&targets, context, count as usize, args.seed, args.out.as_deref(), &picture);
     }
     if let Some(count) = args.front {
-        return search(&targets, context, count as usize, args.seed);
+        return search(&targets, context, count as usize, args.seed, args.out.as_deref());
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     let excluded =
@@ -82,9 +87,26 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
 }
 
 /// Searches for the front and prints it.
-fn search(targets: &Targets, context: &Context, count: usize, seed: u64) -> Result<(), CliError> {
+fn search(targets: &Targets, context: &Context, count: usize, seed: u64, out: Option<&Path>) -> Result<(), CliError> {
+    writable_file("--out", out)?;
     let Settings { cell, numerics } = &context.settings;
-    let found = front(targets, cell, numerics, count, seed, context.threads, &false.into())?;
+    let definition = json!({
+        "schema": "furrow.front", "provenance": Provenance::current(), "targets": targets, "cell": cell, "numerics": numerics,
+        "checked": count, "seed": seed,
+    });
+    let journal = journal_beside(out, &definition)?;
+    let line = ProgressLine::new(context.progress);
+    let shown = |done, of| line.show_share(done, of, || "sets of constants checked".to_owned());
+    let flag = interrupt::flag();
+    let found = front(targets, cell, numerics, count, seed, context.threads, flag, journal.as_ref(), &shown);
+    drop(line);
+    let found = told_of_resuming(found, out)?;
+    if let Some(file) = out {
+        write_atomically(file, to_json(&serde_json::to_value(&found)?)?.as_bytes())?;
+    }
+    if let Some(journal) = journal {
+        journal.finish().unwrap_or_else(|error| messages::warning!("the file of checked sets: {error}"));
+    }
     print_as(context.json, &serde_json::to_value(&found)?, || front_text(&found))
 }
 

@@ -98,7 +98,7 @@ impl CellArgs {
         context.units = units.asked_in(self.r0);
         let r0 = self.r0.in_units(&context.units);
         set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
-        warn_of_size([r0]);
+        warn_of_size(&context.units, [self.r0]);
         Ok(context.settings.cell.clone().with_cue(cue))
     }
 }
@@ -176,9 +176,9 @@ pub fn length(text: &str) -> Result<Length, String> {
     length.ok_or_else(|| "must be a finite number of L_h, as 5.4, or of µm, as 17um".to_owned())
 }
 
-/// Warns once of radii, in L_h, that are far from those that the constants were made for.
-pub fn warn_of_size(radii: impl IntoIterator<Item = f64>) {
-    if let Some(doubt) = radii.into_iter().find_map(size_doubt) {
+/// Warns once of radii that are far from those that the constants were made for.
+pub fn warn_of_size(units: &Units, radii: impl IntoIterator<Item = Length>) {
+    if let Some(doubt) = radii.into_iter().find_map(|r0| size_doubt(r0, units)) {
         messages::warning!("{doubt}");
     }
 }

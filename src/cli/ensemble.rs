@@ -40,24 +40,13 @@ pub fn sample(
         "schema": "furrow.ensemble", "provenance": Provenance::current(), "targets": targets, "cell": cell, "numerics": numerics,
         "members": count, "seed": seed,
     });
-    let open = |file: &Path| {
-        let file = PathBuf::from(format!("{}.partial.jsonl", file.display()));
-        Journal::open_file(&file, &definition, JOURNAL_COLUMNS.map(str::to_owned).into())
-    };
-    let journal = out.map(open).transpose()?;
-    // Every check is in the journal as soon as it is made.
-    if out.is_some() {
-        interrupt::finish();
-    }
+    let journal = journal_beside(out, &definition)?;
     let line = ProgressLine::new(context.progress);
     let shown = |done, of| line.show_share(done, of, || "sets of constants drawn".to_owned());
     let flag = interrupt::flag();
     let found = ensemble(targets, cell, numerics, count, seed, context.threads, flag, journal.as_ref(), &shown);
     drop(line);
-    if let (Err(EnsembleError::Interrupted), Some(out)) = (&found, out) {
-        messages::warning!("sets checked so far are kept beside {}; the same command resumes", out.display());
-    }
-    let found = found?;
+    let found = told_of_resuming(found, out)?;
     let table = write_constants(&found.constants());
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
@@ -80,6 +69,28 @@ pub fn sample(
         Some(file) => format!("{}written to {}\n", ensemble_text(&found), file.display()),
         None => format!("{}\n{table}", ensemble_text(&found)),
     })
+}
+
+/// The checks of an interrupted run with the same result file, and of this one.
+pub fn journal_beside(out: Option<&Path>, definition: &Value) -> Result<Option<Journal>, CliError> {
+    let open = |file: &Path| {
+        let file = PathBuf::from(format!("{}.partial.jsonl", file.display()));
+        Journal::open_file(&file, definition, JOURNAL_COLUMNS.map(str::to_owned).into())
+    };
+    let journal = out.map(open).transpose()?;
+    // Every check is in the journal as soon as it is made.
+    if out.is_some() {
+        interrupt::finish();
+    }
+    Ok(journal)
+}
+
+/// Says after an interrupt that the run can be resumed.
+pub fn told_of_resuming<T>(found: Result<T, EnsembleError>, out: Option<&Path>) -> Result<T, EnsembleError> {
+    if let (Err(EnsembleError::Interrupted), Some(out)) = (&found, out) {
+        messages::warning!("sets checked so far are kept beside {}; the same command resumes", out.display());
+    }
+    found
 }
 
 /// Weighted quantiles of every constant.

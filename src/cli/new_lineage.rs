@@ -1,6 +1,5 @@
 //! `furrow new-lineage`: a lineage file to begin with.
 
-use super::cell::length;
 use super::context::Globals;
 use super::error::CliError;
 use super::output::print_as;
@@ -8,7 +7,7 @@ use clap::Args;
 use furrow_cell::ZYGOTE;
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
-use furrow_lineage::{Length, TEMPLATE};
+use furrow_lineage::{Length, TEMPLATE, Units};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -23,8 +22,17 @@ pub struct NewLineageArgs {
     file: PathBuf,
     /// Diameter of the first cell, of the sphere with its volume, in µm, such as 55um: writes its radius R0, and the L_h of an animal
     /// with the worm's proportions, in which this radius is 5.4
-    #[arg(help_heading = "Output", long, value_name = "DIAMETER", value_parser = length)]
+    #[arg(help_heading = "Output", long, value_name = "DIAMETER", value_parser = diameter)]
     first_cell: Option<Length>,
+}
+
+/// The allowed values of --first-cell.
+const DIAMETER: &str = "a diameter in µm, from 0.001um to 1000000um, such as 55um";
+
+/// Reads the value of --first-cell.
+fn diameter(text: &str) -> Result<Length, String> {
+    let finite = text.parse().ok().filter(|length: &Length| f64::is_finite(length.in_units(&Units::default())));
+    finite.ok_or_else(|| format!("must be {DIAMETER}; other units are not read"))
 }
 
 /// The template for a first cell of a diameter in µm.
@@ -32,10 +40,11 @@ fn template(diameter: Option<Length>) -> Result<String, InputError> {
     let Some(diameter) = diameter else { return Ok(TEMPLATE.to_owned()) };
     let um = match diameter {
         Length::Micrometres(um) if (1e-3..=1e6).contains(&um) => um,
-        _ => {
-            let allowed = "a diameter in µm, from 0.001um to 1000000um, such as 55um";
+        Length::Natural(um) => {
+            let allowed = format!("{DIAMETER}: if it is in µm, write {um}um");
             return Err(InputError::not_allowed("--first-cell", "first_cell", diameter, allowed));
         }
+        _ => return Err(InputError::not_allowed("--first-cell", "first_cell", diameter, DIAMETER)),
     };
     let radius = short(0.5 * um);
     let length = short(0.5 * um / ZYGOTE);
@@ -44,10 +53,12 @@ fn template(diameter: Option<Length>) -> Result<String, InputError> {
          // Your own animal. τ is a guess too, which only times depend on.\n    units: (length_um: {length},"
     );
     let text = TEMPLATE.replace("    units: (length_um: 3.16,", &about);
-    Ok(text.replace(
+    let text = text.replace(
         "r0: \"17um\",                 // or 5.38, in L_h;",
         &format!("r0: \"{radius}um\",                 // or 5.4, in L_h;"),
-    ))
+    );
+    // The template's counts are the worm's, as an example.
+    Ok(text.replace(" observed: (", " // observed: ("))
 }
 
 /// A number with five digits.

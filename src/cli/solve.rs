@@ -13,7 +13,7 @@ use clap::Args;
 use furrow_analysis::solve::{Measure, POINTS, Question, Root, Solution, default_range, solve};
 use furrow_cell::Parameter;
 use furrow_input::InputError;
-use furrow_lineage::Length;
+use furrow_lineage::{Length, Units};
 use serde_json::json;
 use std::fmt::Write;
 
@@ -120,7 +120,9 @@ pub fn run(args: &SolveArgs, mut context: Context) -> Result<(), CliError> {
         "epsilon": (*parameter != Parameter::Epsilon).then_some(cell.epsilon),
         "xi_s": (*parameter != Parameter::XiS).then_some(cell.xi_s), "cue": cell.cue,
     });
-    print_as(context.json, &merged(filled(of_cell), serde_json::to_value(&found)?), || text(&question, &found))
+    print_as(context.json, &merged(filled(of_cell), serde_json::to_value(&found)?), || {
+        text(&question, &found, &context.units)
+    })
 }
 
 impl SolveArgs {
@@ -134,6 +136,7 @@ impl SolveArgs {
         let from = self.from.map_or(Ok(default[0]), |end| given.end("--from", end, context))?;
         let to = self.to.map_or(Ok(default[1]), |end| given.end("--to", end, context))?;
         InputError::require(from != to, "--to", "to", to, "different from --from")?;
+        given.warn_of_size([self.from, self.to], context);
         // A default range may hold values that are not allowed: gaps.
         let cell = match (self.from, self.to) {
             (None, None) => cell,
@@ -148,21 +151,30 @@ impl SolveArgs {
     }
 }
 
-fn text(question: &Question, found: &Solution) -> String {
+fn text(question: &Question, found: &Solution, units: &Units) -> String {
     let Question { parameter, range: [from, to], measure, wanted, .. } = question;
     let name = parameter.to_string();
-    let mut out = format!("{name} from {from} to {to} with {} = {wanted}\n", measure.name());
+    let um = |value: f64| if *parameter == Parameter::R0 { units.in_micrometres(value) } else { String::new() };
+    let mut out = format!("{name} from {from}{} to {to}{} with {} = {wanted}\n", um(*from), um(*to), measure.name());
     let _ = writeln!(out, "{name:>16} {:>10} {:>10} {:>10}  smaller daughter", "χ", "u_furrow", "t_end");
     for root in &found.roots {
         let Root { value, chi, smaller, u_furrow, t_end, .. } = root;
-        let _ = writeln!(out, "{value:>16.9} {chi:>10.6} {u_furrow:>10.6} {t_end:>10.6}  {smaller}");
+        let _ = writeln!(out, "{value:>16.9} {chi:>10.6} {u_furrow:>10.6} {t_end:>10.6}  {smaller}{}", um(*value));
     }
     for jump in &found.jumps {
         let ([a, b], [before, behind]) = (jump.between, jump.outcomes);
         let _ = writeln!(out, "jump from {before:.4} at {a:.9} to {behind:.4} at {b:.9}: no root");
     }
     for gap in &found.gaps {
-        let _ = writeln!(out, "no division from {:.6} to {:.6}: {}", gap.from, gap.to, gap.why);
+        let _ = writeln!(
+            out,
+            "no division from {:.6}{} to {:.6}{}: {}",
+            gap.from,
+            um(gap.from),
+            gap.to,
+            um(gap.to),
+            gap.why
+        );
     }
     out
 }

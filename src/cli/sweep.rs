@@ -1,5 +1,6 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
+use super::cell::warn_of_size;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -10,10 +11,11 @@ use super::progress::ProgressLine;
 use super::tree::tell_who_gets;
 use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
-use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
+use furrow_analysis::{AxisValue, Run, Shard, Sweep, SweepProgress, Target};
 use furrow_cell::settings::{Overrides, Settings};
 use furrow_figures::plot;
 use furrow_formats::files::WriteError;
+use furrow_lineage::Length;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -45,6 +47,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
     messages::warn_of(sweep.lineage.doubtful_radii());
+    warn_of_size(&sweep.lineage.units(), radii(&sweep));
     if sweep.sets_cues_of_trees() {
         tell_who_gets("the cue", &sweep.lineage, "");
     }
@@ -90,5 +93,14 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
         let open = if undecided > 0 { format!(", {undecided} undecided") } else { String::new() };
         let counts = format!("{points} points{part}: {} solved, {} reused{resumed}{open}", found.solved, found.reused);
         format!("{counts}, {elapsed_s:.2} s; files in {out}\n")
+    })
+}
+
+/// The radii of an axis, in L_h.
+fn radii(sweep: &Sweep) -> impl Iterator<Item = Length> {
+    let axes = sweep.axes.0.iter().filter(|axis| axis.target == Target::Field("r0"));
+    axes.flat_map(|axis| &axis.values).filter_map(|value| match value {
+        AxisValue::Number(r0) => Some(Length::Natural(*r0)),
+        AxisValue::Text(_) => None,
     })
 }

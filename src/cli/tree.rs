@@ -19,7 +19,8 @@ use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
 use furrow_input::InputError;
 use furrow_lineage::batch::{Summary, scheduler::workers};
 use furrow_lineage::clock::alive;
-use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_lineage::units::{MOST_PLAIN, plain_radius};
+use furrow_lineage::{Length, Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_report::{self as report, TimeAxis};
 use serde_json::{Value, json};
@@ -291,8 +292,12 @@ pub fn prepared(
     }
     let given = cell.settings(&context.settings_in(&lineage.units())?, &lineage.units())?;
     given.check_divisions("settings")?;
+    if let (Some(Length::Natural(r0)), true) = (cell.r0, given.cell.r0 > MOST_PLAIN) {
+        return Err(InputError::not_allowed("--r0", "r0", r0, plain_radius(r0)).into());
+    }
     if lineage.doubtful_radii().is_empty() {
-        warn_of_size([lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0)]);
+        let of_lineage = lineage.founders[lineage.first()].r0;
+        warn_of_size(&lineage.units(), [cell.r0.or(of_lineage).unwrap_or(Length::Natural(given.cell.r0))]);
     }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
     Ok((lineage, settings))

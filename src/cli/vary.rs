@@ -57,9 +57,7 @@ impl VaryArgs {
         let [from, to] =
             [("--from", self.from), ("--to", self.to)].map(|(option, end)| given.end(option, end, context));
         let range = [from?, to?];
-        if parameter == Parameter::R0 {
-            warn_of_size(range);
-        }
+        given.warn_of_size([Some(self.from), Some(self.to)], context);
         given.range(cell, range, context)
     }
 }
@@ -87,7 +85,7 @@ impl Given<'_> {
         context.units = lineage.units();
         context.units = self.r0.map_or(context.units, |r0| context.units.asked_in(r0));
         let r0 = self.r0.map(|r0| r0.in_units(&context.units));
-        warn_of_size(r0);
+        warn_of_size(&context.units, self.r0);
         let options = [
             ("--r0", Parameter::R0, r0),
             ("--epsilon", Parameter::Epsilon, self.epsilon),
@@ -127,6 +125,12 @@ impl Given<'_> {
         InputError::require(fine, option, option.trim_start_matches('-'), end, allowed)?;
         context.units = context.units.asked_in(end);
         Ok(end.in_units(&context.units))
+    }
+
+    /// Warns of ends of the range that are far from the sizes that the constants were made for.
+    pub fn warn_of_size(&self, ends: [Option<Length>; 2], context: &Context) {
+        let ends = ends.into_iter().flatten().filter(|_| self.parameter == Parameter::R0);
+        warn_of_size(&context.units, ends);
     }
 
     /// The cell with its parameter over a range whose values are all allowed.

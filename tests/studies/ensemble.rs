@@ -1,10 +1,11 @@
 //! Ensembles: the sets of constants that meet the paper's statements, and the resulting lineages.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use std::path::Path;
 
-use furrow_analysis::{Constants, ConstraintCheck, Extent, check_constraints, ensemble, front, ranges};
+use furrow_analysis::ensemble::{EnsembleError, JOURNAL_COLUMNS};
+use furrow_analysis::{Constants, ConstraintCheck, Extent, Journal, check_constraints, ensemble, front, ranges};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::calibration::{Targets, calibrate, with_values};
@@ -71,7 +72,18 @@ fn check(targets: &Targets, parameters: &[Parameter], values: &[f64]) -> Constra
 fn a_front_trades_statements_for_thresholds() {
     let targets = targets();
     let search = |threads: usize| {
-        front(&targets, &Cell::gao2026_thresholds(1.0), &numerics(), 10, 3, threads, &AtomicBool::new(false)).unwrap()
+        front(
+            &targets,
+            &Cell::gao2026_thresholds(1.0),
+            &numerics(),
+            10,
+            3,
+            threads,
+            &AtomicBool::new(false),
+            None,
+            &|_, _| (),
+        )
+        .unwrap()
     };
     let (one, two) = (search(1), search(2));
     assert_eq!(one, two);
@@ -139,6 +151,45 @@ fn the_sample_does_not_depend_on_threads() {
         assert!(verdict.is_admissible(), "{verdict:?}");
         assert_eq!(verdict.thresholds, member.thresholds);
     }
+}
+
+/// Runs a search whole, then interrupts it after some checks and resumes it from its journal. Returns the results, and how many
+/// checks the journal knew when the search was resumed.
+fn whole_and_resumed<T: std::fmt::Debug>(
+    search: impl Fn(&AtomicBool, Option<&Journal>, &(dyn Fn(usize, usize) + Sync)) -> Result<T, EnsembleError>,
+) -> ([T; 2], usize) {
+    let whole = search(&AtomicBool::new(false), None, &|_, _| ()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("found.partial.jsonl");
+    let open = || Journal::open_file(&file, &serde_json::json!({}), JOURNAL_COLUMNS.map(str::to_owned).into()).unwrap();
+    let stop = AtomicBool::new(false);
+    let after_six = |done: usize, _| stop.store(done >= 6, Ordering::Relaxed);
+    let journal = open();
+    let interrupted = search(&stop, Some(&journal), &after_six);
+    assert!(matches!(interrupted, Err(EnsembleError::Interrupted)), "{interrupted:?}");
+    drop(journal);
+    let journal = open();
+    let resumed = search(&AtomicBool::new(false), Some(&journal), &|_, _| ()).unwrap();
+    ([whole, resumed], journal.rows.len())
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn an_interrupted_sample_resumes_with_the_same_result() {
+    let (targets, cell) = (targets(), Cell::gao2026_thresholds(1.0));
+    let ([whole, resumed], known) =
+        whole_and_resumed(|stop, journal, shown| ensemble(&targets, &cell, &numerics(), 2, 7, 2, stop, journal, shown));
+    assert_eq!(whole, resumed);
+    assert!((6..whole.draws).contains(&known), "{known} of {}", whole.draws);
+}
+
+#[test]
+fn an_interrupted_front_resumes_with_the_same_result() {
+    let (targets, cell) = (targets(), Cell::gao2026_thresholds(1.0));
+    let ([whole, resumed], known) =
+        whole_and_resumed(|stop, journal, shown| front(&targets, &cell, &numerics(), 12, 3, 2, stop, journal, shown));
+    assert_eq!(whole, resumed);
+    assert!((6..12).contains(&known), "{known} of 12");
 }
 
 /// With one set of constants the ranges are those of its tree; with a second of no weight they stay.

@@ -47,7 +47,7 @@ const DRAWS: [usize; 2] = [2, 24];
 /// Most draws for each member asked for.
 const MOST: usize = 60;
 
-/// The columns of the journal of an ensemble.
+/// The columns of the journal of an ensemble or a front.
 pub const JOURNAL_COLUMNS: [&str; 1] = ["check"];
 
 /// One admissible set of constants.
@@ -167,6 +167,21 @@ struct Draw {
     ln_weight: f64,
 }
 
+/// Check number `index` of the journal, or a new one, which is then in it.
+pub(super) fn kept(journal: Option<&Journal>, index: u64, make: impl FnOnce() -> ConstraintCheck) -> ConstraintCheck {
+    let index = index as usize;
+    let known = journal.and_then(|journal| journal.rows.get(&index)?.cells.first().cloned());
+    if let Some(check) = known.and_then(|check| serde_json::from_value(check).ok()) {
+        return check;
+    }
+    let check = make();
+    // A check with a number that JSON does not have is made again.
+    if let (Some(journal), Ok(cell)) = (journal, serde_json::to_value(&check)) {
+        journal.append(&Row { index, cells: vec![cell], why: None });
+    }
+    check
+}
+
 /// The posterior density.
 struct Posterior<'a> {
     targets: &'a Targets,
@@ -185,18 +200,10 @@ impl Posterior<'_> {
 
     /// The check of draw number `index`, which an interrupted run may have made.
     fn check(&self, index: u64, x: &DVector<f64>) -> ConstraintCheck {
-        let index = index as usize;
-        let known = self.journal.and_then(|journal| journal.rows.get(&index)?.cells.first().cloned());
-        if let Some(check) = known.and_then(|check| serde_json::from_value(check).ok()) {
-            return check;
-        }
-        let cell = with_values(self.cell, &self.values(x));
-        let check = check_constraints(self.targets, &cell, self.numerics, Extent::UntilExcluded);
-        // A check with a number that JSON does not have is made again.
-        if let (Some(journal), Ok(cell)) = (self.journal, serde_json::to_value(&check)) {
-            journal.append(&Row { index, cells: vec![cell], why: None });
-        }
-        check
+        kept(self.journal, index, || {
+            let cell = with_values(self.cell, &self.values(x));
+            check_constraints(self.targets, &cell, self.numerics, Extent::UntilExcluded)
+        })
     }
 
     fn draw(&self, proposal: &Proposal, index: u64, x: DVector<f64>) -> Draw {

@@ -8,7 +8,8 @@
 //! threads check the candidates.
 
 use super::constraints::{ConstraintCheck, Extent, check_constraints};
-use super::ensemble::{EnsembleError, normal, uniform};
+use super::ensemble::{EnsembleError, kept, normal, uniform};
+use super::journal::Journal;
 use super::sample::seed_of;
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::scheduler;
@@ -16,7 +17,7 @@ use furrow_mechanics::calibration::{Targets, calibrate, moved, with_values};
 use rand_mt::Mt64;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Candidates of a generation.
 const GENERATION: usize = 64;
@@ -107,6 +108,7 @@ fn next(parents: &[&Candidate], seed: u64, index: u64) -> Vec<f64> {
 }
 
 /// Searches among `count` sets of the unknowns of `targets`, from the constants of `cell`, on so many threads. `cancel` stops it.
+/// `journal` and `shown` are as for [`ensemble`](super::ensemble::ensemble).
 ///
 /// # Errors
 /// [`EnsembleError::Workers`], [`EnsembleError::Interrupted`]; [`EnsembleError::NoneAdmissible`] if no set has all thresholds.
@@ -118,16 +120,22 @@ pub fn front(
     seed: u64,
     threads: usize,
     cancel: &AtomicBool,
+    journal: Option<&Journal>,
+    shown: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Front, EnsembleError> {
     let start = targets.starts(cell);
     let statements = targets.statements();
     let pool = scheduler::pool(threads)?;
-    let one = |x: Vec<f64>| -> Result<Candidate, EnsembleError> {
+    let done = AtomicUsize::new(0);
+    let one = |(index, x): (u64, Vec<f64>)| -> Result<Candidate, EnsembleError> {
         if cancel.load(Ordering::Relaxed) {
             return Err(EnsembleError::Interrupted);
         }
-        let cell = with_values(cell, &moved(&start, &x));
-        let check = check_constraints(targets, &cell, numerics, Extent::Within(WORST));
+        let check = kept(journal, index, || {
+            let cell = with_values(cell, &moved(&start, &x));
+            check_constraints(targets, &cell, numerics, Extent::Within(WORST))
+        });
+        shown(done.fetch_add(1, Ordering::Relaxed) + 1, count);
         let is_whole = check.thresholds.len() == targets.thresholds.len() && check.worst <= WORST;
         let met = if is_whole { statements.saturating_sub(check.excluded.len() + check.off.len()) } else { 0 };
         Ok(Candidate { x, met, check })
@@ -142,7 +150,8 @@ pub fn front(
     while checked < count {
         generation.truncate(count - checked);
         let (first, many) = (checked as u64, generation.len());
-        let found: Vec<Candidate> = pool.install(|| generation.into_par_iter().map(one).collect::<Result<_, _>>())?;
+        let numbered: Vec<(u64, Vec<f64>)> = (first..).zip(generation).collect();
+        let found: Vec<Candidate> = pool.install(|| numbered.into_par_iter().map(one).collect::<Result<_, _>>())?;
         let whole = |candidate: &Candidate| candidate.check.thresholds.len() == targets.thresholds.len();
         found.into_iter().filter(whole).for_each(|candidate| best.add(candidate));
         checked += many;

@@ -130,7 +130,7 @@ fn expected(error: &Error) -> Option<&'static str> {
         Error::ExpectedComma => "a comma or the closing bracket",
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => "parentheses ( )",
         Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd => "a comma or the closing )",
-        Error::ExpectedIdentifier => "a name",
+        Error::ExpectedIdentifier => "a name without quotes",
         Error::ExpectedUnit => "()",
         Error::ExpectedStringEnd => "the closing quote of the text",
         Error::TrailingCharacters => "the end of the file",

@@ -7,6 +7,7 @@ use super::clash;
 use super::clock::FounderClock;
 use super::definition::{CueRule, Daughter, Founder, Lineage};
 use super::rules::{PhysicsRule, Span};
+use super::units::{Length, MOST_PLAIN, plain_radius};
 use furrow_cell::{CueError, SIZES};
 use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
 
@@ -274,6 +275,8 @@ impl Check<'_> {
             let r0 = given.in_units(&self.lineage.units());
             self.require(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;
             self.require(f, SIZES.contains(&r0), "r0", given, "a number of L_h from 1e-6 to 1e6")?;
+            let plain = matches!(given, Length::Natural(_));
+            self.require(f, !plain || r0 <= MOST_PLAIN, "r0", given, plain_radius(r0))?;
         }
         for (parameter, value) in f.physics.values() {
             let refused = |allowed| self.founder_error(f, &format!("physics.{parameter}"), value, allowed);

@@ -83,15 +83,45 @@ impl Units {
 /// Radii R0 in L_h of the cells that the presets were made for: the zygote's is 5.4, and cells below 1.7 do not divide.
 const MADE_FOR: std::ops::RangeInclusive<f64> = 0.5..=8.0;
 
-/// A warning of a radius, in L_h, that is allowed but far from those that the presets were made for.
-pub fn size_doubt(r0: f64) -> Option<String> {
+/// Largest radius of a founder as a plain number, which is one of L_h: a tree of a larger cell has tens of thousands of cells, and
+/// the number is more likely one of µm. A larger cell is given in µm.
+pub const MOST_PLAIN: f64 = 20.0;
+
+/// Says how to write a radius that is above [`MOST_PLAIN`] as a plain number.
+pub fn plain_radius(r0: f64) -> String {
+    let r0 = shown_number(r0);
+    format!(
+        "at most {MOST_PLAIN} as a plain number, which is in L_h (the worm's zygote has 5.4); in µm write {r0}um, in a file r0: \"{r0}um\""
+    )
+}
+
+/// A warning of a radius that is allowed but far from those that the presets were made for.
+pub fn size_doubt(given: Length, units: &Units) -> Option<String> {
     let [least, most] = [MADE_FOR.start(), MADE_FOR.end()];
-    (SIZES.contains(&r0) && !MADE_FOR.contains(&r0)).then(|| {
-        let r0 = shown_number(r0);
-        format!(
-            "R0 = {r0} L_h is far from the sizes that the constants were made for, {least} to {most} (the worm's zygote has 5.4); \
-             if it is in µm, write {r0}um, and of another animal say how long L_h is: units: (length_um: …) in its lineage file"
-        )
+    let natural = given.in_units(units);
+    if !SIZES.contains(&natural) || MADE_FOR.contains(&natural) {
+        return None;
+    }
+    let r0 = shown_number(natural);
+    let far = format!(
+        "is far from the sizes that the constants were made for, {least} to {most} (the worm's zygote has 5.4)"
+    );
+    let of_lineage = "units: (length_um: …) in its lineage file";
+    Some(match (given, units.length_um) {
+        (Length::Micrometres(_), _) => {
+            let length = units.length_um();
+            format!(
+                "R0 = {given} is {r0} L_h, which {far}; one L_h is {length} µm here: of another animal say how long it is, {of_lineage}"
+            )
+        }
+        (Length::Natural(_), Some(_)) => {
+            format!("R0 = {r0} L_h{} {far}; if it is in µm, write {r0}um", units.in_micrometres(natural))
+        }
+        (Length::Natural(_), None) => {
+            format!(
+                "R0 = {r0} L_h {far}; if it is in µm, write {r0}um, and of another animal say how long L_h is: {of_lineage}"
+            )
+        }
     })
 }
 

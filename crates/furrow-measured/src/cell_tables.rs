@@ -6,7 +6,7 @@ use furrow_input::table::{Row, Table, malformed, split_unit, text, unit_of, unit
 use furrow_input::{InputError, shown};
 
 use crate::layout::{Columns, Unit, VOLUMES, VolumeUnit, embryo_of_file};
-use crate::names::understood;
+use crate::names::Names;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
 
 /// Volumes without a unit that never exceed this are fractions.
@@ -82,13 +82,13 @@ impl Volumes {
         header: &[String],
     ) -> Result<Unit, InputError> {
         let embryo = self.embryo(options.group.clone().unwrap_or_default(), embryo_of_file(file));
-        let named = grid_unit(header, (file, line))?;
+        let named = grid_unit(header, (file, line), &options.names)?;
         let mut places: Vec<Option<usize>> = Vec::new();
         for (column, name) in header.iter().enumerate() {
-            let cell = understood(split_unit(name).0);
+            let cell = options.names.understood(split_unit(name).0);
             if cell.is_none() && !is_frame(column, name) {
                 let value = Value::of_heading(line as u64, column, name);
-                self.skip(file, &(value, "no name of Sulston's".to_owned()));
+                self.skip(file, &(value, options.names.unknown().to_owned()));
             }
             places.push(cell.map(|name| self.cell(embryo, &name, line as u64)));
         }
@@ -134,12 +134,12 @@ fn is_frame(column: usize, name: &str) -> bool {
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.
-fn grid_unit(header: &[String], (file, line): (&str, usize)) -> Result<Option<VolumeUnit>, InputError> {
+fn grid_unit(header: &[String], (file, line): (&str, usize), names: &Names) -> Result<Option<VolumeUnit>, InputError> {
     let mut found: Option<VolumeUnit> = None;
     for (column, heading) in header.iter().enumerate() {
         let (name, Some(written)) = split_unit(heading) else { continue };
         let unit = unit_of(written, &VOLUMES).copied();
-        if unit.is_none() && understood(name).is_none() {
+        if unit.is_none() && names.understood(name).is_none() {
             continue;
         }
         let refused = |allowed: String| {

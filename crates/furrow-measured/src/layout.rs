@@ -1,10 +1,10 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
 use furrow_input::InputError;
-use furrow_input::table::{NamedUnit, columns_listed, malformed, quantity, split_unit, unit_of};
+use furrow_input::table::{NamedUnit, columns_listed, malformed, quantity, unit_of};
 use serde::Serialize;
 
-use crate::names::understood;
+use crate::names::Names;
 
 /// Unit of volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -76,7 +76,11 @@ pub(crate) struct Columns {
 
 impl Columns {
     /// The columns of a long table; `None` for a grid.
-    pub(crate) fn of(header: &[String], (file, line): (&str, usize)) -> Result<Option<Columns>, InputError> {
+    pub(crate) fn of(
+        header: &[String],
+        (file, line): (&str, usize),
+        names: &Names,
+    ) -> Result<Option<Columns>, InputError> {
         let lower = unified(header, (file, line))?;
         let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
         let cell = find(&["cell", "cell_name", "name"]);
@@ -87,7 +91,7 @@ impl Columns {
             let (frame, n, unit) = (find(&["frame", "time", "time_point"]), find(&["n", "n_frames"]), find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
-        if header.iter().skip(1).any(|name| understood(split_unit(name).0).is_some()) {
+        if names.any_on_top(header) {
             return Ok(None);
         }
         let missing = [("cell", cell), ("volume", volume.map(|(column, _)| column)), ("embryo", embryo)];

@@ -3,6 +3,8 @@
 //! # References
 //! Sulston, Schierenberg, White & Thomson, *Dev. Biol.* 100, 64 (1983).
 
+use furrow_input::table::split_unit;
+
 /// Founders: mother, the daughter named first (the anterior one; of EMS and P4 as in Sulston's chart), the other daughter.
 const NAMED: [(&str, &str, &str); 6] = [
     ("P0", "AB", "P1"),
@@ -218,9 +220,17 @@ impl Names {
         if self.place(text).is_some() { Some(text.to_owned()) } else { understood(text) }
     }
 
+    /// Whether a column after the first, which may be called anything, has the name of a cell.
+    pub(crate) fn any_on_top(&self, header: &[String]) -> bool {
+        header.iter().skip(1).any(|name| self.understood(split_unit(name).0).is_some())
+    }
+
     /// Why another name is not used.
     pub fn unknown(&self) -> &'static str {
-        if self.founders.is_empty() || self.of_worm { "no name of Sulston's" } else { "no name of the lineage's cells" }
+        match self.founders.is_empty() || self.of_worm {
+            true => "no name of Sulston's; other names need the file of their lineage (--lineage)",
+            false => "no name of the lineage's cells",
+        }
     }
 }
 

@@ -17,14 +17,14 @@ use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use furrow_input::table::{Numbers, Row, Table, split_unit, text};
+use furrow_input::table::{Numbers, Row, Table, text};
 use furrow_input::{InputError, csv_value, open_file};
 use serde::Serialize;
 
 use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{ChiColumns, Columns, DivisionColumns};
-use crate::names::{Names, understood};
+use crate::names::Names;
 use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
 /// Options for reading a table.
@@ -209,14 +209,14 @@ impl Volumes {
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
-        let is_grid = |header: &[String]| header.iter().skip(1).any(|name| understood(split_unit(name).0).is_some());
+        let is_grid = |header: &[String]| options.names.any_on_top(header);
         let (line, header) = table.header(is_grid)?;
         self.names = options.names.clone();
         let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
             self.read_divisions(&mut table, file, options, &columns)?
         } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
             self.read_chi(&mut table, file, options, &columns)?
-        } else if let Some(columns) = Columns::of(&header, (file, line))? {
+        } else if let Some(columns) = Columns::of(&header, (file, line), &options.names)? {
             self.read_long(&mut table, file, options, &columns)?
         } else {
             self.read_grid(&mut table, (file, line), options, &header)?

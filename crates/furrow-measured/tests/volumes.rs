@@ -112,7 +112,10 @@ fn very_wide_tables_and_very_long_names_are_read_in_passing() {
     let said = refused(format!("{header}\n1\n").as_bytes());
     assert!(said.contains("and 199993 more"), "{said}");
     let long = "a".repeat(1_000_000);
-    assert_eq!(read(format!("embryo,cell,volume\ne,AB{long},1\n").as_bytes()).skipped[0].why, "no name of Sulston's");
+    assert_eq!(
+        read(format!("embryo,cell,volume\ne,AB{long},1\n").as_bytes()).skipped[0].why,
+        "no name of Sulston's; other names need the file of their lineage (--lineage)"
+    );
 }
 
 #[test]

@@ -11,22 +11,34 @@ use furrow_measured::volumes::Unit;
 use super::{plus_minus, significance};
 
 /// Bins of the volume, each with its test and the model's cell of its mean size, where there are such.
-pub fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest], model: &[BinModel]) -> String {
+pub fn bins_text(
+    unit: Option<Unit>,
+    bins: &[VolumeBin],
+    tests: &[AdjacentTest],
+    model: &[(String, Vec<BinModel>)],
+) -> String {
     if bins.is_empty() {
         return String::new();
     }
     let mut out = format!("χ by the mother's volume ({}), of all groups:\n", unit.map_or("", Unit::symbol));
     for (k, bin) in bins.iter().enumerate() {
-        let test = k.checked_sub(1).and_then(|k| tests.get(k)).map_or(String::new(), |test| {
+        // One division against one other cannot be significant.
+        let tested = k.checked_sub(1).filter(|above| bins[*above].n.max(bin.n) > 1);
+        let test = tested.and_then(|k| tests.get(k)).map_or(String::new(), |test| {
             format!("  larger than above: U = {}, p = {:.3e} {}", test.test.u, test.test.p, test.stars)
         });
         let (name, sd) = (bin.name(), plus_minus(bin.sd, bin.n));
         let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
     }
-    if !model.is_empty() {
-        let _ = writeln!(out, "Model, cells without a cue as large as the mean mother of each bin:");
-    }
-    for BinModel { bin, volume, model } in model {
+    model.iter().for_each(|(cue, bins)| out += &model_text(cue, bins));
+    out + "\n"
+}
+
+/// The model's cells of one cue.
+fn model_text(cue: &str, bins: &[BinModel]) -> String {
+    let with = if cue.is_empty() { "without a cue".to_owned() } else { format!("with the cue {cue}") };
+    let mut out = format!("Model, cells {with} as large as the mean mother of each bin:\n");
+    for BinModel { bin, volume, model } in bins {
         let end = match (model.chi, model.outcome) {
             (Some(chi), _) => format!("χ = {chi:.3}"),
             (None, Some(outcome)) => outcome.name().to_owned(),
@@ -34,7 +46,7 @@ pub fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest],
         };
         let _ = writeln!(out, "  {bin:<16} V = {volume:<8.0} R0 = {:<6.3} {end}", model.r0);
     }
-    out + "\n"
+    out
 }
 
 /// The trend over all divisions, and within embryos if there are several.

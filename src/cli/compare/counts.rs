@@ -1,7 +1,8 @@
 //! `furrow compare counts`: rounds beside the observed ones.
 
 use super::super::messages;
-use super::{skipped_text, trees_of};
+use super::lifetimes::Model;
+use super::skipped_text;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::output::print_as;
@@ -11,7 +12,6 @@ use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, cou
 use furrow_figures::plot;
 use furrow_formats::read_tree;
 use furrow_input::InputError;
-use furrow_lineage::Lineage;
 use furrow_measured::tracked::{Absent, TrackOptions, read_embryo};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -28,8 +28,8 @@ Examples:
   furrow compare counts
   furrow compare counts --preset sulston1983 --json")]
 pub struct CountsArgs {
-    /// A tree that was grown before; default the built-in C. elegans founders, grown now
-    #[arg(value_name = "TREE.json")]
+    /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
+    #[arg(value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
     /// An embryo followed by another program: nuclei (zip) or CD table of AceTree, spots of TrackMate or Mastodon (CSV), GEFF
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
@@ -45,9 +45,10 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
         Ok::<_, InputError>((embryo, path.display().to_string()))
     };
     let measured = args.measured.as_deref().map(read).transpose()?;
-    let tree = match &args.tree {
-        Some(file) => read_tree(file)?,
-        None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
+    let is_lineage = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
+    let tree = match args.tree.as_deref() {
+        Some(file) if !is_lineage(&file) => read_tree(file)?,
+        lineage => Model::read(lineage)?.tree(context)?,
     };
     let source = args.tree.as_ref().map_or("c_elegans.ron (built in)".to_owned(), |file| file.display().to_string());
     let found = match &measured {

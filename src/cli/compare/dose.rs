@@ -86,7 +86,7 @@ fn read(args: &DoseArgs) -> Result<MeasuredDoses, CliError> {
 fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result<(f64, ModelDoses), CliError> {
     let lineage = load_lineage(args.lineage.as_deref())?;
     let cue = parse_cue(&args.cue, &lineage)?;
-    let mut settings = context.settings.clone();
+    let mut settings = context.settings_in(&lineage.units())?;
     let r0 = args.r0.map(|r0| r0.in_units(&lineage.units()));
     set(&mut settings, [("--r0", "r0", r0)])?;
     settings.check_divisions("settings")?;

@@ -41,7 +41,7 @@ pub struct LifetimesArgs {
     #[arg(value_name = "TABLE")]
     table: Option<PathBuf>,
     /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
-    #[arg(help_heading = "Model", long, value_name = "TREE.json|LINEAGE.ron")]
+    #[arg(help_heading = "Model", long, visible_alias = "lineage", value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
     /// Tables of cell volumes, as for compare volumes; default the published ones, for a lineage with the founders of C. elegans
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
@@ -86,14 +86,15 @@ fn lifetimes(args: &LifetimesArgs, names: &Names) -> Result<Lifetimes, InputErro
     Lifetimes::read_file(file, frame_minutes, names)
 }
 
-/// The value of --tree.
-enum Model {
+/// A model that is grown, or a lineage to grow.
+pub(super) enum Model {
     Grown(Box<Tree>),
     ToGrow(Box<Lineage>),
 }
 
 impl Model {
-    fn read(file: Option<&Path>) -> Result<Model, InputError> {
+    /// Reads a tree.json or a lineage file, told apart by the extension.
+    pub(super) fn read(file: Option<&Path>) -> Result<Model, InputError> {
         let is_json = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
         match file.filter(is_json) {
             Some(file) => Ok(Model::Grown(Box::new(read_tree(file)?))),
@@ -109,7 +110,7 @@ impl Model {
     }
 
     /// The tree of the file, or one that is grown now.
-    fn tree(self, context: &Context) -> Result<Tree, CliError> {
+    pub(super) fn tree(self, context: &Context) -> Result<Tree, CliError> {
         match self {
             Model::Grown(tree) => Ok(*tree),
             Model::ToGrow(lineage) => Ok(trees_of(vec![*lineage], context)?.remove(0)),
@@ -130,8 +131,12 @@ fn text(found: &LifetimesBeside) -> String {
         deviation.map_or(String::new(), |deviation| {
             let Deviation { cells, rms_ln, mean_ln, too_short, too_long, with_sd, within_two_sd } = deviation;
             let off = 100.0 * rms_ln;
+            let within = match with_sd {
+                0 => String::new(),
+                _ => format!(", {within_two_sd} of {with_sd} by at most 2 sd"),
+            };
             format!(
-                "the model's lifetimes of {cells} cells{which} are off by {off:.1} % (root mean square of ln), {within_two_sd} of {with_sd} by at most 2 sd; \
+                "the model's lifetimes of {cells} cells{which} are off by {off:.1} % (root mean square of ln){within}; \
                  {too_short} are too short, {too_long} too long (mean of ln {mean_ln:+.2})\n"
             )
         })
@@ -184,7 +189,9 @@ fn founders_text(found: &LifetimesBeside) -> String {
         let (measured, slopes) = (mean_sd(*mean, *sd, *n as u64), slopes(row.slope, row.model_slope));
         let _ = writeln!(out, "{founder:<8}{n:>7}{measured:>18}{model:>18}{slopes}");
     }
-    let _ = writeln!(out, "{:<51}{}", "all", slopes(found.slope, found.model_slope));
+    if found.slope.is_some() || found.model_slope.is_some() {
+        let _ = writeln!(out, "{:<51}{}", "all", slopes(found.slope, found.model_slope));
+    }
     out + "\n"
 }
 
@@ -192,15 +199,21 @@ fn order_text(Order { pairs, larger_first, model }: &Order) -> String {
     let agreed = |Agreement { pairs, agree, p }: Agreement| {
         format!("{agree} of {pairs} pairs (p = {p:.2e}, one-sided sign test)")
     };
+    if pairs.is_empty() {
+        return String::new();
+    }
     let certain = |pair: &&SistersBeside| pair.measured.p.is_some_and(|p| p < 0.05);
-    let mut out = format!(
-        "order of division in {} pairs of sisters, which differ in {} (Welch's p < 0.05)\n  the larger by measured volume divides first: {}\n",
-        pairs.len(),
-        pairs.iter().filter(certain).count(),
-        agreed(*larger_first)
-    );
-    if let Some(model) = model {
-        let _ = writeln!(out, "  the model's first is the measured one: {}", agreed(*model));
+    let mut out = format!("order of division in {} pairs of sisters", pairs.len());
+    // Sisters that were measured once have no test.
+    if pairs.iter().any(|pair| pair.measured.p.is_some()) {
+        let _ = write!(out, ", which differ in {} (Welch's p < 0.05)", pairs.iter().filter(certain).count());
+    }
+    out.push('\n');
+    if larger_first.pairs > 0 {
+        let _ = writeln!(out, "  the larger by measured volume divides first: {}", agreed(*larger_first));
+    }
+    if let Some(model) = model.filter(|model| model.pairs > 0) {
+        let _ = writeln!(out, "  the model's first is the measured one: {}", agreed(model));
     }
     for pair in pairs {
         let (Some(first), Some(model)) = (pair.measured.first, pair.model_first) else { continue };

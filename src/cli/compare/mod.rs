@@ -16,7 +16,7 @@ use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use furrow_analysis::scenarios_of;
 use furrow_input::InputError;
-use furrow_lineage::{Lineage, Tree};
+use furrow_lineage::{Lineage, Tree, Units};
 use furrow_measured::significance::slope_p;
 use furrow_measured::statistics::{Line, SPREAD_FROM};
 use furrow_measured::volumes::Skipped;
@@ -83,6 +83,7 @@ fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliE
     // Until here only files were read, which Ctrl-C stops at once.
     interrupt::finish();
     context.settings.check_divisions("settings")?;
-    let scenarios = scenarios_of(lineages, &context.settings, context.quantisation);
+    let units = lineages.first().map_or(Units::default(), Lineage::units);
+    let scenarios = scenarios_of(lineages, &context.settings_in(&units)?, context.quantisation);
     Ok(grown(&scenarios, None, false, context)?.0.trees)
 }

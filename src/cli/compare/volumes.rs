@@ -5,7 +5,7 @@ use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summ
 use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
-use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
+use furrow_measured::trend::{VolumeBin, adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
@@ -25,11 +25,13 @@ use furrow_analysis::compare::volumes::{
     model_by_bin, regression_of, scale, size_curves,
 };
 use furrow_analysis::{Range, read_constants, tree_settings};
+use furrow_cell::Cue;
 use furrow_figures::plot;
 use furrow_input::{InputError, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 use plot::comparison::{self, Comparison};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -75,8 +77,8 @@ pub struct VolumesArgs {
     #[arg(help_heading = "Statistics", long, visible_alias = "classes", value_name = "V,V,..", value_delimiter = ',', value_parser = number,
         requires = "files")]
     bins: Option<Vec<f64>>,
-    /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default such that P0 is as large as
-    /// measured, and by all mothers where P0 is not
+    /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default the lineage file's, without one
+    /// such that P0 is as large as measured, and by all mothers where P0 is not
     #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale,
         requires = "files")]
     length_scale: Option<WantedScale>,
@@ -134,7 +136,8 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     };
     let lineage = load_lineage(args.lineage.as_deref())?;
     let measured = read(args, &names_of(&lineage))?;
-    let settings: TreeSettings = tree_settings(context.settings.clone(), &lineage, 0, context.quantisation);
+    let settings: TreeSettings =
+        tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
     let grow = |lineages| trees_of(lineages, context);
     let (free, firsts) = model(&lineage, settings.cell.r0, &measured.groups, grow)?;
     let all = &measured.found.divisions;
@@ -160,12 +163,15 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     let length_scale = match args.length_scale {
         Some(WantedScale::Length(length)) => Some(Scale { length, from: ScaleFrom::Given }),
         Some(WantedScale::Fitted) => scale(sized, &free, false),
-        None => scale(sized, &free, true).or_else(of_lineage),
+        None => of_lineage().or_else(|| scale(sized, &free, true)),
     };
     // Mothers without Sulston's names have no cell in the tree; one of their size is beside them.
     let sizes = length_scale.filter(|_| !in_rows.is_empty() && !no_sizes);
-    let by_bin = match sizes {
-        Some(Scale { length, .. }) => bin_models(&settings, (sized, args.bins.as_deref()), length, context)?,
+    let own_cues = args.lineage.is_some().then_some(&lineage.cues);
+    let by_cue = match sizes {
+        Some(Scale { length, .. }) => {
+            bin_models(&settings, own_cues, &volume_bins(sized, args.bins.as_deref()), length, context)?
+        }
         None => Vec::new(),
     };
     let (trend, noise) = (volume_trend(sized), noise_null(sized, &bins));
@@ -189,7 +195,8 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         "tests": tests,
         "trend": trend,
         "noise": noise,
-        "model_by_bin": by_bin,
+        "model_by_bin": by_cue.first().map_or(&[][..], |(_, bins)| bins),
+        "model_by_bin_with_cues": by_cue.iter().skip(1).cloned().collect::<BTreeMap<_, _>>(),
         "regressions": regressions,
     }))?;
     if let Some(out) = &args.out {
@@ -206,7 +213,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     if context.json {
         return print(&json);
     }
-    let by_size = bins_text(*unit, &bins, &tests, &by_bin)
+    let by_size = bins_text(*unit, &bins, &tests, &by_cue)
         + &if in_rows.is_empty() { String::new() } else { trend_text(&trend) }
         + &noise.as_ref().map_or(String::new(), noise_text);
     let groups: String = groups.iter().map(group_text).collect();
@@ -236,16 +243,17 @@ fn curves(
     Ok(size_curves(lineage, settings, [from, to], &context.memo()?, &context.scheduling(&show))?)
 }
 
-/// The model's cells as large as the mothers of each bin.
+/// Cells of the model, one for the mean size of each bin: without a cue, and then with each of these cues.
 fn bin_models(
     settings: &TreeSettings,
-    (divisions, edges): (&[Division], Option<&[f64]>),
+    own_cues: Option<&BTreeMap<String, Cue>>,
+    bins: &[VolumeBin],
     length: f64,
     context: &Context,
-) -> Result<Vec<BinModel>, CliError> {
+) -> Result<Vec<(String, Vec<BinModel>)>, CliError> {
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show_all(progress);
-    Ok(model_by_bin(settings, &volume_bins(divisions, edges), length, &context.memo()?, &context.scheduling(&show))?)
+    Ok(model_by_bin(settings, own_cues, bins, length, &context.memo()?, &context.scheduling(&show))?)
 }
 
 /// Smallest radius of the curve, in L_h: smaller cells stay at rest.
@@ -326,9 +334,12 @@ fn used_text(Measured { source, volumes, found, .. }: &Measured) -> String {
     let (Volumes { used, skipped, skipped_count, .. }, mut out) = (volumes, String::new());
     if source.is_none() {
         let [both, one] = [found.divisions.len(), found.half_seen.len()];
-        out = format!(
-            "{used} volumes used, {skipped_count} skipped; {both} divisions with both daughters, {one} with one\n"
-        );
+        out = match volumes.unit {
+            Some(Unit::OfMother) => format!("χ of {both} divisions used, {skipped_count} skipped\n"),
+            _ => format!(
+                "{used} volumes used, {skipped_count} skipped; {both} divisions with both daughters, {one} with one\n"
+            ),
+        };
     }
     out + &skipped_text(&[(skipped, *skipped_count)])
 }
@@ -338,8 +349,12 @@ fn group_text(group: &GroupBeside) -> String {
     let with_bands = group.events.iter().any(|event| event.band.is_some());
     let bands = if with_bands { "  over the constants: median, 90 %" } else { "" };
     let wide = group.events.iter().map(|event| event.measured.mother.len()).fold(10, usize::max);
+    let is_modelled = group.events.iter().any(|event| event.model.is_some());
+    let with_firsts = group.events.iter().any(|event| event.given_first.is_some());
+    let of_model = if is_modelled { "   model (sd off)" } else { "" };
+    let of_firsts = if with_firsts { "     AB, P1 as measured" } else { "" };
     let mut out = format!(
-        "{name}, {} embryos\n{:<wide$}   n       χ measured   signed   model (sd off)     AB, P1 as measured{bands}\n",
+        "{name}, {} embryos\n{:<wide$}   n       χ measured   signed{of_model}{of_firsts}{bands}\n",
         group.embryos, "mother"
     );
     for event in &group.events {
@@ -353,9 +368,14 @@ fn group_text(group: &GroupBeside) -> String {
             _ => "-".to_owned(),
         };
         let chi = format!("{:.3}{}", measured.mean, plus_minus(measured.sd, measured.n));
-        let (model, first, band) = (of(model), of(given_first), band.map_or(String::new(), band_text));
+        let model = if is_modelled { format!(" {:>16}", of(model)) } else { String::new() };
+        let first = if with_firsts { format!(" {:>22}", of(given_first)) } else { String::new() };
+        let band = band.map_or(String::new(), band_text);
         let (mother, n, signed) = (&measured.mother, measured.n, measured.mean_signed);
-        let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>+8.3} {model:>16} {first:>22}{band}");
+        let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>+8.3}{model}{first}{band}");
+    }
+    if !is_modelled && !with_firsts {
+        out += "the model's tree has none of these mothers\n";
     }
     out + "\n"
 }

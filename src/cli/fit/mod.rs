@@ -99,7 +99,7 @@ impl Fit {
         let lineage = load_lineage(args.lineage.as_deref())?;
         context.settings.check_divisions("settings")?;
         context.settings.check_activity("settings")?;
-        let settings = tree_settings(context.settings.clone(), &lineage, 0, context.quantisation);
+        let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
         Ok(Fit { lineage, settings, start })
     }
 

@@ -302,29 +302,35 @@ pub struct BinModel {
     pub model: Modelled,
 }
 
-/// The model's cells without a cue as large as the mean mother of each bin; one L_h is `length` in the cube root of the unit.
+/// Cells of the model, one for the mean size of the mothers of each bin: without a cue, which has no name, and then with each of
+/// these cues. One L_h is `length` in the cube root of the unit.
 ///
 /// # Errors
 /// [`SchedulerError`] if no workers can be started. A division that cannot be computed has no outcome.
 pub fn model_by_bin(
     settings: &TreeSettings,
+    cues: Option<&BTreeMap<String, Cue>>,
     bins: &[VolumeBin],
     length: f64,
     memo: &Memo,
     options: &SchedulerOptions<'_>,
-) -> Result<Vec<BinModel>, SchedulerError> {
+) -> Result<Vec<(String, Vec<BinModel>)>, SchedulerError> {
+    let mut all = vec![(String::new(), Cue::none())];
+    all.extend(cues.cloned().into_iter().flatten().filter(|(_, cue)| !cue.is_none()));
     let radius = |bin: &VolumeBin| (0.75 / std::f64::consts::PI * bin.mother_volume).cbrt() / length;
-    let input = |bin: &VolumeBin| {
-        let cell = Cell { r0: radius(bin), ..settings.cell.clone().with_cue(Cue::none()) };
+    let input = |cue: &Cue, bin: &VolumeBin| {
+        let cell = Cell { r0: radius(bin), ..settings.cell.clone().with_cue(cue.clone()) };
         DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
     };
-    let found = scheduler::solve_all(bins.iter().map(input), memo, options, divide)?.divisions;
+    let inputs = all.iter().flat_map(|(_, cue)| bins.iter().map(move |bin| input(cue, bin)));
+    let found = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
     let of = |(bin, found): (&VolumeBin, &Option<furrow_mechanics::division::Division>)| {
         let (outcome, chi) =
             (found.as_ref().map(|found| found.outcome()), found.as_ref().and_then(|found| found.chi()));
         BinModel { bin: bin.name(), volume: bin.mother_volume, model: Modelled { r0: radius(bin), outcome, chi } }
     };
-    Ok(bins.iter().zip(&found).map(of).collect())
+    let rows = |k: usize| bins.iter().zip(&found[k * bins.len()..]).map(of).collect();
+    Ok(all.into_iter().enumerate().map(|(k, (name, _))| (name, rows(k))).collect())
 }
 
 /// χ over the size of a cell.
