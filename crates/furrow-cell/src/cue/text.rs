@@ -1,4 +1,4 @@
-//! Cues as text: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`; one of them may be a regulator.
+//! Cues as text, on the command line and in files: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`; one of them may be a regulator.
 //!
 //! What is printed is what is read: [`Display`](std::fmt::Display) writes every number with as many digits as it takes to
 //! get the same number back.
@@ -243,12 +243,9 @@ impl FromStr for Cue {
     }
 }
 
-impl Cue {
-    /// Reads a cue whose terms may also be names, which `named` knows, and whose numbers may be in µm and seconds.
-    ///
-    /// # Errors
-    /// [`CueError`] names the part of the cue, what it is, and what it may be.
-    pub fn parse_with(text: &str, scale: &Scale, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
+impl WrittenCue {
+    /// Reads a cue whose terms may also be names, which `named` knows. Its numbers are not checked.
+    pub(super) fn parse(text: &str, named: impl Fn(&str) -> Option<Cue>) -> Result<WrittenCue, CueError> {
         let parts = split_terms(text);
         let mut written = WrittenCue::default();
         for part in &parts {
@@ -265,7 +262,17 @@ impl Cue {
             };
             written.add(added)?;
         }
-        let cue = written.in_units(scale)?;
+        Ok(written)
+    }
+}
+
+impl Cue {
+    /// Reads a cue whose terms may also be names, which `named` knows, and whose numbers may be in µm and seconds.
+    ///
+    /// # Errors
+    /// [`CueError`] names the part of the cue, what it is, and what it may be.
+    pub fn parse_with(text: &str, scale: &Scale, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
+        let cue = WrittenCue::parse(text, named)?.in_units(scale)?;
         cue.check()?;
         Ok(cue)
     }
