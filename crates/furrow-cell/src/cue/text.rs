@@ -115,7 +115,7 @@ impl Numbers {
 }
 
 /// Which of these names there are, with the one nearest to what is written.
-pub(super) fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
+fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
     format!("one of {}{}", names.join(", "), did_you_mean(written, names))
 }
 
@@ -127,7 +127,7 @@ pub(super) fn field(name: &str) -> Result<Field, CueError> {
 }
 
 /// The field of a name that may also be a regulator's.
-pub(super) fn field_of_term(name: &str) -> Result<Field, CueError> {
+fn field_of_term(name: &str) -> Result<Field, CueError> {
     let names = || Field::ALL.map(Field::name).into_iter().chain([REGULATOR]);
     let fields = Field::ALL.map(Field::name).join(", ");
     let allowed = || format!("a field, one of {fields}, or {REGULATOR}{}", did_you_mean(name, names()));
@@ -244,7 +244,7 @@ impl FromStr for Cue {
 }
 
 impl WrittenCue {
-    /// Reads a cue whose terms may also be names, which `named` knows. Its numbers are not checked.
+    /// Reads a cue; `named` gives the cues of names. Numbers are not checked.
     pub(super) fn parse(text: &str, named: impl Fn(&str) -> Option<Cue>) -> Result<WrittenCue, CueError> {
         let parts = split_terms(text);
         let mut written = WrittenCue::default();
@@ -267,10 +267,10 @@ impl WrittenCue {
 }
 
 impl Cue {
-    /// Reads a cue whose terms may also be names, which `named` knows, and whose numbers may be in µm and seconds.
+    /// Reads a cue and checks it; `named` gives the cues of names, `scale` converts numbers in µm and seconds.
     ///
     /// # Errors
-    /// [`CueError`] names the part of the cue, what it is, and what it may be.
+    /// [`CueError`] names the part of the cue, its value and the values that are allowed.
     pub fn parse_with(text: &str, scale: &Scale, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
         let cue = WrittenCue::parse(text, named)?.in_units(scale)?;
         cue.check()?;
