@@ -12,7 +12,7 @@ use furrow_mechanics::critical::CriticalRadii;
 
 const LINEAGE: &str = r#"Lineage(
     name: "two founders",
-    cues: { "pulled": tension(profile: gradient, amplitude: 0.3) },
+    cues: { "pulled": "tension:gradient,amplitude=0.3" },
     founders: [
         (name: "Z", cue: "pulled", inherit: false),
         (name: "X", mother: "Z", daughter: larger, cue_rules: [

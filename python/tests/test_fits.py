@@ -9,7 +9,7 @@ import furrow
 #: A lineage and observations that are fitted fast.
 LINEAGE = '(name: "S", founders: [(name: "S", r0: 2.2, observed: (mean: 1, terminal: 2))], limits: (max_depth: 1))'
 #: One whose founder has a cue that a fit replaces.
-RINGED = LINEAGE.replace("founders:", 'cues: {"ring": kappa(u0: 0.45, omega: 0.2, amplitude: 0.1)}, founders:').replace(
+RINGED = LINEAGE.replace("founders:", 'cues: {"ring": "kappa:u0=0.45,omega=0.2,amplitude=0.1"}, founders:').replace(
     "r0: 2.2,", 'r0: 2.2, cue: "ring",'
 )
 TARGETS = """Fit(

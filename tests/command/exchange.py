@@ -225,13 +225,13 @@ def jsonschema():
 
 
 WRONG = {
-    "schema_version": 3,
+    "schema_version": 2,
     "seed": -1,
     "cells/3/outcome": "both",
     "cells/0/chi": 1.5,
     "cells/0/generation": 0.5,
     "cells/0/daughter": "left",
-    "cells/3/cue": {"kapa": {}},
+    "cells/3/cue": {"kappa": {}},
     "cells": [],
     "lineage/naming": ["a"],
     "cell/material": {},

@@ -121,24 +121,6 @@ fn the_module_divides_and_grows_as_the_command_line_does() {
     }
 }
 
-/// Regulators too: what the page offers for copying is what the command line reads.
-#[test]
-#[ignore = "needs Node"]
-fn the_page_writes_cues_as_the_command_line_does() {
-    let folder = tempfile::tempdir().unwrap();
-    let cues = [
-        "none",
-        "tension:gradient,amplitude=0.3",
-        "regulator:none,turnover=10,diffusion=1,activity=0.3",
-        "kappa:band,u0=0.4,omega=0.1,amplitude=0.1+regulator:step,u0=0.4,omega=-0.5Lh,amplitude=1,turnover=15,diffusion=1.5,diluted=false,kappa=0.1,tension=1,tension.half=10",
-    ];
-    let cases: Vec<Value> = cues.iter().map(|text| json!([text.parse::<furrow_cell::Cue>().unwrap(), text])).collect();
-    let file = folder.path().join("cases.json");
-    std::fs::write(&file, Value::from(cases).to_string()).unwrap();
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/furrow-report/src/page/data.js");
-    run_script("cue_text.mjs", &[source, file]);
-}
-
 /// Runs a script that drives Chromium and compares the page with what is expected.
 fn drive(script: &str, folder: &Path, expected: &Value) {
     let file = folder.join("expected.json");

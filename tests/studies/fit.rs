@@ -124,7 +124,7 @@ fn a_founder_keeps_its_own_parameters_and_its_rounds_are_those_of_its_tree() {
 
 #[test]
 fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
-    let text = r#"Lineage(name: "one", cues: {"c": kappa(u0: 0.465, omega: 0.0577, amplitude: 0.1)},
+    let text = r#"Lineage(name: "one", cues: {"c": "kappa:u0=0.465,omega=0.0577,amplitude=0.1"},
         founders: [(name: "P0", cue: "c")])"#;
     let lineage = Lineage::parse(text, "one.ron").unwrap();
     let settings = TreeSettings { cell: Cell::gao2026_thresholds(3.9), ..TreeSettings::default() };

@@ -17,7 +17,7 @@ fn lineage(fields: &str, of_a: &str) -> Lineage {
 fn parsed(fields: &str, of_a: &str) -> Result<Lineage, furrow_input::InputError> {
     Lineage::parse(
         &format!(
-            "Lineage(name: \"x\", limits: (max_depth: 4), {fields} cues: {{\"polar\": kappa(u0: 0.4, omega: 0.1, amplitude: 0.2)}},
+            "Lineage(name: \"x\", limits: (max_depth: 4), {fields} cues: {{\"polar\": \"kappa:u0=0.4,omega=0.1,amplitude=0.2\"}},
              founders: [(name: \"Q\", r0: 5.0, cue: \"polar\", inherit: false),
                         (name: \"A\", mother: \"Q\", daughter: larger, {of_a}),
                         (name: \"B\", mother: \"Q\", daughter: smaller)])"

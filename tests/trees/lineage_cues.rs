@@ -6,8 +6,8 @@ use furrow_formats::{FounderRow, founder_rows};
 use furrow_lineage::{Lineage, Tree};
 use furrow_report::{founders_table, html};
 
-const CUES: &str = "cues: {\"polar\": kappa(u0: 0.4, omega: 0.1, amplitude: 0.2), \
-                    \"pull\": tension(profile: gradient, amplitude: 0.3)}";
+const CUES: &str = "cues: {\"polar\": \"kappa:u0=0.4,omega=0.1,amplitude=0.2\", \
+                    \"pull\": \"tension:gradient,amplitude=0.3\"}";
 
 /// A lineage with two cues, further fields of the file and the given founders.
 fn lineage(fields: &str, founders: &str) -> Lineage {

@@ -131,7 +131,7 @@ fn a_shell_is_set_by_the_mothers() {
 /// Of each parameter the first rule that applies counts; rules also set numbers of the cue.
 #[test]
 fn the_first_rule_of_a_parameter_counts() {
-    let rules = "cues: {\"pull\": tension(profile: gradient, amplitude: 0.4)}, physics_rules: [
+    let rules = "cues: {\"pull\": \"tension:gradient,amplitude=0.4\"}, physics_rules: [
         (parameter: \"cue.amplitude\", factor: 0.5, per: generation), (parameter: \"kappa\", value: 2, from_generation: 2),
         (parameter: \"kappa\", add: 0.5), (parameter: \"w\", factor: 2, above_r0: 3)],";
     let tree = grown(&lineage(rules, "(name: \"Q\", r0: 3.5, cue: \"pull\")"), &|_| None, fake);
@@ -149,8 +149,7 @@ fn the_first_rule_of_a_parameter_counts() {
 /// Rules set numbers of a regulator, whose units are those of the file. Each cell has its own, in the tree and in tree.json.
 #[test]
 fn rules_set_numbers_of_a_regulator() {
-    let rules = "units: (length_um: 2, time_min: 5), cues: {\"carried\": regulator(profile: none, turnover_per_s: 0.05,
-            diffusion_um2_per_s: 0.02, couplings: {\"activity\": 0.3})}, physics_rules: [
+    let rules = "units: (length_um: 2, time_min: 5), cues: {\"carried\": \"regulator:none,turnover=0.05/s,diffusion=0.02um2/s,activity=0.3\"}, physics_rules: [
         (parameter: \"regulator.turnover\", factor: 0.5, per: generation), (parameter: \"regulator.activity\", value: 0.2, above_r0: 3),
         (parameter: \"regulator.kappa\", value: 1)],";
     let tree = grown(&lineage(rules, "(name: \"Q\", r0: 3.5, cue: \"carried\")"), &|_| None, fake);

@@ -113,7 +113,7 @@ fn a_file_with_a_base_says_what_differs() {
     let worm = Lineage::c_elegans().unwrap();
     assert_eq!(read("Lineage(base: \"c_elegans\")").unwrap(), worm);
     let changed = read(
-        "(base: \"c_elegans\", name: \"mine\", naming: ('l', 'r'), units: (length_um: 3.0), cues: {\"pulled\": tension(profile: gradient, amplitude: 0.1)},
+        "(base: \"c_elegans\", name: \"mine\", naming: ('l', 'r'), units: (length_um: 3.0), cues: {\"pulled\": \"tension:gradient,amplitude=0.1\"},
           founders: [(name: \"P1\", cue: \"pulled\", r0: \"12um\"), (name: \"E\", physics: (xi_s: 20)), (name: \"P0\", inherit: false),
                      (name: \"Ea\", mother: \"E\", daughter: larger), (name: \"Ep\", mother: \"E\", daughter: smaller)])",
     )

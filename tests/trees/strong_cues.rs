@@ -28,7 +28,7 @@ fn strong_cue(random: &mut Mt64) -> String {
 
 /// Which cells divide, in trees with and without critical radii, from one memo.
 pub fn dividing(cue: &Cue, settings: &TreeSettings, most: usize) -> [Vec<(String, bool)>; 2] {
-    let text = r#"(name: "one", cues: {"strong": kappa(u0: 0.4, omega: 0.1, amplitude: 0.2)}, founders: [(name: "S", cue: "strong")])"#;
+    let text = r#"(name: "one", cues: {"strong": "kappa:u0=0.4,omega=0.1,amplitude=0.2"}, founders: [(name: "S", cue: "strong")])"#;
     let mut lineage = Lineage::parse(text, "one.ron").unwrap();
     lineage.limits.max_cells = most;
     let lineage = lineage.with_cues_replaced("strong", cue);

@@ -32,10 +32,20 @@ fn the_last_cell_needs_a_reason_and_mothers_their_order() {
 #[test]
 fn complaints_about_long_values_are_short() {
     let tree: Value = serde_json::from_str(&small_tree_file()).unwrap();
-    for (place, expected) in [("/schema", "xx\"…, version 2: must be"), ("/cells/7/r0", "xx\", expected a number")] {
+    for (place, expected) in [("/schema", "xx\"…, version 3: must be"), ("/cells/7/r0", "xx\", expected a number")] {
         let said = complaint(&changed(&tree, &format!("{place} \"{}\"", "x".repeat(1 << 20))).to_string());
         assert!(said.contains(expected) && said.len() < 400, "{said}");
     }
+}
+
+#[test]
+fn a_tree_of_version_2_has_cues_by_field_and_is_read() {
+    let text = small_tree_file();
+    let by_field = r#"{"kappa":{"profile":"band","u0":0.465,"omega":0.0577,"amplitude":0.1}}"#;
+    let old = text.replace(r#""kappa:band,u0=0.465,omega=0.0577,amplitude=0.1""#, by_field);
+    let old = old.replace("\"schema_version\": 3", "\"schema_version\": 2");
+    assert!(old.matches(by_field).count() > 2 && old.contains("\"schema_version\": 2"));
+    assert_eq!(tree_to_json(&tree_from_json(&old).unwrap()).unwrap(), text);
 }
 
 #[test]

@@ -4,7 +4,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use furrow_cell::Cell;
-use furrow_cell::cue::profile::NAMES;
 use furrow_formats::{TREE_SCHEMA, tree_from_json, tree_to_json};
 use furrow_lineage::{Limits, Lineage, TerminalReason};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
@@ -18,15 +17,14 @@ const EVERYTHING: &str = r#"Lineage(
     limits: (max_depth: 6, max_cells: 60),
     clock: (lifetime_min: 24, at_volume: 0.5, exponent: 0.28, volumes: (0.6, 1), tau_min: 4, origin: birth("S"), lifetimes: {"S": 20}),
     cues: {
-        "kappa": kappa(u0: 0.4, omega: 0.1, amplitude: 0.1), "activity": activity(profile: step, u0: 0.6, omega_length: 0.3, amplitude: 0.1),
-        "xi_s": xi_s(profile: gradient, amplitude: 0.1), "xi_b": xi_b(u0: 0.4, omega: 0.1, amplitude: 0.1),
-        "eta_b": eta_b(profile: step, u0: 0.6, omega_length: 0.3, amplitude: 0.1), "eta_s": eta_s(profile: gradient, amplitude: 0.1),
-        "viscosity": viscosity(u0: 0.4, omega: 0.1, amplitude: 0.1), "tension": tension(profile: gradient, amplitude: 0.1),
-        "friction": friction(profile: step, u0: 0.6, omega_length: 0.3, amplitude: 0.1),
-        "sum": sum([kappa(u0: 0.4, omega: 0.1, amplitude: 0.1), tension(profile: gradient, amplitude: 0.2)]),
-        "carried": regulator(u0: 0.4, omega: 0.1, amplitude: 1, turnover_per_s: 0.05, diffusion_um2_per_s: 0.1, couplings: {"activity": 0.3}),
-        "saturating": sum([tension(profile: gradient, amplitude: 0.2), regulator(profile: step, u0: 0.4, omega_um: 1, amplitude: 1, turnover: 5,
-            diffusion: 1, diluted: false, couplings: {"kappa": 0.3, "tension": 30}, half: {"tension": 10})]),
+        "kappa": "kappa:u0=0.4,omega=0.1,amplitude=0.1", "activity": "activity:step,u0=0.6,omega=0.3Lh,amplitude=0.1",
+        "xi_s": "xi_s:gradient,amplitude=0.1", "xi_b": "xi_b:u0=0.4,omega=0.1,amplitude=0.1",
+        "eta_b": "eta_b:step,u0=0.6,omega=0.3Lh,amplitude=0.1", "eta_s": "eta_s:gradient,amplitude=0.1",
+        "viscosity": "viscosity:u0=0.4,omega=0.1,amplitude=0.1", "tension": "tension:gradient,amplitude=0.1",
+        "friction": "friction:step,u0=0.6,omega=0.3Lh,amplitude=0.1",
+        "sum": "kappa:u0=0.4,omega=0.1,amplitude=0.1+tension:gradient,amplitude=0.2",
+        "carried": "regulator:u0=0.4,omega=0.1,amplitude=1,turnover=0.05/s,diffusion=0.1um2/s,activity=0.3",
+        "saturating": "tension:gradient,amplitude=0.2+regulator:step,u0=0.4,omega=1um,amplitude=1,turnover=5,diffusion=1,diluted=false,kappa=0.3,tension=30,tension.half=10",
     },
     cue_rules: [(cue: "sum", from_generation: 1, to_generation: 9, below_r0: 9, above_r0: 0.1)],
     physics_rules: [(parameter: "xi_s", value: 25, factor: 0.97, add: 0.1, per: generation, to_generation: 9, below_r0: 99, above_r0: 0.1),
@@ -126,14 +124,4 @@ fn the_schema_has_the_fields_of_the_trees_that_are_written_and_no_others() {
     let defined: BTreeSet<&String> = all.values().collect();
     let missing: Vec<_> = defined.difference(&seen.iter().map(|place| &all[place]).collect()).copied().collect();
     assert!(missing.is_empty() && defined.len() > 100, "no tree has {missing:?} of {}", defined.len());
-}
-
-/// Values too: a cue has any profile that there is.
-#[test]
-fn the_schema_names_every_profile() {
-    let schema: Value = serde_json::from_str(TREE_SCHEMA).unwrap();
-    let named = |part: &str| schema["$defs"][part]["properties"]["profile"]["enum"].as_array().unwrap().clone();
-    let profiles = NAMES.map(Value::from).to_vec();
-    assert_eq!(named("term"), profiles);
-    assert_eq!(named("regulator"), [vec![Value::from("none")], profiles].concat());
 }

@@ -463,7 +463,7 @@ mod tests {
             format!(r#", (name: "{}", mother: "{}", daughter: {daughter}, cue: "c")"#, names[k], names[mother])
         };
         let rest: String = (1..names.len()).map(founder).collect();
-        let cue = "cues: { \"c\": kappa(u0: 0.4, omega: 0.1, amplitude: 0.1) }";
+        let cue = "cues: { \"c\": \"kappa:u0=0.4,omega=0.1,amplitude=0.1\" }";
         let text = format!(r#"(name: "own", {cue}, founders: [(name: "{}", cue: "c"){rest}])"#, names[0]);
         colours(&Lineage::parse(&text, "own.ron").unwrap())
     }

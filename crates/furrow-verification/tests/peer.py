@@ -17,7 +17,9 @@ if sys.argv[1:] == ["--installed"]:
 given = json.load(sys.stdin)
 cell = given["cell"]
 material, shell_of = cell["material"], cell["shell"]
-band = cell["cue"]["kappa"] if cell["cue"] != "none" else {"amplitude": 0, "u0": 0.5, "omega": 1}
+band = {"amplitude": 0, "u0": 0.5, "omega": 1}
+if cell["cue"] != "none":
+    band = {key: float(value) for key, value in (entry.split("=") for entry in cell["cue"].split(",")[1:])}
 kappa0, eta_b, eta_s, friction, gamma = (material[name] for name in ["kappa", "eta_b", "eta_s", "friction", "tension"])
 xi_s = material["gain"] * cell["xi_s"]
 xi_b = xi_s * material["xi_ratio"]

@@ -7,17 +7,16 @@
 //! | `profile` | how a term is spread along the contour |
 //! | `regulator` | what the flow carries, spreads and turns over |
 //! | `check` | which numbers are allowed |
-//! | `text` | the grammar of the command line: `kappa:band,u0=0.4,omega=0.1,amplitude=0.2` |
-//! | `record` | the form in RON and JSON: `kappa(profile: band, u0: 0.4, omega: 0.1, amplitude: 0.2)` |
-//! | `regulator_text`, `regulator_record` | the same of a regulator |
+//! | `text` | the grammar: `kappa:band,u0=0.4,omega=0.1,amplitude=0.2` |
+//! | `regulator_text` | the grammar of a regulator |
+//! | `file` | the same text in RON and JSON |
 //! | `written` | a cue as it is written, with numbers in µm and seconds |
 
 mod check;
 pub mod field;
+mod file;
 pub mod profile;
-mod record;
 pub mod regulator;
-mod regulator_record;
 mod regulator_text;
 mod text;
 mod written;

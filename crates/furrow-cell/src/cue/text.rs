@@ -1,4 +1,4 @@
-//! Cues as text: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`; one of them may be a regulator.
+//! Cues as text, on the command line and in files: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`; one of them may be a regulator.
 //!
 //! What is printed is what is read: [`Display`](std::fmt::Display) writes every number with as many digits as it takes to
 //! get the same number back.
@@ -115,7 +115,7 @@ impl Numbers {
 }
 
 /// Which of these names there are, with the one nearest to what is written.
-pub(super) fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
+fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
     format!("one of {}{}", names.join(", "), did_you_mean(written, names))
 }
 
@@ -127,7 +127,7 @@ pub(super) fn field(name: &str) -> Result<Field, CueError> {
 }
 
 /// The field of a name that may also be a regulator's.
-pub(super) fn field_of_term(name: &str) -> Result<Field, CueError> {
+fn field_of_term(name: &str) -> Result<Field, CueError> {
     let names = || Field::ALL.map(Field::name).into_iter().chain([REGULATOR]);
     let fields = Field::ALL.map(Field::name).join(", ");
     let allowed = || format!("a field, one of {fields}, or {REGULATOR}{}", did_you_mean(name, names()));
@@ -243,12 +243,9 @@ impl FromStr for Cue {
     }
 }
 
-impl Cue {
-    /// Reads a cue whose terms may also be names, which `named` knows, and whose numbers may be in µm and seconds.
-    ///
-    /// # Errors
-    /// [`CueError`] names the part of the cue, what it is, and what it may be.
-    pub fn parse_with(text: &str, scale: &Scale, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
+impl WrittenCue {
+    /// Reads a cue; `named` gives the cues of names. Numbers are not checked.
+    pub(super) fn parse(text: &str, named: impl Fn(&str) -> Option<Cue>) -> Result<WrittenCue, CueError> {
         let parts = split_terms(text);
         let mut written = WrittenCue::default();
         for part in &parts {
@@ -265,7 +262,17 @@ impl Cue {
             };
             written.add(added)?;
         }
-        let cue = written.in_units(scale)?;
+        Ok(written)
+    }
+}
+
+impl Cue {
+    /// Reads a cue and checks it; `named` gives the cues of names, `scale` converts numbers in µm and seconds.
+    ///
+    /// # Errors
+    /// [`CueError`] names the part of the cue, its value and the values that are allowed.
+    pub fn parse_with(text: &str, scale: &Scale, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
+        let cue = WrittenCue::parse(text, named)?.in_units(scale)?;
         cue.check()?;
         Ok(cue)
     }

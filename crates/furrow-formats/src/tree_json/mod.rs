@@ -23,7 +23,7 @@ use furrow_mechanics::division::Outcome;
 pub const SCHEMA: &str = "furrow.tree";
 
 /// Version of the format; it is raised when a field changes its meaning or goes.
-pub const SCHEMA_VERSION: u32 = 2;
+pub const SCHEMA_VERSION: u32 = 3;
 
 /// The JSON Schema (draft 2020-12) of `tree.json`, `docs/tree.schema.json`. A later furrow may add fields without another
 /// version; the schema allows them.

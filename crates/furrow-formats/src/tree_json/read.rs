@@ -18,6 +18,9 @@ use furrow_mechanics::division::{Division, DivisionRow, Outcome};
 /// says otherwise.
 pub const LONGEST_TREE: u64 = 512 << 20;
 
+/// The oldest version that is read. It has cues by field.
+const OLDEST: u32 = 2;
+
 /// Why a tree file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum TreeFileError {
@@ -32,7 +35,7 @@ pub enum TreeFileError {
         message: String,
     },
     /// Another format or version.
-    #[error("schema = {}, version {version}: must be {SCHEMA:?}, version {SCHEMA_VERSION}", shown(.schema))]
+    #[error("schema = {}, version {version}: must be {SCHEMA:?}, version {OLDEST} to {SCHEMA_VERSION}", shown(.schema))]
     Schema {
         /// The file's format.
         schema: String,
@@ -111,7 +114,7 @@ pub fn read_tree(path: &Path) -> Result<Tree, InputError> {
 /// Malformed JSON, another schema, invalid parameters or lineage, or cells that do not form a tree.
 pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let another = |schema: &str, version| match schema == SCHEMA && version == SCHEMA_VERSION {
+    let another = |schema: &str, version| match schema == SCHEMA && (OLDEST..=SCHEMA_VERSION).contains(&version) {
         true => Ok(()),
         false => Err(TreeFileError::Schema { schema: schema.to_owned(), version }),
     };

@@ -40,7 +40,7 @@ class CellPanel {
       ["generation", String(cell.generation)],
       ["R0", lengthText(cell.r0, units)],
       ["volume", `${(100 * cell.volume_fraction).toFixed(3)} % of ${this.head.cells[0].name}`],
-      ["cue", rounded(cueText(cell.cue))],
+      ["cue", rounded(cell.cue)],
       ...Object.entries(cell.physics ?? {}).map(([name, value]) => [name, number(value, 6)]),
       ["division", cell.outcome ?? "not solved"],
     ];

@@ -176,27 +176,6 @@ function phiRows({ phi, chi }) {
   return phi == null ? [] : [[chi == null ? "regulator φ at u = 0.5" : "regulator φ at the furrow", number(phi, 4)]];
 }
 
-/** A cue of a file as the command line takes it: "none", or terms joined by +. */
-function cueText(cue) {
-  if (cue === "none") return "none";
-  const [[name, value]] = Object.entries(cue);
-  if (name === "sum") return value.map(cueText).join("+");
-  const parts = [];
-  if ("u0" in value) parts.push(`u0=${value.u0}`);
-  if ("omega" in value) parts.push(`omega=${value.omega}`);
-  if ("omega_length" in value) parts.push(`omega=${value.omega_length}Lh`);
-  if ("amplitude" in value) parts.push(`amplitude=${value.amplitude}`);
-  if (name === "regulator") {
-    parts.push(`turnover=${value.turnover}`, `diffusion=${value.diffusion}`);
-    if (value.diluted === false) parts.push("diluted=false");
-    for (const [field, strength] of Object.entries(value.couplings)) {
-      parts.push(`${field}=${strength}`);
-      if (value.half && field in value.half) parts.push(`${field}.half=${value.half[field]}`);
-    }
-  }
-  return `${name}:${value.profile ?? "band"},${parts.join(",")}`;
-}
-
 /** Settings of a cell and its numerics by section, as a configuration file has them. */
 function sections(cell, numerics) {
   const { epsilon, xi_s, r0, material, shell } = cell;

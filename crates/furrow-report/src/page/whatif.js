@@ -96,14 +96,16 @@ class WhatIf {
   /** A cue of one term fills the sliders; one of several, a regulator, or one that follows PAR stands as text. */
   putCue(cue) {
     element("cue-on").checked = cue !== "none";
-    const usual = ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }];
-    const [field, value] = cue === "none" ? usual : Object.entries(cue)[0];
-    const isSlid = field !== "sum" && field !== "regulator" && !("omega_length" in value) && !value.profile?.startsWith("par");
-    element("cue-text").value = isSlid ? "" : cueText(cue);
-    const [slid, numbers] = isSlid ? [field, value] : usual;
-    element("cue-field").value = slid;
-    element("cue-profile").value = numbers.profile ?? "band";
-    for (const [quantity, value] of Object.entries(usual[1])) this.set(quantity, numbers[quantity] ?? value);
+    const usual = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
+    const isSlid = /^(?!regulator)\w+:(band|step|gradient)(,\w+=[-.e\d]+)*$/.test(cue);
+    element("cue-text").value = isSlid || cue === "none" ? "" : cue;
+    const [field, profile] = (isSlid ? cue : usual).split(/[:,]/);
+    element("cue-field").value = field;
+    element("cue-profile").value = profile;
+    for (const entry of [...usual.split(",").slice(1), ...(isSlid ? cue.split(",").slice(1) : [])]) {
+      const [quantity, value] = entry.split("=");
+      this.set(quantity, Number(value));
+    }
   }
 
   /** The cue as the command line takes it: its text, or else what the sliders say. */
@@ -112,10 +114,8 @@ class WhatIf {
     const text = element("cue-text").value.trim();
     if (text) return text;
     const profile = element("cue-profile").value;
-    const value = { profile };
-    if (profile !== "gradient") Object.assign(value, { u0: this.get("u0"), omega: this.get("omega") });
-    value.amplitude = this.get("amplitude");
-    return cueText({ [element("cue-field").value]: value });
+    const place = profile === "gradient" ? "" : `u0=${this.get("u0")},omega=${this.get("omega")},`;
+    return `${element("cue-field").value}:${profile},${place}amplitude=${this.get("amplitude")}`;
   }
 
   /** The cell that the sliders say, with its cue as text. */
@@ -232,7 +232,7 @@ class WhatIf {
     const chance = cell.cue === "none" && answer.outcome === "asymmetric" ? ` No cue tells the poles apart: chance decides which side is the larger, and here it is that of seed ${this.head.seed}.` : "";
     element("what-if-shows").textContent = [this.recording.shows() + chance, this.recording.colours()].join(" ");
     // Other lineages may call another cue so, or none.
-    this.cueGiven = cueText(answer.cue);
+    this.cueGiven = answer.cue;
     element("command").textContent = this.command({ ...cell, cue: this.cueGiven }, physics);
     element("what-if-command").hidden = false;
     for (const id of ["what-if-settings", "what-if-picture"]) element(id).disabled = false;
