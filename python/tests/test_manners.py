@@ -145,7 +145,7 @@ def test_an_operating_system_that_refuses(tmp_path):
 
 
 #: A lineage that takes long.
-LARGE = '(name: "S", founders: [(name: "S", r0: 60)], limits: (max_cells: 200000, max_depth: 60))'
+LARGE = '(name: "S", founders: [(name: "S", r0: "192um")], limits: (max_cells: 200000, max_depth: 60))'
 
 #: Ctrl-C is heard also where the tests themselves run in the background.
 INTERRUPTED = """
