@@ -7,7 +7,7 @@
 0.185
 
 Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published activity. Parameters have the names of the
-command line, which GUIDE.md explains. Installations with the same ``solver_version`` give bit-identical divisions
+command line, which the book explains. Installations with the same ``solver_version`` give bit-identical divisions
 and share cached ones.
 """
 

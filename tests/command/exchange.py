@@ -132,9 +132,9 @@ def lineagetree():
     compare(read, name, "cells.txt")
     order = sorted(read.leaves, key=lambda node: read.pos[node][0])
     assert [name[node] for node in order] == ENDS
-    # The recipe of the guide, as it stands there.
-    guide = open(os.environ["FURROW_ROOT"] + "/GUIDE.md").read()
-    recipe = guide.split("```python\n")[1].split("```")[0].replace("furrow-out/", "t/")
+    # The recipe of the book.
+    page = open(os.environ["FURROW_ROOT"] + "/docs/book/src/use/tree-files.md").read()
+    recipe = page.split("```python\n")[1].split("```")[0].replace("furrow-out/", "t/")
     assert recipe.count("\n") == 5
     told = {"json": json, "LineageTree": LineageTree}
     exec(recipe, told)

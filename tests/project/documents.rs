@@ -23,9 +23,9 @@ pub fn files_below(folder: &Path, extension: &str) -> Vec<PathBuf> {
     found
 }
 
-/// The pages at the root, and those of `docs`.
+/// The pages at the root, and those of `docs`, which has the book.
 fn pages() -> Vec<PathBuf> {
-    let names = ["README.md", "GUIDE.md", "CONTRIBUTING.md"].map(|name| root().join(name));
+    let names = ["README.md", "CONTRIBUTING.md"].map(|name| root().join(name));
     names.into_iter().chain(files_below(&root().join("docs"), "md")).collect()
 }
 
@@ -41,7 +41,7 @@ fn links_lead_to_files_that_are_there() {
             }
         }
     }
-    assert!(seen > 30, "{seen}");
+    assert!(seen > 100, "{seen}");
 }
 
 #[test]
@@ -114,5 +114,5 @@ fn commands_are_understood() {
             seen += 1;
         }
     }
-    assert!(seen > 15, "{seen}");
+    assert!(seen > 40, "{seen}");
 }

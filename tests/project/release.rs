@@ -78,7 +78,7 @@ fn every_crate_is_described_as_a_registry_wants_it() {
     assert!(python.contains("dynamic = [\"version\", \"authors\", \"urls\"]\n"), "they come from Cargo.toml");
 }
 
-/// RELEASING.md lists the files in which something is still to be filled in, and no others.
+/// docs/RELEASING.md lists the files in which something is still to be filled in, and no others.
 #[test]
 fn what_is_to_be_filled_in_is_listed() {
     let extensions = ["toml", "cff", "md", "yml", "yaml", "bib"];
@@ -92,7 +92,7 @@ fn what_is_to_be_filled_in_is_listed() {
         .filter(|file| !file.ends_with("RELEASING.md") && read(file).contains("FILL-IN"))
         .map(|file| file.strip_prefix(root()).unwrap().display().to_string())
         .collect();
-    let releasing = read("RELEASING.md");
+    let releasing = read("docs/RELEASING.md");
     let rows = releasing.split("## To fill in").nth(1).unwrap().split("\n## ").next().unwrap();
     let listed = rows.lines().filter_map(|row| Some(row.strip_prefix("| `")?.split('`').next()?.to_owned())).collect();
     assert_eq!(found, listed);

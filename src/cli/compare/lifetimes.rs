@@ -121,7 +121,7 @@ impl Model {
 fn text(found: &LifetimesBeside) -> String {
     let mut out = match found.has_clock {
         true => format!("model: {}, lifetimes by its clock\n\n", found.lineage),
-        false => format!("model: {}, which has no clock: see clock in the guide\n\n", found.lineage),
+        false => format!("model: {}, which has no clock: see clock in the book\n\n", found.lineage),
     };
     out += "lifetimes in minutes\ncell            n          measured    model (sd off)\n";
     out.extend(found.cells.iter().map(cell_text));
