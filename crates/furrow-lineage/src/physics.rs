@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use furrow_cell::{Cell, Parameter};
 
-/// Parameters of a founder and of its descendants up to the next founder, in place of those of the run.
+/// Parameters of a founder and of its descendants up to the next founder. They replace the run's parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields, rename = "Physics")]
 pub struct FounderPhysics {

@@ -29,7 +29,7 @@ pub enum Scope {
     FirstIfKnown,
     /// All cells but the first.
     AllButFirst,
-    /// Cells whose radius is known.
+    /// Cells of known radius.
     Known,
 }
 
@@ -82,7 +82,7 @@ impl<'a> Thresholds<'a> {
         }
     }
 
-    /// Whether the critical radius of cells like this one, or that there is none, is known.
+    /// Whether it is known for cells like this one that there is a critical radius, or that there is no such radius.
     pub fn knows(&self, cell: &Cell) -> bool {
         self.radii.knows(cell)
     }
@@ -92,7 +92,7 @@ impl<'a> Thresholds<'a> {
         self.radii.known_radius(&cell.clone().with_cue(Cue::none()))
     }
 
-    /// Cues whose critical radius could not be found, and why.
+    /// Cues without a known critical radius, because the search for it failed, and the reason.
     pub fn unknown(&self) -> Vec<(Cue, ShapeError)> {
         self.unknown.borrow().clone()
     }

@@ -42,7 +42,7 @@ enum Slot {
 pub enum Event {
     /// The end of a lease.
     Completed { key: Key, completion: Completion },
-    /// The preparation of a job of this number is done. The memo itself sends none.
+    /// The preparation of the job with this number is done. The memo itself never sends this.
     Prepared(usize),
 }
 
@@ -98,7 +98,7 @@ impl Memo {
         Memo { quantisation, table, store: None }
     }
 
-    /// The same over a store: what it holds is known, and what is solved is committed to it.
+    /// The same memo over a store: it reads the store's divisions and commits new ones to it.
     pub fn with_store(self, store: Store) -> Memo {
         Memo { store: Some(store), ..self }
     }
@@ -202,7 +202,7 @@ impl Lease<'_> {
         self.open = false;
         let completion = match self.memo.stored(&self.key) {
             Some(division) => Completion::Known { division, stored: true },
-            // A panic must not take the pool, and with it the process, down: it would lose what the others solve.
+            // A panic must not take the pool, and with it the process, down: the divisions of other workers would be lost.
             None => match catch_unwind(AssertUnwindSafe(|| solve(input))) {
                 Ok(Ok(division)) => {
                     if let Some(store) = &self.memo.store {

@@ -3,7 +3,7 @@
 /// How sizes are rounded before a task is looked up or solved: to a number of binary digits.
 ///
 /// Sizes that two tasks reach by different roundings then share one record. Rounding to binary digits is exact and
-/// idempotent, and uses no logarithm whose last digit could differ between machines.
+/// idempotent. It needs no logarithm, which could differ between machines in its last digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantisation {
     /// Binary digits kept after the leading one, 0 to 52; 52 keeps a size as it is.
@@ -14,11 +14,11 @@ impl Quantisation {
     /// Sizes as they are.
     pub const EXACT: Quantisation = Quantisation { digits: 52 };
 
-    /// The default relative step, 2⁻³⁰ ≈ 9.3·10⁻¹⁰: far above rounding errors, and far below what a record can tell
-    /// unless its relative slope over the size exceeds a million.
+    /// The default relative step, 2⁻³⁰ ≈ 9.3·10⁻¹⁰: far above rounding errors. It is invisible in a record
+    /// unless the record's relative slope over the size exceeds a million.
     pub const DEFAULT: Quantisation = Quantisation { digits: 30 };
 
-    /// The coarsest quantisation whose relative step does not exceed `step`; 0 is exact.
+    /// The coarsest quantisation with a relative step of at most `step`; 0 is exact.
     ///
     /// # Errors
     /// A step that is negative, above ½ or not a number is refused and given back.

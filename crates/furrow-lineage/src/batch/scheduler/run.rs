@@ -1,4 +1,4 @@
-//! One run: what has arrived, what waits, what is being solved, and what came of it.
+//! One run: its jobs that have arrived, wait or are being solved, and their results.
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};

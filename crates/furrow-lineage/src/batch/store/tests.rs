@@ -92,7 +92,7 @@ proptest! {
         let key = Key::new(&input);
         store(&cache).commit(&key, &input, &division);
         let read = store(&cache).get(&key);
-        // What is no number of a division, NaN among it, is not kept.
+        // Numbers out of range, NaN included, are not kept.
         prop_assert_eq!(read.is_some(), row::in_range(&division));
         // `{:?}` tells −0 from 0 and prints enough digits to tell any two numbers apart.
         if let Some(read) = read {
@@ -136,7 +136,7 @@ fn a_changed_value_costs_its_own_row_and_is_mended_by_solving_again() {
     }
 }
 
-/// Whatever byte is flipped, what is read is what was written, a run continues, and the file can be mended.
+/// Any byte may flip: rows are still read as they were written, a run continues, and the file can be mended.
 #[test]
 fn a_flipped_byte_is_never_used() {
     let mut random = 0x9e37_79b9_7f4a_7c15_u64;
