@@ -77,7 +77,7 @@ fn name(number: usize) -> String {
     format!("frame_{number:04}.csv")
 }
 
-/// The times of the frames of a division: of its steps, or every so many τ and its last.
+/// The frames of a division: one after each step, or one every `every` τ and the last.
 pub fn stills(film: &Trajectory, every: Option<f64>) -> Vec<Snapshot> {
     match every {
         None => (0..film.times().len()).map(|number| film.step(number)).collect(),
@@ -105,9 +105,9 @@ pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> R
 
 /// Writes the frames of a division into `folder`: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at
 /// both poles, and `frames.json` with the time and the neck of each. Without `every` there is a frame after each step, with it
-/// one every so many τ, and the last shape.
+/// a frame every `every` τ, and the last shape.
 ///
-/// They replace the frames of an earlier division, which are those that its `frames.json` lists. Other files stay.
+/// They replace the frames that the folder's `frames.json` lists from an earlier division. Other files stay.
 ///
 /// # Errors
 /// [`WriteError`].
@@ -217,7 +217,7 @@ fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
     Ok(points)
 }
 
-/// The frames that the list in a folder names; none without a list, and none that has another name than a frame.
+/// The files that the folder's list names, if they are named like frames; empty without a list.
 fn listed(folder: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join(INDEX)).unwrap_or_default();
     let listed: Vec<Listed> = serde_json::from_str(&text).unwrap_or_default();

@@ -31,7 +31,7 @@ pub enum TreeFileError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong.
+        /// The error in the text.
         message: String,
     },
     /// Another format or version.
@@ -52,7 +52,7 @@ pub enum TreeFileError {
         index: usize,
         /// The cell's name.
         cell: String,
-        /// What is wrong.
+        /// The error of the cell.
         message: String,
     },
 }
@@ -93,7 +93,7 @@ struct Heading<'a> {
 /// Reads a file `tree.json`, of at most [`LONGEST_TREE`] bytes. It may be a pipe.
 ///
 /// # Errors
-/// Names the file, what is wrong in it and what is allowed.
+/// Names the file, the error in it and the allowed values.
 pub fn read_tree(path: &Path) -> Result<Tree, InputError> {
     let text = read_text_up_to(path, LONGEST_TREE)?;
     let begun = text.trim_start_matches('\u{feff}').trim_start();
@@ -139,7 +139,7 @@ pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
     build(document.lineage, settings, &document.cells)
 }
 
-/// The error of a cell, with what is allowed.
+/// The error of a cell, with the allowed values.
 type Complaint = String;
 
 /// Adds cells to a tree after checking them.
@@ -150,7 +150,7 @@ fn build(lineage: Lineage, settings: TreeSettings, records: &[Record<'_>]) -> Re
     };
     let founders: HashMap<String, usize> =
         lineage.founders.iter().enumerate().map(|(i, founder)| (founder.name.clone(), i)).collect();
-    // The cue that was checked last; most cells carry that of their mother.
+    // The cue checked last: most cells have their mother's cue.
     let mut checked = Cue::none();
     let mut cell = |record: &Record<'_>| {
         in_range(record)?;
@@ -210,7 +210,7 @@ fn build(lineage: Lineage, settings: TreeSettings, records: &[Record<'_>]) -> Re
     Ok(tree)
 }
 
-/// What is wrong with several cells, or the only one, without a mother.
+/// The error if several cells, or the only one, have no mother.
 const ONE_FIRST: &str = "the first cell, and no other, has neither mother nor daughter side";
 
 /// Checks the first cell.
@@ -296,10 +296,10 @@ fn whole(tree: &Tree, id: CellId, record: &Record<'_>) -> Result<(), Complaint> 
     Err(complaint.to_owned())
 }
 
-/// Difference in minutes up to which times of a file are those of its clock: powers differ between machines in their last digits.
+/// Largest difference in minutes between times of a file and its clock: powers differ between machines in their last digits.
 const SAME_MIN: f64 = 1e-6;
 
-/// Whether the times of a cell, where the file gives them, are those of the lineage's clock.
+/// Checks that the times of a cell, if the file gives them, agree with the lineage's clock.
 fn on_time(times: Option<CellTimes>, record: &Record<'_>) -> Result<(), Complaint> {
     let [birth, division] = [times.map(|times| times.birth_min), times.and_then(|times| times.division_min)];
     for (name, given, known) in
