@@ -89,7 +89,7 @@ impl Chance {
         Some(Chance { seed: *seed, other: division.clone(), decides: found.is_some() })
     }
 
-    /// What the noise decides.
+    /// Describes the effect of the noise.
     fn text(&self, first: &Division) -> String {
         format!(
             "the noise decides how unequal: {} with this seed, {} with seed {}; --replicates 20 shows the spread\n",
@@ -308,7 +308,7 @@ fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f
     at_least_one(solved, failed)
 }
 
-/// The replicates that succeeded and the number of the others, each of which gets a warning.
+/// The successful replicates and the number of failed ones. Every failure gets a warning.
 fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result<Replicates, CliError> {
     if solved.is_empty()
         && let Some((_, error)) = failed.pop()
