@@ -63,7 +63,7 @@ impl<'py> FromPyObject<'_, 'py> for Named {
     }
 }
 
-/// A number, which keeps every bit, or a word. InputError for what is neither.
+/// A number, which keeps every bit, or a word. InputError for any other value.
 pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Value::Text(text.to_str()?.trim().to_owned()));
@@ -79,7 +79,7 @@ pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     Ok(Value::Number(value.extract().map_err(|_| refused(()))?))
 }
 
-/// What a computation is given: parameters by the names of `--set`, which override a configuration file, which overrides a preset.
+/// Given parameters, by the names of `--set`. They override a configuration file, which overrides a preset.
 #[derive(Clone)]
 pub struct Given {
     /// The parameters.

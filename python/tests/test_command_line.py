@@ -43,7 +43,7 @@ def _of(name: str, *tables: dict[str, str], **options: str) -> dict[str, str]:
     return {**found, **{f"--{option.replace('_', '-')}": text for option, text in options.items()}}
 
 
-#: Commands: their Python name, and that of each option. A name is ``furrow.NAME``, with a parameter in parentheses; every other
+#: Commands: their Python name, and their options' names. A name is ``furrow.NAME``, with a parameter in parentheses; every other
 #: text is a reason.
 COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "": ("furrow", {}),

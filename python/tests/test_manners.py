@@ -254,7 +254,7 @@ def test_progress_is_told(memo):
 
     with pytest.raises(RuntimeError, match="no more"):
         furrow.sweep(axes={"r0": np.linspace(3.0, 4.0, 60)}, memo=memo, progress=fail)
-    # What it had solved until then is kept.
+    # The divisions solved until then are kept.
     assert len(memo) > 60
 
 
