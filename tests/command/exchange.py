@@ -132,7 +132,7 @@ def lineagetree():
     compare(read, name, "cells.txt")
     order = sorted(read.leaves, key=lambda node: read.pos[node][0])
     assert [name[node] for node in order] == ENDS
-    # The recipe of the guide, as it stands there.
+    # The recipe as the guide prints it.
     guide = open(os.environ["FURROW_ROOT"] + "/GUIDE.md").read()
     recipe = guide.split("```python\n")[1].split("```")[0].replace("furrow-out/", "t/")
     assert recipe.count("\n") == 5

@@ -1,4 +1,4 @@
-//! What the command line says of itself, and its warnings.
+//! The command line's descriptions of itself, and its warnings.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -84,7 +84,7 @@ fn advice_names_options_of_the_command() {
     assert!(of_boundary.contains("pitchfork") && !of_boundary.contains("--xi-max"), "{of_boundary}");
 }
 
-/// A command's own options come before those of all commands.
+/// A command's own options come before the options of all commands.
 #[test]
 fn help_lists_own_options_first() {
     for words in [&["divide"][..], &["tree"], &["fit", "cue"], &["compare", "volumes"], &["sweep"]] {
