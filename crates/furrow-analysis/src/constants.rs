@@ -10,7 +10,7 @@ use furrow_input::{InputError, did_you_mean, shown};
 pub struct Constants {
     /// Parameters and their values.
     pub values: Vec<(Parameter, f64)>,
-    /// Its weight; 1 where the table has none.
+    /// Its weight; 1 if the table has no weights.
     pub weight: f64,
 }
 
@@ -37,7 +37,7 @@ pub fn write_constants(sets: &[Constants]) -> String {
 /// Reads a table; errors name it `file`. Lines that begin with `#` are passed over.
 ///
 /// # Errors
-/// Names the line, the column, its value and what is allowed.
+/// Names the line, the column, its value and the allowed values.
 pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputError> {
     let mut table = Table::open(text.as_bytes(), file)?;
     let (_, columns) = table.header(|_| false)?;
@@ -71,7 +71,7 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     Ok(out)
 }
 
-/// Reads one set. An error is the column and what is allowed there.
+/// Reads one set. An error is the column and the allowed values there.
 fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, String)> {
     let mut out = Constants { values: Vec::new(), weight: 1.0 };
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {

@@ -15,7 +15,7 @@ pub struct Exclusion {
     pub datum: String,
     /// The statement.
     pub given: String,
-    /// What the constants give instead.
+    /// The result with the constants instead.
     pub computed: String,
 }
 

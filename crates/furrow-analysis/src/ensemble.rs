@@ -233,7 +233,7 @@ impl Posterior<'_> {
         {
             return Proposal::new(DVector::zeros(d), covariance).ok_or(EnsembleError::NoCovariance);
         }
-        // Between the best fit and the start, both of which may be excluded.
+        // Between the best fit and the start: either may be excluded.
         let spread = &best * best.transpose() * 0.25;
         Proposal::new(&best * 0.5, covariance * 2.0 + spread).ok_or(EnsembleError::NoCovariance)
     }
@@ -254,8 +254,8 @@ fn effective_size(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|w| w * w).sum::<f64>()
 }
 
-/// The distribution with the mean and covariance of a weighted sample; `None` from too few. Where the weights hang on a few draws,
-/// a smaller power of them is used: early proposals lie beside the posterior, and what they find of it must not narrow the next.
+/// The distribution with the mean and covariance of a weighted sample; `None` from too few draws. If a few draws have most of the
+/// weight, a smaller power of the weights is used: early proposals lie beside the posterior, and few draws must not narrow the next.
 fn fitted(draws: &[Draw]) -> Option<Proposal> {
     let (d, admissible) = (draws.first()?.x.len(), draws.iter().filter(|draw| draw.check.is_admissible()).count());
     let enough = (ENOUGH[0] * d as f64).max(ENOUGH[1] * admissible as f64);
@@ -274,7 +274,7 @@ fn fitted(draws: &[Draw]) -> Option<Proposal> {
     Proposal::new(mean, covariance * WIDER)
 }
 
-/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
+/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on `threads` threads. `cancel`
 /// stops it. A `journal` with the columns [`JOURNAL_COLUMNS`] keeps the checks, from which an interrupted run resumes. `shown` is
 /// called with the number of draws checked and the number expected, from any thread.
 ///

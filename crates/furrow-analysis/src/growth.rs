@@ -40,15 +40,14 @@ pub struct Grown {
     pub trees: Vec<Tree>,
     /// Counts of what was solved.
     pub summary: Summary,
-    /// Cues without a critical radius, and why none was found; the divisions of their cells decided instead.
+    /// Cues without a known critical radius, and the reason. The divisions of their cells decided instead.
     pub unknown: Vec<(Cue, ShapeError)>,
 }
 
-/// Grows all scenarios in one run, which shares what is solved and the workers.
+/// Grows all scenarios in one run. They share solved divisions and the workers.
 ///
-/// With `dynamics` every cell's division is computed,
-/// also below the critical radius of its cue. `cancel` ends searches for critical radii as well as divisions; it replaces the
-/// flag of `options`.
+/// With `dynamics` every cell's division is computed, also below the critical radius of its cue. `cancel` ends searches for critical
+/// radii as well as divisions; it replaces the flag of `options`.
 ///
 /// # Errors
 /// As [`Grower::grow`](furrow_lineage::Grower::grow).

@@ -23,7 +23,7 @@ pub struct Journal {
     columns: Vec<String>,
     /// The rows that an interrupted run finished, by index.
     pub rows: BTreeMap<usize, Row>,
-    /// The file, locked and at its end; or why a row could not be written, after which none is.
+    /// The file, locked and positioned at its end; or the reason why a row could not be written. After that no row is written.
     file: Mutex<io::Result<File>>,
 }
 

@@ -23,7 +23,7 @@ pub enum Target {
 pub struct Axis {
     /// The parameter's name as the file has it, which is the name of its column.
     pub name: String,
-    /// What it sets.
+    /// The setting that it varies.
     pub target: Target,
     /// Its values, one at least.
     pub values: Vec<AxisValue>,

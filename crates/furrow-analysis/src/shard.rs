@@ -33,7 +33,7 @@ impl Shard {
     /// Part `number` of `of`.
     ///
     /// # Errors
-    /// What is allowed.
+    /// The allowed values.
     pub fn new(number: u64, of: u64) -> Result<Shard, String> {
         match (1..=of).contains(&number) && of <= MOST {
             true => Ok(Shard { number, of }),
@@ -62,7 +62,7 @@ impl FromStr for Shard {
     }
 }
 
-/// What a part may be.
+/// The error for an invalid part.
 fn allowed() -> String {
     format!("must be K/N with 1 ≤ K ≤ N ≤ {MOST}, as 2/4")
 }

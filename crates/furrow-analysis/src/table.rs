@@ -21,13 +21,13 @@ pub struct Row {
 }
 
 impl Sweep {
-    /// The columns of its table: the axes, then what is computed.
+    /// The columns of its table: the axes, then the results.
     pub fn columns(&self) -> Vec<String> {
         let axes = self.axes.0.iter().map(|axis| axis.name.clone());
         axes.chain(self.result_columns()).collect()
     }
 
-    /// The columns after those of the axes.
+    /// The columns after the axes' columns.
     pub fn result_columns(&self) -> Vec<String> {
         let fixed: &[&str] = match self.kind {
             Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end", "chi_signed"],
@@ -55,7 +55,7 @@ impl Sweep {
     }
 }
 
-/// Records as CSV under a header: lists in its order, or objects with its names whose missing fields stay empty.
+/// Records as CSV under a header: lists in the header's order, or objects with its names, where missing fields stay empty.
 ///
 /// # Errors
 /// A record cannot be serialised.

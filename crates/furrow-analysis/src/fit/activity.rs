@@ -1,8 +1,8 @@
 //! The activity that each founder alone would need for its observed rounds.
 //!
 //! The paper leaves open what stops lineages that mechanics would divide further. If it were activity alone, a founder and
-//! its descendants would share the ξ_s at which the model's rounds are the observed ones. A founder keeps the size it has
-//! with the run's constants, and all other cells keep their activity. All other parameters of a founder are those of the
+//! its descendants would share the ξ_s at which the model's rounds equal the observed ones. A founder keeps the size it has
+//! with the run's constants, and all other cells keep their activity. All other parameters of a founder come from the
 //! lineage file.
 
 use super::error::{FitError, check_cancelled};
@@ -22,7 +22,7 @@ pub struct FounderActivity {
     pub name: String,
     /// Observed rounds, by the reading asked for.
     pub observed: f64,
-    /// Its activity in the run: that of the lineage file, else that of all cells.
+    /// Its activity in the run: the lineage file's, or else the activity of all cells.
     pub run_xi_s: f64,
     /// Rounds in the run, as `furrow tree` counts them; `None` if it is never born.
     pub rounds: Option<f64>,
@@ -40,7 +40,7 @@ pub struct FounderActivity {
 
 /// Largest deviation at which rounds count as the observed ones.
 pub const WITHIN: f64 = 0.5;
-/// The search ends where rounds are so many more than observed.
+/// The search ends where rounds exceed the observed rounds by more than this.
 pub const BEYOND: f64 = 1.5;
 /// Rounds beyond the most observed after which growth stops, for extremes and for means. Fewest and most rounds are too
 /// many then; cutting a few long branches changes a mean little.

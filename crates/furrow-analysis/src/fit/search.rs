@@ -56,7 +56,7 @@ impl Limit {
     }
 }
 
-/// A number whose best value lies at an end of the range in which it was searched.
+/// A number with its best value at an end of the range in which it was searched.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NumberAtLimit {
     /// Its name.
@@ -80,7 +80,7 @@ pub struct FitProgress {
     pub least: Option<f64>,
 }
 
-/// What is called with the progress of a fit, from any thread.
+/// Called with the progress of a fit, from any thread.
 pub type ShowProgress<'a> = &'a (dyn Fn(FitProgress) + Sync);
 
 impl SearchBudget {

@@ -77,7 +77,7 @@ pub struct OutOfSample {
 pub struct Targets {
     /// Constants searched for.
     pub unknowns: Vec<Searched>,
-    /// Founders whose observed rounds and terminal cells the fit should meet.
+    /// Founders with observed rounds and terminal cells that the fit should meet.
     pub founders: Vec<String>,
     /// Founders that divide into equal daughters.
     #[serde(default)]
@@ -114,7 +114,7 @@ impl Targets {
     /// `source_name`.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// Names the field, its value and the allowed values.
     pub fn check(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
         let require = |holds: bool, field: String, value: &dyn Display, allowed: &str| {
             InputError::require(holds, source_name, field, value, allowed)

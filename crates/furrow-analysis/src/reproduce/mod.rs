@@ -43,7 +43,7 @@ use furrow_lineage::batch::StoreWarning;
 use paper::Statement;
 use serde_json::{Value, json};
 
-/// Whether a result is that of the paper.
+/// Whether a result agrees with the paper's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -66,7 +66,7 @@ impl std::fmt::Display for Verdict {
     }
 }
 
-/// One statement of the paper beside what is computed.
+/// One statement of the paper beside the computed result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Item {
     /// The statement's name.
@@ -138,7 +138,7 @@ impl Reproduction {
 /// Computes a figure.
 type Compute = fn(&mut Figure<'_>) -> Result<(), ReproduceError>;
 
-/// The function of a figure. What is set apart is not computed.
+/// The function of a figure. Statements that are set apart are not computed.
 fn compute(figure: &str) -> Compute {
     match figure {
         "1" => films::rest_shape,
@@ -171,7 +171,7 @@ fn nothing(_: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// Computes what the statements are about, figure by figure, each on all cores; results depend on the settings alone.
+/// Computes the results for the statements, figure by figure, each on all cores; they depend on the settings alone.
 ///
 /// # Errors
 /// [`ReproduceError`]. A statement that cannot be computed does not agree, and says why.

@@ -1,4 +1,4 @@
-//! χ of a sweep along one axis, the other axes held, and what is read off it.
+//! χ of a sweep along one axis, with the other axes held, and readings of the curve.
 
 use serde_json::Value;
 
@@ -66,7 +66,7 @@ pub fn chi_at(readings: &[ChiPoint], x: f64) -> Option<f64> {
     between(readings, [x, x]).first()?.chi
 }
 
-/// The last place up to which every division fails, and the next, from which none does; `None` if there are no such places.
+/// The last place up to which every division fails, and the next, from which all succeed; `None` if there are no such places.
 pub fn edge(readings: &[ChiPoint]) -> Option<[f64; 2]> {
     let resting = readings.iter().take_while(|reading| reading.ended > 0 && reading.failed == reading.ended).count();
     let divides = readings.get(resting..)?.iter().all(|reading| reading.ended > 0 && reading.failed == 0);
