@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::InputError;
 
-/// What tables and embryos are.
-const WANTED: &str = "a table or an embryo that was followed";
+/// Tables and tracked embryos.
+pub const WANTED: &str = "a table or an embryo that was followed";
 
 /// What tracks of the Cell Tracking Challenge are, and what to do.
 const CTC: &str = "tracks of the Cell Tracking Challenge, which have no names of cells: read are tables with names, and spots with \
@@ -15,13 +15,13 @@ const CTC: &str = "tracks of the Cell Tracking Challenge, which have no names of
 /// What a project of Mastodon is, and what to do.
 const MASTODON: &str = "a project of Mastodon: in Mastodon export spots and links to CSV, and give the table of spots";
 
-/// Refuses a file of another kind by the bytes at its start.
+/// Refuses a file of another kind than is `wanted` by the bytes at its start.
 ///
 /// # Errors
 /// It is of one of the kinds that are known.
-pub fn refuse(file: &str, head: &[u8]) -> Result<(), InputError> {
+pub fn refuse(file: &str, head: &[u8], wanted: &str) -> Result<(), InputError> {
     match kind(head) {
-        Some(kind) => Err(InputError::other_file(file, WANTED, format!("it is {kind}"))),
+        Some(kind) => Err(InputError::other_file(file, wanted, format!("it is {kind}"))),
         None => Ok(()),
     }
 }
@@ -44,14 +44,14 @@ fn kind(head: &[u8]) -> Option<&'static str> {
         });
     }
     if text.starts_with('{') || text.starts_with('[') {
-        return Some(match has("\"cells\"") || has("\"format\"") {
+        return Some(match has("\"furrow.tree\"") || has("\"cells\"") || has("\"format\"") {
             true => {
                 "JSON, as furrow's tree.json is: that is a model's tree (option --tree, or the first file of compare counts)"
             }
             false => "JSON: save the table as CSV",
         });
     }
-    if text.starts_with("#NEXUS") || text.starts_with('(') && (has(";") || !text.trim_end().contains('\n')) {
+    if text.starts_with("#NEXUS") || is_newick(text) {
         return Some(
             "a tree (Newick or Nexus), which has no sizes and times of measured cells: a table as CSV is read",
         );
@@ -72,6 +72,13 @@ fn kind(head: &[u8]) -> Option<&'static str> {
         return Some("a lineage file (RON), which describes the model: options --lineage and --tree take it");
     }
     is_ctc(text).then_some(CTC)
+}
+
+/// Whether a text begins as a tree: its first pair of brackets has several entries, lengths or brackets of its own, unlike a heading
+/// such as (frame).
+fn is_newick(text: &str) -> bool {
+    text.strip_prefix('(')
+        .is_some_and(|rest| rest.split(')').next().is_some_and(|first| first.contains(['(', ',', ':'])))
 }
 
 /// Whether these are tracks of the Cell Tracking Challenge: lines of four whole numbers with blanks between them.

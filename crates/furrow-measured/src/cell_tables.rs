@@ -24,6 +24,7 @@ impl Volumes {
         while let Some(row) = table.next_row()? {
             let read = fitting(row).map(|row| columns.unit.map(|column| Value::new(row, column)));
             let noted = match read {
+                Ok(Some(unit)) if unit.text.is_empty() => Err((unit, "no unit".to_owned())),
                 Ok(unit) => {
                     let unit = unit.map(|unit| note_unit(file, &unit, &mut said)).transpose()?;
                     let factor = factor(unit.or(columns.volume.1), options);

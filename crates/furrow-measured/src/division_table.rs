@@ -58,7 +58,8 @@ impl Volumes {
         file: &str,
         (mother, division): (Value<'r>, Division),
     ) -> Result<Division, Rejected<'r>> {
-        let key = (file.to_owned(), division.embryo.clone(), mother.written());
+        let name = self.names.understood(&mother.written()).unwrap_or_else(|| mother.written());
+        let key = (file.to_owned(), division.embryo.clone(), name);
         match self.division_lines.insert(key.clone(), mother.line) {
             None => Ok(division),
             Some(first) => {
@@ -92,7 +93,7 @@ fn division<'r>(
         return Err((value, "not a whole number of a generation".to_owned()));
     }
     let factor = factor(Some(columns.unit), options);
-    let name = mother.written();
+    let name = options.names.understood(&mother.written()).unwrap_or_else(|| mother.written());
     let group = columns.population.map(|column| at(column).written()).unwrap_or_default();
     let division = Division {
         embryo: embryo.written(),
@@ -122,7 +123,7 @@ fn chi_division<'r>(
         return Err((value, "χ must be above -1 and below 1".to_owned()));
     }
     let group = columns.group.map(|column| at(column).written()).unwrap_or_default();
-    let name = mother.written();
+    let name = options.names.understood(&mother.written()).unwrap_or_else(|| mother.written());
     let division = Division {
         embryo: columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written()),
         group: options.group.clone().filter(|_| group.is_empty()).unwrap_or(group),

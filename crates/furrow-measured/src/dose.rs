@@ -13,7 +13,7 @@
 use std::io::Read;
 
 use furrow_input::InputError;
-use furrow_input::table::{Table, columns_listed, malformed};
+use furrow_input::table::{NamedUnit, Table, columns_listed, malformed, only, split_unit, unit_of};
 use serde::{Deserialize, Serialize};
 
 use crate::layout::unified;
@@ -82,8 +82,16 @@ impl Doses {
     }
 }
 
+/// Units of doses: shares of the wild type's.
+const DOSES: [NamedUnit<()>; 2] = [
+    NamedUnit { kind: (), size: 1.0, words: &["1", "relative", "fraction", "fold", "wt", "wildtype"] },
+    NamedUnit { kind: (), size: 0.01, words: &["%", "percent", "%wt", "%ofwt", "%wildtype", "%ofwildtype"] },
+];
+
 struct Columns {
     dose: usize,
+    /// Its unit, as a share of the wild type's dose.
+    unit: f64,
     share: usize,
     condition: Option<usize>,
 }
@@ -91,11 +99,20 @@ struct Columns {
 impl Columns {
     fn of(header: &[String], (file, line): (&str, usize)) -> Result<Columns, InputError> {
         let lower = unified(header, (file, line))?;
-        let find = |is: &dyn Fn(&str) -> bool| lower.iter().position(|name| is(name));
-        let dose =
-            find(&|name| ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}"))));
-        let share = find(&|name| name == "larger_share");
-        let condition = find(&|name| name == "condition" || name == "group");
+        let all = |is: &dyn Fn(&str) -> bool| {
+            lower.iter().enumerate().filter(|(_, name)| is(name)).map(|(column, _)| (column, ())).collect::<Vec<_>>()
+        };
+        let one = |what: &str, is: &dyn Fn(&str) -> bool| {
+            let found = only(header, what, &all(is)).map_err(|why| malformed(file, line, why))?;
+            Ok::<_, InputError>(found.map(|(column, ())| column))
+        };
+        let is_dose = |name: &str| {
+            let (name, _) = split_unit(name);
+            let name = name.trim_end_matches('_');
+            ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}")))
+        };
+        let (dose, share) = (one("dose", &is_dose)?, one("share", &|name| name == "larger_share")?);
+        let condition = one("condition", &|name| name == "condition" || name == "group")?;
         let (Some(dose), Some(share)) = (dose, share) else {
             let missing = if dose.is_none() { "dose" } else { "larger_share" };
             let message = format!(
@@ -105,7 +122,11 @@ impl Columns {
             );
             return Err(malformed(file, line, message));
         };
-        Ok(Columns { dose, share, condition })
+        let unit = split_unit(&header[dose]).1.map(|written| {
+            let why = || format!("the unit of column {}, {:?}, must be one of 1, %", dose + 1, header[dose]);
+            unit_of(written, &DOSES).map(|unit| unit.size).ok_or_else(|| malformed(file, line, why()))
+        });
+        Ok(Columns { dose, unit: unit.transpose()?.unwrap_or(1.0), share, condition })
     }
 
     fn division<'r>(&self, at: impl Fn(usize) -> Value<'r>) -> Result<DosedDivision, Rejected<'r>> {
@@ -114,7 +135,8 @@ impl Columns {
             let number = value.number()?;
             if fits(number) { Ok(number) } else { Err((value, format!("must be {allowed}"))) }
         };
-        let dose = read(self.dose, |dose| (0.0..=1e6).contains(&dose), "from 0 to 1e6; 1 is the wild type")?;
+        let dose =
+            self.unit * read(self.dose, |dose| (0.0..=1e6).contains(&dose), "from 0 to 1e6; 1 is the wild type")?;
         let larger_share = read(self.share, |share| share > 0.0 && share < 1.0, "above 0 and below 1")?;
         let condition = self.condition.map(|column| at(column).written()).unwrap_or_default();
         Ok(DosedDivision { dose, larger_share, condition })

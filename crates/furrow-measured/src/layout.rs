@@ -1,7 +1,7 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
 use furrow_input::InputError;
-use furrow_input::table::{NamedUnit, columns_listed, malformed, quantity, unit_of};
+use furrow_input::table::{NamedUnit, columns_listed, malformed, only, quantity, unit_of};
 use serde::Serialize;
 
 use crate::names::Names;
@@ -83,7 +83,8 @@ impl Columns {
     ) -> Result<Option<Columns>, InputError> {
         let lower = unified(header, (file, line))?;
         let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
-        let cell = find(&["cell", "cell_name", "name"]);
+        // Tables that have both put other names than the cell's in `name`.
+        let cell = find(&["cell"]).or_else(|| find(&["cell_name"])).or_else(|| find(&["name"]));
         let volume = volume_column(header).map_err(|why| malformed(file, line, why))?;
         let embryo = find(&["embryo", "embryo_name", "sample"]);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
@@ -117,7 +118,8 @@ fn volume_column(header: &[String]) -> Result<Option<(usize, Option<VolumeUnit>)
             found.push((column, unit.copied().or(of_name)));
         }
     }
-    Ok(found.into_iter().min_by_key(|(column, _)| *column))
+    found.sort_by_key(|(column, _)| *column);
+    only(header, "volume", &found)
 }
 
 /// Names of columns in lower case and with underscores; no two may be alike.
@@ -146,7 +148,9 @@ impl DivisionColumns {
         // A heading `mother` without a unit is the column of names.
         let volume = |of: &str| {
             let found = quantity(header, of, &VOLUMES).map_err(|why| malformed(file, line, why))?;
-            let found = found.into_iter().find(|(_, unit)| unit.is_some() || of != "mother");
+            let found: Vec<_> = found.into_iter().filter(|(_, unit)| unit.is_some() || of != "mother").collect();
+            let found =
+                only(header, &format!("volume of the {of}"), &found).map_err(|why| malformed(file, line, why))?;
             Ok::<_, InputError>(found.map(|(at, unit)| (at, unit.copied().unwrap_or(micrometres))))
         };
         let (larger, smaller) = match (volume("larger")?, volume("smaller")?) {

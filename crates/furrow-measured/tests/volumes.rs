@@ -330,6 +330,65 @@ fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas
 }
 
 #[test]
+fn two_columns_of_one_quantity_are_refused() {
+    let why = refused("embryo,cell,Volume (\u{b5}m\u{b3}),relative_volume\ne,AB,60,0.6\n".as_bytes());
+    assert!(
+        why.contains("columns 3 and 4, \"Volume (\u{b5}m\u{b3})\" and \"relative_volume\", both have the volume"),
+        "{why}"
+    );
+    let why = refused(b"embryo,mother,larger_um3,larger_voxels,smaller_um3\ne,P0,6,6,4\n");
+    assert!(why.contains("columns 3 and 4") && why.contains("both have the volume of the larger"), "{why}");
+    let why = Doses::read(&b"dose,par6_dose,larger_share\n1,1,0.57\n"[..], "t.csv").unwrap_err().to_string();
+    assert!(why.contains("columns 1 and 2, \"dose\" and \"par6_dose\", both have the dose"), "{why}");
+}
+
+/// Tables of some programs have a number or a tissue in the column `name`.
+#[test]
+fn the_column_cell_has_the_cell_wherever_it_is() {
+    let volumes = read(b"name,embryo,cell,volume\n1,e,AB,60\n2,e,P1,40\n");
+    assert_eq!(volumes.embryos[0].cells.iter().map(|cell| cell.cell.as_str()).collect::<Vec<_>>(), ["AB", "P1"]);
+}
+
+/// A row of data that begins with # is reported, and a comment is not.
+#[test]
+fn a_row_that_may_be_a_comment_is_reported() {
+    let found = skipped("embryo,cell,volume\n# measured twice\n#1,AB,60\n2,AB,58\n2,P1,42\n");
+    let [row] = &found[..] else { panic!("{found:?}") };
+    assert!(row.starts_with("t.csv:3: 1 (embryo) = \"#1\"") && row.contains("a comment, or data"), "{row}");
+}
+
+/// Without a unit in one row the others are used.
+#[test]
+fn a_row_without_a_unit_costs_the_row() {
+    let found = skipped("embryo,cell,volume,unit\ne,AB,60,um3\ne,P1,40,\ne,ABa,30,um3\n");
+    assert_eq!(found, ["t.csv:3: 4 (unit) = \"\": no unit"]);
+}
+
+#[test]
+fn mothers_of_any_spelling_are_one_mother() {
+    let volumes = read(b"mother,chi,embryo\nAB al,0.1,e\nAB.al,0.2,e\nABAL,0.3,f\n");
+    let found: Vec<(&str, f64)> = volumes.divisions.iter().map(|d| (d.mother.as_str(), d.chi_signed)).collect();
+    assert_eq!(found, [("ABal", 0.1), ("ABal", 0.3)]);
+    assert_eq!(volumes.skipped[0].why, "a second division of this cell; the first is on line 2");
+}
+
+#[test]
+fn doses_in_per_cent_are_shares_of_the_wild_type() {
+    let doses = Doses::read("PAR-6 dosage (%),larger_share\n50,0.6\n100,59%\n".as_bytes(), "t.csv").unwrap();
+    assert_eq!(doses.divisions.iter().map(|division| division.dose).collect::<Vec<_>>(), [0.5]);
+    assert!(doses.skipped[0].why.contains("write per cent as a fraction, 59% as 0.59"), "{:?}", doses.skipped);
+    let why = Doses::read(&b"dose (mM),larger_share\n1,0.57\n"[..], "t.csv").unwrap_err().to_string();
+    assert!(why.contains("\"dose (mM)\", must be one of 1, %"), "{why}");
+}
+
+/// A heading in brackets over columns that semicolons separate is not a tree in Newick's format.
+#[test]
+fn a_heading_in_brackets_begins_a_grid() {
+    let grid = read(b"(frame);AB;P1\n1;640;320\n");
+    assert_eq!((grid.embryos[0].cells.len(), grid.used), (2, 2));
+}
+
+#[test]
 fn names_that_were_written_for_spreadsheets_read_back_as_they_were() {
     let written = furrow_input::csv_field("=wt");
     let volumes = read(format!("embryo,cell,volume,group\n+e1,AB,60,{written}\n").as_bytes());

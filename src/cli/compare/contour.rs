@@ -51,8 +51,8 @@ pub struct ContourArgs {
 
 pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
     let length = args.length_scale.unwrap_or(1.0);
-    let allowed = "a length above 0, in the unit of the contours";
-    InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;
+    let allowed = "a length from 1e-6 to 1e6, in the unit of the contours";
+    InputError::require((1e-6..=1e6).contains(&length), "--length-scale", "length_scale", length, allowed)?;
     let picture = args.plot.file()?;
     writable_folder("--out", args.out.as_deref(), &files::CONTOUR_NAMES)?;
     let model = modelled(&args.frames)?;

@@ -263,8 +263,8 @@ fn check(args: &VolumesArgs) -> Result<(), InputError> {
     let voxel = args.voxel.unwrap_or(1.0);
     InputError::require((1e-6..=1e6).contains(&voxel), "--voxel", "voxel", voxel, "a length in µm, from 1e-6 to 1e6")?;
     if let Some(WantedScale::Length(length)) = args.length_scale {
-        let allowed = "a length above 0, in the cube root of the tables' unit, or fit";
-        InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;
+        let allowed = "a length from 1e-6 to 1e6, in the cube root of the tables' unit, or fit";
+        InputError::require((1e-6..=1e6).contains(&length), "--length-scale", "length_scale", length, allowed)?;
     }
     check_bins(args.bins.as_deref())
 }

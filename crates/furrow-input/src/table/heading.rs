@@ -134,6 +134,25 @@ pub fn quantity<'u, K>(
     Ok(found)
 }
 
+/// The one column of a quantity among those found, if there is one.
+///
+/// # Errors
+/// Two columns, by their headings.
+pub fn only<T: Copy>(header: &[String], what: &str, found: &[(usize, T)]) -> Result<Option<(usize, T)>, String> {
+    let quoted = |(column, _): &(usize, T)| header.get(*column).map_or(String::new(), |name| format!("{name:?}"));
+    match found {
+        [] => Ok(None),
+        [one] => Ok(Some(*one)),
+        [first, second, ..] => Err(format!(
+            "columns {} and {}, {} and {}, both have the {what}: leave one of them out, or rename it",
+            first.0 + 1,
+            second.0 + 1,
+            quoted(first),
+            quoted(second)
+        )),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,7 +19,9 @@ use crate::{InputError, foreign};
 use bounded::Bounded;
 use heading::is_unnamed;
 
-pub use heading::{NamedUnit, QuantityColumn, TIMES, quantity, split_unit, unified, unit_of, unit_word, units_listed};
+pub use heading::{
+    NamedUnit, QuantityColumn, TIMES, only, quantity, split_unit, unified, unit_of, unit_word, units_listed,
+};
 pub use number::{Numbers, number};
 
 /// Bytes at the start of a table that decide how it is written.
@@ -76,10 +78,19 @@ impl<'t> Row<'t> {
         self.record.is_empty()
     }
 
-    /// The first column with a value for which the heading has no name, and why the row cannot be used: fields may have been cut at
-    /// a decimal comma.
+    /// Whether it has two fields or more, and as many as the heading.
+    fn is_full(&self) -> bool {
+        self.len() >= 2 && self.len() == self.heading.names.len()
+    }
+
+    /// The column for which a row cannot be used, and why: the first with a value but without a name, since fields may have been cut at a
+    /// decimal comma; or the first of all if the row may be a comment or data.
     pub fn surplus(&self) -> Option<(usize, String)> {
         let Heading { names, index, named } = self.heading;
+        if is_comment(self.record) {
+            let why = "begins with # and has as many fields as the heading: a comment, or data if # is left out";
+            return Some((0, format!("line {} {why}", self.line)));
+        }
         let unnamed =
             |column: &usize| names.get(*column).is_none_or(String::is_empty) && !self.text(*column).is_empty();
         let column = (*index..self.len()).find(unnamed)?;
@@ -109,7 +120,7 @@ impl<'f, R: Read> Table<'f, R> {
         if head.starts_with(b"\xef\xbb\xbf") {
             head.drain(..3);
         }
-        foreign::refuse(file, &head)?;
+        foreign::refuse(file, &head, "a table (CSV)")?;
         if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
             return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
         }
@@ -157,14 +168,15 @@ impl<'f, R: Read> Table<'f, R> {
         self.heading = Heading { names, index, named };
     }
 
-    /// The next row that is neither empty nor a comment; `None` at the end. Whether it is longer than the heading is the caller's to
-    /// ask ([`Row::surplus`]).
+    /// The next row that is neither empty nor a comment; `None` at the end. A row that begins with `#` but has as many fields as the
+    /// heading may be data: the caller asks whether a row can be used ([`Row::surplus`]).
     ///
     /// # Errors
     /// As [`next`](Self::next), for a row that cannot be read.
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, InputError> {
         while self.advance()? {
-            if !is_comment(&self.record) && !is_empty(&self.record) {
+            let is_comment = is_comment(&self.record) && !self.row().is_full();
+            if !is_comment && !is_empty(&self.record) {
                 return Ok(Some(self.row()));
             }
         }

@@ -99,6 +99,9 @@ fn finite(text: &str) -> Result<f64, String> {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err("not a finite number".to_owned()),
         Err(_) if text.is_empty() => Err("empty".to_owned()),
+        Err(_) if text.strip_suffix('%').is_some_and(|number| number.trim_end().parse::<f64>().is_ok()) => {
+            Err("not a number: write per cent as a fraction, 59% as 0.59".to_owned())
+        }
         Err(_) => Err("not a number".to_owned()),
     }
 }

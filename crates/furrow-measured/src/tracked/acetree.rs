@@ -40,7 +40,8 @@ struct Nucleus {
 fn frame_of(name: &str) -> Option<u32> {
     let name = name.rsplit('/').next()?.strip_prefix('t')?;
     let digits = name.find(|c: char| !c.is_ascii_digit())?;
-    name[digits..].starts_with("-nuclei").then(|| name[..digits].parse().ok())?
+    // A number that is too large counts as the largest, so that the frames before it are missed.
+    (digits > 0 && name[digits..].starts_with("-nuclei")).then(|| name[..digits].parse().unwrap_or(u32::MAX))
 }
 
 /// The folders with files of nuclei: this one, and `nuclei` in it.

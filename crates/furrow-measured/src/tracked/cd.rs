@@ -12,7 +12,7 @@ use furrow_input::{InputError, open_file};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
 use crate::names::{birth, understood};
-use furrow_input::table::{Table, malformed};
+use furrow_input::table::{Table, malformed, text};
 
 /// Names of the column that has the cell and the time.
 const CELL_TIME: [&str; 2] = ["cellTime", "Cell & Time"];
@@ -38,7 +38,7 @@ enum Place {
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let mut table = Table::open(open_file(path)?, &file)?;
-    let (_, header) = table.header(|_| true)?;
+    let (_, header) = table.header(|_| false)?;
     let both = place(&header, &["cell"]).zip(place(&header, &["time"]));
     let joined = place(&header, &CELL_TIME).map(Place::Joined);
     let Some(at) = both.map(|(cell, time)| Place::Columns(cell, time)).or(joined) else {
@@ -49,7 +49,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let mut cells: HashMap<String, Vec<usize>> = HashMap::new();
     let numbers = table.numbers();
     while let Some((line, row)) = table.next()? {
-        let text = |at: usize| String::from_utf8_lossy(row.get(at).unwrap_or_default().trim_ascii()).into_owned();
+        let text = |at: usize| text(row.get(at).unwrap_or_default().trim_ascii()).into_owned();
         let (name, time) = match at {
             Place::Columns(cell, time) => (text(cell), text(time)),
             Place::Joined(at) => match text(at).rsplit_once(':') {

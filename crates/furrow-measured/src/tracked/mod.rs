@@ -30,6 +30,7 @@ mod zarr;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use furrow_input::table::text;
 use furrow_input::{InputError, foreign, open_file};
 use serde::Serialize;
 
@@ -188,13 +189,14 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         }
         return Ok(here(Format::AceTree));
     }
-    foreign::refuse(&path.display().to_string(), &head)?;
+    foreign::refuse(&path.display().to_string(), &head, foreign::WANTED)?;
     if path.file_name().is_some_and(|name| acetree::is_of_nuclei(&name.to_string_lossy())) {
         let reason = "it has the nuclei of one frame: the folder or the archive with all frames must be given";
         return Err(InputError::other_file(path.display(), "an embryo that was followed", reason));
     }
-    let line = head.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let line = String::from_utf8_lossy(line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line));
+    let text = text(head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head));
+    let is_heading = |line: &&str| !line.trim().is_empty() && !line.starts_with(['#']) && !line.starts_with("sep=");
+    let line = text.lines().find(is_heading).unwrap_or_default();
     let columns: Vec<&str> =
         line.split([',', ';', '\t']).map(|name| name.trim_matches(|c: char| c == '"' || c.is_whitespace())).collect();
     let cd = cd::is_table(&columns).then_some(Format::CdTable);

@@ -18,7 +18,7 @@ use super::{
     Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels, whole,
 };
 use crate::volumes::Unit;
-use furrow_input::table::{Table, malformed};
+use furrow_input::table::{Table, malformed, text};
 
 /// Columns of the two tables, each under any of several names, and how their files are called.
 struct Layout {
@@ -120,7 +120,7 @@ fn below(text: &[u8]) -> Option<Below> {
 
 /// Reads the first line of a heading. The lines below it may be longer or empty.
 fn first_line<R: Read>(table: &mut Table<'_, R>) -> Result<Vec<String>, InputError> {
-    let (_, names) = table.header(|_| true)?;
+    let (_, names) = table.header(|_| false)?;
     table.name_columns(Vec::new());
     Ok(names)
 }
@@ -230,7 +230,7 @@ fn read_spots(
     let numbers = table.numbers();
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let text = |bytes: &[u8]| text(bytes).into_owned();
         let whole = |name: &str, bytes: &[u8]| {
             let why = || format!("{name} = {}: must be a whole number from 0", shown(&text(bytes)));
             whole(bytes).ok_or_else(|| malformed(&file, line as usize, why()))

@@ -301,6 +301,24 @@ fn cd_tables_of_other_programs_are_read() {
     }
 }
 
+/// Lines before the heading, as spreadsheets and people write them, do not hide the format.
+#[test]
+fn a_separator_and_comments_may_precede_the_heading() {
+    let semicolons = cd_table().replace(',', ";");
+    let (_folder, path) = file("CDembryo.csv", format!("sep=;\n# exported\n{semicolons}"));
+    let cd = tracked(&path);
+    assert_eq!((cd.cells.len(), cd.skipped_count), (LIVES.len(), 0));
+}
+
+/// A frame beyond the largest number is missed, not passed over.
+#[test]
+fn a_frame_with_too_large_a_number_is_reported() {
+    let folder = nuclei(&NUCLEI);
+    fs::write(folder.path().join("nuclei/t99999999999-nuclei"), NUCLEI[1]).unwrap();
+    let error = refused(folder.path());
+    assert!(error.contains("t4294967295-nuclei, but not t"), "{error}");
+}
+
 /// The usual spellings of a cell's name are read; a cell with another name is counted as skipped, and its name is shown.
 #[test]
 fn names_are_understood_or_skipped() {
@@ -363,6 +381,7 @@ fn files_of_other_kinds_are_named() {
         ("tree.json", "{\n\"format\": 1, \"cells\": []\n}\n", "it is JSON, as furrow's tree.json is"),
         ("man_track.txt", "1 0 14 0\n2 15 32 1\n3 15 34 1\n", "it is tracks of the Cell Tracking Challenge"),
         ("tree.nwk", "((ABa:1,ABp:1)AB:2,P1:3)P0;\n", "it is a tree (Newick or Nexus)"),
+        ("tree.json", "{\n  \"schema\": \"furrow.tree\",\n", "it is JSON, as furrow's tree.json is"),
         ("tree.nex", "#NEXUS\nbegin trees;\n", "it is a tree (Newick or Nexus)"),
         ("t.csv.gz", "\u{1f}", ""),
     ] {
@@ -372,8 +391,8 @@ fn files_of_other_kinds_are_named() {
         }
         let error = refused(&path);
         assert!(error.contains(message) && error.contains("is not a table or an embryo that was followed"), "{error}");
-        let error = crate::lifetimes::Lifetimes::read(fs::File::open(&path).unwrap(), "table").unwrap_err();
-        assert!(error.to_string().contains(message), "{error}");
+        let error = crate::lifetimes::Lifetimes::read(fs::File::open(&path).unwrap(), "table").unwrap_err().to_string();
+        assert!(error.contains(message) && error.contains("is not a table (CSV)"), "{error}");
         drop(folder);
     }
     for (inside, message) in [
