@@ -156,7 +156,7 @@ fn grid_unit(header: &[String], (file, line): (&str, usize), names: &Names) -> R
     Ok(found)
 }
 
-/// What a volume in a unit is multiplied by. Without a unit the option gives it.
+/// The factor from a volume's unit to the unit of results. Without a unit the option gives it.
 pub(crate) fn factor(unit: Option<VolumeUnit>, options: &ReadOptions) -> f64 {
     match unit {
         Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(),

@@ -18,7 +18,7 @@ use crate::volumes::Volumes;
 pub struct Division {
     /// The embryo.
     pub embryo: String,
-    /// Its group; empty if it has none.
+    /// Its group; empty without groups.
     pub group: String,
     /// The cell that divides.
     pub mother: String,
@@ -138,7 +138,7 @@ pub struct MotherSummary {
 /// The divisions of a group.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GroupSummary {
-    /// The group; empty if the table has none.
+    /// The group; empty if the table has no groups.
     pub group: String,
     /// Its embryos with a division.
     pub embryos: usize,

@@ -15,7 +15,7 @@ const NAMED: [(&str, &str, &str); 6] = [
     ("P4", "Z3", "Z2"),
 ];
 
-/// Founders whose descendants are named by letters.
+/// Founders with descendants that are named by letters.
 const STEMS: [&str; 5] = ["AB", "MS", "E", "C", "D"];
 
 /// Letters of two sisters: anterior and posterior, left and right, dorsal and ventral.

@@ -11,7 +11,7 @@
 //! Rows that begin with `#` are comments.
 //!
 //! A cell's volume is the mean over its frames. A value that cannot be used is skipped and reported with its place; a table
-//! with none of these layouts is an error.
+//! with another layout is an error.
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
@@ -34,7 +34,7 @@ pub struct ReadOptions {
     pub voxel: Option<f64>,
     /// Group of rows without one.
     pub group: Option<String>,
-    /// Unit of tables whose headings and columns give no unit.
+    /// Unit of tables without a unit in headings and columns.
     pub unit: Option<Unit>,
     /// Names of cells in long tables and of cells that were followed; grids have Sulston's.
     pub names: Names,
@@ -73,7 +73,7 @@ impl Lifespan {
 pub struct Embryo {
     /// Its name.
     pub name: String,
-    /// Its group; empty if it has none.
+    /// Its group; empty without groups.
     pub group: String,
     /// Its cells, in the order of the table.
     pub cells: Vec<Lifespan>,

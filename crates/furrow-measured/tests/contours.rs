@@ -32,7 +32,7 @@ fn masked(bytes: &[u8], label: Option<u16>) -> Contours {
     found
 }
 
-/// Points at so many angles around a cell.
+/// Points at `count` angles around a cell.
 fn around(count: u32, at: impl Fn(f64) -> [f64; 2]) -> Vec<[f64; 2]> {
     (0..count).map(|k| at(f64::from(k) / f64::from(count) * std::f64::consts::TAU)).collect()
 }
@@ -83,7 +83,7 @@ fn tables_of_something_else_are_refused() {
     }
 }
 
-/// A slip of the hand is cut off and told; a contour of two halves is none.
+/// A small loop is cut off and reported; a contour of two halves is refused.
 #[test]
 fn small_loops_are_cut_off_and_large_ones_refused() {
     let mut points = around(200, |t| [3.0 * t.cos(), 2.0 * t.sin()]);

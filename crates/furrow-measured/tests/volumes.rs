@@ -554,7 +554,7 @@ fn the_sea_urchin_has_the_classes_and_tests_of_scipy() {
     close(found.line.unwrap().slope_error, &expected["slope_error"]);
     close(found.spearman.unwrap().rho, &expected["rho"]);
     close(found.spearman.unwrap().p, &expected["p"]);
-    // What is shipped is a summary of this table.
+    // The shipped data are a summary of this table.
     for (shipped, found) in villoutreix2016().unwrap().iter().zip(["Mac", "Mes", "LMic", "SMic"]) {
         let computed = summaries(&all).into_iter().find(|group| group.group == found).unwrap();
         assert_eq!((shipped.embryos, shipped.events.len()), (computed.embryos, computed.events.len()));

@@ -1,4 +1,4 @@
-//! The contour of a cell in a mask: a picture, PNG, in which the cell has one colour and what is around it another.
+//! The contour of a cell in a mask: a PNG picture with the cell in one colour and its surroundings in another.
 
 use std::io::Read;
 
@@ -31,9 +31,9 @@ impl Picture {
 }
 
 impl Contours {
-    /// Adds the contour of the largest piece of the cell in a mask: what is on the other side of the middle between the darkest and
-    /// the brightest value than most of the picture's rim; or what has the value `label` in a picture of labels. The contour runs
-    /// through the middles of the outer sides of its pixels; holes are filled.
+    /// Adds the contour of the largest piece of the cell in a mask. Pixels of the cell are darker or brighter than the middle between the
+    /// darkest and the brightest value, unlike most of the picture's rim; in a picture of labels they have the value `label`. The contour
+    /// runs through the middles of the outer sides of its pixels; holes are filled.
     ///
     /// # Errors
     /// A file that is no such picture.
@@ -108,7 +108,7 @@ fn value(row: &[u8], x: usize, color: ColorType, depth: BitDepth) -> u16 {
     if clear { 0 } else { (sum / colours as u32) as u16 }
 }
 
-/// What is not like most of the rim.
+/// Pixels unlike most of the rim.
 fn foreground(picture: &Picture) -> Vec<bool> {
     let (least, most) = picture.values.iter().fold((u16::MAX, 0), |(a, b), v| (a.min(*v), b.max(*v)));
     let middle = (u32::from(least) + u32::from(most)) / 2;
@@ -119,7 +119,7 @@ fn foreground(picture: &Picture) -> Vec<bool> {
     all.map(|at| least < most && bright(&at) != dark_cell).collect()
 }
 
-/// The pixels of the largest piece that hangs together by sides, and what there is to say of the others; none without a pixel.
+/// The pixels of the largest piece that hangs together by sides, and what there is to say of the others; `None` without a pixel.
 fn largest_piece(picture: &Picture, mut inside: Vec<bool>) -> Option<(Vec<bool>, Vec<String>)> {
     let (width, height) = (picture.width, picture.height);
     let mut pieces: Vec<Vec<usize>> = Vec::new();

@@ -7,7 +7,7 @@
 //! | [`overlap`] | the similarity index, by exact areas and by pixels |
 //! | [`polygons`] | contours in a table of points |
 //! | [`mask`] | the contour of a cell in a picture of black and white |
-//! | [`series`] | measured contours beside those of a division |
+//! | [`series`] | measured contours beside a division's |
 
 pub mod furrow;
 pub mod mask;
@@ -140,7 +140,7 @@ impl Contour {
         self.points.iter().zip(next).map(|(from, to)| [*from, *to])
     }
 
-    /// Area, centroid and second moments of what it encloses, exactly: sums over its edges, by Green's theorem.
+    /// Area, centroid and second moments of the enclosed area, exactly: sums over its edges, by Green's theorem.
     pub fn moments(&self) -> Moments {
         // About a point of its own, so that a contour far from the origin loses no digits.
         let about = self.points[0];
@@ -206,7 +206,7 @@ fn extent(points: &[[f64; 2]]) -> f64 {
     side(0).max(side(1))
 }
 
-/// Points at so many angles around a cell, for tests.
+/// Points at `count` angles around a cell, for tests.
 #[cfg(test)]
 pub(crate) fn around(count: u32, at: impl Fn(f64) -> [f64; 2]) -> Contour {
     let angles = (0..count).map(|k| f64::from(k) / f64::from(count) * std::f64::consts::TAU);

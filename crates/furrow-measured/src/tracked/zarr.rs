@@ -80,12 +80,12 @@ pub(super) struct Array {
     pub values: Values,
 }
 
-/// How many rows an array may have. Memory is allocated only after the array's files have been found to hold so many.
+/// How many rows an array may have. Memory is allocated only after the size of the array's files has been checked.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Rows {
     /// As many as its files can hold, which differ.
     Ids,
-    /// So many.
+    /// Exactly this number.
     Exactly(usize),
 }
 
@@ -127,7 +127,7 @@ pub(super) fn attributes(folder: &Path) -> Result<Value, InputError> {
 /// Reads an array.
 ///
 /// # Errors
-/// Names the file, the field, its value and what is allowed.
+/// Names the file, the field, its value and the allowed values.
 pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
     let third = folder.join("zarr.json");
     let (path, is_third) = if third.is_file() { (third, true) } else { (folder.join(".zarray"), false) };
@@ -222,7 +222,7 @@ fn known(kind: char, size: usize) -> Option<(char, usize)> {
     fine.then_some((kind, size))
 }
 
-/// What is allowed of codecs.
+/// The allowed codecs.
 const ALLOWED_CODECS: &str = "none, zlib, gzip, zstd or blosc, for values in rows and little-endian order";
 
 /// The separators in names of chunks, and the compression, or the codec that is not known.
