@@ -45,7 +45,7 @@ pub struct PolarityArgs {
     /// Sets one constant of the chemistry; repeatable
     #[arg(help_heading = "Chemistry", long, value_name = "KEY=VALUE")]
     par: Vec<String>,
-    /// L_h in µm; default that of the lineage file, else 3.2
+    /// L_h in µm; default from the lineage file, else 3.2
     #[arg(help_heading = "Chemistry", long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
     length_um: Option<f64>,
     /// How κ follows P: a step from the pole where P is high, or a band at its boundary, of the same width

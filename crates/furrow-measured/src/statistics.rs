@@ -150,7 +150,7 @@ fn exact(u: f64, n_a: usize, n_b: usize) -> f64 {
     counts.iter().enumerate().filter(|(at, _)| *at as f64 >= u).map(|(_, count)| count).sum::<f64>() / total
 }
 
-/// The stars of a p value: no star, *, ** and *** at 0.1, 0.05 and 0.001.
+/// The stars of a p value: n.s. from 0.1 on, *, ** and *** below 0.1, 0.05 and 0.001.
 pub fn stars(p: f64) -> &'static str {
     match p {
         p if p < 0.001 => "***",

@@ -129,14 +129,14 @@ fn ended_why(tree: &Tree, id: CellId) -> Option<String> {
 /// Length of the branch that leads to a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BranchLengths {
-    /// The time in τ from the cell's birth to its pinch-off, or to its rest; `None` without a computed division. A cell just
+    /// The time in τ from the cell's birth to its pinch-off, or to its rest; no length without a computed division. A cell just
     /// above the threshold of division takes thousands of τ: drawn to scale, all else is a point.
     #[default]
     Time,
     /// One, and 0 for the first cell: the distance of a cell from it is its generation. Every branch has a length then, as some
     /// programs demand.
     Generation,
-    /// The time from the cell's birth to its division in minutes, by the lineage's clock; `None` for a cell without daughters.
+    /// The time from the cell's birth to its division in minutes, by the lineage's clock; no length for a cell without daughters.
     Minutes,
     /// No lengths.
     None,
