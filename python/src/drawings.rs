@@ -19,7 +19,7 @@ use crate::supervise::{Interrupt, supervised};
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Drawing(Picture);
 
-/// A picture that is not drawn yet, or one that was pickled.
+/// A picture before it is drawn, or after it was pickled.
 enum Picture {
     Canvas(Canvas),
     Written { svg: String, png: Vec<u8>, pdf: Vec<u8> },

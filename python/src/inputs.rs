@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error, refused};
 
-/// A text, or the file that has it.
+/// A text, or its file.
 pub type Source = (Option<String>, Option<PathBuf>);
 
 /// Tables: files, and one as text.
@@ -153,7 +153,7 @@ impl Given {
     }
 }
 
-/// The lineage of a file, of a text that begins with one, or the built-in one.
+/// The lineage of a file, of a text that begins with a lineage, or the built-in one.
 pub fn lineage_of(given: Option<&str>) -> Result<Lineage, InputError> {
     match given {
         None | Some("c_elegans") => Lineage::c_elegans(),
@@ -180,7 +180,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// The input of its division with a seed, checked as such.
+    /// The input of its division with a seed, checked.
     pub fn division(&self, seed: u64) -> Result<DivisionInput, Error> {
         let settings = self.settings();
         settings.check_activity(ARGUMENTS)?;

@@ -25,7 +25,7 @@ PROGRAM = {
     "--config": "config=, of every function",
     "--threads": "threads=, of every function that solves several divisions",
 }
-#: Options that name a cell, whatever is computed for it.
+#: Options that select a cell, for any computation.
 RESTING = {
     "--r0": "furrow.Cell(r0)",
     "--epsilon": "epsilon=, as --set",

@@ -36,7 +36,7 @@ pub fn set_level(globals: &Globals) {
     PRINTED.store(printed, Ordering::Relaxed);
 }
 
-/// Prints a message if its level is to be printed.
+/// Prints a message if its level is enabled.
 pub fn write(level: Level, message: Arguments<'_>) {
     if level as u8 > PRINTED.load(Ordering::Relaxed) {
         return;

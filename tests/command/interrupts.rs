@@ -32,7 +32,7 @@ fn interrupted(folder: &Path, arguments: &[&str], stderr: Stdio, threads: u64, w
     String::from_utf8(output.stderr).unwrap()
 }
 
-/// Uncached commands stop immediately. None of these would end within the test's time limit.
+/// Uncached commands stop immediately. Each would take longer than the test's time limit.
 #[test]
 fn a_computation() {
     let folder = tempfile::tempdir().unwrap();

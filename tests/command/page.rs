@@ -77,7 +77,7 @@ fn expected(folder: &Path) -> Value {
         |field: &str| scenarios["scenarios"].as_array().unwrap().iter().map(|s| s[field].clone()).collect::<Vec<_>>();
     json!({
         "scenarios": { "page": folder.join("several/report.html"), "names": of("name"), "cells": of("cells") },
-        // Quantity of the sliders, a value that is refused, one that is not, and the command line's words.
+        // Quantity of the sliders, a refused value, an allowed value, and the command line's words.
         "refusals": [
             ("xi_s", 200, 25, refusal(folder, &["--xi", "200"])),
             ("u0", 3, 0.465, refusal(folder, &["--cue", "kappa:u0=3,omega=0.0577,amplitude=0.1"])),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::command;
 
-/// The program tells clap of one command where one is named; clap must say the same of it as among all.
+/// The program builds clap's description of one command if that command is named. It must equal the description among all commands.
 #[test]
 fn help_of_each_command_is_that_among_all() {
     let whole = furrow::cli::command().term_width(100);

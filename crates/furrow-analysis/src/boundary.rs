@@ -1,4 +1,4 @@
-//! What bounds division over a parameter: curves of pitchforks and folds, and where they lie at a cell's own activity.
+//! The boundary of division over a parameter: curves of pitchforks and folds, and the place of the boundary at a cell's own activity.
 
 use crate::diagram::Edges;
 use crate::json::filled;
@@ -26,7 +26,7 @@ pub struct BoundaryStudy {
     pub folds: Vec<Curve>,
     /// Where two folds are born.
     pub cusps: Vec<CurvePoint>,
-    /// Where the boundary lies at the cell's own activity.
+    /// The place of the boundary at the cell's own activity.
     pub critical: Option<CurvePoint>,
     /// Thresholds of disturbances that are not axisymmetric, by azimuthal number; `None` if they were not asked for.
     pub azimuthal: Option<Vec<(usize, Curve)>>,
@@ -71,7 +71,7 @@ pub fn over_range(
 pub struct BoundaryOptions {
     /// The folds of mirror-symmetric shapes too.
     pub folds: bool,
-    /// The value at which the boundary lies at the cell's own activity.
+    /// Whether to find the boundary at the cell's own activity.
     pub critical: bool,
     /// Thresholds of disturbances cos mφ up to this m.
     pub azimuthal: Option<usize>,

@@ -34,7 +34,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const PRIOR: f64 = 0.3;
 /// Degrees of freedom of the proposals: tails heavy enough that no admissible set is out of reach.
 const FREEDOM: f64 = 6.0;
-/// Rounds in which the proposals are shaped.
+/// Rounds that adapt the proposal.
 const ROUNDS: usize = 6;
 /// How much narrower proposals become, in x, where there are too few admissible draws to shape the next.
 const NARROWER: f64 = 0.5;
@@ -66,7 +66,7 @@ pub struct Member {
 pub struct Ensemble {
     /// The unknowns.
     pub parameters: Vec<Parameter>,
-    /// As many as asked for, unless they are too rare.
+    /// The requested number of members, or fewer if admissible sets are too rare.
     pub members: Vec<Member>,
     /// (Σ w)²/Σ w²: how many independent draws from the posterior they are worth.
     pub effective_sample_size: f64,
@@ -239,7 +239,7 @@ impl Posterior<'_> {
     }
 }
 
-/// Normalised weights of draws to a power, 0 for those that are excluded.
+/// Normalised weights of draws to a power, 0 for excluded draws.
 fn weights(draws: &[Draw], power: f64) -> Vec<f64> {
     let ln = |draw: &Draw| if draw.check.is_admissible() { draw.ln_weight } else { f64::NEG_INFINITY };
     let largest = draws.iter().map(ln).fold(f64::NEG_INFINITY, f64::max);

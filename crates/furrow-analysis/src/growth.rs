@@ -126,7 +126,7 @@ fn growing(
     let radii = CriticalRadii::new(&settings.numerics).interrupted_by(cancel);
     let rule = Thresholds::new(radii).with_scope(Scope::FirstIfKnown);
     let plain = settings.cell.clone().with_cue(Cue::none());
-    // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
+    // Ordering the work is no reason to search for a radius; growth searches for it when it reaches such cells.
     let order = |input: &DivisionInput| {
         rule.critical_radius(&plain).map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };

@@ -72,7 +72,7 @@ impl Journal {
         Ok(Journal { path, columns, rows, file: Mutex::new(Ok(file)) })
     }
 
-    /// Appends a finished row. After the first failure nothing is appended; [`finish`](Self::finish) reports it.
+    /// Appends a finished row. After the first failure it appends no further rows, and [`finish`](Self::finish) reports the failure.
     pub fn append(&self, row: &Row) {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let Ok(open) = file.as_mut() else { return };

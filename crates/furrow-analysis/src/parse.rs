@@ -17,7 +17,7 @@ const MOST_POINTS: usize = 10_000_000;
 /// Most values of all axes together: all are held in memory.
 const MOST_VALUES: usize = 20_000_000;
 
-/// The file as it is written.
+/// The file as written.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "Sweep")]
 struct Document {
@@ -39,7 +39,7 @@ fn one() -> u32 {
     1
 }
 
-/// An axis as it is written: with one of the three.
+/// An axis as written, with exactly one of the three.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "Axis")]
 struct AxisDocument {
@@ -49,7 +49,7 @@ struct AxisDocument {
     sample: Option<Interval>,
 }
 
-/// So many values between two, both included where they are evenly spaced.
+/// A given number of values between two ends, which are included if the values are evenly spaced.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Interval {

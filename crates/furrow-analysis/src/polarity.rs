@@ -39,7 +39,7 @@ pub struct PolarisedCell {
     pub profile: Vec<[f64; 3]>,
     /// The resulting cue; empty without one.
     pub cue: Cue,
-    /// How it divides with this cue, or why that is not known; `None` if the cue is not known.
+    /// Its division with this cue, or the error; `None` if the cue is not known.
     pub division: Option<Result<Division, DivisionError>>,
     /// The measured χ of its division.
     pub measured: Option<MotherSummary>,
@@ -267,7 +267,7 @@ mod tests {
     use super::*;
     use furrow_mechanics::polarity::ParConstants;
 
-    /// ψ is surface over volume of the cell's own shape, or the number that is given for all.
+    /// ψ is surface over volume of the cell's own shape, or the number given for all cells.
     #[test]
     fn the_document_has_the_psi_that_the_chemistry_ran_with() {
         let cell = PolarisedCell {

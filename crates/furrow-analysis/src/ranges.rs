@@ -128,7 +128,7 @@ pub struct RoundsRange {
     pub terminal: Range,
 }
 
-/// How a number goes with a constant.
+/// The dependence of a number on a constant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Dependence {
     /// The constant.
@@ -172,7 +172,7 @@ pub struct LineageRanges {
     pub paper_sentence: Option<f64>,
     /// Divisions solved.
     pub divisions_solved: usize,
-    /// Divisions that needed no solving of their own.
+    /// Divisions that were already known, or solved for another tree.
     pub memo_hits: usize,
 }
 
@@ -242,7 +242,7 @@ pub(super) fn grow_alone(
     Grower { lineage, settings, ends, memo, options }.grow(divide)
 }
 
-/// How much of the weight of all trees those have for which something holds.
+/// The share of the weight of all trees for which a condition holds.
 fn share(trees: &[TreeCounts], holds: impl Fn(&TreeCounts) -> bool) -> f64 {
     // A fold from 0: `sum` gives −0 for no numbers, which files would show.
     let total = trees.iter().fold(0.0, |weight, tree| weight + tree.weight);

@@ -61,7 +61,7 @@ pub struct Run<'a> {
     pub threads: usize,
     /// Set to true to stop.
     pub cancel: &'a AtomicBool,
-    /// Holds the rows of an interrupted run, and receives each row that is solved.
+    /// Has the rows of an interrupted run, and receives each solved row.
     pub journal: Option<&'a Journal>,
     /// Called with the progress.
     pub progress: &'a (dyn Fn(SweepProgress) + Sync),
@@ -330,7 +330,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The columns of divisions at one point: of a single one, or what several say together.
+/// The columns of divisions at one point: of a single division, or statistics of several.
 fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
     match divisions {
         [None] => vec![UNDECIDED.into(), Value::Null, Value::Null, Value::Null, Value::Null],
@@ -361,7 +361,7 @@ fn tree_results(tree: &Tree) -> Vec<Value> {
     for found in founder_rounds(tree) {
         let cell = tree.founder_cell(found.founder).map(|id| tree.cell(id));
         let division = cell.and_then(|cell| cell.fate.division());
-        // None for a founder that was never born.
+        // No rounds for a founder that was never born.
         let r = found.rounds;
         values.extend([r.map(|r| r.min).into(), r.map(|r| r.mean).into(), r.map(|r| r.max).into()]);
         values.extend([r.map(|r| r.full_doublings).into(), r.map(|r| r.terminal).into()]);

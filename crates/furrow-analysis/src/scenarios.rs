@@ -25,7 +25,7 @@ const LONGEST: usize = 80;
 /// A lineage to grow scenarios from.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// What tables call it: the name of its file, say.
+    /// Its name in tables, for example its file's name.
     pub label: String,
     /// Founders and rules.
     pub lineage: Lineage,
@@ -36,7 +36,7 @@ pub struct Source {
 /// Why there are no scenarios.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScenarioError {
-    /// Something that is no cue, in one of the lineages.
+    /// An invalid cue, in one of the lineages.
     #[error(transparent)]
     Cue(#[from] CueError),
     /// Two scenarios are one.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Most parts of a sweep.
 const MOST: u64 = 1_000_000;
 
-/// One of several parts of a sweep, which need to know nothing of each other.
+/// One of several parts of a sweep, which are solved independently.
 ///
 /// A point belongs to the part that the hash of its input gives. So equal inputs are in one part and solved once, every part
 /// has cheap and dear points alike, and a point stays where it is when others are added.

@@ -73,13 +73,13 @@ impl Serialize for Measure {
     }
 }
 
-/// Largest difference in χ, u or relative time between values [`TOLERANCE`] apart that is no jump.
+/// Largest difference in χ, u or relative time, between values [`TOLERANCE`] apart, that is no jump.
 pub const CONTINUOUS: f64 = 1e-3;
-/// Width to which a root is bracketed, relative to the range.
+/// Width of the bracket of a root, relative to the range.
 pub const TOLERANCE: f64 = 1e-9;
 /// Values of the scan, unless another number is asked for.
 pub const POINTS: usize = 65;
-/// Width to which the ends of intervals without divisions are bracketed, relative to the range.
+/// Width of the bracket of an end of an interval without divisions, relative to the range.
 const EDGE: f64 = 1e-5;
 /// Rounds of values added where the outcome comes near the wanted one and turns back.
 const TURNS: usize = 6;
@@ -150,7 +150,7 @@ pub enum Smaller {
     Anterior,
     /// Either, by chance: the cell is mirror-symmetric, and the seed's noise decides.
     Either,
-    /// Neither: |χ| is below [`Numerics::chi_symmetric`].
+    /// Neither daughter: |χ| is below [`Numerics::chi_symmetric`].
     Neither,
 }
 
@@ -340,7 +340,7 @@ impl Search<'_> {
         (TOLERANCE * (to - from).abs()).max((4.0 * rounding).max(8.0 * f64::EPSILON) * from.abs().max(to.abs()))
     }
 
-    /// The division's input at a value, or why that is not allowed.
+    /// The division's input at a value, or the reason why the value is not allowed.
     fn input(&self, value: f64) -> Result<DivisionInput, String> {
         let Question { cell, parameter, numerics, seed, .. } = self.question;
         let mut cell = cell.clone();
@@ -388,7 +388,7 @@ impl Search<'_> {
         Ok(known(self).flatten())
     }
 
-    /// Values beside those where the outcome comes near the wanted one and turns back: there may be two roots between them.
+    /// Values beside places where the outcome comes near the wanted one and turns back: there may be two roots between them.
     fn turns(&self) -> Vec<f64> {
         let mut values: Vec<f64> = Vec::new();
         for three in self.tried.windows(3) {

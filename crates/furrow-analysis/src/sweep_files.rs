@@ -44,7 +44,7 @@ pub struct SweepTable {
 }
 
 impl SweepTable {
-    /// The table of a sweep, or of a part of it. Its definition has everything the results depend on, and nothing else.
+    /// The table of a sweep, or of a part of it. Its definition has exactly the inputs that the results depend on.
     pub fn new(sweep: &Sweep, quantisation: Quantisation, shard: Option<Shard>, rows: Vec<Row>) -> SweepTable {
         let axis = |axis: &Axis| {
             let mut head = json!({ "parameter": axis.name, "values": axis.values });

@@ -104,7 +104,7 @@ pub fn csv_text(columns: &[String], rows: &[Row]) -> String {
 /// Records of text as CSV.
 pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
-    // Into memory, and with records of any length, nothing can fail.
+    // Writing to memory, with records of any length, cannot fail.
     records.into_iter().for_each(|record| drop(writer.write_record(record.into_iter().map(String::into_bytes))));
     String::from_utf8_lossy(&writer.into_inner().unwrap_or_default()).into_owned()
 }

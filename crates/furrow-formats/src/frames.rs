@@ -91,7 +91,7 @@ const MOST_FRAMES: f64 = 100_000.0;
 /// Refuses a step that gives more than 100 000 frames, as of a cell that waits for thousands of τ. Errors name `source_name`.
 ///
 /// # Errors
-/// Says which step is long enough.
+/// Names the least allowed step.
 pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> Result<(), InputError> {
     let least = film.division.t_end / MOST_FRAMES;
     match every.filter(|step| *step < least) {
@@ -148,7 +148,7 @@ fn csv(still: &Snapshot) -> String {
     std::iter::once(COLUMNS[..count].join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
 }
 
-/// The contour of a frame, as it is read again.
+/// The contour of a frame that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameContour {
     /// Name of its file.

@@ -1,4 +1,4 @@
-//! Names of temporary files, and removal of those that killed runs left behind.
+//! Names of temporary files, and removal of files that killed runs left behind.
 
 use std::fs::{self, DirEntry};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -24,7 +24,7 @@ fn machine() -> u32 {
     let Some(both) = boot.zip(numbers) else { return 0 };
     let mut hasher = DefaultHasher::new();
     both.hash(&mut hasher);
-    // Never 0, which says that it is not known.
+    // Never 0, which means unknown.
     (hasher.finish() as u32).max(1)
 }
 

@@ -195,7 +195,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// Checks that a cue exists; the error lists those that do.
+    /// Checks that a cue exists; the error lists the known cues.
     fn known_cue(&self, name: &str) -> Result<(), String> {
         if self.lineage.cue(name).is_some() {
             return Ok(());

@@ -63,7 +63,7 @@ mod tests {
         }
     }
 
-    /// The work grows as the text, also where every name begins with every shorter one.
+    /// The work is linear in the length of the text, even if every name begins with every shorter one.
     #[test]
     fn the_work_is_bounded_by_the_text() {
         let nested: Vec<String> = (1..2000).map(|n| "bc".repeat(n)).collect();

@@ -139,7 +139,7 @@ impl Clock<WrittenLifetimes> {
     /// The clock with the lifetimes of its file, beside the lineage file `lineage`.
     ///
     /// # Errors
-    /// Names the file, and the line that is wrong in it.
+    /// Names the file and its faulty line.
     pub(super) fn resolved(self, lineage: &str) -> Result<Clock, InputError> {
         // Without `..`: the compiler asks for every field.
         let Clock { lifetime_min, at_volume, exponent, volumes, tau_min, origin, lifetimes } = self;
@@ -215,7 +215,7 @@ impl LifetimeLaw {
         self.lifetime_min * (volume / self.at_volume).powf(-self.exponent)
     }
 
-    /// Whether a volume is more than half a division beyond those that the law was fitted to.
+    /// Whether a volume is outside the range that the law was fitted to by more than half a division.
     pub fn extrapolates_to(&self, volume: f64) -> bool {
         self.volumes.is_some_and(|[least, most]| volume * HALF_A_DIVISION < least || volume > most * HALF_A_DIVISION)
     }
@@ -364,7 +364,7 @@ pub fn alive(times: &[CellTimes]) -> Vec<Alive> {
     (0..=count).map(at).collect()
 }
 
-/// The least of 1, 2, 5, 10, 20, … that is no less than a number.
+/// The least of 1, 2, 5, 10, 20, … that is not below a number.
 fn round_step(least: f64) -> f64 {
     let decade = 10_f64.powf(least.max(1.0).log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * decade).find(|step| *step >= least).unwrap_or(10.0 * decade)

@@ -290,7 +290,7 @@ impl<'a> Growth<'a> {
         undecided.then_some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed }))
     }
 
-    /// The seed with which a cell's division is needed next.
+    /// The seed of the next division that a cell needs.
     fn seed(&self, index: usize) -> u64 {
         let own = self.grower.settings.seed;
         let Some(Sharing { first, waiting }) = &self.sharing else { return own };

@@ -62,12 +62,12 @@ impl FounderPhysics {
         values.into_iter().filter_map(|(parameter, value)| Some((parameter, value?)))
     }
 
-    /// Has it set a parameter. R0 and numbers of a cue are left alone.
+    /// Sets a parameter. R0 and numbers of a cue are left alone.
     pub fn set(&mut self, parameter: Parameter, value: f64) {
         self.slots().into_iter().filter(|(of, _)| *of == parameter).for_each(|(_, slot)| *slot = Some(value));
     }
 
-    /// Whether it changes nothing.
+    /// Whether no parameter is set.
     pub fn is_empty(&self) -> bool {
         self.values().next().is_none()
     }

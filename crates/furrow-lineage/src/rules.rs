@@ -113,7 +113,7 @@ impl<'a> Mother<'a> {
 /// What rules make of a cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ruled {
-    /// The parameters that rules set, but for numbers of the cue.
+    /// The parameters that rules set, except numbers of the cue.
     pub physics: FounderPhysics,
     /// Whether its parameters are unlikely to occur in another cell, as they depend on its size or its mother.
     pub is_single: bool,

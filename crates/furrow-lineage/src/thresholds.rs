@@ -7,12 +7,12 @@ use furrow_cell::{Cell, Cue};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::equilibria::ShapeError;
 
-/// What ends branches ahead of their division.
+/// The rule that ends a branch before its division is computed.
 #[derive(Clone, Copy)]
 pub enum EndRule<'a> {
-    /// Nothing: every division is computed.
+    /// No rule: every division is computed.
     Dynamics,
-    /// Critical radii. Those that are not known are searched for on the workers.
+    /// Critical radii. Unknown ones are searched for on the workers.
     Thresholds(&'a Thresholds<'a>),
     /// A function, called on the thread that grows the tree.
     Custom(&'a dyn Fn(&Cell) -> Option<TerminalReason>),

@@ -209,7 +209,7 @@ impl CellId {
 pub struct TreeSettings {
     /// Seed of the noise.
     pub seed: u64,
-    /// Relative step to which R0 is rounded before a division is solved; 0 if it is not.
+    /// Relative step to which R0 is rounded before a division is solved; 0 without rounding.
     pub r0_step: f64,
     /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
     pub cell: Cell,

@@ -87,14 +87,14 @@ fn lifetimes(args: &LifetimesArgs, names: &Names) -> Result<Lifetimes, InputErro
     Lifetimes::read_file(file, frame_minutes, names)
 }
 
-/// A model that is grown, or a lineage to grow.
+/// A grown tree, or a lineage to grow.
 pub(super) enum Model {
     Grown(Box<Tree>),
     ToGrow(Box<Lineage>),
 }
 
 impl Model {
-    /// Reads a tree.json or a lineage file, told apart by the extension.
+    /// Reads a tree.json or a lineage file, distinguished by the extension.
     pub(super) fn read(file: Option<&Path>) -> Result<Model, InputError> {
         let is_json = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
         match file.filter(is_json) {
@@ -110,7 +110,7 @@ impl Model {
         }
     }
 
-    /// The tree of the file, or one that is grown now.
+    /// The tree of the file, or one grown from the lineage.
     pub(super) fn tree(self, context: &Context) -> Result<Tree, CliError> {
         match self {
             Model::Grown(tree) => Ok(*tree),

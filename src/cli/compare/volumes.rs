@@ -329,7 +329,7 @@ fn scale_text(unit: Option<Unit>, scale: Option<Scale>) -> String {
     format!("one L_h is {length:.4} {unit}, {from}\n")
 }
 
-/// The volumes that are used, and those that are not.
+/// The number of used volumes, and of unused ones.
 fn used_text(Measured { source, volumes, found, .. }: &Measured) -> String {
     let (Volumes { used, skipped, skipped_count, .. }, mut out) = (volumes, String::new());
     if source.is_none() {

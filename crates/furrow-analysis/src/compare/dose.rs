@@ -32,7 +32,7 @@ impl MeasuredDoses {
     /// The published groups.
     ///
     /// # Errors
-    /// None, as long as the shipped table is one.
+    /// Only if the shipped table is invalid.
     pub fn published() -> Result<MeasuredDoses, InputError> {
         let [conditions, bins] = rodrigues2024()?;
         let source = Some(DOSE_SOURCE);

@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 pub struct Modelled {
     /// Its radius R0, in L_h.
     pub r0: f64,
-    /// How its division ends; `None` where that is not known.
+    /// How its division ends; `None` if it is not known.
     pub outcome: Option<Outcome>,
     /// χ, if it divides.
     pub chi: Option<f64>,
@@ -61,7 +61,7 @@ impl Beside {
 pub struct Band {
     /// χ where it divides; `None` where it divides with no set.
     pub chi: Option<Range>,
-    /// Share of the weight of the sets with which it divides.
+    /// Share of the weight of the sets with which the cell divides.
     pub divides: f64,
 }
 

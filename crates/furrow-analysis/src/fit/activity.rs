@@ -50,7 +50,7 @@ const TRIED: usize = 20;
 /// Halvings at each end of an interval, to half a percent. The nearer to an edge, the longer cells there wait at their threshold.
 const HALVINGS: usize = 5;
 
-/// Trees grown for a founder that show in the progress: those at the activities tried and, as a rule, for two ends.
+/// Most trees grown for a founder, for the progress: at the activities tried and, as a rule, for two ends.
 const MOST: usize = TRIED + 2 * HALVINGS;
 
 /// One founder's rounds over its activity.
@@ -204,7 +204,7 @@ pub fn activities(
     let sought: Vec<(usize, f64)> = (0..lineage.founders.len()).filter_map(|k| Some((k, observed(k)?))).collect();
     // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
     let ends = || Thresholds::new(CriticalRadii::new(&settings.numerics)).with_scope(Scope::Known);
-    // Trees grown, and those that count as done: all of a founder's once its search has ended.
+    // Trees grown, and trees that count as done: all of a founder's once its search has ended.
     let (trees, done, of) = (&AtomicUsize::new(0), AtomicUsize::new(0), MOST * sought.len());
     let advance = |more: usize| {
         if more == 0 {

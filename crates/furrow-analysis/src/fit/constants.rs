@@ -50,7 +50,7 @@ const HALVINGS: usize = 4;
 /// Generations beyond the observed and cells per observed cell after which growth stops: the misfit is large then.
 const BEYOND: [u32; 2] = [5, 6];
 
-/// A founder of a tree beside what was observed of it.
+/// A founder of a tree beside its observations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderFit {
     /// Name.
@@ -440,7 +440,7 @@ fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option
     (1..STEPS).into_par_iter().for_each(|step| {
         objective.at(&line(step));
     });
-    // The search along each constant may find a better one still, from which it is done again.
+    // The search along each constant may find a better one, and is then repeated from there.
     let mut found = least(objective)?;
     let mut sharpness = objective.sharpness(&found.0, &found.1);
     for _ in 0..2 {

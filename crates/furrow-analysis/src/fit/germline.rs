@@ -89,7 +89,7 @@ pub struct FittedCue {
     /// Directions in the space of the numbers, by logarithm or in units of u, from the best held to the least, with the standard
     /// deviations of χ by which a step of 1 along each moves the model; `None` where an outcome is not smooth.
     pub combinations: Option<Vec<Combination>>,
-    /// Measurements that nothing was fitted to, beside the model with this cue.
+    /// Measurements outside the fit, beside the model with this cue.
     pub out_of_sample: Vec<ChiResidual>,
     /// Numbers of the cue that lie at an end of the range in which they were searched.
     pub at_limit: Vec<NumberAtLimit>,

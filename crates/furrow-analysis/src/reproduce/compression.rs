@@ -11,7 +11,7 @@ use furrow_measured::statistics::line_through_origin;
 /// Names of the groups of uncompressed and compressed embryos in a table.
 const COMPRESSED: [&str; 2] = ["uncompressed", "compressed"];
 
-/// The slope of χ in compressed embryos over that in others, by mother; `None` if there are no such groups.
+/// The slope of χ in compressed embryos over χ in the others, by mother; `None` without such groups.
 fn slope(divisions: &[Measured]) -> Option<Finding> {
     let groups = summaries(divisions);
     let [x, y] = COMPRESSED.map(|name| groups.iter().find(|group| group.group == name));
@@ -43,7 +43,7 @@ pub fn compression(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// χ of the tree's cells of these names in a shell of another ε; `None` of one that is not born or does not divide.
+/// χ of the tree's cells of these names in a shell of another ε; `None` for a cell that is not born or does not divide.
 fn chi_in(
     figure: &mut Figure<'_>,
     tree: &Tree,

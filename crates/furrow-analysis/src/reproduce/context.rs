@@ -41,7 +41,7 @@ pub struct Context<'a> {
     pub progress: &'a (dyn Fn(&str, usize, usize) + Sync),
 }
 
-/// Why nothing is reproduced at all.
+/// The reason why no figure is reproduced.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproduceError {
@@ -75,7 +75,7 @@ pub struct Finding {
     /// The same with the published scheme at each of [`PUBLISHED_STEPS`], where that was computed, and whether it meets the
     /// criterion.
     pub published: Vec<(bool, String)>,
-    /// Whether the criterion is met; `None` where the printed number decides, or nothing does.
+    /// Whether the criterion is met; `None` if the printed number decides, or if there is no verdict.
     pub holds: Option<bool>,
     /// A remark.
     pub note: Option<String>,

@@ -47,7 +47,7 @@ use serde_json::{Value, json};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It is, by the criterion that is stated.
+    /// It agrees, by the stated criterion.
     Agrees,
     /// It is not.
     Differs,
@@ -101,7 +101,7 @@ pub struct Item {
     pub verdict: Verdict,
     /// How long all of its figure took, in seconds.
     pub seconds: f64,
-    /// A remark, such as why nothing is judged.
+    /// A remark, for example the reason why there is no verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }

@@ -155,7 +155,7 @@ pub struct Statement {
     pub over: Option<OverAxis>,
     /// What must be true of its stationary shapes.
     pub check: Option<Check>,
-    /// Why it is set apart, neither judged nor counted, if it is.
+    /// The reason why it is set apart, if it is: it is then neither judged nor counted.
     pub apart: Option<String>,
 }
 
@@ -168,7 +168,7 @@ struct Paper {
 /// All statements, in the order of the figures.
 ///
 /// # Errors
-/// None, as long as the shipped file is one.
+/// Only if the shipped file is invalid.
 pub fn statements() -> Result<Vec<Statement>, InputError> {
     let found: Paper = parse_document(PAPER, FILE, "statements of the paper", "Paper")?;
     let mut ids = HashSet::new();

@@ -55,7 +55,7 @@ pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) ->
     found
 }
 
-/// Those from one place of the axis to another.
+/// The points from one place of the axis to another.
 pub fn between(readings: &[ChiPoint], [from, to]: [f64; 2]) -> Vec<ChiPoint> {
     // Places are sums of steps.
     readings.iter().copied().filter(|reading| (from - 1e-9..=to + 1e-9).contains(&reading.x)).collect()

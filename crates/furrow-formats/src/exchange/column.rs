@@ -47,14 +47,14 @@ pub enum Kind {
     Number,
 }
 
-/// A property of cells. The name of a cell is no column: every format has a place of its own for it.
+/// A property of cells. The name of a cell is no column: every format has another place for it.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// Name of the column.
     pub name: &'static str,
     /// Type of its values.
     pub kind: Kind,
-    /// Whether the comments of Newick and Nexus have it too: not if the brackets say it already, nor if it is a sentence.
+    /// Whether the comments of Newick and Nexus have it too: not if the brackets already contain it, nor if it is a sentence.
     pub note: bool,
     /// Its value for a cell, if there is one.
     pub of: fn(&TimedTree<'_>, CellId) -> Option<String>,

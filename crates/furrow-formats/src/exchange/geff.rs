@@ -11,7 +11,7 @@ use furrow_lineage::{CellId, TreeCell};
 /// The version of GEFF.
 const VERSION: &str = "1.3";
 
-/// Properties that some cells lack. Their files are the same of every tree, so that no file of a tree before is left in a folder.
+/// Properties that some cells lack. Their files are written for every tree, so that no file of an earlier tree is left in a folder.
 const INCOMPLETE: [&str; 2] = ["chi", "outcome"];
 
 /// The values of a property.

@@ -14,8 +14,7 @@ use furrow_input::{InputError, forbidden, read_text_up_to, shown};
 use furrow_lineage::{CellId, CellTimes, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionRow, Outcome};
 
-/// The longest file of a tree that is read, in bytes: 512 MB, which the million cells take that a lineage grows to unless it
-/// says otherwise.
+/// The longest file of a tree that is read, in bytes: 512 MB, enough for the million cells to which a lineage grows by default.
 pub const LONGEST_TREE: u64 = 512 << 20;
 
 /// The oldest version that is read. It has cues by field.
@@ -121,7 +120,7 @@ pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
     let document: Document<'_> = match serde_json::from_str(text) {
         Ok(document) => document,
         Err(error) => {
-            // A document of another version may lack what this one has; that it is another is what helps to know.
+            // A document of another version may lack fields of this one; the version is then the helpful error.
             if let Ok(Heading { schema, schema_version }) = serde_json::from_str(text) {
                 another(&schema, schema_version)?;
             }

@@ -189,7 +189,7 @@ mod tests {
     use crate::batch::fake::input;
     use furrow_cell::Parameter;
 
-    /// Sets one of the numbers in which inputs can differ: the cell's 13, five of the numerics', three of a cue's.
+    /// Sets one of the numbers of an input: 13 of the cell, five of the numerics, three of a cue.
     fn set(input: &mut DivisionInput, place: usize, x: f64) {
         let DivisionInput { cell, numerics, .. } = input;
         match place {

@@ -36,7 +36,7 @@ enum Slot {
     InFlight(Vec<Sender<Event>>),
 }
 
-/// What workers send to those who wait.
+/// Messages of workers to waiting runs.
 #[expect(missing_docs, reason = "the names of the fields say it")]
 #[derive(Clone, Debug)]
 pub enum Event {
@@ -66,7 +66,7 @@ pub enum Completion {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
-    /// The solver says why.
+    /// The solver's reason.
     #[error(transparent)]
     Unsolved(DivisionError),
     /// The solver panicked: a defect of the program.
@@ -217,7 +217,7 @@ impl Lease<'_> {
         self.complete(completion);
     }
 
-    /// Replaces the slot in flight and tells those who wait for it. Failures are not remembered.
+    /// Replaces the slot in flight and notifies the waiters. Failures are not remembered.
     fn complete(&self, completion: Completion) {
         let before = match &completion {
             Completion::Known { division, .. } => self.memo.table.insert(self.key, Slot::Solved(Arc::clone(division))),
@@ -225,7 +225,7 @@ impl Lease<'_> {
         };
         let Some(Slot::InFlight(waiters)) = before else { return };
         for waiter in waiters {
-            // A waiter that is gone no longer wants to know.
+            // The waiter may be gone.
             let _ = waiter.send(Event::Completed { key: self.key, completion: completion.clone() });
         }
     }

@@ -84,7 +84,7 @@ pub struct PhaseCell {
     pub outcome: PhaseOutcome,
     /// χ of its division.
     pub chi: Option<f64>,
-    /// How that is known.
+    /// The evidence for it.
     pub by: Evidence,
 }
 

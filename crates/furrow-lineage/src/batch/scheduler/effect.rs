@@ -10,7 +10,7 @@ pub struct Responses(KeyMap<Sample>);
 
 #[derive(Clone, Copy, Debug)]
 struct Sample {
-    /// Key of the same input without its radius.
+    /// Key of the same input, without its radius.
     family: Key,
     r0: f64,
     chi: f64,

@@ -24,7 +24,7 @@ pub struct Job {
     pub input: DivisionInput,
 }
 
-/// Work that is no division.
+/// Work other than a division.
 pub type Work<'s> = Box<dyn FnOnce() + Send + 's>;
 
 /// The next step of a run.
@@ -77,7 +77,7 @@ pub struct Summary {
     pub jobs: usize,
     /// Divisions solved by this run.
     pub solved: usize,
-    /// Jobs that needed no solving of their own.
+    /// Jobs with a division that was already known, or solved for another job.
     pub memo_hits: usize,
     /// Distinct divisions of this run that came from the store.
     pub store_hits: usize,
@@ -197,7 +197,7 @@ pub fn run_steps<'s>(
             let _ = sender.send(Event::Prepared(id));
         }
     };
-    // Where nothing needs solving no threads are needed either.
+    // Threads are needed only if a division must be solved.
     run.settle_known();
     // A caller that is itself a worker, as in studies of many trees, must not wait for a pool of its own: it would begin another
     // tree while it waits, and so on until its stack is full. The page has no threads.
@@ -219,7 +219,7 @@ pub fn run_steps<'s>(
 pub struct Solved {
     /// One for each input; `None` if it failed or the run was interrupted.
     pub divisions: Vec<Option<Division>>,
-    /// Those that could not be computed, by the place of their input.
+    /// Unsolved divisions, by the place of their input.
     pub unsolved: Vec<Unsolved>,
     /// The summary of the run.
     pub summary: Summary,

@@ -115,7 +115,7 @@ fn rewrite(file: &Path, rows: &[Vec<Value>]) -> Result<(), StoreError> {
         connection.execute_batch("VACUUM").map_err(failed)
     });
     match mended {
-        // Beyond mending: emptied, whatever it holds.
+        // Beyond repair: emptied, whatever its contents.
         Err(StoreError::Sqlite { source, .. })
             if source.sqlite_error_code() != Some(rusqlite::ErrorCode::DatabaseBusy) =>
         {

@@ -7,7 +7,7 @@ use crate::batch::key::{Key, numbers};
 use furrow_cell::{Cell, Material, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 
-/// The columns. None has a declared type: in a column of reals SQLite would store −0 as 0.
+/// The columns. No column has a declared type: in a column of reals SQLite would store −0 as 0.
 pub const COLUMNS: &str = "key, solver, \
     r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, \
     stages, intervals, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \

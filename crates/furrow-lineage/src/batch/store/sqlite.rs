@@ -207,7 +207,7 @@ impl Store {
         inner.warnings.push(StoreWarning::GivenUp { access, file: self.file.clone(), reason });
     }
 
-    /// None in a process that was forked from the one that opened the store.
+    /// `None` in a process that was forked from the one that opened the store.
     fn lock(&self) -> Option<MutexGuard<'_, Inner>> {
         (self.process == std::process::id()).then(|| unpoisoned(&self.inner))
     }
@@ -224,7 +224,7 @@ impl Drop for Store {
 }
 
 fn unpoisoned<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Nothing panics while one is held; were it to, the rows would still be whole ones.
+    // No code panics while it holds a lock, and the rows would be whole even then.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -246,7 +246,7 @@ pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
     let connection = Connection::open_with_flags(file, flags).map_err(failed)?;
     connection.busy_timeout(PATIENCE).map_err(failed)?;
     match checked(&connection, file) {
-        // In a folder that cannot be written there is no place for the log of a database, and nobody changes it.
+        // A folder that cannot be written has no place for the log of a database, and its database does not change.
         Err(StoreError::Sqlite { source, .. })
             if matches!(source.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly)) =>
         {
@@ -256,7 +256,7 @@ pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
     }
 }
 
-/// Opens a database that nobody can change, without its log.
+/// Opens a database that cannot change, without its log.
 fn immutable(file: &Path) -> Result<Connection, StoreError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let name = file.to_string_lossy().replace('%', "%25").replace('?', "%3f").replace('#', "%23");

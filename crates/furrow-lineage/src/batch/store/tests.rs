@@ -25,7 +25,7 @@ fn store(cache: &TempDir) -> Store {
     Store::open(cache.path()).unwrap()
 }
 
-/// That a store has given up reading or writing, and what its only warning says.
+/// Checks that a store has given up reading or writing, and returns its only warning.
 fn gave_up(store: &Store, what: &str) -> String {
     let warnings = store.take_warnings();
     assert!(matches!(&warnings[..], [StoreWarning::GivenUp { access, .. }] if *access == what), "{warnings:?}");
@@ -136,7 +136,7 @@ fn a_changed_value_costs_its_own_row_and_is_mended_by_solving_again() {
     }
 }
 
-/// Any byte may flip: rows are still read as they were written, a run continues, and the file can be mended.
+/// Any byte may flip: rows are still read as they were written, a run continues, and the file can be repaired.
 #[test]
 fn a_flipped_byte_is_never_used() {
     let mut random = 0x9e37_79b9_7f4a_7c15_u64;
