@@ -46,7 +46,7 @@ fn escaped(text: &str, escapes: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// A number in a message: as it is written in files, or with an exponent if it has very many digits.
+/// A number in a message: as files have it, or with an exponent if it has very many digits.
 ///
 /// ```
 /// use furrow_input::shown_number;

@@ -129,7 +129,7 @@ impl Volumes {
     }
 }
 
-/// Whether a column of a grid holds the frames rather than a cell, or nothing.
+/// Whether a column of a grid contains the frames, or nothing, rather than a cell.
 fn is_frame(column: usize, name: &str) -> bool {
     column == 0 || name.is_empty() || ["frame", "time", "time_point", "timepoint", "t"].contains(&&*name.to_lowercase())
 }

@@ -61,9 +61,9 @@ pub struct HalfSeen {
 /// The divisions in a table.
 #[derive(Clone, Debug, Default)]
 pub struct Divisions {
-    /// Those with both daughters measured.
+    /// Divisions with both daughters measured.
     pub divisions: Vec<Division>,
-    /// Those with only one.
+    /// Divisions with one daughter measured.
     pub half_seen: Vec<HalfSeen>,
 }
 
@@ -187,7 +187,7 @@ fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
     GroupSummary { group: group.to_owned(), embryos: embryos.len(), events: by_mother.into_iter().map(of).collect() }
 }
 
-/// What precedes the number of a generation, by which divisions of tables without Sulston's names are summarised.
+/// Precedes the number of a generation. Divisions of tables without Sulston's names are summarised by it.
 pub(crate) const GENERATION: &str = "generation ";
 
 /// The order of cells: by generation, then by name.

@@ -234,7 +234,7 @@ impl Lifetimes {
     }
 }
 
-/// One row as it is, or the mean over several of one embryo each.
+/// A single row, or the mean over several rows of one embryo each.
 fn averaged(rows: &[Measured], names: &Names) -> Option<Lifetime> {
     let first = rows.first()?;
     let founder = names.founder(&first.cell)?.to_owned();
@@ -262,7 +262,7 @@ pub fn mean_volumes(volumes: &Volumes) -> BTreeMap<String, f64> {
 pub struct Slopes {
     /// Over all cells.
     pub all: Option<Trend>,
-    /// By founder, of those with three cells or more.
+    /// By founder, for founders with three cells or more.
     pub founders: BTreeMap<String, Trend>,
 }
 

@@ -24,7 +24,7 @@ const SIDES: [(char, char); 3] = [('a', 'p'), ('l', 'r'), ('d', 'v')];
 /// Longest name, in bytes: no known lineage has half as many rounds.
 const LONGEST: usize = 64;
 
-/// The other letter of a pair of sides, and whether `letter` is the one that is named first.
+/// The other letter of a pair of sides, and whether `letter` is named first.
 fn other_side(letter: char) -> Option<(char, bool)> {
     let (first, second) = SIDES.iter().find(|(first, second)| [*first, *second].contains(&letter))?;
     Some(if letter == *first { (*second, true) } else { (*first, false) })

@@ -60,7 +60,7 @@ struct Row {
 /// Divisions of 14 embryos, of the groups `wt` and `ctrl`.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn jankele2021_divisions() -> Result<Vec<Division>, InputError> {
     Ok(divisions(&jankele2021_volumes()?).divisions)
 }
@@ -68,7 +68,7 @@ pub fn jankele2021_divisions() -> Result<Vec<Division>, InputError> {
 /// Volumes of the cells of these embryos.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn jankele2021_volumes() -> Result<Volumes, InputError> {
     let mut volumes = Volumes::default();
     volumes.read(VOLUMES.as_bytes(), "jankele2021_volumes.csv", &ReadOptions::default())?;
@@ -86,7 +86,7 @@ pub fn jankele2021_lifetimes() -> Result<Lifetimes, InputError> {
 /// The published groups of worms.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
     groups_of(JANKELE, "jankele2021.csv")
 }
@@ -94,7 +94,7 @@ pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
 /// The published populations of sea urchins, by generation.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn villoutreix2016() -> Result<Vec<GroupSummary>, InputError> {
     groups_of(VILLOUTREIX, "villoutreix2016.csv")
 }
@@ -149,7 +149,7 @@ struct DoseRow {
 /// Published asymmetries of the worm's first division over the dose of PAR-6: by condition, and in bins of the dose.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn rodrigues2024() -> Result<[Vec<DoseGroup>; 2], InputError> {
     let mut groups = [Vec::new(), Vec::new()];
     for row in csv::Reader::from_reader(RODRIGUES.as_bytes()).deserialize() {

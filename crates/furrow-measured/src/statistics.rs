@@ -123,7 +123,7 @@ pub fn rank_sum(a: &[f64], b: &[f64]) -> Option<RankSum> {
     }
     let (n, pairs) = ((n_a + n_b) as f64, (n_a * n_b) as f64);
     let variance = pairs / 12.0 * (n + 1.0 - ties / (n * (n - 1.0)));
-    // All values are equal: nothing tells the samples apart.
+    // All values are equal, so the samples cannot be distinguished.
     let p = if variance > 0.0 { Normal::standard().sf((u - 0.5 * pairs - 0.5) / variance.sqrt()) } else { 1.0 };
     Some(RankSum { u, p, method: Method::Asymptotic })
 }
@@ -210,7 +210,7 @@ pub fn rank_correlation(points: &[[f64; 2]]) -> Option<RankCorrelation> {
 /// With so few pairs a correlation of ranks is tested exactly, ties or not.
 const EXACT_PAIRS_UP_TO: usize = 9;
 
-/// Share of the orders of y in which Σxy is as far from its mean.
+/// Share of the orders of y with Σxy at least as far from its mean.
 ///
 /// Ranks of x are given one after the other to each rank of y that is still free; of the ranks that are given, only the set and the
 /// sum count.

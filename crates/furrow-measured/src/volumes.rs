@@ -251,7 +251,7 @@ impl Volumes {
     /// skipped.
     ///
     /// # Errors
-    /// Volumes are in another unit than those before.
+    /// Volumes are in another unit than earlier volumes.
     pub fn add_tracked(&mut self, lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
         let names = &options.names;
@@ -302,7 +302,7 @@ impl Volumes {
     /// Requires that a volume was used of the tables that were read; `tables` is their name if they have no rows.
     ///
     /// # Errors
-    /// None was; the error has the first value that could not be used.
+    /// No volume was used; the error has the first value that could not be used.
     pub fn require_used(&self, tables: &str) -> Result<(), InputError> {
         let first = self.skipped.first();
         let file = first.map_or(tables, |skipped| skipped.file.as_str());
@@ -333,7 +333,7 @@ impl Volumes {
 }
 
 impl Lifespan {
-    /// Adds a value, or says why it is one too many.
+    /// Adds a value, or returns the reason why it is one too many.
     pub(crate) fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Result<(), String> {
         if let Some(frame) = frame {
             if !self.seen.insert(frame.to_bits()) {

@@ -98,7 +98,7 @@ fn small_loops_are_cut_off_and_large_ones_refused() {
     assert!(matches!(Contour::new(eight), Err(Unusable::Crosses(_) | Unusable::NoArea)));
 }
 
-/// Wherever it lies and however it is turned: an ellipse by its formulas.
+/// An ellipse at any place and angle, by its formulas.
 #[test]
 fn moments_are_those_of_an_ellipse_wherever_it_lies() {
     for (turn, [x, y]) in [(0.0, [0.0, 0.0]), (0.7, [1e4, -3e3]), (2.9, [-50.0, 1e6])] {
@@ -198,7 +198,7 @@ fn depth_does_not_depend_on_how_a_cell_lies() {
 }
 
 proptest! {
-    /// Two ways that share nothing: exact areas, and the pixels of a fine grid. Stars of any corners, on one side of each other or upon.
+    /// Two independent methods: exact areas, and the pixels of a fine grid. Stars of any corners, beside or upon each other.
     #[test]
     fn exact_areas_are_those_of_pixels(
         radii in prop::collection::vec(0.3_f64..1.0, 5..40),
@@ -219,12 +219,12 @@ proptest! {
         prop_assert!((exact.jaccard - pixels.jaccard).abs() < 0.02, "{exact:?} {pixels:?}");
         let own = overlap(&a, &a);
         prop_assert!((own.similarity - 1.0).abs() < 1e-6 && (own.jaccard - 1.0).abs() < 1e-6, "{own:?}");
-        // Nothing changes where both are turned alike.
+        // Turning both equally changes nothing.
         let turned = overlap(&a.turned(), &b.turned());
         prop_assert!((turned.similarity - exact.similarity).abs() < 1e-6, "{turned:?} {exact:?}");
     }
 
-    /// Whatever the bytes are: a contour, something told, or an error; never a panic.
+    /// Any bytes give a contour, a report or an error, never a panic.
     #[test]
     fn no_bytes_break_the_readers(bytes in prop::collection::vec(any::<u8>(), 0..400), head in 0_usize..4) {
         let heads: [&[u8]; 4] = [b"", b"x,y\n", b"contour,x,y\n1,0,0\n", b"\x89PNG\r\n\x1a\n"];

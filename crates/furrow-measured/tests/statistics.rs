@@ -143,7 +143,7 @@ fn regressions_have_the_errors_of_scipy() {
     }
 }
 
-/// Neither has its slope an error, nor has 0/0 a probability.
+/// The slope has no error, and 0/0 no probability.
 #[test]
 fn a_quantity_that_never_varies_has_no_trend() {
     let points = [[0.0, 3.0], [1.0, 3.0], [2.0, 3.0]];

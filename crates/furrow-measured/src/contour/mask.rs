@@ -36,7 +36,7 @@ impl Contours {
     /// runs through the middles of the outer sides of its pixels; holes are filled.
     ///
     /// # Errors
-    /// A file that is no such picture.
+    /// A file that is not such a picture.
     pub fn read_mask(&mut self, from: impl Read, file: &str, label: Option<u16>) -> Result<(), InputError> {
         let picture = decode(from, file, label.is_some())?;
         let inside = match label {
@@ -56,7 +56,7 @@ impl Contours {
 
 fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputError> {
     let refused = |reason: String| InputError::other_file(file, "a mask, a PNG picture", reason);
-    // The decoder has to seek, which cannot be done in a pipe: all is read before, up to two bytes for each pixel that is allowed.
+    // The decoder has to seek, which a pipe does not allow. The file is therefore read first, up to two bytes for each allowed pixel.
     let mut bytes = Vec::new();
     let mut from = from.take(2 * MOST_PIXELS as u64);
     from.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
@@ -188,7 +188,7 @@ fn outline(piece: &[bool], width: usize) -> Vec<[f64; 2]> {
             let [px, py] = if right { [-dy, dx] } else { [dy, -dx] };
             inside(x + (dx + px - 1) / 2, y + (dy + py - 1) / 2)
         };
-        // Pixels that touch in a corner alone do not hang together.
+        // Pixels that touch only at a corner are not connected.
         if !ahead(true) {
             way = (way + 1) % 4;
         } else if ahead(false) {

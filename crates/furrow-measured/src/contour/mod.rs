@@ -19,7 +19,7 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
 use nalgebra::{Matrix2, Point2, Rotation2, SymmetricEigen, Vector2};
 
-/// A share of its area by which a contour may change where loops of it are cut off. More is not a slip of the hand.
+/// Largest share of its area by which a contour may change when loops are cut off. A larger change is more than a slip of the hand.
 const MOST_CUT: f64 = 0.01;
 /// The smallest size of a contour, and its largest coordinate: beyond, second moments are lost to underflow or overflow.
 const SIZES: [f64; 2] = [1e-60, 1e60];
@@ -142,7 +142,7 @@ impl Contour {
 
     /// Area, centroid and second moments of the enclosed area, exactly: sums over its edges, by Green's theorem.
     pub fn moments(&self) -> Moments {
-        // About a point of its own, so that a contour far from the origin loses no digits.
+        // About one of its own points, so that a contour far from the origin loses no digits.
         let about = self.points[0];
         let (mut area, mut first, mut second) = (0.0, Vector2::zeros(), Matrix2::zeros());
         for edge in self.edges() {

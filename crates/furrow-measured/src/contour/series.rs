@@ -14,7 +14,7 @@ use crate::statistics::{mean, sd};
 
 /// Contours with depths that differ by no more are furrowed alike.
 const ALIKE: f64 = 0.01;
-/// Shallower furrows are not told from the roughness of an outline: such contours are all alike.
+/// Shallower furrows cannot be distinguished from the roughness of an outline: such contours are all alike.
 const SHALLOW: f64 = 0.05;
 /// Pixels along the long axis of a contour that was not traced in pixels.
 const PIXELS: f64 = 200.0;
@@ -72,7 +72,7 @@ pub struct ContourMatch {
     pub stage: Option<usize>,
     /// Changes to it, and remarks.
     pub notes: Vec<String>,
-    /// Both as they were laid upon each other, in L_h, the long axis along the second coordinate.
+    /// Both contours in superposition, in L_h, the long axis along the second coordinate.
     #[serde(skip)]
     pub laid: [Contour; 2],
 }
@@ -153,7 +153,7 @@ fn matching(look: &Look, models: &[Laid]) -> Option<usize> {
 }
 
 fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&ModelContour, &Laid), length_scale: f64) -> ContourMatch {
-    // An axis has two directions, and contours do not say which end is which: the one that fits better.
+    // An axis has two directions, and contours do not give the posterior end: the direction that fits better is used.
     let upright = laid.contour.scaled(1.0 / length_scale);
     let turned = upright.turned();
     let [straight, about] = [&upright, &turned].map(|own| overlap(own, &model.contour));
@@ -182,7 +182,7 @@ fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&ModelContour, &Laid
     }
 }
 
-/// As many contours as are shown, in the order of their depth: those nearest to depths that are spread evenly.
+/// The contours shown as stages, in the order of their depth: those nearest to evenly spread depths.
 fn stages(contours: &[ContourMatch]) -> Vec<usize> {
     let depth = |k: usize| contours[k].measured.depth;
     let mut free: Vec<usize> = (0..contours.len()).collect();

@@ -40,7 +40,7 @@ struct Nucleus {
 fn frame_of(name: &str) -> Option<u32> {
     let name = name.rsplit('/').next()?.strip_prefix('t')?;
     let digits = name.find(|c: char| !c.is_ascii_digit())?;
-    // A number that is too large counts as the largest, so that the frames before it are missed.
+    // A number that is too large counts as the largest. The frames before it are then reported as missing.
     (digits > 0 && name[digits..].starts_with("-nuclei")).then(|| name[..digits].parse().unwrap_or(u32::MAX))
 }
 

@@ -108,7 +108,7 @@ fn unpack(bytes: &[u8], entry: &Entry) -> Result<Vec<u8>, String> {
     match entry.method {
         0 => out.extend(packed),
         8 => {
-            // One byte more than announced shows a file that is longer.
+            // One byte more than announced: the file is longer.
             let mut decoder = DeflateDecoder::new(packed).take(entry.length as u64 + 1);
             decoder.read_to_end(&mut out).map_err(|e| e.to_string())?;
         }

@@ -78,7 +78,7 @@ impl TrackedCell {
         Some(self.division? - self.birth)
     }
 
-    /// The report that it is not used.
+    /// The report of this cell as unused.
     fn unused(&self, why: &str) -> Skipped {
         let (file, line) = self.place.clone();
         Skipped {
@@ -147,7 +147,7 @@ impl Format {
     }
 }
 
-/// What files do not say.
+/// Information that files lack.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TrackOptions {
     /// Edge of a pixel in µm, for sizes in pixels.
@@ -162,7 +162,7 @@ const HEAD: u64 = 4096;
 /// The format of a file or folder of tracked cells; `None` for other files.
 ///
 /// # Errors
-/// A file that cannot be read, and a file or folder of another kind that is known.
+/// A file that cannot be read, and a file or folder of a known other kind.
 pub fn format_of(path: &Path) -> Result<Option<Format>, InputError> {
     Ok(located(path)?.map(|(format, _)| format))
 }

@@ -104,7 +104,7 @@ struct Heading {
 enum Below {
     /// A name, such as `Spot ID`.
     Name,
-    /// A unit, or nothing.
+    /// A unit, or an empty text.
     Unit,
 }
 
@@ -197,7 +197,7 @@ fn opened<'f>(
     for _ in 1..heading.lines {
         table.next()?;
     }
-    // From here on a row that is longer is an error.
+    // Later rows that are longer are errors.
     table.name_columns(heading.names.clone());
     Ok((table, heading))
 }

@@ -210,7 +210,7 @@ fn type_of_third(value: &Value) -> Option<(char, usize)> {
     known(['u', 'i', 'f'][kind], text[at..].parse::<usize>().ok()? / 8)
 }
 
-/// A type, if it is one that is read.
+/// A type, if it can be read.
 fn known(kind: char, size: usize) -> Option<(char, usize)> {
     let fine = match kind {
         'b' => size == 1,
@@ -225,7 +225,7 @@ fn known(kind: char, size: usize) -> Option<(char, usize)> {
 /// The allowed codecs.
 const ALLOWED_CODECS: &str = "none, zlib, gzip, zstd or blosc, for values in rows and little-endian order";
 
-/// The separators in names of chunks, and the compression, or the codec that is not known.
+/// The separators in names of chunks, and the compression, or the unknown codec.
 type Stored = ([String; 2], Result<Option<String>, Value>);
 
 fn stored_second(document: &Value) -> Stored {
@@ -337,7 +337,7 @@ impl Layout {
         let fill = &self.fill;
         let whole = fill.as_i64().map(i128::from).or(fill.as_u64().map(i128::from)).or(fill.as_bool().map(i128::from));
         match self.kind {
-            // A text that all nodes share does not tell them apart.
+            // A text that all nodes share cannot distinguish them.
             'U' => Values::Texts(vec![String::new(); count]),
             'f' => Values::Numbers(vec![fill.as_f64().unwrap_or(f64::NAN); count]),
             _ => Values::Integers(vec![whole.unwrap_or(0); count]),
@@ -386,7 +386,7 @@ impl Layout {
 fn unpacked(packed: Vec<u8>, codec: Option<&str>, length: usize) -> Result<Vec<u8>, String> {
     let Some(codec) = codec else { return Ok(packed) };
     let mut out = Vec::new();
-    // One byte more than there should be shows a chunk that is longer.
+    // One byte more than expected: the chunk is longer.
     let read = match codec {
         "zlib" => ZlibDecoder::new(&packed[..]).take(length as u64 + 1).read_to_end(&mut out),
         "gzip" => GzDecoder::new(&packed[..]).take(length as u64 + 1).read_to_end(&mut out),
