@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read() {
+    fn written_values_are_read_back() {
         let set = |aspect: f64, weight: f64| Constants {
             values: vec![(Parameter::Aspect, aspect), (Parameter::P0, 0.1 + 0.2)],
             weight,
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_fault() {
         let complaint = |text: &str| read_constants(text, "c.csv").unwrap_err().to_string();
         assert!(complaint("aspect,gian\n1,2\n").ends_with("; did you mean gain?"));
         assert_eq!(complaint("aspect,p0\n1.5\n"), "c.csv:2: p0 = \"\": must be a number (empty)");

@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_nearest_name_is_told_and_a_far_one_is_not() {
+    fn the_nearest_name_is_suggested_and_a_far_one_is_not() {
         assert_eq!(did_you_mean("intervls", ["stages", "intervals"]), "; did you mean intervals?");
         assert_eq!(did_you_mean("radius", ["stages", "intervals"]), "");
     }

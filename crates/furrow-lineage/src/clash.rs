@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn clashes_are_those_of_the_definition() {
+    fn clashes_agree_with_the_definition() {
         let words = ["A", "Aa", "Ab", "Aap", "Abp", "B", "Bx", "Bxa", "a", "ap", "é", "éa", "éb"];
         for chosen in 0..1_u32 << words.len() {
             let names: Vec<&str> = (0..words.len()).filter(|k| chosen >> k & 1 == 1).map(|k| words[k]).collect();

@@ -239,7 +239,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn mothers_and_sisters_are_those_of_the_chart() {
+    fn mothers_and_sisters_agree_with_the_chart() {
         for (name, of, other, first) in [
             ("AB", "P0", "P1", true),
             ("P2", "P1", "EMS", false),

@@ -58,7 +58,7 @@ fn contours_of_one_table_are_kept_apart_in_any_dress() {
 }
 
 #[test]
-fn what_is_no_contour_is_left_out_with_its_place_and_the_others_stay() {
+fn an_invalid_contour_is_left_out_with_its_place_and_the_others_stay() {
     let broken = "id,x,y\na,0,0\na,2,0\na,2,2\nb,0,0\nb,nan,1\nb,1,0\nc,0,0\nc,1,1\nd,0,0\nd,1,1\nd,2,2\ne,0,0\ne,2,2\ne,2,0\ne,0,2\n";
     let read = table(broken.as_bytes());
     assert_eq!(read.traced.len(), 1);
@@ -100,7 +100,7 @@ fn small_loops_are_cut_off_and_large_ones_refused() {
 
 /// An ellipse at any place and angle, by its formulas.
 #[test]
-fn moments_are_those_of_an_ellipse_wherever_it_lies() {
+fn moments_of_an_ellipse_agree_with_formulas_at_any_place() {
     for (turn, [x, y]) in [(0.0, [0.0, 0.0]), (0.7, [1e4, -3e3]), (2.9, [-50.0, 1e6])] {
         let (sin, cos) = f64::sin_cos(turn);
         let points = around(2000, |t| {
@@ -131,7 +131,7 @@ fn the_outline_of_a_mask_goes_around_its_pixels() {
 }
 
 #[test]
-fn the_largest_piece_is_taken_its_holes_filled_and_the_rest_told() {
+fn the_largest_piece_is_taken_its_holes_filled_and_the_rest_reported() {
     let rows = ["#.........", "..#####...", "..#...#...", "..#.#.#...", "..#...#..#", "..#####.##"];
     let found = masked(&mask(&rows, [0, 200]), None);
     let traced = &found.traced[0];
@@ -141,7 +141,7 @@ fn the_largest_piece_is_taken_its_holes_filled_and_the_rest_told() {
 }
 
 #[test]
-fn cells_of_a_picture_of_labels_are_told_apart() {
+fn cells_of_a_picture_of_labels_are_separated() {
     let pixels: Vec<u8> = [0, 1, 1, 2, 2, 2, 0, 1, 1, 2, 2, 2].into();
     let bytes = grey([6, 2], &pixels);
     let area = |label| masked(&bytes, Some(label)).traced[0].contour.moments().area;
@@ -200,7 +200,7 @@ fn depth_does_not_depend_on_how_a_cell_lies() {
 proptest! {
     /// Two independent methods: exact areas, and the pixels of a fine grid. Stars of any corners, beside or upon each other.
     #[test]
-    fn exact_areas_are_those_of_pixels(
+    fn exact_areas_agree_with_pixels(
         radii in prop::collection::vec(0.3_f64..1.0, 5..40),
         others in prop::collection::vec(0.3_f64..1.0, 5..40),
         aside in -2.0_f64..2.0,

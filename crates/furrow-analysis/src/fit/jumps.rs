@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_edge_is_told_from_a_steep_slope() {
+    fn an_edge_differs_from_a_steep_slope() {
         let chi = |x: f64| {
             vec![
                 (x < 2.006).then_some(4.0 * (2.1 - x)),

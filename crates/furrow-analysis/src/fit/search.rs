@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_a_range_are_told_from_its_inside() {
+    fn ends_of_a_range_differ_from_its_inside() {
         let at = [0.0, 0.004, 0.006, 0.5, 0.994, 0.996, 1.0].map(Limit::at);
         let (lower, upper) = (Some(Limit::Lower), Some(Limit::Upper));
         assert_eq!(at, [lower, lower, None, None, None, upper, upper]);

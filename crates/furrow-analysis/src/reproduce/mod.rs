@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_follow_numbers_criteria_and_what_is_not_known() {
+    fn verdicts_follow_numbers_criteria_and_missing_results() {
         let printed = Some(Printed { value: 2.0, tolerance: 0.01 });
         let judged = |holds: bool| Finding::judged("x", (holds, "a".into()));
         for (printed, apart, finding, expected) in [

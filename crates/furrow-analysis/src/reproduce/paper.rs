@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_is_none_is_refused_with_those_that_are() {
+    fn an_unknown_figure_is_refused_with_the_known_ones() {
         let error = selected(&["9Z".to_owned()]).unwrap_err().to_string();
         assert!(error.contains("\"9Z\"") && error.contains("2C") && error.contains("Movie 4"), "{error}");
         assert!(selected(&["2".to_owned()]).unwrap().iter().all(|statement| statement.figure.starts_with('2')));

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn stretches_are_told_in_words() {
+    fn stretches_are_described_in_words() {
         let rows =
             [at(1.0, Some(0.5)), at(2.0, Some(0.001)), at(3.0, Some(0.002)), at(4.0, Some(0.2)), at(5.0, Some(0.3))];
         let text = "χ = 0.50 at 1.00, χ = 0.20 to 0.30 from 4.00 to 5.00; else equal halves";

@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_are_short_and_free_of_what_terminals_obey() {
+    fn messages_are_short_and_free_of_control_characters() {
         let long = short(&format!("a\u{1b}[2J{}z", "x".repeat(1000)));
         assert!(long.starts_with("a\\u{1b}[2Jxx") && long.contains('…') && long.ends_with("xz"), "{long}");
         assert_eq!(long.chars().count(), LONGEST_MESSAGE + 1 + "\\u{1b}".len() - 1);

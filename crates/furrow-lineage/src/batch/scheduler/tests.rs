@@ -95,7 +95,7 @@ fn rounding_loses_no_radius_and_reports_its_effect() {
 }
 
 #[test]
-fn jobs_whose_division_is_in_flight_do_not_occupy_workers() {
+fn jobs_with_a_division_in_flight_do_not_occupy_workers() {
     let (other_done, other_is_done) = signal();
     let solves = AtomicUsize::new(0);
     // Nine jobs share the cell of radius 4. It is solved only after the cell of radius 2.
@@ -120,7 +120,7 @@ fn jobs_whose_division_is_in_flight_do_not_occupy_workers() {
 }
 
 #[test]
-fn two_runs_on_one_memo_share_what_is_in_flight() {
+fn two_runs_on_one_memo_share_divisions_in_flight() {
     let (memo, solves) = (&memo(), &AtomicUsize::new(0));
     let ((begun, is_begun), (other_done, other_is_done)) = (signal(), signal());
     let (first, second) = std::thread::scope(|scope| {
@@ -150,7 +150,7 @@ fn two_runs_on_one_memo_share_what_is_in_flight() {
 }
 
 #[test]
-fn a_run_takes_over_what_an_interrupted_one_gave_up() {
+fn a_run_takes_over_divisions_of_an_interrupted_run() {
     let (memo, stop) = (&memo(), &AtomicBool::new(false));
     let ((begun, is_begun), (release, is_released)) = (signal(), signal());
     std::thread::scope(|scope| {

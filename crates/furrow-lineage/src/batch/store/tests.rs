@@ -173,7 +173,7 @@ fn a_flipped_byte_is_never_used() {
 }
 
 #[test]
-fn what_is_no_database_is_a_warning_and_can_be_mended() {
+fn a_file_that_is_no_database_is_a_warning_and_can_be_repaired() {
     let cache = tempfile::tempdir().unwrap();
     fs::write(cache.path().join(FILE), "this is no database, and long enough to be taken for one".repeat(100)).unwrap();
     let store = store(&cache);

@@ -342,7 +342,7 @@ fn names_are_understood_or_skipped() {
 
 /// A mother that divided before the recording has the rounds of her daughters and one more.
 #[test]
-fn rounds_of_mothers_that_were_not_followed_are_those_of_their_daughters() {
+fn rounds_of_mothers_that_were_not_followed_come_from_their_daughters() {
     let rows: Vec<&str> = [
         "1,1,1,1,-1,0,0,0,9,ABa,0\n",
         "2,1,2,2,-1,0,0,0,9,ABpl,0\n",
