@@ -132,7 +132,7 @@ struct Growth<'a> {
     cells: Vec<GrowingCell>,
 }
 
-/// The input that a cell needs before its fate is known.
+/// The division or the search that a cell needs before its fate is known.
 enum Need<'a> {
     Division(DivisionInput),
     Search(&'a CriticalRadii<'a>, Search),
@@ -261,8 +261,8 @@ impl<'a> Growth<'a> {
         Growth { grower, sharing: None, has_rules, listed: lineage.daughters(), cells: vec![first] }
     }
 
-    /// The input that a cell needs; `None` if its fate is known without any and has been set. A search that was `tried` and was
-    /// interrupted is not tried again.
+    /// The division or the search that a cell needs; `None` if its fate is known without either and has been set. A search that was
+    /// `tried` and was interrupted is not tried again.
     fn need(&mut self, index: usize, tried: Option<&Search>) -> Option<Need<'a>> {
         let Grower { lineage, settings, ends, .. } = self.grower;
         let growing = &self.cells[index];
@@ -402,7 +402,7 @@ impl<'a> Growth<'a> {
         let Grower { lineage, settings, .. } = self.grower;
         let max_cells = lineage.limits.max_cells;
         let mut tree: Option<Tree> = None;
-        // Cells with their mother in the tree; the number of cells placed.
+        // Cells with their mother in the tree; the number of cells queued so far.
         let (mut queue, mut placed) = (VecDeque::from([(0, None)]), 1);
         while let Some((index, mother)) = queue.pop_front() {
             let has_room = placed + 2 <= max_cells;
