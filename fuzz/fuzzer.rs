@@ -1,4 +1,4 @@
-//! The fuzzer of the target that it is called after.
+//! The fuzzer of the target that it is named after.
 #![no_main]
 
 #[path = "targets/mod.rs"]

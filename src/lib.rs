@@ -18,7 +18,7 @@
 //!
 //! | crate | contents |
 //! |---|---|
-//! | `furrow-input` | reading what users write, with errors that name file, field, value and what is allowed |
+//! | `furrow-input` | reading user input, with errors that name file, field, value and the allowed values |
 //! | `furrow-bvp` | boundary-value problems, continuation, bifurcations |
 //! | `furrow-spectra` | eigenvalues of linear maps, singular values |
 //! | `furrow-cell` | a cell, its cue, its parameters |

@@ -3,7 +3,7 @@
 #[path = "../../crates/furrow-bvp/tests/hostile/mod.rs"]
 mod hostile;
 
-/// What is solved ends with a result or an error; results keep their tolerance.
+/// Every problem ends with a result or an error; results keep their tolerance.
 pub fn check(data: &[u8]) {
     hostile::check(data);
 }

@@ -1,4 +1,4 @@
-//! Contours, in tables of points and in masks. The first byte says which, and whether a label is asked for.
+//! Contours, in tables of points and in masks. The first byte selects the kind, and whether a label is requested.
 
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::furrow::furrow;

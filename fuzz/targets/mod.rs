@@ -51,7 +51,7 @@ pub fn says_where(error: &impl ToString) {
     assert!(!said.chars().any(|c| c.is_control() && c != '\n' && c != '\t'), "control characters: {said:?}");
 }
 
-/// What was read, or nothing after a look at the error.
+/// The value that was read; `None`, after a check of the error, if reading failed.
 pub fn accepted<T>(read: Result<T, impl ToString>) -> Option<T> {
     read.map_err(|error| says_where(&error)).ok()
 }

@@ -6,7 +6,7 @@ use furrow_mechanics::calibration;
 
 use super::{FILE, accepted, built_in, survives_json, text};
 
-/// Valid targets survive writing and reading. Those of a fit begin with another word and are checked against the built-in lineage.
+/// Valid targets survive writing and reading. Targets of a fit begin with another word and are checked against the built-in lineage.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let read = parse_document::<calibration::Targets>(text, FILE, "a file of targets", "Targets");

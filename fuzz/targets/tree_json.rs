@@ -1,4 +1,4 @@
-//! `tree.json`, and what is exported from it.
+//! `tree.json` and its exports.
 
 use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
 use furrow_formats::{tree_from_json, tree_to_json};

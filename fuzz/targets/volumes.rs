@@ -1,4 +1,4 @@
-//! Tables of volumes, long ones and grids. The first byte says how the table is read.
+//! Tables of volumes, long ones and grids. The first byte selects how the table is read.
 
 use furrow_measured::events::{divisions, summaries};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from ._furrow import Drawing, Memo
 
-#: A number (also of numpy), or a word for parameters whose values are words.
+#: A number (also of numpy), or a word for parameters with words as values.
 Value: TypeAlias = SupportsFloat | SupportsIndex | str
 
 #: The largest azimuthal number.
@@ -61,7 +61,7 @@ class Cell:
     _inputs: _furrow.Inputs
     _known: dict[str, Any] | None
 
-    # The parameters, for type checkers; their values are those of `parameters()`.
+    # The parameters, for type checkers; `parameters()` gives their values.
     if TYPE_CHECKING:
         kappa: float
         eta_b: float

@@ -27,7 +27,7 @@ class InputError(ValueError):
         self.field = field
         #: Its value.
         self.value = value
-        #: What is allowed.
+        #: The allowed values.
         self.allowed = allowed
         #: The file, or ``furrow`` for an argument.
         self.source = source

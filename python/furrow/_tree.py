@@ -361,7 +361,7 @@ class Tree:
         return f"<furrow.Tree of {len(self)} cells of {self.organism}>"
 
     def _repr_svg_(self) -> str | None:
-        # A notebook stores what it shows: drawings of larger trees are megabytes and illegible.
+        # A notebook stores its output: drawings of larger trees are megabytes and illegible.
         if len(self) > MOST_DRAWN:
             return None
         return self._grown.svg()
@@ -370,7 +370,7 @@ class Tree:
         drawing = self._repr_svg_()
         if drawing is None:
             return self._founders_html(f"{self.organism}: {len(self)} cells, too many to be drawn here")
-        # The drawing has a fixed width; limit it to that of the notebook.
+        # The drawing has a fixed width; limit it to the notebook's.
         drawing = drawing.replace("<svg ", '<svg style="max-width:100%;height:auto" ', 1)
         return f'<div style="max-width:100%;overflow:auto">{drawing}</div>'
 

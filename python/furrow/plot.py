@@ -34,7 +34,7 @@ ASYMMETRIC = "#d55e00"
 FAILED = "#999999"
 MODEL = "#009e73"
 OBSERVED = INK
-#: The cue where it raises what it changes, and where it lowers it.
+#: The cue where it raises a field, and where it lowers it.
 CUE = "#e69f00"
 CUE_LOWERS = "#0072b2"
 SHELL = "#8c8c8c"
@@ -44,7 +44,7 @@ FORCES = {"active": "#cc79a7", "viscous": "#56b4e9", "elastic": "#009e73", "pres
 OUTCOMES = {"symmetric": SYMMETRIC, "asymmetric": ASYMMETRIC, "failed": FAILED}
 BRANCHES = {"symmetric": SYMMETRIC, "asymmetric": ASYMMETRIC, "cued": MODEL}
 
-#: What parameters are called along an axis, with their units.
+#: Labels of parameters on an axis, with their units.
 LABELS = {
     "r0": "radius R₀ ($L_h$)",
     "epsilon": "volume fraction ε",
@@ -58,7 +58,7 @@ LABELS = {
     "gain": "gain g",
 }
 
-#: What the fields of a cue are called.
+#: Labels of the fields of a cue.
 FIELDS = {
     "kappa": "rigidity κ",
     "activity": "activity",

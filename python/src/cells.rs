@@ -63,7 +63,7 @@ pub fn divide(
 /// all places.
 type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, [f64; 2]);
 
-/// Computes a division and keeps its shapes, after every step or every so many τ.
+/// Computes a division and keeps its shapes, after every step or every `every` τ.
 #[pyfunction]
 #[pyo3(signature = (inputs, seed, every=None, places=None))]
 pub fn film<'py>(
@@ -121,8 +121,8 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Columns {
     columns
 }
 
-/// The stationary shape at one activity, on the branch of the passive shape, and its growth rates, with `azimuthal` also those of
-/// disturbances cos mφ up to this m, and the places of its contour.
+/// The stationary shape at one activity, on the branch of the passive shape, and its growth rates. With `azimuthal` also the growth
+/// rates of disturbances cos mφ up to this m, and the places of its contour.
 #[pyfunction]
 #[pyo3(signature = (inputs, azimuthal=None))]
 pub fn steady<'py>(
@@ -213,7 +213,7 @@ pub fn branch<'py>(
     Ok((described(&found), points))
 }
 
-/// Events, crossings and ends of branches, what is not known of them, and the exponent, prefactor, coefficient and number of points of
+/// Events, crossings and ends of branches, warnings, and the exponent, prefactor, coefficient and number of points of
 /// |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
 fn described(found: &Diagram) -> Document {
     let branches = || found.branches.iter();

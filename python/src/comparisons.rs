@@ -50,7 +50,7 @@ pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf
     })
 }
 
-/// What is compared, and how; Python gives it as a dict.
+/// The arguments of a comparison of volumes; Python gives them as a dict.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct VolumesAsked {
@@ -113,7 +113,7 @@ impl VolumesAsked {
             };
             return Ok(MeasuredVolumes { source: Some(source), volumes, found: Divisions::default(), groups });
         }
-        // Two conditions are two groups, if their tables name none.
+        // If the tables have no groups, the two conditions become two groups.
         let [first, second] = match is_empty(&self.against) {
             true => [self.group.clone(), None],
             false => ["measured", "against"].map(|name| Some(name.to_owned())),
@@ -138,7 +138,7 @@ impl VolumesAsked {
         };
         match (regression_of(groups, names[0], names[1]), &self.regress) {
             (Some(found), _) => Ok(vec![found]),
-            // Tables with their own groups lack those of the two conditions.
+            // Tables with their own groups lack the two conditions' names.
             (None, None) => Ok(Vec::new()),
             (None, Some(_)) => {
                 let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).collect();
@@ -268,7 +268,7 @@ struct ContoursFound<'a> {
     laid: Vec<[Vec<[f64; 2]>; 2]>,
 }
 
-/// Measured contours beside those of frames, which are sections through the axis with their times.
+/// Compares measured contours with frames, which are sections through the axis with their times.
 #[pyfunction]
 pub fn compare_contours(
     py: Python<'_>,

@@ -19,7 +19,7 @@ use crate::supervise::{Interrupt, supervised};
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Drawing(Picture);
 
-/// A picture that is not drawn yet, or one that was pickled.
+/// A picture before it is drawn, or after it was pickled.
 enum Picture {
     Canvas(Canvas),
     Written { svg: String, png: Vec<u8>, pdf: Vec<u8> },
@@ -67,7 +67,7 @@ impl Drawing {
         py.detach(|| write(&path, &self.bytes(format)?))
     }
 
-    /// What a notebook shows.
+    /// The drawing that a notebook shows.
     fn _repr_svg_(&self) -> String {
         self.svg()
     }
@@ -95,7 +95,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// Places of each mesh interval in pictures and movies, as the command line draws them.
 const DENSE: usize = 6;
 
-/// Computes a division and writes it as a movie, with so many frames or the usual number, in the format of the file's extension.
+/// Computes a division and writes it as a movie, with the given or the usual number of frames, in the format of the file's extension.
 #[pyfunction]
 #[pyo3(signature = (inputs, seed, path, frames=None, progress=None))]
 pub fn write_movie(

@@ -1,4 +1,4 @@
-//! The library's errors as the exceptions of `furrow/_errors.py`, with field, value and what is allowed.
+//! The library's errors as the exceptions of `furrow/_errors.py`, with field, value and the allowed values.
 
 use std::fmt::Display;
 
@@ -27,7 +27,7 @@ pub enum Error {
     NoOutcome(String),
     /// An error of the system: a folder, threads.
     System(String),
-    /// Interrupted after so many divisions, which are kept.
+    /// Interrupted after this number of divisions, which are kept.
     Interrupted(usize),
     /// An exception of Python.
     Raised(PyErr),

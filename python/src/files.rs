@@ -1,4 +1,4 @@
-//! Files beside those of trees: the page that computes, a lineage to begin with, caches, parts of sweeps, the paper reproduced.
+//! Files other than trees: the page that computes, a lineage to begin with, caches, parts of sweeps, the paper reproduced.
 
 use std::path::PathBuf;
 
@@ -87,7 +87,7 @@ pub fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf) -> Result<usize,
     })
 }
 
-/// The statements of the paper beside what is computed; writes pictures, tables and pages into a folder if there is one.
+/// The statements of the paper beside the computed values; with `out`, also writes pictures, tables and pages.
 #[pyfunction]
 #[pyo3(signature = (figures, data, given, memo, threads, out, format, progress=None))]
 pub fn reproduce(

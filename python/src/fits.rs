@@ -152,7 +152,7 @@ pub fn fit_cue(
     })
 }
 
-/// The front between the worst threshold and the number of statements met, among so many sets of constants.
+/// The front between the worst threshold and the number of statements met, among `count` sets of constants.
 #[pyfunction]
 #[pyo3(signature = (source, unknowns, count, seed, given, threads))]
 pub fn front(

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error, refused};
 
-/// A text, or the file that has it.
+/// A text, or its file.
 pub type Source = (Option<String>, Option<PathBuf>);
 
 /// Tables: files, and one as text.
@@ -63,7 +63,7 @@ impl<'py> FromPyObject<'_, 'py> for Named {
     }
 }
 
-/// A number, which keeps every bit, or a word. InputError for what is neither.
+/// A number, which keeps every bit, or a word. InputError for any other value.
 pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Value::Text(text.to_str()?.trim().to_owned()));
@@ -79,7 +79,7 @@ pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     Ok(Value::Number(value.extract().map_err(|_| refused(()))?))
 }
 
-/// What a computation is given: parameters by the names of `--set`, which override a configuration file, which overrides a preset.
+/// Given parameters, by the names of `--set`. They override a configuration file, which overrides a preset.
 #[derive(Clone)]
 pub struct Given {
     /// The parameters.
@@ -153,7 +153,7 @@ impl Given {
     }
 }
 
-/// The lineage of a file, of a text that begins with one, or the built-in one.
+/// The lineage of a file, of a text that begins with a lineage, or the built-in one.
 pub fn lineage_of(given: Option<&str>) -> Result<Lineage, InputError> {
     match given {
         None | Some("c_elegans") => Lineage::c_elegans(),
@@ -180,7 +180,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// The input of its division with a seed, checked as such.
+    /// The input of its division with a seed, checked.
     pub fn division(&self, seed: u64) -> Result<DivisionInput, Error> {
         let settings = self.settings();
         settings.check_activity(ARGUMENTS)?;

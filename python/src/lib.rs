@@ -12,7 +12,7 @@
 //! | `shapes` | where division begins: boundaries, phase diagrams, critical radii, PAR polarity |
 //! | `drawings` | pictures and movies |
 //! | `trees` | lineages |
-//! | `recursion` | trees whose cells get their parameters from a function |
+//! | `recursion` | trees with each cell's parameters from a function |
 //! | `solve` | the values of one parameter that give a wanted division |
 //! | `sweeps` | many points |
 //! | `studies` | constants from thresholds, lineages over sets of constants |

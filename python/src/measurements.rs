@@ -52,7 +52,7 @@ fn name_of((text, file): &Source) -> String {
     }
 }
 
-/// Measured lifetimes beside those of a tree.
+/// Compares measured lifetimes with a tree.
 #[pyfunction]
 pub fn compare_lifetimes(
     py: Python<'_>,

@@ -24,7 +24,7 @@ pub struct Memo {
 /// A pickled memo: its class and arguments.
 type Reduced<'py> = (Bound<'py, PyAny>, (Option<PathBuf>, f64));
 
-/// A memo of nothing as yet.
+/// An empty memo.
 fn empty(store: Option<&Path>, quantisation: Quantisation) -> Result<Solved, Error> {
     let memo = Solved::new(quantisation);
     Ok(match store {
@@ -78,7 +78,7 @@ impl Memo {
         true
     }
 
-    /// Relative step to which R0 is rounded; 0 if it is not.
+    /// Relative step to which R0 is rounded; 0 without rounding.
     #[getter]
     fn r0_step(&self) -> Result<f64, Error> {
         Ok(self.solved()?.quantisation().relative_step())

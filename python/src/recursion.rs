@@ -1,4 +1,4 @@
-//! A tree whose cells get their parameters from a function of Python.
+//! A tree with each cell's parameters from a Python function.
 
 use std::sync::Arc;
 
@@ -22,19 +22,19 @@ struct Born {
     name: String,
     r0: f64,
     volume_fraction: f64,
-    /// Its mother and which daughter it is; none of the first.
+    /// Its mother and which daughter it is; `None` for the first cell.
     from: Option<(CellId, Side)>,
 }
 
 /// A tree as it grows.
 struct Growing<'py> {
-    /// What gives a cell its parameters; it returns nothing for a cell that is not to divide.
+    /// The function that gives a cell its parameters; it returns `None` for a cell that does not divide.
     rule: &'py Bound<'py, PyAny>,
     tree: Option<Tree>,
     seed: u64,
-    /// As that of the memo.
+    /// The memo's step of rounded radii.
     r0_step: f64,
-    /// The first cell without its cue, from which those of others differ.
+    /// The first cell without its cue. Other cells are described by their differences from it.
     first: Cell,
 }
 

@@ -24,7 +24,7 @@ use crate::solve::parameter;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::one_of;
 
-/// A result, its picture, and what it warns of.
+/// A result, its picture, and its warnings.
 type Drawn = (Document, Drawing, Vec<String>);
 
 /// A parameter that varies, and the cell at its first value.

@@ -72,7 +72,7 @@ pub fn supervised<T: Send + 'static>(
         let _ = sender.send(done);
     });
     begun.map_err(|error| Error::System(format!("cannot start a thread: {error}")))?;
-    // A KeyboardInterrupt says what was kept; any other exception is as it is.
+    // A KeyboardInterrupt reports the kept divisions; other exceptions stay unchanged.
     let explained = |error: PyErr| match error.is_instance_of::<PyKeyboardInterrupt>(py) {
         true => Error::Interrupted(watch.count(0)),
         false => error.into(),

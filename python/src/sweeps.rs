@@ -33,7 +33,7 @@ pub struct Asked {
     lineage: Option<PathBuf>,
 }
 
-/// A value of an axis; Python has told numbers from words.
+/// A value of an axis; Python has separated numbers from words.
 #[derive(FromPyObject)]
 enum AxisGiven {
     Word(String),

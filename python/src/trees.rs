@@ -80,7 +80,7 @@ fn named(Scenario { name, folder, label, cue, .. }: Scenario, tree: Tree) -> Nam
     ((name, folder, label, cue), GrownTree { tree: Arc::new(tree) })
 }
 
-/// What a run took and warns of.
+/// The work of a run and its warnings.
 fn work(summary: &Summary, unknown: usize) -> Document {
     let mut warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
     if unknown > 0 {

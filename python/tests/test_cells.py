@@ -114,7 +114,7 @@ def test_a_regulator_is_that_of_the_command_line(cli, tmp_path):
     column = [float(row["phi"] or "nan") for row in csv.DictReader(io.StringIO(grown.export("csv")))]
     np.testing.assert_array_equal(grown.cells["phi"], column)
     assert math.isclose(grown.cells["phi"][0], furrow.Cell(r0=2.5, cue=CARRIED).divide().phi, rel_tol=1e-5)
-    # Without a regulator there is none of it.
+    # A cell without a regulator has no regulator values.
     plain = furrow.Cell(r0=1.65)
     assert plain.steady().regulator is None and plain.divide().phi is None
     assert set(plain.steady().contour.columns) == set(furrow.PLACE_COLUMNS)

@@ -25,7 +25,7 @@ PROGRAM = {
     "--config": "config=, of every function",
     "--threads": "threads=, of every function that solves several divisions",
 }
-#: Options that name a cell, whatever is computed for it.
+#: Options that select a cell, for any computation.
 RESTING = {
     "--r0": "furrow.Cell(r0)",
     "--epsilon": "epsilon=, as --set",
@@ -43,7 +43,7 @@ def _of(name: str, *tables: dict[str, str], **options: str) -> dict[str, str]:
     return {**found, **{f"--{option.replace('_', '-')}": text for option, text in options.items()}}
 
 
-#: Commands: their Python name, and that of each option. A name is ``furrow.NAME``, with a parameter in parentheses; every other
+#: Commands: their Python name, and their options' names. A name is ``furrow.NAME``, with a parameter in parentheses; every other
 #: text is a reason.
 COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "": ("furrow", {}),

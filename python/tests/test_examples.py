@@ -81,7 +81,7 @@ def finish(done: subprocess.Popen[str]) -> None:
 def test_types_are_right(tmp_path):
     pytest.importorskip("mypy")
     examples = (str(path.relative_to(PYTHON)) for path in EXAMPLES)
-    # From elsewhere, so that what is looked at is the package that is installed.
+    # From another folder, so that the checker sees the installed package.
     settings = ("--mypy-config-file", str(PYTHON / "pyproject.toml"))
     stubs = start("mypy.stubtest", "--ignore-disjoint-bases", *settings, "furrow._furrow", folder=tmp_path)
     finish(start("mypy", "--strict", "furrow", *examples, "benches/cost.py", "tests/typed_calls.py", folder=PYTHON))

@@ -8,7 +8,7 @@ import furrow
 
 #: A lineage and observations that are fitted fast.
 LINEAGE = '(name: "S", founders: [(name: "S", r0: 2.2, observed: (mean: 1, terminal: 2))], limits: (max_depth: 1))'
-#: One whose founder has a cue that a fit replaces.
+#: The same lineage with a cue of its founder that a fit replaces.
 RINGED = LINEAGE.replace("founders:", 'cues: {"ring": "kappa:u0=0.45,omega=0.2,amplitude=0.1"}, founders:').replace(
     "r0: 2.2,", 'r0: 2.2, cue: "ring",'
 )
@@ -38,7 +38,7 @@ def test_constants_are_those_of_the_command_line(files, memo):
     assert ours.to_dict() == {name: theirs[name] for name in ours}
     assert set(theirs) - set(ours) <= {"seed", "elapsed_s"}
     assert ours.ron == (files.folder / "best.ron").read_text()
-    # The threshold is met by the gain, which no search changes, and the misfit is that of the residuals.
+    # The gain meets the threshold and no search changes it; the misfit follows from the residuals.
     assert furrow.Cell(2.0, config=files.folder / "best.ron", intervals=32).pitchfork().xi_s == pytest.approx(22.006, rel=1e-6)
     (chi,) = (row for row in ours["residuals"] if row["quantity"] == "chi")
     assert abs(chi["computed"] - chi["observed"]) == pytest.approx(ours["best"]["parts"]["chi"], abs=1e-12)

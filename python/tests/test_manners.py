@@ -189,7 +189,7 @@ def test_ctrl_c_stops_and_what_was_solved_is_kept(call, keeps):
     assert run.returncode == 0, err
     word, solved, known = out.split()
     assert word == "stopped" and int(known) >= int(solved)
-    # Shapes are not kept, and nobody says that they are.
+    # Shapes are not kept, and the message does not claim that they are.
     assert (int(solved) > 0) == keeps
 
 
@@ -254,7 +254,7 @@ def test_progress_is_told(memo):
 
     with pytest.raises(RuntimeError, match="no more"):
         furrow.sweep(axes={"r0": np.linspace(3.0, 4.0, 60)}, memo=memo, progress=fail)
-    # What it had solved until then is kept.
+    # The divisions solved until then are kept.
     assert len(memo) > 60
 
 

@@ -32,7 +32,7 @@ def test_a_front_is_that_of_the_command_line(cli, tmp_path):
     assert found.to_dict() == theirs
     rows = found.to_pandas()
     assert rows["met"].tolist() == [member["met"] for member in found["members"]] and found["statements"] == 2
-    # The thresholds of a set are those of cells with its constants.
+    # The thresholds of a set equal the thresholds of cells with its constants.
     first = found["members"][0]
     cell = furrow.Cell(2.0, epsilon=0.87, intervals=32, **dict(zip(found["parameters"], first["values"], strict=True)))
     assert cell.pitchfork().xi_s == pytest.approx(first["thresholds"][0], rel=1e-9)

@@ -77,7 +77,7 @@ def test_a_tree_is_a_graph(worm):
     assert set(graph.successors("P0")) == {"AB", "P1"}
     assert graph.nodes["AB"]["r0"] == worm.r0[worm.names.index("AB")]
     assert graph.nodes["AB"]["outcome"] == "symmetric"
-    # What is written is read again: no number of numpy is in the way.
+    # The graph can be written and read again: its numbers are not numpy's.
     text = "\n".join(networkx.generate_graphml(networkx.DiGraph(graph.edges)))
     assert networkx.parse_graphml(text).number_of_edges() == 252
 
@@ -114,7 +114,7 @@ def test_cells_over_minutes(worm, cli, tmp_path):
     assert last == {row["name"]: row.get("last_division_min") for row in theirs["founders"]}
     assert [{"min": at, "cells": n} for at, n in zip(minutes.tolist(), cells.tolist(), strict=True)] == theirs["alive"]
     assert worm.founders_to_pandas()["last_division_min"][0] == last["P0"]
-    # The drawing is that of the command line.
+    # The drawing equals the command line's.
     cli.text("tree", "--out", "minutes", "--time-axis", "minutes")
     assert worm.svg("minutes") == (tmp_path / "minutes" / "tree.svg").read_text(encoding="utf-8")
     assert worm.svg("minutes") != worm.svg() == (tmp_path / "out" / "tree.svg").read_text(encoding="utf-8")

@@ -24,7 +24,7 @@ pub struct CueArgs {
     /// amplitude; may be left out), step (the same), gradient (amplitude), par and par_band (amplitude; place and width follow
     /// from PAR polarity). The width omega is in u, or with the suffix Lh in L_h.
     ///
-    /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. Its keys: those of PROFILE,
+    /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. Its keys: the keys of PROFILE,
     /// its source (PROFILE none: no source); turnover (1/τ); diffusion (L_h²/τ); each field that it changes, as in
     /// activity=0.3, or if that saturates tension=30,tension.half=10; and diluted=false for a label, which converging
     /// flow does not concentrate. If the lineage file has units, widths may be in um, turnover in /s, and diffusion in
@@ -37,10 +37,10 @@ pub struct CueArgs {
 }
 
 impl CueArgs {
-    /// The lineage whose cues have names.
+    /// The lineage with the cues that have names.
     ///
     /// # Errors
-    /// Names the file and what is wrong with it.
+    /// Names the file and the error in it.
     pub fn lineage(&self) -> Result<Lineage, InputError> {
         load_lineage(self.lineage.as_deref())
     }
@@ -51,7 +51,7 @@ impl CueArgs {
     /// the time of a division that the cache knows.
     ///
     /// # Errors
-    /// Names the file or the part of the cue, and what is allowed.
+    /// Names the file or the part of the cue, and the allowed values.
     fn read(&self) -> Result<(Cue, Units), InputError> {
         let spelled = self.lineage.is_none().then(|| self.cue.parse::<Cue>());
         if let Some(Ok(cue)) = spelled {
@@ -92,7 +92,7 @@ impl CellArgs {
     /// The cell, with everything else from the settings.
     ///
     /// # Errors
-    /// Names the option, its value and what is allowed.
+    /// Names the option, its value and the allowed values.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
         let (cue, units) = self.cue.read()?;
         context.units = units.asked_in(self.r0);
@@ -118,7 +118,7 @@ impl ActiveCellArgs {
     /// The cell, with everything else from the settings.
     ///
     /// # Errors
-    /// Names the option, its value and what is allowed.
+    /// Names the option, its value and the allowed values.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
         set(&mut context.settings, [("--xi", "xi_s", self.xi)])?;
         let cell = self.cell.read(context)?;
@@ -143,10 +143,10 @@ pub struct FirstCellArgs {
 }
 
 impl FirstCellArgs {
-    /// The settings with what the options say.
+    /// The settings with the values of the options.
     ///
     /// # Errors
-    /// Names the option, its value and what is allowed.
+    /// Names the option, its value and the allowed values.
     pub fn settings(&self, settings: &Settings, units: &Units) -> Result<Settings, InputError> {
         let mut settings = settings.clone();
         let r0 = self.r0.map(|r0| r0.in_units(units));
@@ -157,10 +157,10 @@ impl FirstCellArgs {
     }
 }
 
-/// Sets parameters, each by its option, to what is given.
+/// Sets the parameters of the options that are given.
 ///
 /// # Errors
-/// Names the option, its value and what is allowed.
+/// Names the option, its value and the allowed values.
 pub fn set<const N: usize>(settings: &mut Settings, of: [(&str, &str, Option<f64>); N]) -> Result<(), InputError> {
     let mut given = of.into_iter().filter_map(|(option, name, value)| Some((option, name, value?)));
     given.try_for_each(|(option, name, value)| settings.set_number(option, name, value))
@@ -198,7 +198,7 @@ where
 /// A finite number above 0 from an option.
 ///
 /// # Errors
-/// Names the option, its value and what is allowed.
+/// Names the option, its value and the allowed values.
 pub fn positive(option: &str, value: f64) -> Result<f64, InputError> {
     let field = option.trim_start_matches('-').replace('-', "_");
     let refused = || InputError::not_allowed(option, field, value, "a finite number above 0");

@@ -51,7 +51,7 @@ pub struct Globals {
     pub verbose: u8,
 }
 
-/// Suggests the names of presets to shells. What is no preset is refused where settings are read, with the nearest name.
+/// Suggests the names of presets to shells. Other names are refused when settings are read, where the error suggests the nearest name.
 #[derive(Clone)]
 struct PresetNames;
 

@@ -70,10 +70,10 @@ struct Solved {
     perturbation: Option<Perturbation>,
 }
 
-/// Those that could be computed, and the number of the others.
+/// The successful replicates, and the number of the others.
 type Replicates = (Vec<Solved>, usize);
 
-/// Whether the noise decides more than the side of a cell's furrow, by a division with another seed that tells.
+/// Whether the noise decides more than the side of a cell's furrow, shown by a division with another seed.
 struct Chance {
     seed: u64,
     other: Division,
@@ -89,7 +89,7 @@ impl Chance {
         Some(Chance { seed: *seed, other: division.clone(), decides: found.is_some() })
     }
 
-    /// What the noise decides.
+    /// Describes the effect of the noise.
     fn text(&self, first: &Division) -> String {
         format!(
             "the noise decides how unequal: {} with this seed, {} with seed {}; --replicates 20 shows the spread\n",
@@ -308,7 +308,7 @@ fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f
     at_least_one(solved, failed)
 }
 
-/// The replicates that succeeded and the number of the others, each of which gets a warning.
+/// The successful replicates and the number of failed ones. Every failure gets a warning.
 fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result<Replicates, CliError> {
     if solved.is_empty()
         && let Some((_, error)) = failed.pop()
@@ -365,7 +365,7 @@ fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) 
     out
 }
 
-/// What linear theory says of a cell that does not divide, where a disturbance that is not axisymmetric grows.
+/// The prediction of linear theory for a cell that does not divide, where a disturbance that is not axisymmetric grows.
 fn one_sided(cell: &Cell, solved: &[Solved]) -> String {
     let rests = solved.iter().any(|one| one.division.chi().is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {

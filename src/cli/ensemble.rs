@@ -133,7 +133,7 @@ pub fn grow_over(
     writable_folder("--out", out, &RANGES_FILES)?;
     let files = out.map(|folder| FileSet::begin(folder, RANGES_FILES));
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
-    // Nothing of these trees goes to the cache, so that there is nothing to finish.
+    // These trees are not cached, so there is nothing to finish.
     interrupt::abort();
     let (line, done) = (ProgressLine::new(context.progress), AtomicUsize::new(0));
     let shown = || {

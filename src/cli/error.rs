@@ -11,7 +11,7 @@ use furrow_mechanics::division::DivisionError;
 use furrow_mechanics::equilibria::{PointKind, ShapeError, StationaryError};
 use furrow_mechanics::perturbation::PerturbationError;
 
-/// What ends a command: one of its own reasons, or an error of the library.
+/// The reason for the end of a command: one of its own errors, or an error of the library.
 #[derive(Debug)]
 pub enum CliError {
     /// Bad usage, reported already.

@@ -16,27 +16,27 @@ macro_rules! warning {
     };
 }
 
-/// What a message is, the most important first.
+/// Levels of messages, the most important first.
 #[derive(Clone, Copy)]
 pub enum Level {
-    /// Something that the user should know of.
+    /// A warning.
     Warn = 1,
-    /// What `-v` prints.
+    /// Printed with `-v`.
     Info,
-    /// What `-vv` prints.
+    /// Printed with `-vv`.
     Debug,
 }
 
 /// The least important level that is printed.
 static PRINTED: AtomicU8 = AtomicU8::new(Level::Warn as u8);
 
-/// Sets from the options what is printed.
+/// Sets the level of printed messages from the options.
 pub fn set_level(globals: &Globals) {
     let printed = if globals.quiet { 0 } else { (Level::Warn as u8).saturating_add(globals.verbose) };
     PRINTED.store(printed, Ordering::Relaxed);
 }
 
-/// Prints a message if its level is to be printed.
+/// Prints a message if its level is enabled.
 pub fn write(level: Level, message: Arguments<'_>) {
     if level as u8 > PRINTED.load(Ordering::Relaxed) {
         return;

@@ -47,7 +47,7 @@ pub fn print_usage(error: &clap::Error) -> Result<(), CliError> {
     if error.use_stderr() { Err(CliError::Usage) } else { Ok(printed?) }
 }
 
-/// Checks that files of these names can be written into the folder of an option, before the work whose results they keep.
+/// Checks that these files can be written into the folder of an option, before any work for their contents.
 pub fn writable_folder<'a>(
     option: &str,
     folder: impl Into<Option<&'a Path>>,
@@ -57,7 +57,7 @@ pub fn writable_folder<'a>(
     check_folder(folder, names).map_err(|error| not_writable(option, folder, "a folder that can be written to", &error))
 }
 
-/// Checks that the file of an option can be written, before the work whose results it keeps.
+/// Checks that the file of an option can be written, before any work for its contents.
 pub fn writable_file<'a>(option: &str, file: impl Into<Option<&'a Path>>) -> Result<(), InputError> {
     let Some(file) = file.into() else { return Ok(()) };
     check_file(file).map_err(|error| not_writable(option, file, "a file that can be written", &error))
@@ -73,7 +73,7 @@ fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -
 /// Reads the number of an option.
 ///
 /// # Errors
-/// Says what is allowed; clap adds the option and the value.
+/// Gives the allowed values; clap adds the option and the value.
 pub fn number(text: &str) -> Result<f64, String> {
     let finite = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
     finite.ok_or_else(|| "must be a finite number, as 0.87 or 1e-3".to_owned())

@@ -1,4 +1,4 @@
-//! `--plot` and `--movie`: what a command computes as a picture or a movie.
+//! `--plot` and `--movie`: a command's results as a picture or a movie.
 
 use std::path::{Path, PathBuf};
 

@@ -39,13 +39,13 @@ pub struct PolarityArgs {
     /// Activity ξ_s of every cell, as published; default 25, the preset's
     #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
-    /// Lineage file whose germline it is: the first cell, its smaller daughter, and so on; default the built-in one
+    /// Lineage file with the germline: the first cell, its smaller daughter, and so on; default the built-in one
     #[arg(help_heading = "Cell", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
     /// Sets one constant of the chemistry; repeatable
     #[arg(help_heading = "Chemistry", long, value_name = "KEY=VALUE")]
     par: Vec<String>,
-    /// L_h in µm; default that of the lineage file, else 3.2
+    /// L_h in µm; default from the lineage file, else 3.2
     #[arg(help_heading = "Chemistry", long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
     length_um: Option<f64>,
     /// How κ follows P: a step from the pole where P is high, or a band at its boundary, of the same width
@@ -103,7 +103,7 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     print_as(context.json, &found.document(&chemistry, amplitude), || shown.text())
 }
 
-/// What is printed.
+/// The printed results.
 struct Shown<'a> {
     found: &'a PolarityStudy,
     chemistry: &'a Chemistry,

@@ -53,13 +53,13 @@ impl ProgressLine {
         }
     }
 
-    /// Shows where a run stands whose number of divisions is not known: it shows those solved, running and waiting.
+    /// Shows the state of a run with an unknown number of divisions: the numbers solved, running and waiting.
     pub fn show(&self, progress: Progress) {
         let Progress { solved, running, queued, memo_hits } = progress;
         self.message(format!("{solved} divisions solved, {running} running, {queued} waiting, {memo_hits} memo hits"));
     }
 
-    /// Shows where a run stands that knows all its divisions from the start.
+    /// Shows the state of a run with a known number of divisions.
     pub fn show_all(&self, Progress { solved, running, queued, memo_hits }: Progress) {
         let done = solved + memo_hits;
         self.show_share(done, done + running + queued, || "divisions".to_owned());
@@ -73,7 +73,7 @@ impl ProgressLine {
         self.say(|| text);
     }
 
-    /// Shows how many of all are done, what they are, and when the rest will be.
+    /// Shows the number of finished items among all, their kind, and the time left.
     pub fn show_share(&self, done: usize, of: usize, what: impl FnOnce() -> String) {
         if self.bar.is_hidden() {
             let percent = 100.0 * done as f64 / of.max(1) as f64;

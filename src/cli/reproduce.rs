@@ -30,8 +30,8 @@ pub struct ReproduceArgs {
     /// Figures, tables and movies of the paper; default all
     #[arg(value_name = "FIGURE")]
     figures: Vec<String>,
-    /// Volumes of cells, for the measured rows of 5B, 5D and 6B: a table as of `furrow compare volumes`; default that of Jankele,
-    /// Jelier & Gönczy 2021
+    /// Volumes of cells, for the measured rows of 5B, 5D and 6B: a table as of `furrow compare volumes`; default the measurements
+    /// of Jankele, Jelier & Gönczy 2021
     #[arg(help_heading = "Input", long, value_name = "FILE.csv")]
     data: Option<PathBuf>,
     /// Output folder for pictures, tables, reproduction.md, results.csv and reproduce.json

@@ -63,7 +63,7 @@ pub struct SolveArgs {
     seed: u64,
 }
 
-// What is wanted: one of them.
+// Exactly one wanted quantity.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 #[command(next_help_heading = "Wanted")]
@@ -83,7 +83,7 @@ struct WantedArgs {
 }
 
 impl WantedArgs {
-    /// What is wanted, and its value.
+    /// The wanted quantity and its value.
     fn read(&self) -> Result<(Measure, f64), InputError> {
         let WantedArgs { chi, chi_signed, u, t } = *self;
         let given = [

@@ -36,7 +36,7 @@ pub struct SteadyArgs {
 /// Largest azimuthal number offered: modes that turn faster around the axis decay ever faster.
 pub const MOST_AZIMUTHAL: i64 = 16;
 
-/// What is known of the disturbances of one azimuthal number; the mode is that of the leading rate, for m = 0 none.
+/// Growth rates of the disturbances of one azimuthal number, with the mode of the leading rate; no mode for m = 0.
 struct Azimuthal {
     m: usize,
     spectrum: Spectrum,

@@ -82,7 +82,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     })?;
     picture.write(|| plot::sweep::draw(&sweep, &table.rows))?;
     let (points, elapsed_s, out) = (table.rows.len(), start.elapsed().as_secs_f64(), args.out.display().to_string());
-    // Points are those of this part of the sweep, resumed ones those whose rows an interrupted run had finished.
+    // Points are counted in this part of the sweep; resumed points have rows that an interrupted run had finished.
     let document = json!({
         "points": points, "solved": found.solved, "reused": found.reused, "resumed": found.resumed,
         "undecided": undecided, "shard": args.shard, "elapsed_s": elapsed_s, "out": out,

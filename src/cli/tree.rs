@@ -54,9 +54,9 @@ pub struct TreeArgs {
     /// ranges.csv, ranges.json, ranges.svg and run.json
     #[arg(help_heading = "Cell", long, value_name = "FILE.csv", conflicts_with = "replicates")]
     pub constants: Option<PathBuf>,
-    /// Grows the tree with N seeds, S, S+1, ..., and prints the range of the counts; files are those of seed S, and spread.csv
+    /// Grows the tree with N seeds, S, S+1, ..., and prints the range of the counts; writes the files of seed S, and spread.csv
     ///
-    /// A division whose χ agrees within 0.001 between seeds S and S+1 is computed with no other: all trees share it.
+    /// If a division's χ agrees within 0.001 between seeds S and S+1, all trees share that division; no other seed is computed.
     #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub replicates: Option<u32>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
@@ -96,7 +96,7 @@ fn tree_counts(tree: &Tree) -> Value {
     merged(counts, minutes.unwrap_or_default())
 }
 
-/// Those of a scenario; `cue` is as it was asked for, null where the lineage's own cues are in force.
+/// The counts of a scenario; `cue` is the text that the user gave, null for the lineage's own cues.
 fn scenario_counts((scenario, tree): (&Scenario, &Tree)) -> Value {
     let Scenario { name, folder, label, cue, .. } = scenario;
     merged(json!({ "name": name, "folder": folder, "lineage": label, "cue": cue }), tree_counts(tree))
@@ -303,7 +303,7 @@ pub fn prepared(
     Ok((lineage, settings))
 }
 
-/// Tells who gets a cue in a lineage that gives none.
+/// Tells the user which founders get a cue in a lineage without cues.
 pub fn tell_who_gets(text: &str, lineage: &Lineage, label: &str) {
     let is_none = text == "none" || text.ends_with("=none");
     if is_none || !lineage.is_without_cues() {
@@ -372,7 +372,7 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
     }
 }
 
-/// Warns of a clock whose origin does not take place in the tree, unless nothing does.
+/// Warns if the origin of the clock does not take place in the tree, unless the tree has only one cell.
 fn warn_of_origin(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let wanted = tree.lineage.clock.as_ref().and_then(|clock| clock.origin.as_ref());
@@ -386,7 +386,7 @@ fn warn_of_origin(tree: &Tree, scenario: &str) {
     }
 }
 
-/// Logs cues without a critical radius; one warning names those whose search was given up.
+/// Logs cues without a critical radius. One warning names the cues with an abandoned search.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     for (cue, error) in unknown {
         messages::write(

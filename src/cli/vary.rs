@@ -33,7 +33,7 @@ pub struct VaryArgs {
     pub cue: CueArgs,
 }
 
-/// What the options say.
+/// The values of the options.
 pub struct Varied {
     /// The cell, at the first value.
     pub cell: Cell,
@@ -47,7 +47,7 @@ impl VaryArgs {
     /// The cell and its parameter.
     ///
     /// # Errors
-    /// Names the option, its value and what is allowed.
+    /// Names the option, its value and the allowed values.
     pub fn read(&self, context: &mut Context) -> Result<Varied, InputError> {
         let parameter = parameter("--vary", &self.vary)?;
         let allowed = "another parameter: curves and diagrams run over ξ_s as it is";
@@ -78,7 +78,7 @@ impl Given<'_> {
     /// The cell, without a value of the parameter.
     ///
     /// # Errors
-    /// Names the option, its value and what is allowed.
+    /// Names the option, its value and the allowed values.
     pub fn cell(&self, context: &mut Context) -> Result<Cell, InputError> {
         let parameter = self.parameter;
         let lineage = self.cue.lineage()?;
@@ -133,10 +133,10 @@ impl Given<'_> {
         warn_of_size(&context.units, ends);
     }
 
-    /// The cell with its parameter over a range whose values are all allowed.
+    /// The cell with its parameter over a range of allowed values.
     ///
     /// # Errors
-    /// Names the option, its value and what is allowed.
+    /// Names the option, its value and the allowed values.
     pub fn range(&self, cell: Cell, range: [f64; 2], context: &mut Context) -> Result<Varied, InputError> {
         let cell = over_range(&mut context.settings, cell, self.parameter, range, ["--from", "--to"])?;
         Ok(Varied { cell, parameter: self.parameter, range })

@@ -214,7 +214,7 @@ def jsonschema():
         reasons |= {cell["ended"]["reason"] for cell in tree["cells"] if cell["ended"]}
         print(f"  {file}: {len(tree['cells'])} cells")
     assert "undecided" in reasons and "below_pitchfork" in reasons, reasons
-    # One value of a tree changed: whatever is against the schema is refused.
+    # One value of a tree changed: every violation of the schema is refused.
     for place, value in WRONG.items():
         wrong = json.load(open("t/tree.json"))
         inside, keys = wrong, [int(key) if key.isdigit() else key for key in place.split("/")]

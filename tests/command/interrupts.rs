@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use crate::common::command::{command, names};
 
-/// Starts a command, sends it Ctrl-C some milliseconds after it listens to that and has so many threads, and gives what it says.
+/// Starts a command, sends it Ctrl-C `wait` milliseconds after it handles the signal and has `threads` threads, and returns its stderr.
 /// It must end with exit code 1 and without a file.
 fn interrupted(folder: &Path, arguments: &[&str], stderr: Stdio, threads: u64, wait: u64) -> String {
     let mut child = command(folder, arguments).stdout(Stdio::null()).stderr(stderr).spawn().unwrap();
@@ -17,7 +17,7 @@ fn interrupted(folder: &Path, arguments: &[&str], stderr: Stdio, threads: u64, w
             let value = status.lines().find_map(|line| line.strip_prefix(field)).unwrap_or("0");
             u64::from_str_radix(value.trim(), radix).unwrap_or(0)
         };
-        // The second bit is that of SIGINT.
+        // The second bit is for SIGINT.
         number("SigCgt:", 16) & 2 != 0 && number("Threads:", 10) >= threads
     };
     while !fs::read_to_string(format!("/proc/{}/status", child.id())).is_ok_and(listens) {
@@ -32,7 +32,7 @@ fn interrupted(folder: &Path, arguments: &[&str], stderr: Stdio, threads: u64, w
     String::from_utf8(output.stderr).unwrap()
 }
 
-/// Uncached commands stop immediately. None of these would end within the test's time limit.
+/// Uncached commands stop immediately. Each would take longer than the test's time limit.
 #[test]
 fn a_computation() {
     let folder = tempfile::tempdir().unwrap();
@@ -51,10 +51,10 @@ fn a_computation() {
     }
 }
 
-/// What follows a division, here a movie of minutes, is ended by the first Ctrl-C, whether it comes before or after the division
-/// is solved. A message longer by what is kept says that it came before.
+/// Ctrl-C ends work after a division, here a movie of minutes, whether it comes before or after the division
+/// is solved. The message names kept divisions if it came before.
 #[test]
-fn what_follows_a_division() {
+fn work_after_a_division() {
     for wait in [0, 400] {
         let folder = tempfile::tempdir().unwrap();
         let movie = ["divide", "--r0", "2.5", "--no-cache", "--movie", "long.gif", "--movie-frames", "2000"];

@@ -1,8 +1,8 @@
 //! The interactive page and its WebAssembly module give the results of the command line.
 //!
-//! The tests need Node, and two need Chromium (`FURROW_CHROMIUM` names one), so they are ignored; `.ci/run` runs those whose programs are
-//! there. `FURROW_SCREENSHOTS` names a folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells, whose opening is
-//! then timed.
+//! The tests need Node, and two need Chromium (`FURROW_CHROMIUM` names one), so they are ignored; `.ci/run` runs them if the programs
+//! are there. `FURROW_SCREENSHOTS` names a folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells: a test then
+//! measures how long it takes to open.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -29,14 +29,14 @@ fn chromium() -> String {
     program(named.into_iter().chain(usual)).expect("Chromium, which FURROW_CHROMIUM may name")
 }
 
-/// What the command line says of a zygote that it refuses.
+/// The command line's error for a zygote that it refuses.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = command::furrow(folder, &[&["divide", "--r0", "5.4"], arguments].concat());
     assert_eq!(output.status.code(), Some(2));
     String::from_utf8(output.stderr).unwrap().trim().trim_start_matches("furrow: error: ").to_owned()
 }
 
-/// The settings that were saved in the page give what the page said.
+/// The settings saved in the page give the page's results.
 fn saved_settings_divide(folder: &Path, sliders: &Value) {
     let found = told(folder, &[&["divide", "--config", "saves/furrow.ron"][..], &P0].concat());
     assert_eq!((&found["outcome"], &found["chi"]), (&sliders["outcome"], &sliders["chi"]));
@@ -57,7 +57,7 @@ fn timed(folder: &Path) -> Value {
     json!({ "page": folder.join("timed/report.html"), "born": born })
 }
 
-/// What the page must say, by the command line.
+/// The results that the page must show, from the command line.
 fn expected(folder: &Path) -> Value {
     answer(folder, &["tree", "--out", "out", "--cache", "cache"]);
     answer(folder, &["explore", "--out", "explore.html"]);
@@ -77,7 +77,7 @@ fn expected(folder: &Path) -> Value {
         |field: &str| scenarios["scenarios"].as_array().unwrap().iter().map(|s| s[field].clone()).collect::<Vec<_>>();
     json!({
         "scenarios": { "page": folder.join("several/report.html"), "names": of("name"), "cells": of("cells") },
-        // Quantity of the sliders, a value that is refused, one that is not, and the command line's words.
+        // Quantity of the sliders, a refused value, an allowed value, and the command line's words.
         "refusals": [
             ("xi_s", 200, 25, refusal(folder, &["--xi", "200"])),
             ("u0", 3, 0.465, refusal(folder, &["--cue", "kappa:u0=3,omega=0.0577,amplitude=0.1"])),
@@ -121,7 +121,7 @@ fn the_module_divides_and_grows_as_the_command_line_does() {
     }
 }
 
-/// Runs a script that drives Chromium and compares the page with what is expected.
+/// Runs a script that drives Chromium and compares the page with the expected results.
 fn drive(script: &str, folder: &Path, expected: &Value) {
     let file = folder.join("expected.json");
     std::fs::write(&file, expected.to_string()).unwrap();

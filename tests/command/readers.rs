@@ -1,6 +1,6 @@
-//! Programs of others read the exports. `exchange.py` holds what they read against tree.json.
+//! Other programs read the exports. `exchange.py` compares their results with tree.json.
 //!
-//! Each test needs a Python package, so it is ignored; `.ci/run` runs those whose package is there. `FURROW_PYTHON` names the Python.
+//! Each test needs a Python package, so it is ignored; `.ci/run` runs it if the package is there. `FURROW_PYTHON` names the Python.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! Sessions at the command line: what users type, and what they see. The shell runs them.
+//! Sessions at the command line: the user's commands and their output. The shell runs them.
 #![cfg(unix)]
 
 use crate::common::cases::check_session;

@@ -6,7 +6,7 @@ use furrow_mechanics::critical::Stored;
 use crate::common::command::{HERE, json};
 use crate::common::shapes::check_close;
 
-/// What is written is the boundary that is compiled in: radii of every cue of the built-in lineage, where criticality
+/// The written boundary equals the compiled one: radii of every cue of the built-in lineage, where criticality
 /// changes, and the curve of pitchforks from one end of the range to the other.
 #[test]
 fn a_stored_boundary_is_written_whole() {

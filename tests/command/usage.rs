@@ -1,11 +1,11 @@
-//! What the command line says of itself, and its warnings.
+//! The command line's descriptions of itself, and its warnings.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::common::command;
 
-/// The program tells clap of one command where one is named; clap must say the same of it as among all.
+/// The program builds clap's description of one command if that command is named. It must equal the description among all commands.
 #[test]
 fn help_of_each_command_is_that_among_all() {
     let whole = furrow::cli::command().term_width(100);
@@ -84,7 +84,7 @@ fn advice_names_options_of_the_command() {
     assert!(of_boundary.contains("pitchfork") && !of_boundary.contains("--xi-max"), "{of_boundary}");
 }
 
-/// A command's own options come before those of all commands.
+/// A command's own options come before the options of all commands.
 #[test]
 fn help_lists_own_options_first() {
     for words in [&["divide"][..], &["tree"], &["fit", "cue"], &["compare", "volumes"], &["sweep"]] {

@@ -1,4 +1,4 @@
-//! What bounds division over a parameter: curves of pitchforks and folds, and where they lie at a cell's own activity.
+//! The boundary of division over a parameter: curves of pitchforks and folds, and the place of the boundary at a cell's own activity.
 
 use crate::diagram::Edges;
 use crate::json::filled;
@@ -26,9 +26,9 @@ pub struct BoundaryStudy {
     pub folds: Vec<Curve>,
     /// Where two folds are born.
     pub cusps: Vec<CurvePoint>,
-    /// Where the boundary lies at the cell's own activity.
+    /// The place of the boundary at the cell's own activity.
     pub critical: Option<CurvePoint>,
-    /// Thresholds of disturbances that are not axisymmetric, by azimuthal number; none if they were not asked for.
+    /// Thresholds of disturbances that are not axisymmetric, by azimuthal number; `None` if they were not asked for.
     pub azimuthal: Option<Vec<(usize, Curve)>>,
     /// What could not be followed or found.
     pub warnings: Vec<String>,
@@ -66,12 +66,12 @@ pub fn over_range(
     Ok(cell)
 }
 
-/// What is computed beside the curve that bounds division.
+/// Further curves and points to compute beside the curve that bounds division.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundaryOptions {
     /// The folds of mirror-symmetric shapes too.
     pub folds: bool,
-    /// The value at which the boundary lies at the cell's own activity.
+    /// Whether to find the boundary at the cell's own activity.
     pub critical: bool,
     /// Thresholds of disturbances cos mφ up to this m.
     pub azimuthal: Option<usize>,
@@ -134,7 +134,7 @@ pub fn edges(plane: &PhasePlane, azimuthal: usize) -> (Edges, Vec<String>) {
     (Edges { azimuthal: thresholds(cell, numerics, *parameter, range, azimuthal, &mut warnings), ..found }, warnings)
 }
 
-/// The thresholds of disturbances of azimuthal number 1 … `most`, with a warning for each that is not found or not to its end.
+/// The thresholds of disturbances of azimuthal number 1 … `most`, with a warning for each that is not found or is incomplete.
 fn thresholds(
     cell: &Cell,
     numerics: &Numerics,
@@ -179,7 +179,7 @@ fn critical_point(
     Ok(point)
 }
 
-/// The cusps of fold curves, each of which two curves lead to.
+/// The cusps of fold curves, each once although two curves lead to it.
 fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
     let mut cusps: Vec<CurvePoint> = Vec::new();
     for cusp in folds.iter().filter_map(Curve::cusp) {
@@ -192,7 +192,7 @@ fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
     cusps
 }
 
-/// A point of a curve, which is named if there are several; `value` is that of the parameter that varies.
+/// A point of a curve, with the curve's name if there are several; `value` is the value of the parameter that varies.
 pub fn point_document(curve: impl Into<Value>, p: &CurvePoint) -> Value {
     filled(json!({
         "curve": curve.into(), "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation,
@@ -236,7 +236,7 @@ impl BoundaryStudy {
         self.pitchfork.degenerate.iter().map(|p| CurvePoint { coefficient: None, ..*p }).collect()
     }
 
-    /// All points, each with the name of its curve.
+    /// All points, each with its curve's name.
     pub fn named(&self) -> Vec<(String, CurvePoint)> {
         let folds = self.folds.iter().enumerate().map(|(k, fold)| (format!("fold {k}"), fold.points.clone()));
         let before =

@@ -10,7 +10,7 @@ use furrow_input::{InputError, did_you_mean, shown};
 pub struct Constants {
     /// Parameters and their values.
     pub values: Vec<(Parameter, f64)>,
-    /// Its weight; 1 where the table has none.
+    /// Its weight; 1 if the table has no weights.
     pub weight: f64,
 }
 
@@ -37,7 +37,7 @@ pub fn write_constants(sets: &[Constants]) -> String {
 /// Reads a table; errors name it `file`. Lines that begin with `#` are passed over.
 ///
 /// # Errors
-/// Names the line, the column, its value and what is allowed.
+/// Names the line, the column, its value and the allowed values.
 pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputError> {
     let mut table = Table::open(text.as_bytes(), file)?;
     let (_, columns) = table.header(|_| false)?;
@@ -71,7 +71,7 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     Ok(out)
 }
 
-/// Reads one set. An error is the column and what is allowed there.
+/// Reads one set. An error is the column and the allowed values there.
 fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, String)> {
     let mut out = Constants { values: Vec::new(), weight: 1.0 };
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read() {
+    fn written_values_are_read_back() {
         let set = |aspect: f64, weight: f64| Constants {
             values: vec![(Parameter::Aspect, aspect), (Parameter::P0, 0.1 + 0.2)],
             weight,
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_fault() {
         let complaint = |text: &str| read_constants(text, "c.csv").unwrap_err().to_string();
         assert!(complaint("aspect,gian\n1,2\n").ends_with("; did you mean gain?"));
         assert_eq!(complaint("aspect,p0\n1.5\n"), "c.csv:2: p0 = \"\": must be a number (empty)");

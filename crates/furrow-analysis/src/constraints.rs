@@ -8,14 +8,14 @@ use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
 use serde::{Deserialize, Serialize};
 
-/// A statement that is not true of a set of constants.
+/// A statement that is false for a set of constants.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exclusion {
     /// The statement's place among the targets, as `criticalities[0]`.
     pub datum: String,
     /// The statement.
     pub given: String,
-    /// What the constants give instead.
+    /// The result with the constants instead.
     pub computed: String,
 }
 

@@ -34,7 +34,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const PRIOR: f64 = 0.3;
 /// Degrees of freedom of the proposals: tails heavy enough that no admissible set is out of reach.
 const FREEDOM: f64 = 6.0;
-/// Rounds in which the proposals are shaped.
+/// Rounds that adapt the proposal.
 const ROUNDS: usize = 6;
 /// How much narrower proposals become, in x, where there are too few admissible draws to shape the next.
 const NARROWER: f64 = 0.5;
@@ -66,7 +66,7 @@ pub struct Member {
 pub struct Ensemble {
     /// The unknowns.
     pub parameters: Vec<Parameter>,
-    /// As many as asked for, unless they are too rare.
+    /// The requested number of members, or fewer if admissible sets are too rare.
     pub members: Vec<Member>,
     /// (Σ w)²/Σ w²: how many independent draws from the posterior they are worth.
     pub effective_sample_size: f64,
@@ -233,13 +233,13 @@ impl Posterior<'_> {
         {
             return Proposal::new(DVector::zeros(d), covariance).ok_or(EnsembleError::NoCovariance);
         }
-        // Between the best fit and the start, both of which may be excluded.
+        // Between the best fit and the start: either may be excluded.
         let spread = &best * best.transpose() * 0.25;
         Proposal::new(&best * 0.5, covariance * 2.0 + spread).ok_or(EnsembleError::NoCovariance)
     }
 }
 
-/// Normalised weights of draws to a power, 0 for those that are excluded.
+/// Normalised weights of draws to a power, 0 for excluded draws.
 fn weights(draws: &[Draw], power: f64) -> Vec<f64> {
     let ln = |draw: &Draw| if draw.check.is_admissible() { draw.ln_weight } else { f64::NEG_INFINITY };
     let largest = draws.iter().map(ln).fold(f64::NEG_INFINITY, f64::max);
@@ -254,8 +254,8 @@ fn effective_size(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|w| w * w).sum::<f64>()
 }
 
-/// The distribution with the mean and covariance of a weighted sample; `None` from too few. Where the weights hang on a few draws,
-/// a smaller power of them is used: early proposals lie beside the posterior, and what they find of it must not narrow the next.
+/// The distribution with the mean and covariance of a weighted sample; `None` from too few draws. If a few draws have most of the
+/// weight, a smaller power of the weights is used: early proposals lie beside the posterior, and few draws must not narrow the next.
 fn fitted(draws: &[Draw]) -> Option<Proposal> {
     let (d, admissible) = (draws.first()?.x.len(), draws.iter().filter(|draw| draw.check.is_admissible()).count());
     let enough = (ENOUGH[0] * d as f64).max(ENOUGH[1] * admissible as f64);
@@ -274,7 +274,7 @@ fn fitted(draws: &[Draw]) -> Option<Proposal> {
     Proposal::new(mean, covariance * WIDER)
 }
 
-/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
+/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on `threads` threads. `cancel`
 /// stops it. A `journal` with the columns [`JOURNAL_COLUMNS`] keeps the checks, from which an interrupted run resumes. `shown` is
 /// called with the number of draws checked and the number expected, from any thread.
 ///

@@ -1,8 +1,8 @@
-//! How well constants can meet all that is known at once: the front between thresholds and statements.
+//! How well constants can meet all thresholds and statements at once: the front between the two.
 //!
-//! Thresholds have values, statements are true or not. Of all sets of constants that meet so many statements or more, the front
-//! holds the one whose worst threshold is off the least. It is found by random search: each generation moves members of the best
-//! sets so far by normal steps, some of all sizes, and sometimes mixes two of them.
+//! Thresholds have values, statements are true or false. Among all sets of constants that meet at least a given number of
+//! statements, the front has the set with the least deviation of its worst threshold. It is found by random search: each generation
+//! moves members of the best sets so far by normal steps, some of all sizes, and sometimes mixes two of them.
 //!
 //! Every candidate has a seed of its own, from the run's seed and its number, so that the front does not depend on how many
 //! threads check the candidates.
@@ -41,7 +41,7 @@ pub struct FrontMember {
     pub worst: f64,
     /// Statements met.
     pub met: usize,
-    /// Statements not met, by their place among the targets, each with what is computed instead.
+    /// Unmet statements, by their place among the targets, each with the computed result.
     pub missed: Vec<String>,
 }
 
@@ -107,7 +107,7 @@ fn next(parents: &[&Candidate], seed: u64, index: u64) -> Vec<f64> {
     one.iter().zip(other).map(|(a, b)| a + share * (b - a) + step * normal(&mut random)).collect()
 }
 
-/// Searches among `count` sets of the unknowns of `targets`, from the constants of `cell`, on so many threads. `cancel` stops it.
+/// Searches among `count` sets of the unknowns of `targets`, from the constants of `cell`, on `threads` threads. `cancel` stops it.
 /// `journal` and `shown` are as for [`ensemble`](super::ensemble::ensemble).
 ///
 /// # Errors

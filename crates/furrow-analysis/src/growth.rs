@@ -40,15 +40,14 @@ pub struct Grown {
     pub trees: Vec<Tree>,
     /// Counts of what was solved.
     pub summary: Summary,
-    /// Cues without a critical radius, and why none was found; the divisions of their cells decided instead.
+    /// Cues without a known critical radius, and the reason. The divisions of their cells decided instead.
     pub unknown: Vec<(Cue, ShapeError)>,
 }
 
-/// Grows all scenarios in one run, which shares what is solved and the workers.
+/// Grows all scenarios in one run. They share solved divisions and the workers.
 ///
-/// With `dynamics` every cell's division is computed,
-/// also below the critical radius of its cue. `cancel` ends searches for critical radii as well as divisions; it replaces the
-/// flag of `options`.
+/// With `dynamics` every cell's division is computed, also below the critical radius of its cue. `cancel` ends searches for critical
+/// radii as well as divisions; it replaces the flag of `options`.
 ///
 /// # Errors
 /// As [`Grower::grow`](furrow_lineage::Grower::grow).
@@ -127,7 +126,7 @@ fn growing(
     let radii = CriticalRadii::new(&settings.numerics).interrupted_by(cancel);
     let rule = Thresholds::new(radii).with_scope(Scope::FirstIfKnown);
     let plain = settings.cell.clone().with_cue(Cue::none());
-    // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
+    // Ordering the work is no reason to search for a radius; growth searches for it when it reaches such cells.
     let order = |input: &DivisionInput| {
         rule.critical_radius(&plain).map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };

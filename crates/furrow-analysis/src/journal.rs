@@ -23,7 +23,7 @@ pub struct Journal {
     columns: Vec<String>,
     /// The rows that an interrupted run finished, by index.
     pub rows: BTreeMap<usize, Row>,
-    /// The file, locked and at its end; or why a row could not be written, after which none is.
+    /// The file, locked and positioned at its end; or the reason why a row could not be written. After that no row is written.
     file: Mutex<io::Result<File>>,
 }
 
@@ -72,7 +72,7 @@ impl Journal {
         Ok(Journal { path, columns, rows, file: Mutex::new(Ok(file)) })
     }
 
-    /// Appends a finished row. After the first failure nothing is appended; [`finish`](Self::finish) reports it.
+    /// Appends a finished row. After the first failure it appends no further rows, and [`finish`](Self::finish) reports the failure.
     pub fn append(&self, row: &Row) {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let Ok(open) = file.as_mut() else { return };

@@ -8,15 +8,15 @@
 //! | [`run`], [`journal`], [`table`] | solving the points, resuming after an interruption; rows as CSV and as JSON lines |
 //! | [`scenarios`], [`growth`] | lineages and cues side by side, and their trees |
 //! | [`mod@diagram`] | the stationary shapes of one cell over ξ_s |
-//! | [`constraints`] | whether constants agree with what is known |
-//! | [`mod@front`] | how well constants can meet all of it at once |
+//! | [`constraints`] | whether constants agree with the published statements |
+//! | [`mod@front`] | how well constants can meet all of them at once |
 //! | [`mod@ensemble`], [`constants`], [`mod@ranges`] | a sample of the constants that do; its table; a lineage over it |
 //! | [`compare`] | the model beside measured embryos |
-//! | [`reproduce`] | the paper's statements beside what is computed |
+//! | [`reproduce`] | the paper's statements beside the computed results |
 //! | [`mod@solve`] | the value of one parameter that gives a wanted division |
-//! | [`mod@boundary`] | what bounds division over a parameter |
+//! | [`mod@boundary`] | the boundary of division over a parameter |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
-//! | [`mod@polarity`] | PAR polarity along the germline, and what follows for its divisions |
+//! | [`mod@polarity`] | PAR polarity along the germline, and its effect on divisions |
 
 pub mod boundary;
 pub mod compare;

@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 /// Most divisions, trees or shapes of one sweep.
 const MOST_POINTS: usize = 10_000_000;
 
-/// Most values of all axes: what they take is held in memory together.
+/// Most values of all axes together: all are held in memory.
 const MOST_VALUES: usize = 20_000_000;
 
-/// The file as it is written.
+/// The file as written.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "Sweep")]
 struct Document {
@@ -39,7 +39,7 @@ fn one() -> u32 {
     1
 }
 
-/// An axis as it is written: with one of the three.
+/// An axis as written, with exactly one of the three.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "Axis")]
 struct AxisDocument {
@@ -49,7 +49,7 @@ struct AxisDocument {
     sample: Option<Interval>,
 }
 
-/// So many values between two, both included where they are evenly spaced.
+/// A given number of values between two ends, which are included if the values are evenly spaced.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Interval {
@@ -61,7 +61,7 @@ struct Interval {
 /// A sweep over lists of values.
 #[derive(Clone, Debug)]
 pub struct Lists {
-    /// What is computed.
+    /// The kind of computation.
     pub kind: Kind,
     /// Parameters with their values; the first varies slowest.
     pub axes: Vec<(String, Vec<AxisValue>)>,
@@ -76,11 +76,11 @@ pub struct Lists {
 }
 
 impl Sweep {
-    /// Reads and checks a sweep file. `base` is what the file does not name; `overrides` come after what it names, and before
-    /// its axes. A lineage is looked for from the file's own folder.
+    /// Reads and checks a sweep file. `base` gives the parameters that the file does not set; `overrides` replace the file's parameters,
+    /// but not its axes. A lineage is looked for from the file's own folder.
     ///
     /// # Errors
-    /// Names the file, the field, its value and what is allowed.
+    /// Names the file, the field, its value and the allowed values.
     pub fn read(path: &Path, base: &Settings, overrides: &Overrides) -> Result<Sweep, InputError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         Sweep::parse_in(folder, &read_text(path)?, &path.display().to_string(), base, overrides)
@@ -89,15 +89,15 @@ impl Sweep {
     /// Reads and checks a sweep from RON text, as [`read`](Self::read) does; errors name it `file`.
     ///
     /// # Errors
-    /// Those of [`read`](Self::read).
+    /// As [`read`](Self::read).
     pub fn parse(text: &str, file: &str, base: &Settings, overrides: &Overrides) -> Result<Sweep, InputError> {
         Sweep::parse_in(Path::new(""), text, file, base, overrides)
     }
 
-    /// A sweep over lists of values, as a file that has no ranges and samples says it; errors call it `source_name`.
+    /// A sweep over lists of values, like a file without ranges and samples; errors call it `source_name`.
     ///
     /// # Errors
-    /// Those of [`read`](Self::read).
+    /// As [`read`](Self::read).
     pub fn over(lists: Lists, source_name: &str, base: &Settings, set: &Overrides) -> Result<Sweep, InputError> {
         let Lists { kind, axes, cue, replicates, seed, lineage } = lists;
         let listed = |(parameter, list)| AxisDocument { parameter, list: Some(list), range: None, sample: None };
@@ -133,7 +133,7 @@ impl Sweep {
     }
 }
 
-/// A sweep file to be checked, and what it is checked with.
+/// A sweep file to check, with the inputs of the check.
 struct Check<'a> {
     /// The file's name in errors.
     file: &'a str,
@@ -283,7 +283,7 @@ impl Check<'_> {
         self.require(count == wanted, format!("axes[{k}].sample.count"), count, &allowed)
     }
 
-    /// Whether each value of an axis is allowed, and what those of a cue mean.
+    /// Checks each value of an axis, and reads the cues of an axis of cues.
     fn allowed(&self, k: usize, given: &AxisDocument, axis: &mut Axis) -> Result<(), InputError> {
         for (j, value) in axis.values.iter().enumerate() {
             let place = match (given.list.is_some(), given.range.is_some()) {
@@ -370,7 +370,7 @@ impl Check<'_> {
         self.require(all.is_some_and(|all| all <= MOST_POINTS), "axes", counts.join(" × "), &allowed)
     }
 
-    /// What no axis can mend is wrong with every point, and better told at once.
+    /// Refuses a sweep if all its points are invalid, whatever the values of its axes: one error is clearer than one per point.
     fn first_point(&self, sweep: &Sweep) -> Result<(), InputError> {
         let without_axes = Sweep { axes: Axes::default(), ..sweep.clone() };
         let fine = |sweep: &Sweep, index| sweep.checked(index).1.is_ok();
@@ -381,8 +381,8 @@ impl Check<'_> {
     }
 }
 
-/// A value of a range without the noise in its last digits, 1.7 for 1.7000000000000002: what a list would have there. The ends
-/// are as they were given.
+/// A value of a range without rounding noise in its last digits, 1.7 for 1.7000000000000002, as a list would have it. The ends
+/// stay as they were given.
 fn tidy(value: f64, ends: [f64; 2]) -> f64 {
     if ends.contains(&value) { value } else { format!("{value:.12e}").parse().unwrap_or(value) }
 }

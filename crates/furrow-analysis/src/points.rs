@@ -21,15 +21,15 @@ pub enum Target {
 /// One axis: a parameter and its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// The parameter's name as the file has it, which is the name of its column.
+    /// The parameter's name in the file, also the name of its column.
     pub name: String,
-    /// What it sets.
+    /// The setting that it varies.
     pub target: Target,
     /// Its values, one at least.
     pub values: Vec<AxisValue>,
     /// Of an axis of cues what each value means; else empty.
     pub cues: Vec<Cue>,
-    /// Whether it goes along with the other sampled axes, as one axis of points.
+    /// Whether it varies together with the other sampled axes, as one axis of points.
     pub sampled: bool,
 }
 
@@ -80,7 +80,7 @@ pub struct Point {
     pub index: usize,
     /// Cell, numerics and first seed; of a tree the first cell, with the cue that replaces the lineage's if one does.
     pub input: DivisionInput,
-    /// Why these values together cannot be computed, if that is plain beforehand.
+    /// The reason why these values cannot be computed together, if it is known beforehand.
     pub refused: Option<String>,
 }
 

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 /// A cell of the germline, or any other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedCell {
-    /// Its name; none for a cell that is not of a lineage.
+    /// Its name; `None` for a cell outside a lineage.
     pub name: Option<String>,
     /// The cell, with the cue that its lineage gives it.
     pub cell: Cell,
@@ -33,13 +33,13 @@ pub struct PolarisedCell {
     pub r0: f64,
     /// Surface of its passive shape per volume, in 1/µm; `None` if it has no passive shape.
     pub surface_to_volume: Option<f64>,
-    /// What is read off its polarised state; `Ok(None)` if it has no such state.
+    /// The readings of its polarised state; `Ok(None)` if it has no such state.
     pub polarity: Result<Option<Readings>, PolarityError>,
     /// u, A and P from pole to pole; empty without polarity.
     pub profile: Vec<[f64; 3]>,
-    /// The cue that follows, or none.
+    /// The resulting cue; empty without one.
     pub cue: Cue,
-    /// How it divides with this cue, or why that is not known; `None` if the cue is not known.
+    /// Its division with this cue, or the error; `None` if the cue is not known.
     pub division: Option<Result<Division, DivisionError>>,
     /// The measured χ of its division.
     pub measured: Option<MotherSummary>,
@@ -78,7 +78,7 @@ pub enum PolarityStudyError {
     Rule {
         /// The cell.
         name: String,
-        /// The value, and what is allowed.
+        /// The value, and the allowed values.
         why: String,
     },
     /// The cue that follows is not allowed.
@@ -201,7 +201,7 @@ impl PolarityStudy {
         Some(if chemistry.r0 > mechanics.r0 { "chemistry" } else { "mechanics" })
     }
 
-    /// As `furrow polarity --json` prints it; `amplitude` is that of κ.
+    /// The document that `furrow polarity --json` prints; `amplitude` is the amplitude of κ.
     pub fn document(&self, chemistry: &Chemistry, amplitude: f64) -> Value {
         let um = |r0: f64| r0 * chemistry.length_um;
         let limit = |limit: &Result<PolarityLimit, PolarityError>| match limit {
@@ -226,7 +226,7 @@ impl PolarityStudy {
 }
 
 impl PolarisedCell {
-    /// What is read off its polarised state, if it has one.
+    /// The readings of its polarised state, if it has one.
     pub fn readings(&self) -> Option<&Readings> {
         self.polarity.as_ref().ok()?.as_ref()
     }
@@ -267,7 +267,7 @@ mod tests {
     use super::*;
     use furrow_mechanics::polarity::ParConstants;
 
-    /// ψ is surface over volume of the cell's own shape, or the number that is given for all.
+    /// ψ is surface over volume of the cell's own shape, or the number given for all cells.
     #[test]
     fn the_document_has_the_psi_that_the_chemistry_ran_with() {
         let cell = PolarisedCell {

@@ -94,7 +94,7 @@ pub struct FounderRange {
     pub cells: Option<Range>,
     /// Weight of the trees in which it divides.
     pub divides: f64,
-    /// Weight of the trees whose rounds are within one of the observed, by each reading of rounds.
+    /// Weight of the trees with rounds within one of the observed rounds, by each reading of rounds.
     pub within_one_round: Option<WithinOne>,
     /// The constant on which its terminal cells depend most, by rank correlation; `None` over seeds.
     pub depends_on: Option<Dependence>,
@@ -128,7 +128,7 @@ pub struct RoundsRange {
     pub terminal: Range,
 }
 
-/// How a number goes with a constant.
+/// The dependence of a number on a constant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Dependence {
     /// The constant.
@@ -167,12 +167,12 @@ pub struct LineageRanges {
     pub cells: Option<Range>,
     /// How much weight has founder's symmetric doublings of 0, 1, 2, …: by founder.
     pub symmetric_doublings: Vec<(String, Vec<f64>)>,
-    /// Weight of the trees of which the paper's sentence on rounds holds, "to within a single round for the EMS and P lineages",
+    /// Weight of the trees that agree with the paper's sentence on rounds, "to within a single round for the EMS and P lineages",
     /// read as most rounds, for EMS and P4; `None` if the lineage lacks either.
     pub paper_sentence: Option<f64>,
     /// Divisions solved.
     pub divisions_solved: usize,
-    /// Divisions that needed no solving of their own.
+    /// Divisions that were already known, or solved for another tree.
     pub memo_hits: usize,
 }
 
@@ -242,7 +242,7 @@ pub(super) fn grow_alone(
     Grower { lineage, settings, ends, memo, options }.grow(divide)
 }
 
-/// How much of the weight of all trees those have for which something holds.
+/// The share of the weight of all trees for which a condition holds.
 fn share(trees: &[TreeCounts], holds: impl Fn(&TreeCounts) -> bool) -> f64 {
     // A fold from 0: `sum` gives −0 for no numbers, which files would show.
     let total = trees.iter().fold(0.0, |weight, tree| weight + tree.weight);
@@ -320,7 +320,7 @@ pub(crate) fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCoun
     }
 }
 
-/// The constant with which numbers, one a set, go most: none if they are all the same.
+/// The constant that correlates most with the given numbers, one a set; `None` if all numbers are equal.
 fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
     let ranked = ranks(numbers);
     let by = |(k, (parameter, _)): (usize, &(Parameter, f64))| -> Option<Dependence> {
@@ -332,7 +332,7 @@ fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
     all.max_by(|a, b| a.rank_correlation.abs().total_cmp(&b.rank_correlation.abs()))
 }
 
-/// Ranks from 1, those of equal numbers averaged.
+/// Ranks from 1. Equal numbers share their average rank.
 fn ranks(numbers: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..numbers.len()).collect();
     order.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));

@@ -53,7 +53,7 @@ pub struct SweepProgress {
 pub struct Run<'a> {
     /// The sweep.
     pub sweep: &'a Sweep,
-    /// The shard to solve; none for all points.
+    /// The shard to solve; `None` for all points.
     pub shard: Option<Shard>,
     /// Remembers divisions.
     pub memo: &'a Memo,
@@ -61,7 +61,7 @@ pub struct Run<'a> {
     pub threads: usize,
     /// Set to true to stop.
     pub cancel: &'a AtomicBool,
-    /// Holds the rows of an interrupted run, and receives each row that is solved.
+    /// Has the rows of an interrupted run, and receives each solved row.
     pub journal: Option<&'a Journal>,
     /// Called with the progress.
     pub progress: &'a (dyn Fn(SweepProgress) + Sync),
@@ -76,7 +76,7 @@ pub struct SweepResult {
     pub solved: usize,
     /// Divisions or shapes that were known already, or solved for another point.
     pub reused: usize,
-    /// Points whose rows an interrupted run had finished.
+    /// Points with rows from an interrupted run.
     pub resumed: usize,
     /// Whether the run was interrupted.
     pub interrupted: bool,
@@ -105,7 +105,7 @@ struct Inputs<'p> {
     firsts: Vec<&'p Point>,
     /// The results of each input, once they are known.
     results: Vec<Option<Results>>,
-    /// Inputs whose results are not known yet.
+    /// Inputs without a known result.
     open: Vec<usize>,
 }
 
@@ -330,7 +330,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The columns of divisions at one point: of a single one, or what several say together.
+/// The columns of divisions at one point: of a single division, or statistics of several.
 fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
     match divisions {
         [None] => vec![UNDECIDED.into(), Value::Null, Value::Null, Value::Null, Value::Null],
@@ -361,7 +361,7 @@ fn tree_results(tree: &Tree) -> Vec<Value> {
     for found in founder_rounds(tree) {
         let cell = tree.founder_cell(found.founder).map(|id| tree.cell(id));
         let division = cell.and_then(|cell| cell.fate.division());
-        // None for a founder that was never born.
+        // No rounds for a founder that was never born.
         let r = found.rounds;
         values.extend([r.map(|r| r.min).into(), r.map(|r| r.mean).into(), r.map(|r| r.max).into()]);
         values.extend([r.map(|r| r.full_doublings).into(), r.map(|r| r.terminal).into()]);
@@ -372,7 +372,7 @@ fn tree_results(tree: &Tree) -> Vec<Value> {
     values
 }
 
-/// A cell whose pitchfork does not exist, up to [`XI_MAX`] or because of its cue, has criticality `none`: that is a result too.
+/// A cell without a pitchfork, up to [`XI_MAX`] or because of its cue, has criticality `none`: that is also a result.
 fn pitchfork_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Vec<Value>, ShapeError> {
     let options = BranchOptions { xi: [0.0, XI_MAX], ..BranchOptions::default() };
     match pitchfork::first_within(&input.cell, &input.numerics, &options, budget) {

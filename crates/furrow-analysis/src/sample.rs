@@ -2,7 +2,7 @@
 //!
 //! # References
 //! Halton, "On the efficiency of certain quasi-random sequences of points in evaluating multi-dimensional integrals",
-//! Numer. Math. 2 (1960); the random shift is that of Cranley & Patterson, SIAM J. Numer. Anal. 13 (1976).
+//! Numer. Math. 2 (1960); the random shift follows Cranley & Patterson, SIAM J. Numer. Anal. 13 (1976).
 
 /// The bases of the sequences, one for each axis: Halton's sequences in larger bases fill their boxes late.
 const BASES: [u64; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
@@ -38,12 +38,12 @@ fn radical_inverse(mut index: u64, base: u64) -> f64 {
 }
 
 fn shift(axis: usize, seed: u64) -> f64 {
-    // The 53 leading bits are what a number in [0, 1) holds.
+    // A number in [0, 1) holds 53 bits: the leading ones.
     (seed_of(b"sample", seed, axis as u64) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// A seed of its own for number `index` of what is drawn for a purpose, from the seed of the whole: what is drawn does not
-/// depend on what was drawn before, nor on another purpose.
+/// The seed of draw `index` for a purpose, from the seed of the whole. It depends neither on earlier draws nor on other
+/// purposes.
 pub(super) fn seed_of(purpose: &[u8], seed: u64, index: u64) -> u64 {
     let mut hasher = blake3::Hasher::new();
     hasher.update(purpose);

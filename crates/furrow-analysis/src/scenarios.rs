@@ -17,7 +17,7 @@ use furrow_lineage::batch::{Memo, SchedulerOptions};
 use furrow_lineage::{EndRule, Grower, Length, Lineage, TreeSettings, named_cue};
 use std::collections::{BTreeMap, HashSet};
 
-/// Names that scenarios do not get: those of the files that stand beside their folders.
+/// Names that scenarios must not have: files beside their folders have them.
 const TAKEN: [&str; 6] = ["scenarios.csv", "report.html", "run.json", "tree.json", "tree.nwk", "tree.svg"];
 /// Longest name of a scenario before a number is added to make it unique. File systems take 255 bytes.
 const LONGEST: usize = 80;
@@ -25,7 +25,7 @@ const LONGEST: usize = 80;
 /// A lineage to grow scenarios from.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// What tables call it: the name of its file, say.
+    /// Its name in tables, for example its file's name.
     pub label: String,
     /// Founders and rules.
     pub lineage: Lineage,
@@ -36,29 +36,27 @@ pub struct Source {
 /// Why there are no scenarios.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScenarioError {
-    /// Something that is no cue, in one of the lineages.
+    /// An invalid cue, in one of the lineages.
     #[error(transparent)]
     Cue(#[from] CueError),
     /// Two scenarios are one.
     #[error("duplicate scenarios: {first} and {second}")]
     Same {
-        /// What the first is made of.
+        /// The first scenario's lineage and cue.
         first: String,
-        /// What the other is made of.
+        /// The other scenario's lineage and cue.
         second: String,
     },
 }
 
-/// Every lineage with every cue; without cues, every lineage as it is. Lineages come in their order, and of each the cues in
-/// theirs.
+/// Every lineage with every cue; without cues, every lineage as it is. The result is in the order of lineages, then of cues.
 ///
-/// A scenario whose cue is given as `NAME=CUE` has that name, with the lineage's label before it where there are several lineages.
-/// Others are named after label and cue: a cue of the lineage by its name, one written out as terms is `cue-2` if it is the second.
+/// A scenario with a cue given as `NAME=CUE` has that name, with the lineage's label before it if there are several lineages.
+/// Others are named after label and cue: a cue of the lineage by its name, a cue given as terms `cue-2` if it is the second.
 ///
 /// # Errors
-/// Two scenarios that would grow the same tree beside the same counts, even if they are written in two ways, are refused and
-/// not merged: a table that lacks a column that was asked for would be read as one that has it, and what is the same twice is
-/// a slip of the pen far more often than meant.
+/// Two scenarios that would grow the same tree beside the same counts are refused and not merged, even if they are written
+/// differently. A merged table would lack a requested column without notice, and a duplicate is usually a mistake.
 pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, ScenarioError> {
     let mut scenarios: Vec<Scenario> = Vec::new();
     let (mut folders, mut names) = (HashSet::from(TAKEN.map(str::to_owned)), HashSet::new());

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Most parts of a sweep.
 const MOST: u64 = 1_000_000;
 
-/// One of several parts of a sweep, which need to know nothing of each other.
+/// One of several parts of a sweep, which are solved independently.
 ///
 /// A point belongs to the part that the hash of its input gives. So equal inputs are in one part and solved once, every part
 /// has cheap and dear points alike, and a point stays where it is when others are added.
@@ -33,7 +33,7 @@ impl Shard {
     /// Part `number` of `of`.
     ///
     /// # Errors
-    /// What is allowed.
+    /// The allowed values.
     pub fn new(number: u64, of: u64) -> Result<Shard, String> {
         match (1..=of).contains(&number) && of <= MOST {
             true => Ok(Shard { number, of }),
@@ -62,7 +62,7 @@ impl FromStr for Shard {
     }
 }
 
-/// What a part may be.
+/// The error for an invalid part.
 fn allowed() -> String {
     format!("must be K/N with 1 ≤ K ≤ N ≤ {MOST}, as 2/4")
 }

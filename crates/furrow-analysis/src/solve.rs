@@ -1,7 +1,7 @@
 //! The values of one parameter at which a cell divides with a wanted outcome.
 //!
-//! A coarse scan brackets every change of sign of outcome − wanted; Brent's method refines each. A pair of values that is
-//! as close as the tolerance, and whose outcomes still differ, is a jump (a fold of the division's outcome) and no root.
+//! A coarse scan brackets every change of sign of outcome − wanted; Brent's method refines each. If two values are
+//! as close as the tolerance and their outcomes still differ, they enclose a jump (a fold of the division's outcome) and no root.
 
 use std::cell::RefCell;
 
@@ -39,7 +39,7 @@ impl Measure {
         }
     }
 
-    /// Its value; none if the cell did not divide.
+    /// Its value; `None` if the cell did not divide.
     pub fn of(self, division: &Division) -> Option<f64> {
         match self {
             Measure::Chi => division.chi(),
@@ -49,7 +49,7 @@ impl Measure {
         }
     }
 
-    /// What is allowed, if a wanted value is not.
+    /// The allowed range, if a wanted value is outside it.
     pub fn refused(self, wanted: f64) -> Option<&'static str> {
         let (fine, allowed) = match self {
             // No division has |χ| below 0: the outcome does not pass it.
@@ -73,20 +73,20 @@ impl Serialize for Measure {
     }
 }
 
-/// Largest difference in χ, u or relative time between values [`TOLERANCE`] apart that is no jump.
+/// Largest difference in χ, u or relative time, between values [`TOLERANCE`] apart, that is no jump.
 pub const CONTINUOUS: f64 = 1e-3;
-/// Width to which a root is bracketed, relative to the range.
+/// Width of the bracket of a root, relative to the range.
 pub const TOLERANCE: f64 = 1e-9;
 /// Values of the scan, unless another number is asked for.
 pub const POINTS: usize = 65;
-/// Width to which the ends of intervals without divisions are bracketed, relative to the range.
+/// Width of the bracket of an end of an interval without divisions, relative to the range.
 const EDGE: f64 = 1e-5;
 /// Rounds of values added where the outcome comes near the wanted one and turns back.
 const TURNS: usize = 6;
 /// Rounds in which brackets are refined. More are needed only where cells that divide and cells at rest alternate.
 const ROUNDS: usize = 256;
 
-/// What is asked: the values of a parameter at which a division gives a number.
+/// A question: at which values of a parameter does a division give a certain number?
 ///
 /// ```
 /// use furrow_analysis::solve::{Measure, Question, default_range, solve};
@@ -117,7 +117,7 @@ pub struct Question {
     pub range: [f64; 2],
     /// Values of the scan, both ends included: two or more.
     pub points: usize,
-    /// What is wanted of the division.
+    /// The measured quantity of the division.
     pub measure: Measure,
     /// The wanted value.
     pub wanted: f64,
@@ -150,7 +150,7 @@ pub enum Smaller {
     Anterior,
     /// Either, by chance: the cell is mirror-symmetric, and the seed's noise decides.
     Either,
-    /// Neither: |χ| is below [`Numerics::chi_symmetric`].
+    /// Neither daughter: |χ| is below [`Numerics::chi_symmetric`].
     Neither,
 }
 
@@ -263,9 +263,9 @@ impl Solution {
     }
 }
 
-/// The range of a parameter that is searched where none is given: R0 from 1 to 10, ε from 0.6 to 0.95, ξ_s from 5 to 60 κ/g,
-/// u0 from 0 to 1, amplitudes and a regulator's strengths from −0.9 to 0.9, or twice their size if that is more; of anything else from a quarter of the
-/// cell's value to four times it, and from −1 (or 0) to 1 if that is 0.
+/// The range in which a parameter is searched by default: R0 from 1 to 10, ε from 0.6 to 0.95, ξ_s from 5 to 60 κ/g,
+/// u0 from 0 to 1; amplitudes and a regulator's strengths from −0.9 to 0.9, or twice their size if that is more. Any other parameter
+/// is searched from a quarter of the cell's value to four times it, or from −1 (or 0) to 1 if that value is 0.
 pub fn default_range(parameter: Parameter, cell: &Cell) -> [f64; 2] {
     use RegulatorQuantity::{Diffusion, Source, Strength};
     let value = parameter.get(cell);
@@ -309,7 +309,7 @@ pub fn solve(question: &Question, memo: &Memo, options: &SchedulerOptions<'_>) -
     Ok(search.solution())
 }
 
-/// A value that was tried, with its division or the reason why there is none.
+/// A value that was tried, with its division or the reason for its absence.
 struct Tried {
     value: f64,
     found: Result<Division, String>,
@@ -340,7 +340,7 @@ impl Search<'_> {
         (TOLERANCE * (to - from).abs()).max((4.0 * rounding).max(8.0 * f64::EPSILON) * from.abs().max(to.abs()))
     }
 
-    /// The division's input at a value, or why that is not allowed.
+    /// The division's input at a value, or the reason why the value is not allowed.
     fn input(&self, value: f64) -> Result<DivisionInput, String> {
         let Question { cell, parameter, numerics, seed, .. } = self.question;
         let mut cell = cell.clone();
@@ -388,7 +388,7 @@ impl Search<'_> {
         Ok(known(self).flatten())
     }
 
-    /// Values beside those where the outcome comes near the wanted one and turns back: there may be two roots between them.
+    /// Values beside places where the outcome comes near the wanted one and turns back: there may be two roots between them.
     fn turns(&self) -> Vec<f64> {
         let mut values: Vec<f64> = Vec::new();
         for three in self.tried.windows(3) {
@@ -403,7 +403,7 @@ impl Search<'_> {
         values
     }
 
-    /// Middles between neighbours of which one divides, unless they are close.
+    /// Midpoints between neighbours where only one divides, unless they are close.
     fn edges(&self) -> Vec<f64> {
         let [from, to] = self.question.range;
         let open = |two: &&[Tried]| {

@@ -8,7 +8,7 @@ use furrow_lineage::Lineage;
 use furrow_mechanics::division::DivisionInput;
 use serde::{Deserialize, Serialize};
 
-/// What is computed at every point.
+/// The computation at every point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -51,7 +51,7 @@ impl Kind {
 pub struct Sweep {
     /// The file's name in errors.
     pub file: String,
-    /// What is computed.
+    /// The kind of computation.
     pub kind: Kind,
     /// Over what.
     pub axes: Axes,
@@ -86,7 +86,7 @@ impl Sweep {
         self.cue.is_some() || self.axes.0.iter().any(|axis| axis.target == Target::Cue)
     }
 
-    /// Whether it grows trees with cues in place of those of the lineage.
+    /// Whether it grows trees with cues that replace the lineage's.
     pub fn sets_cues_of_trees(&self) -> bool {
         self.kind == Kind::Tree && self.names_cues()
     }

@@ -44,7 +44,7 @@ pub struct SweepTable {
 }
 
 impl SweepTable {
-    /// The table of a sweep, or of a part of it. Its definition has everything the results depend on, and nothing else.
+    /// The table of a sweep, or of a part of it. Its definition has exactly the inputs that the results depend on.
     pub fn new(sweep: &Sweep, quantisation: Quantisation, shard: Option<Shard>, rows: Vec<Row>) -> SweepTable {
         let axis = |axis: &Axis| {
             let mut head = json!({ "parameter": axis.name, "values": axis.values });
@@ -106,7 +106,7 @@ impl SweepTable {
     /// Reads the files of a folder.
     ///
     /// # Errors
-    /// Names the file and what is wrong with it.
+    /// Names the file and the error in it.
     fn read(folder: &Path) -> Result<SweepTable, InputError> {
         let head = read_head(folder)?;
         let file = folder.join(LINES);
@@ -171,7 +171,7 @@ fn what_differs(there: &Value, now: &Value) -> String {
     format!("{}{more}", found.join("; "))
 }
 
-/// Names the fields in which two values differ, each with both of its values where they are short.
+/// Lists the fields in which two values differ, each with both of its values if they are short.
 fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
     match (there, now) {
         _ if there == now => {}
@@ -192,8 +192,8 @@ fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) 
 /// Merges the parts of a sweep: the same table as of the whole sweep, byte for byte.
 ///
 /// # Errors
-/// Names the folder and what is wrong: parts of different sweeps or versions, a part that is missing or not whole, two rows of
-/// one point that differ.
+/// Names the folder and the error: parts of different sweeps or versions, a part that is missing or incomplete, two different
+/// rows of one point.
 pub fn merge(folders: &[PathBuf]) -> Result<SweepTable, InputError> {
     let mut definition: Option<(Value, Vec<String>)> = None;
     let mut rows: BTreeMap<usize, (Row, usize)> = BTreeMap::new();

@@ -21,13 +21,13 @@ pub struct Row {
 }
 
 impl Sweep {
-    /// The columns of its table: the axes, then what is computed.
+    /// The columns of its table: the axes, then the results.
     pub fn columns(&self) -> Vec<String> {
         let axes = self.axes.0.iter().map(|axis| axis.name.clone());
         axes.chain(self.result_columns()).collect()
     }
 
-    /// The columns after those of the axes.
+    /// The columns after the axes' columns.
     pub fn result_columns(&self) -> Vec<String> {
         let fixed: &[&str] = match self.kind {
             Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end", "chi_signed"],
@@ -55,7 +55,7 @@ impl Sweep {
     }
 }
 
-/// Records as CSV under a header: lists in its order, or objects with its names whose missing fields stay empty.
+/// Records as CSV under a header: lists in the header's order, or objects with its names, where missing fields stay empty.
 ///
 /// # Errors
 /// A record cannot be serialised.
@@ -104,7 +104,7 @@ pub fn csv_text(columns: &[String], rows: &[Row]) -> String {
 /// Records of text as CSV.
 pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
-    // Into memory, and with records of any length, nothing can fail.
+    // Writing to memory, with records of any length, cannot fail.
     records.into_iter().for_each(|record| drop(writer.write_record(record.into_iter().map(String::into_bytes))));
     String::from_utf8_lossy(&writer.into_inner().unwrap_or_default()).into_owned()
 }

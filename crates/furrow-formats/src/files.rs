@@ -35,8 +35,8 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Several files of one folder, and of folders in it, that are written together: none is renamed before all are on the disk,
-/// so that a full disk leaves what was there.
+/// Several files of one folder, and of folders in it, that are written together. They are renamed only when all are on the disk,
+/// so that a full disk leaves the old files intact.
 ///
 /// ```
 /// use furrow_formats::files::FileSet;
@@ -60,10 +60,10 @@ pub struct FileSet {
     before: Vec<(PathBuf, Option<Identity>)>,
 }
 
-/// What tells a file from the one that another run puts in its place.
+/// Distinguishes a file from another run's file at the same path.
 type Identity = (u64, Option<SystemTime>, Option<u64>);
 
-/// The identity of the file at a path; `None` if there is none.
+/// The identity of the file at a path; `None` if there is no file.
 fn identity(path: &Path) -> Option<Identity> {
     let there = fs::metadata(path).ok()?;
     #[cfg(unix)]
@@ -166,7 +166,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether a file can have this name: it is free or that of a regular file. A rename would replace a device or a pipe.
+/// Whether a file can have this name: the name is free or belongs to a regular file. A rename would replace a device or a pipe.
 fn can_be_a_file(path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),

@@ -77,7 +77,7 @@ fn name(number: usize) -> String {
     format!("frame_{number:04}.csv")
 }
 
-/// The times of the frames of a division: of its steps, or every so many τ and its last.
+/// The frames of a division: one after each step, or one every `every` τ and the last.
 pub fn stills(film: &Trajectory, every: Option<f64>) -> Vec<Snapshot> {
     match every {
         None => (0..film.times().len()).map(|number| film.step(number)).collect(),
@@ -91,7 +91,7 @@ const MOST_FRAMES: f64 = 100_000.0;
 /// Refuses a step that gives more than 100 000 frames, as of a cell that waits for thousands of τ. Errors name `source_name`.
 ///
 /// # Errors
-/// Says which step is long enough.
+/// Names the least allowed step.
 pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> Result<(), InputError> {
     let least = film.division.t_end / MOST_FRAMES;
     match every.filter(|step| *step < least) {
@@ -105,9 +105,9 @@ pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> R
 
 /// Writes the frames of a division into `folder`: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at
 /// both poles, and `frames.json` with the time and the neck of each. Without `every` there is a frame after each step, with it
-/// one every so many τ, and the last shape.
+/// a frame every `every` τ, and the last shape.
 ///
-/// They replace the frames of an earlier division, which are those that its `frames.json` lists. Other files stay.
+/// They replace the frames that the folder's `frames.json` lists from an earlier division. Other files stay.
 ///
 /// # Errors
 /// [`WriteError`].
@@ -148,7 +148,7 @@ fn csv(still: &Snapshot) -> String {
     std::iter::once(COLUMNS[..count].join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
 }
 
-/// The contour of a frame, as it is read again.
+/// The contour of a frame that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameContour {
     /// Name of its file.
@@ -217,7 +217,7 @@ fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
     Ok(points)
 }
 
-/// The frames that the list in a folder names; none without a list, and none that has another name than a frame.
+/// The files that the folder's list names, if they are named like frames; empty without a list.
 fn listed(folder: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join(INDEX)).unwrap_or_default();
     let listed: Vec<Listed> = serde_json::from_str(&text).unwrap_or_default();

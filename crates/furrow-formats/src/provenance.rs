@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Provenance {
     /// Crate version.
     pub furrow: String,
-    /// Git commit of a release built from a checkout, with `-modified` where sources were changed; else none.
+    /// Git commit of a release built from a checkout, with `-modified` if sources were changed; otherwise `None`.
     pub git_commit: Option<String>,
 }
 

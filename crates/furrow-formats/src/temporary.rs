@@ -1,4 +1,4 @@
-//! Names of temporary files, and removal of those that killed runs left behind.
+//! Names of temporary files, and removal of files that killed runs left behind.
 
 use std::fs::{self, DirEntry};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -9,7 +9,7 @@ use std::time::{Duration, SystemTime};
 const PREFIX: &str = ".furrow-";
 pub(crate) const SUFFIX: &str = ".tmp";
 
-/// Age from which a file is stale whoever made it: a run renames its files within seconds.
+/// Age from which any temporary file is stale, whichever process made it: a run renames its files within seconds.
 const STALE: Duration = Duration::from_secs(24 * 3600);
 
 /// How the names of this process begin.
@@ -24,12 +24,12 @@ fn machine() -> u32 {
     let Some(both) = boot.zip(numbers) else { return 0 };
     let mut hasher = DefaultHasher::new();
     both.hash(&mut hasher);
-    // Never 0, which says that it is not known.
+    // Never 0, which means unknown.
     (hasher.finish() as u32).max(1)
 }
 
-/// Removes temporary files of a folder whose process has ended, and those of a day ago. A file of a live process stays, and so does
-/// what cannot be removed.
+/// Removes temporary files of a folder if their process has ended or they are a day old. A live process keeps its files. Files that
+/// cannot be removed stay.
 pub(crate) fn remove_stale(folder: &Path) {
     let (entries, machine) = (fs::read_dir(folder).into_iter().flatten(), machine());
     for entry in entries.flatten().filter(|entry| is_stale(entry, machine)) {

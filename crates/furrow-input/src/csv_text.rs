@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// Whether a spreadsheet would take a text for a formula. Numbers and a lone sign, which stands for no number, do no harm.
+/// Whether a spreadsheet would take a text for a formula. Numbers are harmless, and so is a lone sign, which marks a missing number.
 fn is_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.len() > 1 && text.parse::<f64>().is_err()
 }

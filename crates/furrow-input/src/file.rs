@@ -1,4 +1,4 @@
-//! Reading files: whatever a path names, in bounded time and memory.
+//! Reading files of any kind that a path may name, in bounded time and memory.
 
 use std::fs::File;
 use std::io::{self, Read};

@@ -1,5 +1,5 @@
-//! Files of other kinds, which people give in place of a table or of an embryo that was followed: errors name what they are and
-//! say what to do.
+//! Files of other kinds that users give in place of a table or of an embryo that was followed. Errors name the kind of file and
+//! the remedy.
 
 use std::path::Path;
 
@@ -8,11 +8,11 @@ use crate::InputError;
 /// Tables and tracked embryos.
 pub const WANTED: &str = "a table or an embryo that was followed";
 
-/// What tracks of the Cell Tracking Challenge are, and what to do.
+/// The kind of file and the remedy, for tracks of the Cell Tracking Challenge.
 const CTC: &str = "tracks of the Cell Tracking Challenge, which have no names of cells: read are tables with names, and spots with \
                    names of TrackMate or Mastodon";
 
-/// What a project of Mastodon is, and what to do.
+/// The kind of file and the remedy, for a project of Mastodon.
 const MASTODON: &str = "a project of Mastodon: in Mastodon export spots and links to CSV, and give the table of spots";
 
 /// Refuses a file of another kind than is `wanted` by the bytes at its start.

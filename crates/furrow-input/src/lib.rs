@@ -1,4 +1,4 @@
-//! Input that users write, with errors that name file, field, value, what is allowed.
+//! Input that users write, with errors that name file, field, value, the allowed values.
 //!
 //! | file | contents |
 //! |---|---|
@@ -53,10 +53,10 @@ pub enum InputError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong.
+        /// The error.
         message: String,
     },
-    /// A value is outside what is allowed.
+    /// A value is outside the allowed values.
     #[error("{source_name}: {} = {}: must be {}", printable(field), printable(value), printable(allowed))]
     NotAllowed {
         /// The file or option of the value.
@@ -65,7 +65,7 @@ pub enum InputError {
         field: String,
         /// Its value.
         value: String,
-        /// What is allowed.
+        /// The allowed values.
         allowed: String,
     },
     /// The founders of a lineage, or the cells of a tree, do not form one tree.
@@ -73,7 +73,7 @@ pub enum InputError {
     Founders {
         /// The file.
         file: String,
-        /// What is wrong, naming the founders.
+        /// The error, with the founders' names.
         message: String,
     },
 }

@@ -46,7 +46,7 @@ fn escaped(text: &str, escapes: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// A number in a message: as it is written in files, or with an exponent if it has very many digits.
+/// A number in a message: as files have it, or with an exponent if it has very many digits.
 ///
 /// ```
 /// use furrow_input::shown_number;
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_nearest_name_is_told_and_a_far_one_is_not() {
+    fn the_nearest_name_is_suggested_and_a_far_one_is_not() {
         assert_eq!(did_you_mean("intervls", ["stages", "intervals"]), "; did you mean intervals?");
         assert_eq!(did_you_mean("radius", ["stages", "intervals"]), "");
     }

@@ -1,4 +1,4 @@
-//! Reads RON, with errors that name line, column, field, value and what is expected.
+//! Reads RON, with errors that name line, column, field, value and the expected text.
 
 use ::ron::error::{Error, Position, SpannedError};
 use serde::de::DeserializeOwned;
@@ -10,7 +10,7 @@ use super::{InputError, did_you_mean, shown};
 /// beginning is skipped.
 ///
 /// # Errors
-/// Names file, line, column, field, value and what is expected.
+/// Names file, line, column, field, value and the expected text.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, InputError> {
     let text = without_mark(text);
     let options = ::ron::Options::default().with_default_extension(::ron::extensions::Extensions::IMPLICIT_SOME);
@@ -63,7 +63,7 @@ fn byte_at(text: &str, position: Position) -> usize {
     text[start..].char_indices().nth(position.col.saturating_sub(1)).map_or(text.len(), |(at, _)| start + at)
 }
 
-/// The parser's error with the field, its value and what is expected.
+/// The parser's error with the field, its value and the expected text.
 fn malformed(text: &str, file: &str, error: &SpannedError) -> InputError {
     // The parser stops before a value it has not read, and after one it has read.
     let (position, field, said) = match expected(&error.code) {
@@ -114,7 +114,7 @@ fn found(text: &str) -> String {
     }
 }
 
-/// What the parser expected, if its error says only that.
+/// The text that the parser expected, if its error gives nothing else.
 fn expected(error: &Error) -> Option<&'static str> {
     Some(match error {
         Error::ExpectedFloat => "a number",

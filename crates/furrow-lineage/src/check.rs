@@ -1,4 +1,4 @@
-//! Checks of a lineage file. Errors name place, value and what is allowed.
+//! Checks of a lineage file. Errors name the place, the value and the allowed values.
 
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -21,7 +21,7 @@ pub(super) struct Check<'a> {
     pub file: &'a str,
 }
 
-/// The first field that is wrong with the cells of a rule: its name, its value, and what is allowed.
+/// The first invalid field of a rule's selection of cells: its name, its value and the allowed values.
 fn span_complaint(span: Span) -> Option<(&'static str, String, String)> {
     let Span { from_generation, to_generation, below_r0, above_r0 } = span;
     if let Some(last) = to_generation.filter(|last| *last < from_generation) {
@@ -42,7 +42,7 @@ const MINUTES: RangeInclusive<f64> = 1e-6..=1e6;
 /// The same in words.
 const MINUTES_ALLOWED: &str = "a number of minutes from 1e-6 to 1e6";
 
-/// The values of a law of lifetimes that are given, each with its field and what is allowed.
+/// Given parameters of a law of lifetimes, each with its field and the allowed values.
 fn law_ranges(
     lifetime_min: Option<f64>,
     at_volume: Option<f64>,
@@ -129,7 +129,7 @@ impl Check<'_> {
         self.clock()
     }
 
-    /// The file's clock and those of its founders.
+    /// Checks the clocks of the file and of its founders.
     fn clock(&self) -> Checked {
         for f in &self.lineage.founders {
             let Some(own) = f.clock else { continue };
@@ -195,7 +195,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// Checks that a cue exists; the error lists those that do.
+    /// Checks that a cue exists; the error lists the known cues.
     fn known_cue(&self, name: &str) -> Result<(), String> {
         if self.lineage.cue(name).is_some() {
             return Ok(());
@@ -360,7 +360,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// No founder is called what the naming rule may call another cell.
+    /// Checks that no founder has a name that the naming rule may give to another cell.
     fn clashes(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         let mut has_listed = vec![false; founders.len()];

@@ -1,8 +1,8 @@
 //! Founders' names that the naming rule may also give to another cell.
 
-/// The first clash: founders (above, other) where the name of `other` is that of `above` followed by letters that the naming
+/// The first clash: founders (above, other) where the name of `other` is the name of `above` followed by letters that the naming
 /// rule gives to its descendants. Where a founder `has_listed` daughters, the list names them and not the rule. `letters`
-/// are those of a founder's descendants, by generation from 1.
+/// are the letters of a founder's descendants, by generation from 1.
 ///
 /// In sorted order, names that begin with a name follow it directly. One pass keeps the prefixes of the present name, each a
 /// prefix of the next, so that no more letters are read than the names have.
@@ -39,7 +39,7 @@ pub(super) fn first(
 mod tests {
     use super::*;
 
-    /// All pairs, one by one: what is found must be what the definition says.
+    /// Compares all pairs, directly by the definition of a clash.
     fn any_by_definition(names: &[&str], has_listed: &[bool]) -> bool {
         let below = |above: &str, name: &str| {
             name.len() > above.len() && name.starts_with(above) && name[above.len()..].chars().all(|c| "ap".contains(c))
@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn clashes_are_those_of_the_definition() {
+    fn clashes_agree_with_the_definition() {
         let words = ["A", "Aa", "Ab", "Aap", "Abp", "B", "Bx", "Bxa", "a", "ap", "é", "éa", "éb"];
         for chosen in 0..1_u32 << words.len() {
             let names: Vec<&str> = (0..words.len()).filter(|k| chosen >> k & 1 == 1).map(|k| words[k]).collect();
@@ -63,7 +63,7 @@ mod tests {
         }
     }
 
-    /// The work grows as the text, also where every name begins with every shorter one.
+    /// The work is linear in the length of the text, even if every name begins with every shorter one.
     #[test]
     fn the_work_is_bounded_by_the_text() {
         let nested: Vec<String> = (1..2000).map(|n| "bc".repeat(n)).collect();

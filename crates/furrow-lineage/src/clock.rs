@@ -43,8 +43,8 @@ pub struct Clock<L = Lifetimes> {
     pub lifetimes: Option<L>,
 }
 
-/// The law of a founder and its descendants up to the next founder with a clock. What is not given is inherited: from the
-/// nearest founder above that gives it, or from the file's clock.
+/// The law of a founder and its descendants up to the next founder with a clock. A field that is not given is inherited from
+/// the nearest founder above that gives it, or from the file's clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FounderClock {
@@ -73,7 +73,7 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// The cell whose event it is.
+    /// The cell that is born or divides.
     pub fn cell(&self) -> &str {
         match self {
             Origin::Birth(cell) | Origin::Division(cell) => cell,
@@ -139,7 +139,7 @@ impl Clock<WrittenLifetimes> {
     /// The clock with the lifetimes of its file, beside the lineage file `lineage`.
     ///
     /// # Errors
-    /// Names the file, and the line that is wrong in it.
+    /// Names the file and its faulty line.
     pub(super) fn resolved(self, lineage: &str) -> Result<Clock, InputError> {
         // Without `..`: the compiler asks for every field.
         let Clock { lifetime_min, at_volume, exponent, volumes, tau_min, origin, lifetimes } = self;
@@ -193,7 +193,7 @@ fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
     Ok(lifetimes)
 }
 
-/// The law of a founder, with what it inherits.
+/// The law of a founder, with inherited values filled in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LifetimeLaw {
     /// Lifetime in minutes of a cell of the volume `at_volume`.
@@ -215,14 +215,14 @@ impl LifetimeLaw {
         self.lifetime_min * (volume / self.at_volume).powf(-self.exponent)
     }
 
-    /// Whether a volume is more than half a division beyond those that the law was fitted to.
+    /// Whether a volume is outside the range that the law was fitted to by more than half a division.
     pub fn extrapolates_to(&self, volume: f64) -> bool {
         self.volumes.is_some_and(|[least, most]| volume * HALF_A_DIVISION < least || volume > most * HALF_A_DIVISION)
     }
 }
 
 impl Lineage {
-    /// The law of a founder (an index into the lineage's founders); none without a clock.
+    /// The law of a founder (an index into the lineage's founders); `None` without a clock.
     pub fn lifetime_law(&self, founder: usize) -> Option<LifetimeLaw> {
         let inherited = match self.mother(founder) {
             Some(mother) => self.lifetime_law(mother)?,
@@ -241,7 +241,7 @@ impl Lineage {
         })
     }
 
-    /// The founder that a cell of that name is or descends from by the naming rule, the nearest one; none if no cell can have
+    /// The founder that a cell of that name is or descends from by the naming rule, the nearest one; `None` if no cell can have
     /// the name.
     pub fn founder_of(&self, name: &str) -> Option<usize> {
         let below = self.daughters();
@@ -261,7 +261,7 @@ impl Lineage {
 pub struct CellTimes {
     /// Birth.
     pub birth_min: f64,
-    /// Division; none for a cell without daughters.
+    /// Division; `None` for a cell without daughters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub division_min: Option<f64>,
     /// Whether it divides after a lifetime by a law that was fitted to other sizes of cells.
@@ -270,7 +270,7 @@ pub struct CellTimes {
 }
 
 impl Tree {
-    /// When each cell is born and divides, in the order of the cells; none if the lineage has no clock.
+    /// When each cell is born and divides, in the order of the cells; `None` if the lineage has no clock.
     pub fn times(&self) -> Option<Vec<CellTimes>> {
         let clock = self.lineage.clock.as_ref()?;
         let laws: Vec<LifetimeLaw> =
@@ -296,7 +296,7 @@ impl Tree {
     }
 
     /// The event at minute 0 of [`times`](Self::times): the origin of the clock where it takes place in this tree, else the
-    /// birth of the first cell; none without a clock.
+    /// birth of the first cell; `None` without a clock.
     pub fn time_origin(&self) -> Option<Origin> {
         let clock = self.lineage.clock.as_ref()?;
         let takes_place = |origin: &&Origin| match self.cell_called(origin.cell()) {
@@ -311,7 +311,7 @@ impl Tree {
         self.cells().find(|id| self.cell(*id).name == name)
     }
 
-    /// The minute of the origin, counted from the birth of the first cell; none if it does not take place.
+    /// The minute of the origin, counted from the birth of the first cell; `None` if it does not take place.
     fn origin_minute(&self, origin: Option<&Origin>, times: &[CellTimes]) -> Option<f64> {
         let origin = origin?;
         let of = times[self.cell_called(origin.cell())?.index()];
@@ -364,14 +364,14 @@ pub fn alive(times: &[CellTimes]) -> Vec<Alive> {
     (0..=count).map(at).collect()
 }
 
-/// The least of 1, 2, 5, 10, 20, … that is no less than a number.
+/// The least of 1, 2, 5, 10, 20, … that is not below a number.
 fn round_step(least: f64) -> f64 {
     let decade = 10_f64.powf(least.max(1.0).log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * decade).find(|step| *step >= least).unwrap_or(10.0 * decade)
 }
 
 /// The last division among the descendants of each founder, itself included, in minutes, in the order of the lineage's founders;
-/// none where none divides.
+/// `None` if neither the founder nor a descendant divides.
 pub fn last_divisions(tree: &Tree, times: &[CellTimes]) -> Vec<Option<f64>> {
     last_times(tree, times).into_iter().map(|last| last?.division_min).collect()
 }

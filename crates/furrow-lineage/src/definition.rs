@@ -37,7 +37,7 @@ pub enum Daughter {
 pub struct Founder {
     /// Name, unique in the file.
     pub name: String,
-    /// The founder that divides into it; none for the first cell.
+    /// The founder that divides into it; `None` for the first cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mother: Option<String>,
     /// Which of the mother's daughters it is; given exactly when `mother` is.
@@ -50,7 +50,7 @@ pub struct Founder {
     /// Whether its descendants inherit its cue.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub inherit: bool,
-    /// In place of `cue`: which of it and its descendants carry which cue, the first rule that applies. Generations are
+    /// In place of `cue`: the cues of the founder and its descendants, by the first rule that applies. Generations are
     /// counted from the founder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cue_rules: Vec<CueRule>,
@@ -84,7 +84,7 @@ fn is_yes(value: &bool) -> bool {
     *value
 }
 
-/// Which cells carry a cue: those of some generations, those of some sizes, or all.
+/// Selects the cells that carry a cue: by generation, by size, or all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CueRule {
@@ -146,7 +146,7 @@ fn default_naming() -> (char, char) {
 }
 
 /// A lineage as its file gives it. [`Lineage::parse`] has checked it: one first cell, every mother and cue known, no
-/// cycle, two founders or none below each founder, names that cannot clash.
+/// cycle, either two founders or no founder below each founder, names that cannot clash.
 ///
 /// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue): its cues may be in µm and seconds; and `L` is
 /// [`WrittenLifetimes`](super::clock::WrittenLifetimes): lifetimes may be in a file of their own.
@@ -170,11 +170,11 @@ pub struct Lineage<C = Cue, L = Lifetimes> {
     /// Cues by name. `none` always exists.
     #[serde(default, deserialize_with = "unique")]
     pub cues: BTreeMap<String, C>,
-    /// Cues of cells whose founder gives none, the first rule that applies. Generations are counted from
+    /// Cues of cells without a cue from their founder, by the first rule that applies. Generations are counted from
     /// the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cue_rules: Vec<CueRule>,
-    /// Parameters of cells whose founder has no such rules, by the first rule for each that applies. Generations are
+    /// Parameters of cells without such rules from their founder, by the first rule for each that applies. Generations are
     /// counted from the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub physics_rules: Vec<PhysicsRule>,
@@ -205,8 +205,8 @@ impl Lineage {
         self.founders[founder].r0.map(|length| length.in_units(&self.units()))
     }
 
-    /// Radii that are given as plain numbers, which are of L_h, where a number of µm is more likely; a sentence for each. Only
-    /// files that say how long L_h is can mix the two up. Others with radii in µm are told which L_h they get.
+    /// Radii given as plain numbers, which are in L_h, where a length in µm is more likely; a sentence for each. Only files
+    /// that give the length of L_h can confuse the two. For other files with radii in µm a message states the L_h that is used.
     pub fn doubtful_radii(&self) -> Vec<String> {
         let units = self.units();
         if let (None, Some(length)) = (self.units.and_then(|units| units.length_um), units.length_um) {
@@ -236,7 +236,7 @@ impl Lineage {
         self.founders.iter_mut().filter(|founder| founder.mother.is_none()).for_each(|founder| founder.r0 = None);
     }
 
-    /// The founder that divides into a founder; none for the first cell.
+    /// The founder that divides into a founder; `None` for the first cell.
     pub fn mother(&self, founder: usize) -> Option<usize> {
         let name = self.founders[founder].mother.as_ref()?;
         self.founders.iter().position(|other| other.name == *name)
@@ -284,7 +284,7 @@ impl Lineage {
         std::iter::successors(Some(self.first()), |&founder| below[founder].map(|(_, smaller)| smaller)).collect()
     }
 
-    /// The same lineage with another cue, under a name, in the place of every cue that its founders or rules give. If they give none,
+    /// The same lineage with another cue, under a name, in place of every cue that its founders or rules give. If they give no cue,
     /// the founders of [`smaller_line`](Self::smaller_line) get it, and descendants up to the next founder inherit it.
     ///
     /// ```
@@ -321,8 +321,8 @@ impl Lineage {
         self
     }
 
-    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it, `CUE` or `NAME=CUE` (see [`named_cue`]). One written as terms without
-    /// a name is called `given`; blanks and quotes of a name become `-`, as names of cues have none.
+    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it, `CUE` or `NAME=CUE` (see [`named_cue`]). A cue of
+    /// terms without a name is called `given`. Names of cues contain no blanks or quotes, so these become `-`.
     ///
     /// # Errors
     /// As [`parse_cue`](Self::parse_cue).
@@ -342,7 +342,7 @@ impl Lineage {
     /// Reads a cue as users write it: `none`, a name of this lineage, or terms, joined by `+`.
     ///
     /// # Errors
-    /// [`CueError`] names the part, what it is and what it may be.
+    /// [`CueError`] names the part, its text and the allowed values.
     pub fn parse_cue(&self, text: &str) -> Result<Cue, CueError> {
         for part in split_terms(text) {
             if !part.contains(':') && !part.is_empty() && !starts_with_field(part) && self.cue(part).is_none() {

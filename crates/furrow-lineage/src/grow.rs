@@ -71,7 +71,7 @@ struct GrowingCell {
     cue: Cue,
     /// Parameters that rules give it.
     physics: Option<Box<FounderPhysics>>,
-    /// Whether hardly another cell has its parameters.
+    /// Whether its parameters are unlikely to occur in another cell.
     is_single: bool,
     is_founder: bool,
     fate: Option<Fate>,
@@ -113,7 +113,7 @@ impl GrowingCell {
     }
 }
 
-/// What trees that differ by the seed of their noise share: a division on which the noise has no influence is that of the first seed.
+/// Shared by trees that differ by the seed of their noise. Divisions without influence of the noise come from the first seed.
 struct Sharing {
     /// Seed of the first tree.
     first: u64,
@@ -132,7 +132,7 @@ struct Growth<'a> {
     cells: Vec<GrowingCell>,
 }
 
-/// What a cell needs before its fate is known.
+/// The division or the search that a cell needs before its fate is known.
 enum Need<'a> {
     Division(DivisionInput),
     Search(&'a CriticalRadii<'a>, Search),
@@ -153,7 +153,7 @@ impl Grower<'_> {
 
 /// Grows several trees in one run. All their cells share a queue, so that no worker is idle while any tree has a division to
 /// solve, and a division that several trees need is solved once. Every tree is the same as grown alone; the [`Summary`]
-/// counts the work of all. Memo and options are those of the first grower.
+/// counts the work of all. The first grower's memo and options are used.
 ///
 /// # Errors
 /// As [`Grower::grow`].
@@ -161,9 +161,9 @@ pub fn grow_together(growers: &[Grower<'_>], solve: impl Solve) -> Result<(Vec<T
     grow_all(growers, None, &solve)
 }
 
-/// As [`grow_together`], of trees that differ by the seed of their noise, to see what is chance in them. A division on which the
-/// noise has no influence is that of `first_seed` in all of them: it is computed with that seed and the next, and where the two
-/// [agree](Division::agrees_with), with no other. The tree of `first_seed` is the same as grown alone.
+/// As [`grow_together`], for trees that differ by the seed of their noise, to show the effect of chance. A division without
+/// influence of the noise is computed with `first_seed` and the next seed only, and where the two
+/// [agree](Division::agrees_with), all trees take the first. The tree of `first_seed` is the same as grown alone.
 ///
 /// # Errors
 /// As [`Grower::grow`].
@@ -221,7 +221,7 @@ impl<'a> Growths<'a> {
         jobs.into_iter().filter_map(|id| self.step(id, Some(&search))).collect()
     }
 
-    /// What the scheduler does for a job. `tried` is the search that was run for it.
+    /// The scheduler's next step for a job. `tried` is the search that was run for it.
     fn step(&mut self, id: usize, tried: Option<&Search>) -> Option<Step<'a>> {
         let count = self.trees.len();
         let (radii, search) = match self.trees[id % count].need(id / count, tried)? {
@@ -261,8 +261,8 @@ impl<'a> Growth<'a> {
         Growth { grower, sharing: None, has_rules, listed: lineage.daughters(), cells: vec![first] }
     }
 
-    /// What a cell needs; none if its fate is known without, which is then set. A search that was `tried` and found nothing,
-    /// as it was interrupted, is not tried again.
+    /// The division or the search that a cell needs; `None` if its fate is known without either and has been set. A search that was
+    /// `tried` and was interrupted is not tried again.
     fn need(&mut self, index: usize, tried: Option<&Search>) -> Option<Need<'a>> {
         let Grower { lineage, settings, ends, .. } = self.grower;
         let growing = &self.cells[index];
@@ -290,7 +290,7 @@ impl<'a> Growth<'a> {
         undecided.then_some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed }))
     }
 
-    /// The seed with which a cell's division is needed next.
+    /// The seed of the next division that a cell needs.
     fn seed(&self, index: usize) -> u64 {
         let own = self.grower.settings.seed;
         let Some(Sharing { first, waiting }) = &self.sharing else { return own };
@@ -301,7 +301,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// The division that a cell has, once one is computed; none if another seed's is needed first, to know whether the noise
+    /// The division of a cell, once it is computed; `None` if another seed's division is needed first, to know whether the noise
     /// matters.
     fn settled<'d>(&mut self, index: usize, division: &'d Division) -> Option<Cow<'d, Division>> {
         let (own, asked) = (self.grower.settings.seed, self.seed(index));
@@ -349,7 +349,7 @@ impl<'a> Growth<'a> {
         if turned { division.clone().mirrored() } else { division.clone() }
     }
 
-    /// Ends the branch of a cell whose division could not be computed.
+    /// Ends the branch of a cell after its division could not be computed.
     fn note_undecided(&mut self, index: usize, why: String) {
         self.cells[index].fate = Some(TerminalReason::Undecided { why }.into());
     }
@@ -402,7 +402,7 @@ impl<'a> Growth<'a> {
         let Grower { lineage, settings, .. } = self.grower;
         let max_cells = lineage.limits.max_cells;
         let mut tree: Option<Tree> = None;
-        // Cells whose mother is in the tree, and how many there are and were.
+        // Cells with their mother in the tree; the number of cells queued so far.
         let (mut queue, mut placed) = (VecDeque::from([(0, None)]), 1);
         while let Some((index, mother)) = queue.pop_front() {
             let has_room = placed + 2 <= max_cells;

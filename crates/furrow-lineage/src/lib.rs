@@ -47,7 +47,7 @@ pub use units::{Length, Units};
 /// Reads a cue from an option: `none`, names of the lineage file, or terms, joined by `+`.
 ///
 /// # Errors
-/// Names the part of the cue, its value and what is allowed.
+/// Names the part of the cue, its value and the allowed values.
 pub fn parse_cue(text: &str, lineage: &Lineage) -> Result<furrow_cell::Cue, furrow_input::InputError> {
     lineage
         .parse_cue(text)

@@ -27,7 +27,7 @@ pub struct ObservedRounds {
 }
 
 impl ObservedRounds {
-    /// The first field that contradicts the others: its name, its value and what is allowed.
+    /// The first field that contradicts the others: its name, its value and the allowed values.
     pub(super) fn contradiction(&self) -> Option<(&'static str, String, String)> {
         let above = |a: Option<u32>, b: Option<u32>| a.zip(b).is_some_and(|(a, b)| a > b);
         let ObservedRounds { min, mean, max, full_doublings, terminal, deaths } = *self;

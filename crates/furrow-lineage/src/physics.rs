@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use furrow_cell::{Cell, Parameter};
 
-/// Parameters of a founder and of its descendants up to the next founder, in place of those of the run.
+/// Parameters of a founder and of its descendants up to the next founder. They replace the run's parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields, rename = "Physics")]
 pub struct FounderPhysics {
@@ -62,12 +62,12 @@ impl FounderPhysics {
         values.into_iter().filter_map(|(parameter, value)| Some((parameter, value?)))
     }
 
-    /// Has it set a parameter. R0 and numbers of a cue are left alone.
+    /// Sets a parameter. R0 and numbers of a cue are left alone.
     pub fn set(&mut self, parameter: Parameter, value: f64) {
         self.slots().into_iter().filter(|(of, _)| *of == parameter).for_each(|(_, slot)| *slot = Some(value));
     }
 
-    /// Whether it changes nothing.
+    /// Whether no parameter is set.
     pub fn is_empty(&self) -> bool {
         self.values().next().is_none()
     }

@@ -2,8 +2,8 @@
 
 use furrow_mechanics::division::DivisionInput;
 
-/// Upper edge of the asymmetric window over its lower one, the critical radius. It is that of the preset `gao2026`,
-/// 2.25 over 1.7; other parameters move it a little, which costs a little time at most.
+/// Upper edge of the asymmetric window over its lower one, the critical radius, for the preset `gao2026`: 2.25 over 1.7.
+/// Other parameters move it a little, which costs a little time at most.
 const WINDOW: f64 = 1.32;
 /// Work of a division in the window, in units of a symmetric one.
 const SLOW: f64 = 2.5;
@@ -18,7 +18,7 @@ const LONGEST_CHAIN: usize = 64;
 /// come to rest undivided below the radius `critical`.
 ///
 /// Large cells halve. Below the upper edge of the asymmetric window a division costs two to three times as much and
-/// leaves a daughter hardly smaller than its mother, so that the longest chains lead through the window and are begun
+/// leaves a daughter almost as large as its mother, so that the longest chains lead through the window and are begun
 /// first. Cues are ignored. The order of work changes no result.
 pub fn expected_work(critical: f64) -> impl Fn(&DivisionInput) -> f64 {
     move |input| {

@@ -54,7 +54,7 @@ impl Lineage {
     /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
     ///
     /// # Errors
-    /// Names the founder, cue or field, its value and what is allowed.
+    /// Names the founder, cue or field, its value and the allowed values.
     pub fn check(&self, file: &str) -> Result<(), InputError> {
         Check { lineage: self, text: "", file }.run()
     }
@@ -101,7 +101,7 @@ struct Probe {
     base: Option<IgnoredAny>,
 }
 
-/// A file with a base, whose values are kept where the file sets none.
+/// A file with a base. Fields that the file does not set keep the base's values.
 #[derive(Deserialize)]
 #[serde(rename = "Lineage", deny_unknown_fields)]
 struct Differing {
@@ -111,23 +111,23 @@ struct Differing {
     naming: Option<(char, char)>,
     units: Option<Units>,
     limits: Option<Limits>,
-    /// Beside those of the base, or in place of those of the same name.
+    /// Cues to add to the base's, or to replace cues of the same name.
     #[serde(default, deserialize_with = "unique")]
     cues: BTreeMap<String, WrittenCue>,
-    /// In place of those of the base, if there are any.
+    /// Replace the base's rules, if any are given.
     #[serde(default)]
     cue_rules: Vec<CueRule>,
-    /// In place of those of the base, if there are any.
+    /// Replace the base's rules, if any are given.
     #[serde(default)]
     physics_rules: Vec<PhysicsRule>,
-    /// In place of that of the base and of its founders.
+    /// Replaces the clocks of the base and of its founders.
     clock: Option<Clock<WrittenLifetimes>>,
     /// Founders of the base by name, with what differs, and further ones.
     #[serde(default)]
     founders: Vec<Founder>,
 }
 
-/// The unchecked lineage of a text that names a base; `None` if it names none.
+/// The unchecked lineage of a text that names a base; `None` if it names no base.
 ///
 /// # Errors
 /// As [`Lineage::parse`].

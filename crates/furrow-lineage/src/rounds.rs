@@ -29,7 +29,7 @@ pub struct Rounds {
 pub struct FounderRounds {
     /// Index into the lineage's founders.
     pub founder: usize,
-    /// Rounds; none if the founder was never born.
+    /// Rounds; `None` if the founder was never born.
     pub rounds: Option<Rounds>,
 }
 
@@ -58,7 +58,7 @@ impl Count {
         }
     }
 
-    /// As rounds from a founder of that generation; none if it has no descendants, as one that was never born.
+    /// As rounds from a founder of that generation; `None` if it has no descendants, for example because it was never born.
     fn rounds(self, birth: u32) -> Option<Rounds> {
         let Count { terminal, sum, least, most, not_symmetric } = self;
         (terminal > 0).then(|| Rounds {
@@ -88,7 +88,7 @@ pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
             count.not_symmetric = count.not_symmetric.min(generation);
         }
     }
-    // Each founder's descendants are also those of the founder above it: the last born are added first.
+    // Each founder's descendants also descend from the founder above it: the last born are added first.
     let birth = |k: usize| Some(tree.cell(tree.founder_cell(k)?).generation);
     let above = |k: usize| Some(tree.cell(tree.mother(tree.founder_cell(k)?)?).founder);
     let mut born: Vec<usize> = (0..founders).filter(|k| birth(*k).is_some()).collect();

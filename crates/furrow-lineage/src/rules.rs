@@ -31,7 +31,7 @@ impl Span {
     }
 }
 
-/// What a rule counts.
+/// The quantity that a rule counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Per {
@@ -43,7 +43,7 @@ pub enum Per {
     MotherChi,
 }
 
-/// What a parameter of some cells is: start × factor^n + add × n, where n is what it is `per`, or 1.
+/// The value of a parameter in some cells: start × factor^n + add × n, where n is the count given by `per`, or 1.
 ///
 /// ```
 /// use furrow_cell::Cell;
@@ -63,16 +63,16 @@ pub struct PhysicsRule {
     /// The parameter: any but R0, also a number of the cue.
     #[serde(with = "parameter_name")]
     pub parameter: Parameter,
-    /// Where it starts; if not given, the cell's own value: the founder's, or that of the run.
+    /// The start; if not given, the cell's own value, from the founder or else from the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// It starts from the mother's value instead. The first cell keeps its own.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub from_mother: bool,
-    /// What it is multiplied by; 1 if not given.
+    /// The factor; 1 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<f64>,
-    /// What is added to it; 0 if not given.
+    /// The increment; 0 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub add: Option<f64>,
     /// How often it is multiplied and added; once if not given.
@@ -104,7 +104,7 @@ pub struct Mother<'a> {
 impl<'a> Mother<'a> {
     /// Of a cell with its division.
     pub fn of(cell: &'a Cell, division: Option<&Division>) -> Mother<'a> {
-        // χ of equal daughters is what is left of rounding.
+        // χ of equal daughters is only rounding error.
         let unequal = division.filter(|division| division.outcome() == Outcome::Asymmetric);
         Mother { cell, chi: unequal.and_then(Division::chi).unwrap_or(0.0) }
     }
@@ -113,9 +113,9 @@ impl<'a> Mother<'a> {
 /// What rules make of a cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ruled {
-    /// The parameters that rules set, but for numbers of the cue.
+    /// The parameters that rules set, except numbers of the cue.
     pub physics: FounderPhysics,
-    /// Whether hardly another cell has the same parameters: they go with its size or its mother.
+    /// Whether its parameters are unlikely to occur in another cell, as they depend on its size or its mother.
     pub is_single: bool,
 }
 
@@ -126,7 +126,7 @@ impl PhysicsRule {
         Span { from_generation, to_generation, below_r0, above_r0 }
     }
 
-    /// The value that it gives a cell; none if it leaves the cell's own, as it does to a first cell without a mother.
+    /// The value for a cell; `None` if the cell keeps its own value, as a first cell without a mother does.
     fn value(&self, own: f64, generation: u32, r0: f64, mother: Option<Mother<'_>>) -> Option<f64> {
         let start = if self.from_mother { self.parameter.get(mother?.cell) } else { self.value.unwrap_or(own) };
         let (factor, add) = (self.factor.unwrap_or(1.0), self.add.unwrap_or(0.0));
@@ -141,7 +141,7 @@ impl PhysicsRule {
         })
     }
 
-    /// The first field that is wrong: its name, its value, and what is allowed.
+    /// The first invalid field: its name, its value and the allowed values.
     pub(super) fn complaint(&self) -> Option<(&'static str, String, String)> {
         let PhysicsRule { parameter, value, from_mother, factor, add, per, .. } = *self;
         if let Some((value, allowed)) = value.and_then(|value| Some((value, parameter.validate(value).err()?))) {
@@ -178,8 +178,8 @@ impl Lineage {
         !self.physics_rules.is_empty() || self.founders.iter().any(|founder| !founder.physics_rules.is_empty())
     }
 
-    /// A cell of a founder with the parameters of its division: those of the run, over them the founder's, over them what rules
-    /// give it.
+    /// A cell of a founder with the parameters of its division. Rules override the founder's parameters, and these override the
+    /// run's.
     pub(super) fn parameters(
         &self,
         (founder, r0, cue): (usize, f64, &Cue),
@@ -196,7 +196,7 @@ impl Lineage {
     /// has the parameters of the run, and the cue.
     ///
     /// # Errors
-    /// A rule gives a value that is not allowed: names the parameter, the value and what is allowed.
+    /// A rule gives a value that is not allowed: names the parameter, the value and the allowed values.
     pub fn set_physics(&self, place: Place, cell: &mut Cell, mother: Option<Mother<'_>>) -> Result<Ruled, String> {
         self.founders[place.founder].physics.apply(cell);
         let (rules, generation) = self.physics_rules_at(place);

@@ -9,11 +9,11 @@ use furrow_input::{forbidden, shown};
 pub struct Scenario {
     /// Unique among the scenarios.
     pub name: String,
-    /// The name as that of a folder, unique too.
+    /// The name as a folder name, also unique.
     pub folder: String,
     /// Label of its lineage.
     pub label: String,
-    /// The cue that replaces every cue of the lineage, as it was asked for but without its name; none if the lineage keeps its own.
+    /// The cue that replaces every cue of the lineage, as it was asked for but without its name; `None` if the lineage keeps its own.
     pub cue: Option<String>,
     /// The lineage with that cue.
     pub lineage: Lineage,
@@ -32,8 +32,8 @@ impl Scenario {
 /// Longest name of a cue on the command line, in characters.
 const LONGEST: usize = 60;
 
-/// A cue as users write it, in two: the name that they give it and the cue, `NAME=CUE`. A name holds none of `: , +`, so that
-/// `tension:gradient,amplitude=0.3` has none.
+/// Splits a cue as users write it, `NAME=CUE`, into its name and the cue. A name must not contain `: , +`, so
+/// `tension:gradient,amplitude=0.3` has no name.
 ///
 /// ```
 /// use furrow_lineage::named_cue;

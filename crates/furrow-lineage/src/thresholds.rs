@@ -7,12 +7,12 @@ use furrow_cell::{Cell, Cue};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::equilibria::ShapeError;
 
-/// What ends branches ahead of their division.
+/// The rule that ends a branch before its division is computed.
 #[derive(Clone, Copy)]
 pub enum EndRule<'a> {
-    /// Nothing: every division is computed.
+    /// No rule: every division is computed.
     Dynamics,
-    /// Critical radii. Those that are not known are searched for on the workers.
+    /// Critical radii. Unknown ones are searched for on the workers.
     Thresholds(&'a Thresholds<'a>),
     /// A function, called on the thread that grows the tree.
     Custom(&'a dyn Fn(&Cell) -> Option<TerminalReason>),
@@ -29,7 +29,7 @@ pub enum Scope {
     FirstIfKnown,
     /// All cells but the first.
     AllButFirst,
-    /// Cells whose radius is known.
+    /// Cells of known radius.
     Known,
 }
 
@@ -82,7 +82,7 @@ impl<'a> Thresholds<'a> {
         }
     }
 
-    /// Whether the critical radius of cells like this one, or that there is none, is known.
+    /// Whether it is known for cells like this one that there is a critical radius, or that there is no such radius.
     pub fn knows(&self, cell: &Cell) -> bool {
         self.radii.knows(cell)
     }
@@ -92,7 +92,7 @@ impl<'a> Thresholds<'a> {
         self.radii.known_radius(&cell.clone().with_cue(Cue::none()))
     }
 
-    /// Cues whose critical radius could not be found, and why.
+    /// Cues without a known critical radius, because the search for it failed, and the reason.
     pub fn unknown(&self) -> Vec<(Cue, ShapeError)> {
         self.unknown.borrow().clone()
     }

@@ -81,7 +81,7 @@ impl From<End> for TerminalReason {
 pub enum Fate {
     /// It has two daughters.
     Divides(Division),
-    /// It has none.
+    /// The cell has no daughters.
     Terminal {
         /// Why.
         reason: TerminalReason,
@@ -103,7 +103,7 @@ impl From<Division> for Fate {
 }
 
 impl From<TerminalReason> for Fate {
-    /// The fate of a cell whose division was not computed.
+    /// The fate of a cell without a computed division.
     fn from(reason: TerminalReason) -> Fate {
         Fate::Terminal { reason, division: None }
     }
@@ -118,12 +118,12 @@ impl Fate {
         }
     }
 
-    /// Why there are no daughters; none if there are.
+    /// The reason why there are no daughters; `None` if there are daughters.
     pub fn terminal_reason(&self) -> Option<&TerminalReason> {
         if let Fate::Terminal { reason, .. } = self { Some(reason) } else { None }
     }
 
-    /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
+    /// How its division ended; `None` for an undecided cell and for one stopped by a limit.
     pub fn outcome(&self) -> Option<Outcome> {
         match self {
             Fate::Terminal { reason: TerminalReason::Undecided { .. }, division: None } => None,
@@ -137,12 +137,12 @@ impl Fate {
         self.division()?.chi()
     }
 
-    /// Time of pinch-off or of rest, in τ; none if no division was computed.
+    /// Time of pinch-off or of rest, in τ; `None` if no division was computed.
     pub fn t_end(&self) -> Option<f64> {
         self.division().map(|division| division.t_end)
     }
 
-    /// Volumes of the anterior and the posterior daughter of a mother of volume `mother`; none if it does not divide. They
+    /// Volumes of the anterior and the posterior daughter of a mother of volume `mother`; `None` if it does not divide. They
     /// sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
     pub fn daughter_volumes(&self, mother: f64) -> Option<[f64; 2]> {
         let Fate::Divides(division) = self else { return None };
@@ -187,7 +187,7 @@ pub struct TreeCell {
     pub volume_fraction: f64,
     /// Polarity cue.
     pub cue: Cue,
-    /// Parameters that rules give it, over those of its founder and of the run.
+    /// Parameters from rules, which override the founder's and the run's.
     pub physics: Option<Box<FounderPhysics>>,
     /// Its fate.
     pub fate: Fate,
@@ -209,7 +209,7 @@ impl CellId {
 pub struct TreeSettings {
     /// Seed of the noise.
     pub seed: u64,
-    /// Relative step to which R0 is rounded before a division is solved; 0 if it is not.
+    /// Relative step to which R0 is rounded before a division is solved; 0 without rounding.
     pub r0_step: f64,
     /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
     pub cell: Cell,
@@ -328,7 +328,7 @@ impl Tree {
         self.graph.neighbors(id.0).count()
     }
 
-    /// The cell of a founder (an index into the lineage's founders); none if it was never born.
+    /// The cell of a founder (an index into the lineage's founders); `None` if it was never born.
     pub fn founder_cell(&self, founder: usize) -> Option<CellId> {
         self.founder_cells[founder]
     }
@@ -338,7 +338,7 @@ impl Tree {
         &self.lineage.founders[self.cell(id).founder].name
     }
 
-    /// A cell with the parameters of its division: those of the run, over them its founder's, over them what rules give it.
+    /// A cell with the parameters of its division. Rules override the founder's parameters, and these override the run's.
     pub fn parameters(&self, id: CellId) -> Cell {
         let TreeCell { founder, r0, cue, physics, .. } = self.cell(id);
         self.lineage.parameters((*founder, *r0, cue), physics.as_deref(), &self.settings.cell)

@@ -95,7 +95,7 @@ pub fn plain_radius(r0: f64) -> String {
     )
 }
 
-/// A warning of a radius that is allowed but far from those that the presets were made for.
+/// Warns of a radius that is allowed but far from the radii that the presets were made for.
 pub fn size_doubt(given: Length, units: &Units) -> Option<String> {
     let [least, most] = [MADE_FOR.start(), MADE_FOR.end()];
     let natural = given.in_units(units);

@@ -129,7 +129,7 @@ impl Volumes {
     }
 }
 
-/// Whether a column of a grid holds the frames rather than a cell, or nothing.
+/// Whether a column of a grid contains the frames, or nothing, rather than a cell.
 fn is_frame(column: usize, name: &str) -> bool {
     column == 0 || name.is_empty() || ["frame", "time", "time_point", "timepoint", "t"].contains(&&*name.to_lowercase())
 }
@@ -156,7 +156,7 @@ fn grid_unit(header: &[String], (file, line): (&str, usize), names: &Names) -> R
     Ok(found)
 }
 
-/// What a volume in a unit is multiplied by. Without a unit the option gives it.
+/// The factor from a volume's unit to the unit of results. Without a unit the option gives it.
 pub(crate) fn factor(unit: Option<VolumeUnit>, options: &ReadOptions) -> f64 {
     match unit {
         Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(),

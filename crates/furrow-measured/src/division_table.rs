@@ -98,7 +98,7 @@ fn division<'r>(
     let division = Division {
         embryo: embryo.written(),
         group: options.group.clone().filter(|_| group.is_empty()).unwrap_or(group),
-        // Mothers of different embryos have nothing in common but their generation.
+        // Mothers of different embryos share only their generation.
         mother: generation.map_or_else(|| name.clone(), |number| format!("{GENERATION}{}", number.written())),
         daughters: ["larger", "smaller"].map(|which| format!("{name} {which}")),
         volumes: volumes.map(|volume| factor * volume),

@@ -1,8 +1,8 @@
 //! Asymmetry of a division over the dose of a protein.
 //!
-//! Tables have the columns `dose` (or one whose name ends in `_dose` or `_dosage`) and `larger_share`, the share of the two
-//! daughters' size that the larger one has, and optionally `condition`. Dose 1 is that of the wild type. Sizes are areas of an
-//! image or volumes; both readings are kept, because sources do not always say which:
+//! Tables have the columns `dose` (or a name that ends in `_dose` or `_dosage`) and `larger_share`, the larger daughter's share of
+//! the size of both, and optionally `condition`. The wild type has dose 1. Sizes are areas of an image or volumes; both readings
+//! are kept, because sources do not always say which:
 //!
 //! * \[volume\] χ = 2s − 1
 //! * \[area\] χ = (s^{3/2} − (1 − s)^{3/2})/(s^{3/2} + (1 − s)^{3/2}), of daughters of one shape
@@ -27,7 +27,7 @@ pub struct DosedDivision {
     pub dose: f64,
     /// Share of the two daughters' size that the larger one has.
     pub larger_share: f64,
-    /// The condition; empty if the table has none.
+    /// The condition; empty if the table has no conditions.
     pub condition: String,
 }
 
@@ -59,7 +59,7 @@ impl Doses {
     /// Reads a table. Reports name it `file`.
     ///
     /// # Errors
-    /// A table without the required columns, or of which no row can be used.
+    /// A table without the required columns, or without a usable row.
     pub fn read(from: impl Read, file: &str) -> Result<Doses, InputError> {
         let mut table = Table::open(from, file)?;
         let (line, header) = table.header(|_| false)?;

@@ -18,7 +18,7 @@ use crate::volumes::Volumes;
 pub struct Division {
     /// The embryo.
     pub embryo: String,
-    /// Its group; empty if it has none.
+    /// Its group; empty without groups.
     pub group: String,
     /// The cell that divides.
     pub mother: String,
@@ -61,9 +61,9 @@ pub struct HalfSeen {
 /// The divisions in a table.
 #[derive(Clone, Debug, Default)]
 pub struct Divisions {
-    /// Those with both daughters measured.
+    /// Divisions with both daughters measured.
     pub divisions: Vec<Division>,
-    /// Those with only one.
+    /// Divisions with one daughter measured.
     pub half_seen: Vec<HalfSeen>,
 }
 
@@ -138,7 +138,7 @@ pub struct MotherSummary {
 /// The divisions of a group.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GroupSummary {
-    /// The group; empty if the table has none.
+    /// The group; empty if the table has no groups.
     pub group: String,
     /// Its embryos with a division.
     pub embryos: usize,
@@ -187,7 +187,7 @@ fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
     GroupSummary { group: group.to_owned(), embryos: embryos.len(), events: by_mother.into_iter().map(of).collect() }
 }
 
-/// What precedes the number of a generation, by which divisions of tables without Sulston's names are summarised.
+/// Precedes the number of a generation. Divisions of tables without Sulston's names are summarised by it.
 pub(crate) const GENERATION: &str = "generation ";
 
 /// The order of cells: by generation, then by name.

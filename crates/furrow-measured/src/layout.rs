@@ -197,7 +197,7 @@ impl ChiColumns {
     pub(crate) fn of(header: &[String], place: (&str, usize)) -> Result<Option<Self>, InputError> {
         let lower = unified(header, place)?;
         let find = |names: &[&str]| lower.iter().position(|column| names.contains(&column.as_str()));
-        // The signed χ says more where a table has both.
+        // Where a table has both, the signed χ is more informative.
         let (mother, chi) = (find(&["mother"]), find(&["chi_signed"]).or_else(|| find(&["chi"])));
         let (embryo, group) = (find(&["embryo", "sample"]), find(&["group", "condition"]));
         Ok(mother.zip(chi).map(|(mother, chi)| ChiColumns { mother, chi, embryo, group }))

@@ -3,7 +3,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`names`] | Sulston's names: a cell's mother and sister |
-//! | [`volumes`], `layout`, `division_table` | tables of volumes: long ones, those of frames × cells, and those of divisions |
+//! | [`volumes`], `layout`, `division_table` | tables of volumes: long tables, frames × cells, and divisions |
 //! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, Mastodon, GEFF |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`lifetimes`] | tables of lifetimes: over volume, which sister divides first, cells alive over time |

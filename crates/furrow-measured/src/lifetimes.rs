@@ -106,7 +106,7 @@ impl Columns {
     }
 }
 
-/// What a row says.
+/// The values of a row.
 struct Measured {
     cell: String,
     n: u64,
@@ -204,8 +204,8 @@ impl Lifetimes {
         Ok(found)
     }
 
-    /// Reads a file: a table, or cells that another program [followed over time](crate::tracked) with so many minutes from one frame to
-    /// the next. Cells have these names.
+    /// Reads a file: a table, or cells that another program [followed over time](crate::tracked) with `frame_minutes` minutes from one
+    /// frame to the next. Cells have these names.
     ///
     /// # Errors
     /// As [`Lifetimes::read`] and [`TrackedLineage::lifetimes`](crate::tracked::TrackedLineage::lifetimes).
@@ -226,7 +226,7 @@ impl Lifetimes {
         self.cells.iter().find(|lifetime| lifetime.cell == cell)
     }
 
-    /// The cell by whose birth another clock is set to the table's: of those measured in the most embryos the one born first.
+    /// The cell that aligns another clock with the table's by its birth: the first-born of the cells measured in the most embryos.
     pub fn reference(&self) -> Option<&Lifetime> {
         let most = self.cells.iter().filter(|cell| cell.birth.is_some()).map(|cell| cell.n).max()?;
         let often = self.cells.iter().filter(|cell| cell.n == most && cell.birth.is_some());
@@ -234,7 +234,7 @@ impl Lifetimes {
     }
 }
 
-/// One row as it is, or the mean over several of one embryo each.
+/// A single row, or the mean over several rows of one embryo each.
 fn averaged(rows: &[Measured], names: &Names) -> Option<Lifetime> {
     let first = rows.first()?;
     let founder = names.founder(&first.cell)?.to_owned();
@@ -262,7 +262,7 @@ pub fn mean_volumes(volumes: &Volumes) -> BTreeMap<String, f64> {
 pub struct Slopes {
     /// Over all cells.
     pub all: Option<Trend>,
-    /// By founder, of those with three cells or more.
+    /// By founder, for founders with three cells or more.
     pub founders: BTreeMap<String, Trend>,
 }
 
@@ -288,7 +288,7 @@ pub struct Sisters {
     pub daughters: [String; 2],
     /// Mean lifetimes, in minutes.
     pub lifetimes: [f64; 2],
-    /// Which divides first: 0 or 1; none if their means are equal.
+    /// Which divides first: 0 or 1; `None` if their means are equal.
     pub first: Option<usize>,
     /// Two-sided p value of Welch's test of their lifetimes; embryos are not paired.
     pub p: Option<f64>,
@@ -311,7 +311,7 @@ pub fn sisters(lifetimes: &Lifetimes) -> Vec<Sisters> {
     pairs
 }
 
-/// Which of two values is the smaller; none if they are equal.
+/// Which of two values is the smaller; `None` if they are equal.
 pub fn smaller([a, b]: [f64; 2]) -> Option<usize> {
     if a == b { None } else { Some(usize::from(b < a)) }
 }
@@ -321,13 +321,13 @@ pub fn smaller([a, b]: [f64; 2]) -> Option<usize> {
 pub struct Agreement {
     /// Pairs with an expected and a measured order.
     pub pairs: usize,
-    /// Of these, with the same.
+    /// Pairs with the same order in both.
     pub agree: usize,
-    /// Probability of so many or more by tosses of a coin.
+    /// Probability of at least this many by tosses of a coin.
     pub p: f64,
 }
 
-/// How often the order that `expected` gives is the measured one; pairs that it gives none for are left out.
+/// How often the order that `expected` gives is the measured one; pairs without an expected order are left out.
 pub fn agreement(pairs: &[Sisters], expected: impl Fn(&Sisters) -> Option<usize>) -> Agreement {
     let both = pairs.iter().filter_map(|pair| Some((pair.first?, expected(pair)?)));
     let (pairs, agree) = both.fold((0, 0), |(n, agree), (a, b)| (n + 1, agree + usize::from(a == b)));
@@ -377,11 +377,11 @@ pub struct EmbryoOverTime {
     /// Divisions.
     #[serde(flatten)]
     pub over_time: CellsOverTime,
-    /// The first birth of a cell whose lifetime the table lacks: from there on divisions can be missing.
+    /// The first birth of a cell without a lifetime in the table: from there on divisions can be missing.
     pub known_until: f64,
 }
 
-/// The numbers of cells that a table's births and lifetimes give; none without births. A cell divides where its lifetime ends, or
+/// The numbers of cells that a table's births and lifetimes give; `None` without births. A cell divides where its lifetime ends, or
 /// if that is not known where its daughters are born.
 pub fn cells_over_time(lifetimes: &Lifetimes) -> Option<EmbryoOverTime> {
     let mut divisions: BTreeMap<String, f64> = BTreeMap::new();

@@ -15,7 +15,7 @@ const NAMED: [(&str, &str, &str); 6] = [
     ("P4", "Z3", "Z2"),
 ];
 
-/// Founders whose descendants are named by letters.
+/// Founders with descendants that are named by letters.
 const STEMS: [&str; 5] = ["AB", "MS", "E", "C", "D"];
 
 /// Letters of two sisters: anterior and posterior, left and right, dorsal and ventral.
@@ -24,7 +24,7 @@ const SIDES: [(char, char); 3] = [('a', 'p'), ('l', 'r'), ('d', 'v')];
 /// Longest name, in bytes: no known lineage has half as many rounds.
 const LONGEST: usize = 64;
 
-/// The other letter of a pair of sides, and whether `letter` is the one that is named first.
+/// The other letter of a pair of sides, and whether `letter` is named first.
 fn other_side(letter: char) -> Option<(char, bool)> {
     let (first, second) = SIDES.iter().find(|(first, second)| [*first, *second].contains(&letter))?;
     Some(if letter == *first { (*second, true) } else { (*first, false) })
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn mothers_and_sisters_are_those_of_the_chart() {
+    fn mothers_and_sisters_agree_with_the_chart() {
         for (name, of, other, first) in [
             ("AB", "P0", "P1", true),
             ("P2", "P1", "EMS", false),

@@ -2,11 +2,11 @@
 //!
 //! # References
 //! Jankele, Jelier & Gönczy, *eLife* 10, e61714 (2021): segmented volumes of 6 wild-type embryos (`wt`), 8 of the same strain as
-//! the changed ones (`ctrl`), and embryos whose first division was made equal by moving the spindle, 11 that hatched (`alive`) and
-//! 12 that did not (`dead`). Of the last two signed means alone are known, which are means of |χ| where all signs are alike.
+//! the changed ones (`ctrl`), and embryos with a first division made equal by moving the spindle, 11 that hatched (`alive`) and
+//! 12 that did not (`dead`). For the last two only signed means are known, which equal means of |χ| where all signs are alike.
 //!
 //! Villoutreix et al., *Sci. Rep.* 6, 37438 (2016): 1,702 divisions of five blastulae of *Paracentrotus lividus*, by population
-//! (macromeres, mesomeres, large and small micromeres) and generation. χ is that of the larger minus the smaller daughter.
+//! (macromeres, mesomeres, large and small micromeres) and generation. χ is the larger minus the smaller daughter.
 //!
 //! Rodrigues et al. (2024), CC BY 4.0: 83 two-cell embryos over the dosage of PAR-6, wild type, heterozygous and after RNAi.
 
@@ -30,16 +30,16 @@ const LIFETIMES: &str = include_str!("../data/jankele2021_lifetimes.csv");
 /// Divisions of five sea-urchin embryos, by population and generation.
 const VILLOUTREIX: &str = include_str!("../data/villoutreix2016.csv");
 
-/// What it is called.
+/// The source of the divisions of sea-urchin embryos.
 pub const SEA_URCHIN_SOURCE: &str = "Villoutreix et al. 2016, Sci. Rep. 6:37438";
 
 /// Asymmetry over the dose of PAR-6, by condition and in bins of the dose.
 const RODRIGUES: &str = include_str!("../data/rodrigues2024.csv");
 
-/// What that is called.
+/// The source of the asymmetries over the dose of PAR-6.
 pub const DOSE_SOURCE: &str = "Rodrigues et al. 2024, dosage of PAR-6 and asymmetry of the two-cell stage";
 
-/// What the table of volumes is called.
+/// The source of the table of volumes.
 pub const SOURCE: &str = "Jankele, Jelier & Gönczy 2021, eLife 10:e61714";
 
 #[derive(Deserialize)]
@@ -60,7 +60,7 @@ struct Row {
 /// Divisions of 14 embryos, of the groups `wt` and `ctrl`.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn jankele2021_divisions() -> Result<Vec<Division>, InputError> {
     Ok(divisions(&jankele2021_volumes()?).divisions)
 }
@@ -68,17 +68,17 @@ pub fn jankele2021_divisions() -> Result<Vec<Division>, InputError> {
 /// Volumes of the cells of these embryos.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn jankele2021_volumes() -> Result<Volumes, InputError> {
     let mut volumes = Volumes::default();
     volumes.read(VOLUMES.as_bytes(), "jankele2021_volumes.csv", &ReadOptions::default())?;
     Ok(volumes)
 }
 
-/// Lifetimes of the cells of 28 unperturbed embryos, those of both groups.
+/// Lifetimes of the cells of 28 unperturbed embryos, from both groups.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn jankele2021_lifetimes() -> Result<Lifetimes, InputError> {
     Lifetimes::read(LIFETIMES.as_bytes(), "jankele2021_lifetimes.csv")
 }
@@ -86,7 +86,7 @@ pub fn jankele2021_lifetimes() -> Result<Lifetimes, InputError> {
 /// The published groups of worms.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
     groups_of(JANKELE, "jankele2021.csv")
 }
@@ -94,7 +94,7 @@ pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
 /// The published populations of sea urchins, by generation.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn villoutreix2016() -> Result<Vec<GroupSummary>, InputError> {
     groups_of(VILLOUTREIX, "villoutreix2016.csv")
 }
@@ -149,7 +149,7 @@ struct DoseRow {
 /// Published asymmetries of the worm's first division over the dose of PAR-6: by condition, and in bins of the dose.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
+/// Only if the shipped table is invalid.
 pub fn rodrigues2024() -> Result<[Vec<DoseGroup>; 2], InputError> {
     let mut groups = [Vec::new(), Vec::new()];
     for row in csv::Reader::from_reader(RODRIGUES.as_bytes()).deserialize() {

@@ -16,18 +16,18 @@ pub struct Trend {
     pub p: f64,
 }
 
-/// The line of least squares with the p value of its slope; none of fewer than three points or where x does not vary.
+/// The line of least squares with the p value of its slope; `None` for fewer than three points or constant x.
 pub fn trend(points: &[[f64; 2]]) -> Option<Trend> {
     let line = line(points)?;
     let p = slope_p(&line)?;
     Some(Trend { line, p })
 }
 
-/// Volumes that differ by no more than this factor, as those of sisters of an equal division, are one size.
+/// Volumes within this factor, as of sisters of an equal division, are one size.
 const ONE_SIZE: f64 = 1.25;
 
-/// The line of ln y over ln volume, whose slope is an exponent; as [`trend`], but a line through two sizes always fits: its error, its p value
-/// and its shares of the variation are not numbers.
+/// The line of ln y over ln volume; its slope is an exponent. As [`trend`], but a line through two sizes always fits: its error, its p
+/// value and its shares of the variation are then NaN.
 pub fn power(points: &[[f64; 2]]) -> Option<Trend> {
     let mut trend = trend(points)?;
     let mut sizes: Vec<f64> = points.iter().map(|[ln_volume, _]| *ln_volume).collect();
@@ -57,7 +57,7 @@ pub fn slope_p(line: &Line) -> Option<f64> {
     two_sided(line.slope / line.slope_error, line.degrees_of_freedom() as f64)
 }
 
-/// Probability of a t as far from 0; none where it is no number.
+/// Probability of a t as far from 0; `None` where it is no number.
 fn two_sided(t: f64, freedom: f64) -> Option<f64> {
     let t = Some(t.abs()).filter(|t| !t.is_nan())?;
     Some((2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t)).min(1.0))
@@ -89,7 +89,7 @@ pub fn welch(a: Sample, b: Sample) -> Option<f64> {
     two_sided((a.mean - b.mean) / both.sqrt(), freedom)
 }
 
-/// The exact sign test, one-sided: the probability of at least `agree` of `of` if each were a toss of a coin. 1 of none.
+/// The exact sign test, one-sided: the probability of at least `agree` of `of` if each were a toss of a coin. 1 for `of` = 0.
 ///
 /// # Examples
 /// ```

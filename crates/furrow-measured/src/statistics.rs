@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// Mean of some values; NaN of none.
+/// Mean of the values; NaN without values.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
@@ -17,7 +17,7 @@ pub fn mean(values: &[f64]) -> f64 {
 /// case of 26 if they are of two values, and in one of 300 if they are of three.
 pub const SPREAD_FROM: usize = 3;
 
-/// Standard deviation of a sample, by n − 1; none of fewer than two values.
+/// Standard deviation of a sample, by n − 1; `None` for fewer than two values.
 pub fn sd(values: &[f64]) -> Option<f64> {
     let mean = mean(values);
     let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
@@ -35,7 +35,7 @@ pub struct BoxPlot {
     pub outliers: Vec<f64>,
 }
 
-/// The box of some values; none of none.
+/// The box of the values; `None` without values.
 pub fn box_plot(values: &[f64]) -> Option<BoxPlot> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -51,7 +51,7 @@ pub fn box_plot(values: &[f64]) -> Option<BoxPlot> {
     Some(BoxPlot { quartiles, whiskers, outliers })
 }
 
-/// The value below which a share of sorted values lies, linear between them; not a number of none.
+/// The value below which a share of sorted values lies, linear between them; NaN without values.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;
@@ -59,7 +59,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[(below + 1).min(last)] - sorted[below])
 }
 
-/// The median; not a number of none.
+/// The median; NaN without values.
 pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -76,7 +76,7 @@ pub enum Method {
     Asymptotic,
 }
 
-/// A rank-sum test of whether values of one sample tend to be larger than those of another.
+/// A rank-sum test of whether values of one sample tend to be larger than values of another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RankSum {
     /// Mann and Whitney's U of the first sample: pairs in which its value is the larger, ties counted half.
@@ -87,11 +87,11 @@ pub struct RankSum {
     pub method: Method,
 }
 
-/// Samples of which the smaller has no more values are tested exactly, if there are no ties.
+/// Without ties, the test is exact if the smaller sample has at most this number of values.
 const EXACT_UP_TO: usize = 8;
 
 /// Wilcoxon's rank-sum test, one-sided: whether values of `a` tend to be larger than those of `b`. Exact where one sample has at
-/// most eight values and there are no ties, else asymptotic. None if either is empty.
+/// most eight values and there are no ties, else asymptotic. `None` if either is empty.
 ///
 /// # Examples
 /// ```
@@ -123,7 +123,7 @@ pub fn rank_sum(a: &[f64], b: &[f64]) -> Option<RankSum> {
     }
     let (n, pairs) = ((n_a + n_b) as f64, (n_a * n_b) as f64);
     let variance = pairs / 12.0 * (n + 1.0 - ties / (n * (n - 1.0)));
-    // All values are equal: nothing tells the samples apart.
+    // All values are equal, so the samples cannot be distinguished.
     let p = if variance > 0.0 { Normal::standard().sf((u - 0.5 * pairs - 0.5) / variance.sqrt()) } else { 1.0 };
     Some(RankSum { u, p, method: Method::Asymptotic })
 }
@@ -150,7 +150,7 @@ fn exact(u: f64, n_a: usize, n_b: usize) -> f64 {
     counts.iter().enumerate().filter(|(at, _)| *at as f64 >= u).map(|(_, count)| count).sum::<f64>() / total
 }
 
-/// The stars of a p value: none, *, ** and *** at 0.1, 0.05 and 0.001.
+/// The stars of a p value: n.s. from 0.1 on, *, ** and *** below 0.1, 0.05 and 0.001.
 pub fn stars(p: f64) -> &'static str {
     match p {
         p if p < 0.001 => "***",
@@ -187,7 +187,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// Spearman's rank correlation of pairs, two-sided; none of fewer than three pairs, or where either does not vary.
+/// Spearman's rank correlation of pairs, two-sided; `None` for fewer than three pairs, or if either number is constant.
 pub fn rank_correlation(points: &[[f64; 2]]) -> Option<RankCorrelation> {
     let n = points.len();
     let [x, y] = [0, 1].map(|k| ranks(&points.iter().map(|point| point[k]).collect::<Vec<_>>()));
@@ -210,7 +210,7 @@ pub fn rank_correlation(points: &[[f64; 2]]) -> Option<RankCorrelation> {
 /// With so few pairs a correlation of ranks is tested exactly, ties or not.
 const EXACT_PAIRS_UP_TO: usize = 9;
 
-/// Share of the orders of y in which Σxy is as far from its mean.
+/// Share of the orders of y with Σxy at least as far from its mean.
 ///
 /// Ranks of x are given one after the other to each rank of y that is still free; of the ranks that are given, only the set and the
 /// sum count.
@@ -265,13 +265,13 @@ impl Line {
     }
 }
 
-/// The line of least squares through points (x, y), with an intercept; none of fewer than three points or where x does not vary.
+/// The line of least squares through points (x, y), with an intercept; `None` for fewer than three points or constant x.
 pub fn line(points: &[[f64; 2]]) -> Option<Line> {
     let centre = [0, 1].map(|k| mean(&points.iter().map(|p| p[k]).collect::<Vec<_>>()));
     least_squares(points, Some(centre))
 }
 
-/// The line of least squares through the origin; none of fewer than two points or where x is 0.
+/// The line of least squares through the origin; `None` for fewer than two points or if all x are 0.
 pub fn line_through_origin(points: &[[f64; 2]]) -> Option<Line> {
     least_squares(points, None)
 }

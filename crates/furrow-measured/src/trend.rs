@@ -34,11 +34,11 @@ pub struct VolumeBin {
 pub struct AdjacentTest {
     /// The bin of the smaller cells.
     pub a: String,
-    /// That of the larger.
+    /// The bin of the larger cells.
     pub b: String,
-    /// Divisions in it.
+    /// Divisions in `a`.
     pub n_a: usize,
-    /// Divisions in the other.
+    /// Divisions in `b`.
     pub n_b: usize,
     /// The rank sums.
     #[serde(flatten)]

@@ -11,7 +11,7 @@
 //! Rows that begin with `#` are comments.
 //!
 //! A cell's volume is the mean over its frames. A value that cannot be used is skipped and reported with its place; a table
-//! with none of these layouts is an error.
+//! with another layout is an error.
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
@@ -34,7 +34,7 @@ pub struct ReadOptions {
     pub voxel: Option<f64>,
     /// Group of rows without one.
     pub group: Option<String>,
-    /// Unit of tables whose headings and columns give no unit.
+    /// Unit of tables without a unit in headings and columns.
     pub unit: Option<Unit>,
     /// Names of cells in long tables and of cells that were followed; grids have Sulston's.
     pub names: Names,
@@ -73,7 +73,7 @@ impl Lifespan {
 pub struct Embryo {
     /// Its name.
     pub name: String,
-    /// Its group; empty if it has none.
+    /// Its group; empty without groups.
     pub group: String,
     /// Its cells, in the order of the table.
     pub cells: Vec<Lifespan>,
@@ -251,7 +251,7 @@ impl Volumes {
     /// skipped.
     ///
     /// # Errors
-    /// Volumes are in another unit than those before.
+    /// Volumes are in another unit than earlier volumes.
     pub fn add_tracked(&mut self, lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
         let names = &options.names;
@@ -302,7 +302,7 @@ impl Volumes {
     /// Requires that a volume was used of the tables that were read; `tables` is their name if they have no rows.
     ///
     /// # Errors
-    /// None was; the error has the first value that could not be used.
+    /// No volume was used; the error has the first value that could not be used.
     pub fn require_used(&self, tables: &str) -> Result<(), InputError> {
         let first = self.skipped.first();
         let file = first.map_or(tables, |skipped| skipped.file.as_str());
@@ -333,7 +333,7 @@ impl Volumes {
 }
 
 impl Lifespan {
-    /// Adds a value, or says why it is one too many.
+    /// Adds a value, or returns the reason why it is one too many.
     pub(crate) fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Result<(), String> {
         if let Some(frame) = frame {
             if !self.seen.insert(frame.to_bits()) {

@@ -32,7 +32,7 @@ fn masked(bytes: &[u8], label: Option<u16>) -> Contours {
     found
 }
 
-/// Points at so many angles around a cell.
+/// Points at `count` angles around a cell.
 fn around(count: u32, at: impl Fn(f64) -> [f64; 2]) -> Vec<[f64; 2]> {
     (0..count).map(|k| at(f64::from(k) / f64::from(count) * std::f64::consts::TAU)).collect()
 }
@@ -58,7 +58,7 @@ fn contours_of_one_table_are_kept_apart_in_any_dress() {
 }
 
 #[test]
-fn what_is_no_contour_is_left_out_with_its_place_and_the_others_stay() {
+fn an_invalid_contour_is_left_out_with_its_place_and_the_others_stay() {
     let broken = "id,x,y\na,0,0\na,2,0\na,2,2\nb,0,0\nb,nan,1\nb,1,0\nc,0,0\nc,1,1\nd,0,0\nd,1,1\nd,2,2\ne,0,0\ne,2,2\ne,2,0\ne,0,2\n";
     let read = table(broken.as_bytes());
     assert_eq!(read.traced.len(), 1);
@@ -83,7 +83,7 @@ fn tables_of_something_else_are_refused() {
     }
 }
 
-/// A slip of the hand is cut off and told; a contour of two halves is none.
+/// A small loop is cut off and reported; a contour of two halves is refused.
 #[test]
 fn small_loops_are_cut_off_and_large_ones_refused() {
     let mut points = around(200, |t| [3.0 * t.cos(), 2.0 * t.sin()]);
@@ -98,9 +98,9 @@ fn small_loops_are_cut_off_and_large_ones_refused() {
     assert!(matches!(Contour::new(eight), Err(Unusable::Crosses(_) | Unusable::NoArea)));
 }
 
-/// Wherever it lies and however it is turned: an ellipse by its formulas.
+/// An ellipse at any place and angle, by its formulas.
 #[test]
-fn moments_are_those_of_an_ellipse_wherever_it_lies() {
+fn moments_of_an_ellipse_agree_with_formulas_at_any_place() {
     for (turn, [x, y]) in [(0.0, [0.0, 0.0]), (0.7, [1e4, -3e3]), (2.9, [-50.0, 1e6])] {
         let (sin, cos) = f64::sin_cos(turn);
         let points = around(2000, |t| {
@@ -131,7 +131,7 @@ fn the_outline_of_a_mask_goes_around_its_pixels() {
 }
 
 #[test]
-fn the_largest_piece_is_taken_its_holes_filled_and_the_rest_told() {
+fn the_largest_piece_is_taken_its_holes_filled_and_the_rest_reported() {
     let rows = ["#.........", "..#####...", "..#...#...", "..#.#.#...", "..#...#..#", "..#####.##"];
     let found = masked(&mask(&rows, [0, 200]), None);
     let traced = &found.traced[0];
@@ -141,7 +141,7 @@ fn the_largest_piece_is_taken_its_holes_filled_and_the_rest_told() {
 }
 
 #[test]
-fn cells_of_a_picture_of_labels_are_told_apart() {
+fn cells_of_a_picture_of_labels_are_separated() {
     let pixels: Vec<u8> = [0, 1, 1, 2, 2, 2, 0, 1, 1, 2, 2, 2].into();
     let bytes = grey([6, 2], &pixels);
     let area = |label| masked(&bytes, Some(label)).traced[0].contour.moments().area;
@@ -198,9 +198,9 @@ fn depth_does_not_depend_on_how_a_cell_lies() {
 }
 
 proptest! {
-    /// Two ways that share nothing: exact areas, and the pixels of a fine grid. Stars of any corners, on one side of each other or upon.
+    /// Two independent methods: exact areas, and the pixels of a fine grid. Stars of any corners, beside or upon each other.
     #[test]
-    fn exact_areas_are_those_of_pixels(
+    fn exact_areas_agree_with_pixels(
         radii in prop::collection::vec(0.3_f64..1.0, 5..40),
         others in prop::collection::vec(0.3_f64..1.0, 5..40),
         aside in -2.0_f64..2.0,
@@ -219,12 +219,12 @@ proptest! {
         prop_assert!((exact.jaccard - pixels.jaccard).abs() < 0.02, "{exact:?} {pixels:?}");
         let own = overlap(&a, &a);
         prop_assert!((own.similarity - 1.0).abs() < 1e-6 && (own.jaccard - 1.0).abs() < 1e-6, "{own:?}");
-        // Nothing changes where both are turned alike.
+        // Turning both equally changes nothing.
         let turned = overlap(&a.turned(), &b.turned());
         prop_assert!((turned.similarity - exact.similarity).abs() < 1e-6, "{turned:?} {exact:?}");
     }
 
-    /// Whatever the bytes are: a contour, something told, or an error; never a panic.
+    /// Any bytes give a contour, a report or an error, never a panic.
     #[test]
     fn no_bytes_break_the_readers(bytes in prop::collection::vec(any::<u8>(), 0..400), head in 0_usize..4) {
         let heads: [&[u8]; 4] = [b"", b"x,y\n", b"contour,x,y\n1,0,0\n", b"\x89PNG\r\n\x1a\n"];

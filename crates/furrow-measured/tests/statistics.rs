@@ -21,7 +21,7 @@ fn close(found: f64, expected: &Value) {
 }
 
 #[test]
-fn rank_sums_are_those_of_scipy() {
+fn rank_sums_agree_with_scipy() {
     let mut methods = Vec::new();
     for case in reference()["ranks"].as_array().unwrap() {
         let found = rank_sum(&numbers(&case["a"]), &numbers(&case["b"])).unwrap();
@@ -35,7 +35,7 @@ fn rank_sums_are_those_of_scipy() {
 }
 
 #[test]
-fn lines_are_those_of_scipy() {
+fn lines_agree_with_scipy() {
     for case in reference()["lines"].as_array().unwrap() {
         let points: Vec<[f64; 2]> =
             numbers(&case["x"]).into_iter().zip(numbers(&case["y"])).map(|(x, y)| [x, y]).collect();
@@ -88,7 +88,7 @@ fn points(case: &Value) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn rank_correlations_are_those_of_scipy() {
+fn rank_correlations_agree_with_scipy() {
     for case in reference()["correlations"].as_array().unwrap() {
         let found = rank_correlation(&points(case)).unwrap();
         close(found.rho, &case["rho"]);
@@ -143,7 +143,7 @@ fn regressions_have_the_errors_of_scipy() {
     }
 }
 
-/// Neither has its slope an error, nor has 0/0 a probability.
+/// The slope has no error, and 0/0 no probability.
 #[test]
 fn a_quantity_that_never_varies_has_no_trend() {
     let points = [[0.0, 3.0], [1.0, 3.0], [2.0, 3.0]];

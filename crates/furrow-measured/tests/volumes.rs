@@ -39,7 +39,7 @@ fn columns_may_stand_in_any_order_and_groups_are_kept_apart() {
 }
 
 #[test]
-fn the_sign_is_that_of_the_daughter_named_first() {
+fn the_sign_follows_the_daughter_named_first() {
     let volumes = read(b"embryo,cell,relative_volume\ne,ABal,0.04\ne,ABar,0.06\ne,C,0.03\ne,P3,0.01\n");
     let found = divisions(&volumes).divisions;
     let of = |mother: &str| found.iter().find(|division| division.mother == mother).unwrap().chi_signed;
@@ -61,7 +61,7 @@ fn frames_are_averaged_and_grids_are_read() {
 }
 
 #[test]
-fn what_cannot_be_used_is_told_with_its_place() {
+fn unusable_values_are_reported_with_their_place() {
     let table = "embryo,cell,volume,frame\ne,AB,10,1\ne,Ab,10,1\ne,P1,,1\ne,P1,-3,1\ne,P1,0,1\ne,P1,1e999,1\ne,P1,ten,1\n,P1,3,1\ne,AB,11,1\ne,P1,3,one\ne\n";
     assert_eq!(skipped(table).join("\n"), include_str!("data/skipped.txt").trim_end());
     assert_eq!(
@@ -85,7 +85,7 @@ fn marks_line_ends_and_separators_of_other_programs_are_read() {
 }
 
 #[test]
-fn what_is_no_table_of_volumes_is_refused() {
+fn other_tables_than_of_volumes_are_refused() {
     for (table, expected) in [
         (&b""[..], "t.csv:1:1: the table is empty"),
         (b"cell,volume\nAB,1\n", "no column is called embryo"),
@@ -119,7 +119,7 @@ fn very_wide_tables_and_very_long_names_are_read_in_passing() {
 }
 
 #[test]
-fn divisions_with_one_daughter_are_told() {
+fn divisions_with_one_daughter_are_reported() {
     let found = divisions(&read(b"embryo,cell,volume\ne,AB,60\ne,ABa,30\ne,ABp,31\n"));
     assert_eq!(found.divisions.len(), 1);
     assert_eq!(found.half_seen.len(), 1);
@@ -554,7 +554,7 @@ fn the_sea_urchin_has_the_classes_and_tests_of_scipy() {
     close(found.line.unwrap().slope_error, &expected["slope_error"]);
     close(found.spearman.unwrap().rho, &expected["rho"]);
     close(found.spearman.unwrap().p, &expected["p"]);
-    // What is shipped is a summary of this table.
+    // The shipped data are a summary of this table.
     for (shipped, found) in villoutreix2016().unwrap().iter().zip(["Mac", "Mes", "LMic", "SMic"]) {
         let computed = summaries(&all).into_iter().find(|group| group.group == found).unwrap();
         assert_eq!((shipped.embryos, shipped.events.len()), (computed.embryos, computed.events.len()));

@@ -10,7 +10,7 @@ use furrow_measured::volumes::Unit;
 
 use super::{plus_minus, significance};
 
-/// Bins of the volume, each with its test and the model's cell of its mean size, where there are such.
+/// Bins of the volume, each with its test and the model's cell of the bin's mean size, if there are any.
 pub fn bins_text(
     unit: Option<Unit>,
     bins: &[VolumeBin],
@@ -69,7 +69,7 @@ pub fn trend_text(trend: &VolumeTrend) -> String {
     out + "\n"
 }
 
-/// Embryos whose own trend is listed.
+/// Most embryos listed with their own trend.
 const MOST_EMBRYOS: usize = 20;
 
 /// What noise alone makes of equal divisions.

@@ -1,4 +1,4 @@
-//! `furrow compare contour`: outlines of cells beside those of a simulated division.
+//! `furrow compare contour`: outlines of cells beside a simulated division.
 
 use std::io::Read;
 
@@ -19,11 +19,11 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Compares measured outlines of a dividing cell with those of a simulated division
+/// Compares measured outlines of a dividing cell with a simulated division
 ///
 /// Contours are tables of points (CSV with columns x and y, and contour if there are several) or masks (PNG with the cell in one colour,
 /// or with --label a label image), all of sections through the axis of one cell. Each is aligned by centroid and long axis with the
-/// frame of the division whose furrow is as deep. The similarity index is |A∩B|/|A|, where A is measured.
+/// frame of equal furrow depth. The similarity index is |A∩B|/|A|, where A is measured.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -115,7 +115,7 @@ fn nothing_to_compare(args: &ContourArgs, found: &Contours, no_frames: bool) -> 
     InputError::OtherFile { file: names, wanted: "any contour that could be used".to_owned(), reason: place(left) }
 }
 
-/// What is left out, where, and why.
+/// The file, line and contour that were left out, and the reason.
 fn place(left: &LeftOut) -> String {
     let LeftOut { file, contour, line, why } = left;
     let line = line.map_or(String::new(), |line| format!(":{line}"));

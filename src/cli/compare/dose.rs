@@ -22,9 +22,9 @@ use crate::cli::progress::ProgressLine;
 
 /// Compares asymmetry over the dose of a protein with the model's over the strength of its cue
 ///
-/// A table has the columns dose (or one whose name ends in _dose or _dosage; 1 is the wild type) and larger_share, the larger
+/// A table has the columns dose (or a name that ends in _dose or _dosage; 1 is the wild type) and larger_share, the larger
 /// daughter's share of the size of both, and optionally condition. Without a table the model is compared with published means
-/// over the dose of PAR-6. The model's cell has its whole cue at dose 1 and none at 0. Sizes are read as areas and as volumes.
+/// over the dose of PAR-6. The model's cell has its full cue at dose 1 and no cue at 0. Sizes are read as areas and as volumes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -24,7 +24,7 @@ const DIVISION: &str = "group,embryo,mother,first,second,volume_first,volume_sec
 /// The columns of `bins.csv`: a bin and its test against the next larger cells.
 const BIN: &str = "from,to,n,chi_mean,chi_sd,u,p,stars";
 
-/// Writes all of them, or none. `json` is what `--json` prints.
+/// Writes all files or, if one fails, no file. `json` is the output of `--json`.
 pub fn write(
     folder: &Path,
     groups: &[GroupBeside],
@@ -42,7 +42,7 @@ pub fn write(
         json!([d.group, d.embryo, d.mother, first, second, v_first, v_second, d.chi_signed])
     });
     let bin = bins.iter().enumerate().map(|(k, bin)| {
-        // The first bin, of the largest cells, has none to be held against.
+        // The first bin, of the largest cells, has no bin above it to be tested against.
         let test = k.checked_sub(1).and_then(|k| tests.get(k));
         let [u, p] = [test.map(|test| test.test.u), test.map(|test| test.test.p)];
         json!([bin.from, bin.to, bin.n, bin.mean, bin.sd, u, p, test.map(|test| test.stars)])
@@ -52,7 +52,7 @@ pub fn write(
     write_all(folder, &NAMES, tables)
 }
 
-/// Those of `compare contour`.
+/// The files of `compare contour`.
 pub const CONTOUR_NAMES: [&str; 2] = ["contours.csv", "compare.json"];
 
 /// The columns of `contours.csv`.
@@ -83,7 +83,7 @@ fn contour_row(beside: &ContourMatch) -> Value {
     ])
 }
 
-/// Writes them, or none. `json` is what `--json` prints.
+/// Writes all files or, if one fails, no file. `json` is the output of `--json`.
 pub fn write_contours(folder: &Path, series: &Series, json: &str) -> Result<(), CliError> {
     let rows = series.contours.iter().map(contour_row);
     write_all(folder, &CONTOUR_NAMES, [records_csv(CONTOUR, rows)?, json.as_bytes().to_vec()])

@@ -1,4 +1,4 @@
-//! `furrow compare lifetimes`: measured lifetimes beside those of a tree with a clock.
+//! `furrow compare lifetimes`: measured lifetimes beside the lifetimes in a tree with a clock.
 
 use super::{skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
@@ -25,12 +25,13 @@ use furrow_measured::volumes::{ReadOptions, Volumes};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Compares measured lifetimes of cells with those of a tree with a clock
+/// Compares measured lifetimes of cells with the lifetimes in a tree with a clock
 ///
 /// A table has the columns cell and lifetime_min (or lifetime_s, lifetime_h), and optionally n, sd_min and birth_min; lines that begin
-/// with # are comments. An embryo that another program followed is read too, as by compare volumes. Without a table the means of 28 embryos of C. elegans are used. Prints every cell, the lifetime over the volume
-/// by founder, which of two sisters divides first, and when the model's tree leaves the embryo's. A clock is fitted, so that the
-/// model's lifetimes are no predictions: cells, their sizes and by these the order of sisters are.
+/// with # are comments. An embryo that another program followed is read too, as by compare volumes. Without a table the means of 28 embryos
+/// of C. elegans are used. Prints every cell, the lifetime over the volume by founder, the sister of each pair that divides first, and
+/// when the model's tree leaves the embryo's. A clock is fitted, so the model's lifetimes are no predictions, but its cells, their sizes
+/// and therefore the order of sisters are.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -86,14 +87,14 @@ fn lifetimes(args: &LifetimesArgs, names: &Names) -> Result<Lifetimes, InputErro
     Lifetimes::read_file(file, frame_minutes, names)
 }
 
-/// A model that is grown, or a lineage to grow.
+/// A grown tree, or a lineage to grow.
 pub(super) enum Model {
     Grown(Box<Tree>),
     ToGrow(Box<Lineage>),
 }
 
 impl Model {
-    /// Reads a tree.json or a lineage file, told apart by the extension.
+    /// Reads a tree.json or a lineage file, distinguished by the extension.
     pub(super) fn read(file: Option<&Path>) -> Result<Model, InputError> {
         let is_json = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
         match file.filter(is_json) {
@@ -109,7 +110,7 @@ impl Model {
         }
     }
 
-    /// The tree of the file, or one that is grown now.
+    /// The tree of the file, or one grown from the lineage.
     pub(super) fn tree(self, context: &Context) -> Result<Tree, CliError> {
         match self {
             Model::Grown(tree) => Ok(*tree),

@@ -73,7 +73,7 @@ fn significance(line: &Line) -> String {
     format!(" (degrees of freedom {}{p})", line.degrees_of_freedom())
 }
 
-/// A standard deviation behind a mean; nothing for so few values that it says little.
+/// A standard deviation behind a mean; empty for few values, where it means little.
 fn plus_minus(sd: Option<f64>, n: usize) -> String {
     sd.filter(|_| n >= SPREAD_FROM).map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }

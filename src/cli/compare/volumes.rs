@@ -278,7 +278,7 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<Measured, CliError> {
         };
         return Ok(Measured { source: Some(source), volumes, found: Divisions::default(), groups });
     }
-    // Two conditions are two groups, if their tables name none.
+    // If the tables have no groups, the two conditions become two groups.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
         let options = ReadOptions { voxel: args.voxel, group, unit: args.unit, names: cells.clone() };
@@ -307,7 +307,7 @@ fn regressions(args: &VolumesArgs, groups: &[GroupBeside]) -> Result<Vec<Regress
     let found = names.and_then(|(x, y)| regression_of(groups, x, y));
     let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).collect();
     let allowed = format!("two groups of the tables, as X,Y; groups are {}", known.join(", "));
-    // Tables with their own groups lack those of the two conditions.
+    // Tables with their own groups lack the two conditions' names.
     let fine = found.is_some() || args.regress.is_none();
     InputError::require(fine, "--regress", "regress", args.regress.clone().unwrap_or_default(), allowed)?;
     Ok(found.into_iter().filter(|_| args.regress.is_some() || !args.against.is_empty()).collect())
@@ -329,7 +329,7 @@ fn scale_text(unit: Option<Unit>, scale: Option<Scale>) -> String {
     format!("one L_h is {length:.4} {unit}, {from}\n")
 }
 
-/// The volumes that are used, and those that are not.
+/// The number of used volumes, and of unused ones.
 fn used_text(Measured { source, volumes, found, .. }: &Measured) -> String {
     let (Volumes { used, skipped, skipped_count, .. }, mut out) = (volumes, String::new());
     if source.is_none() {

@@ -33,7 +33,7 @@ pub struct ClockArgs {
     /// Volumes of the cells, CSV as for compare volumes; default the published ones
     #[arg(help_heading = "Targets", long, value_name = "TABLE.csv")]
     volumes: Option<PathBuf>,
-    /// Lineage whose founders are fitted; default the built-in C. elegans founders
+    /// Lineage with the founders to fit; default the built-in C. elegans founders
     #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
     /// Writes the clock as a lineage file, on the built-in lineage unless --lineage is given

@@ -36,7 +36,7 @@ pub struct ObservedAtStage {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
-    /// Cells of the embryo, those that have died included.
+    /// Cells of the embryo, including dead ones.
     pub cells: u32,
     /// Founders.
     pub founders: Vec<ObservedAtStage>,
@@ -68,7 +68,7 @@ pub struct Count {
 pub struct FounderCounts {
     /// The founder.
     pub founder: String,
-    /// By reading; those that were not observed are missing.
+    /// By reading; only observed readings are present.
     pub counts: BTreeMap<&'static str, Count>,
 }
 

@@ -16,7 +16,7 @@ pub struct OverTime {
     /// The model's: descendants of the same cells. `None` without a clock, or if one of these cells or the reference is never
     /// born in it.
     pub model: Option<CellsOverTime>,
-    /// The cell by whose birth the model's clock is set to the table's: of those measured in the most embryos the one born first.
+    /// The cell that aligns the model's clock with the table's by its birth: the first-born of the cells measured in the most embryos.
     pub reference: Option<String>,
     /// Minutes from the model's zero to the table's.
     pub shift_min: Option<f64>,
@@ -60,7 +60,7 @@ pub struct LoneDivision {
 pub struct Departure {
     /// Numbers of cells are compared up to this minute: [`EmbryoOverTime::known_until`].
     pub known_until: f64,
-    /// What is meant by numbers that are apart.
+    /// The definition of numbers that are apart.
     pub apart: &'static str,
     /// The first minute at which the numbers of cells are apart.
     pub first: Option<Counts>,
@@ -86,7 +86,7 @@ fn is_apart(Counts { cells, model, .. }: &Counts) -> bool {
     off > 1 && 10 * off > *cells
 }
 
-/// The embryo's cells over time beside the model's; none if the table has no births.
+/// The embryo's cells over time beside the model's; `None` if the table has no births.
 pub(super) fn over_time(
     tree: &Tree,
     modelled: &HashMap<&str, CellId>,
@@ -115,7 +115,7 @@ pub(super) fn over_time(
     Some(OverTime { measured, model, reference, shift_min, last_divisions: last.unwrap_or_default() })
 }
 
-/// The cells of a tree of *C. elegans* with a clock over time beside published means of embryos; none for another animal.
+/// The cells of a tree of *C. elegans* with a clock over time beside published means of embryos; `None` for another animal.
 pub fn of_worm(tree: &Tree) -> Option<OverTime> {
     let times = tree.times().filter(|_| is_of_worm(&tree.lineage))?;
     let modelled = tree.cells().map(|id| (tree.cell(id).name.as_str(), id)).collect();
@@ -132,7 +132,7 @@ fn descendants<'t>(tree: &'t Tree, roots: &HashSet<CellId>) -> impl Iterator<Ite
     })
 }
 
-/// When the model leaves the embryo; none if their cells over time cannot be compared.
+/// When the model leaves the embryo; `None` if their cells over time cannot be compared.
 pub(super) fn departure(found: &OverTime) -> Option<Departure> {
     let (EmbryoOverTime { over_time: embryo, known_until }, model) = (&found.measured, found.model.as_ref()?);
     let at = |min: f64| Counts { min, cells: embryo.at(min), model: model.at(min) };

@@ -1,7 +1,7 @@
 //! Asymmetry of a division over the dose of a protein, beside the model's over the strength of its cue.
 //!
 //! The model knows no protein. It takes the amplitude of the cue to be proportional to the dose: dose 1, the wild type, has the
-//! whole cue, and without the protein there is none.
+//! full cue, and without the protein there is no cue.
 
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_input::InputError;
@@ -16,9 +16,9 @@ use serde_json::{Value, json};
 /// The measured side.
 #[derive(Clone, Debug)]
 pub struct MeasuredDoses {
-    /// What published them; `None` for a table of one's own.
+    /// The publication; `None` for a user's table.
     pub source: Option<&'static str>,
-    /// Single divisions; none of published ones, of which groups alone are shipped.
+    /// Single divisions; empty for published data, which are shipped as groups only.
     pub doses: Doses,
     /// By condition.
     pub conditions: Vec<DoseGroup>,
@@ -32,7 +32,7 @@ impl MeasuredDoses {
     /// The published groups.
     ///
     /// # Errors
-    /// None, as long as the shipped table is one.
+    /// Only if the shipped table is invalid.
     pub fn published() -> Result<MeasuredDoses, InputError> {
         let [conditions, bins] = rodrigues2024()?;
         let source = Some(DOSE_SOURCE);
@@ -56,7 +56,7 @@ pub struct ModelDoses {
     pub by_bin: Vec<DoseModel>,
 }
 
-/// The model's division of a cell whose cue is as strong as the dose.
+/// The model's division of a cell with a cue as strong as the dose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DoseModel {
     /// The dose.
@@ -111,7 +111,7 @@ pub fn over_dose(
     Ok(ModelDoses { curve, by_bin })
 }
 
-/// Both sides as JSON; `cue` is that of the model's cell as it was given.
+/// Both sides as JSON; `cue` is the cue of the model's cell as it was given.
 pub fn document(measured: &MeasuredDoses, model: &ModelDoses, (r0, cue): (f64, &str)) -> Value {
     let MeasuredDoses { source, doses, conditions, bins, trend } = measured;
     let beside = bins.iter().zip(&model.by_bin).map(|(bin, model)| {

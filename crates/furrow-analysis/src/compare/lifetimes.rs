@@ -1,7 +1,7 @@
-//! Lifetimes of measured cells beside those of a tree with a clock.
+//! Lifetimes of measured cells beside the lifetimes in a tree with a clock.
 //!
-//! A clock is fitted to lifetimes, so that the model's are no predictions. What follows from mechanics is which cells there are,
-//! how large they are, and by that which of two sisters divides first.
+//! A clock is fitted to lifetimes, so the model's lifetimes are no predictions. Mechanics predicts the cells, their sizes and,
+//! from the sizes, the sister of each pair that divides first.
 
 use crate::compare::departure::{Departure, OverTime, departure, over_time};
 use furrow_lineage::{CellId, CellTimes, Tree};
@@ -120,7 +120,7 @@ pub struct LifetimesBeside {
     pub model_slope: Option<Trend>,
     /// `None` without a clock.
     pub deviation: Option<Deviation>,
-    /// That of cells without a measured volume, to which a clock over volume cannot have been fitted; `None` without such cells.
+    /// The deviation of cells without a measured volume, to which a clock over volume cannot have been fitted; `None` without such cells.
     pub deviation_without_volume: Option<Deviation>,
     /// Which sister divides first.
     pub order: Order,
@@ -260,7 +260,7 @@ fn order(lifetimes: &Lifetimes, cells: &[CellBeside], has_clock: bool) -> Order 
     let larger = |pair: &Sisters| both(pair, |cell| cell.volume).and_then(|[a, b]| smaller([-a, -b]));
     let model_first = |pair: &Sisters| {
         let apart = |[a, b]: &[f64; 2]| (a - b).abs() > SAME * a.max(*b);
-        // Sisters of one size whose clocks differ have the order that the clocks were given.
+        // Sisters of equal size with different clocks only repeat the order of the given clocks.
         both(pair, |cell| cell.model_volume).filter(apart)?;
         both(pair, |cell| cell.model).filter(apart).and_then(smaller)
     };

@@ -76,7 +76,7 @@ pub struct NoiseBin {
 /// A trend of χ beside the one that noise makes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NoiseNull {
-    /// Divisions whose mother was measured too.
+    /// Divisions with a measured mother.
     pub n: usize,
     /// Seed of the draws, from the volumes.
     pub seed: u64,
@@ -90,7 +90,7 @@ pub struct NoiseNull {
     pub null_slope: Interval,
     /// Mean null slope over the measured one.
     pub share: f64,
-    /// Share of the draws whose trend is at least as steep as the measured one, in its direction.
+    /// Share of the draws with a trend at least as steep as the measured one, in its direction.
     pub p: f64,
     /// χ by bin.
     pub bins: Vec<NoiseBin>,
@@ -102,7 +102,7 @@ struct Equal {
     error: f64,
 }
 
-/// The null hypothesis beside the divisions whose mothers were measured, in these bins; `None` of fewer than twenty, or without
+/// The null hypothesis beside the divisions with measured mothers, in these bins; `None` with fewer than twenty, or without
 /// a trend.
 pub fn noise_null(divisions: &[Division], bins: &[VolumeBin]) -> Option<NoiseNull> {
     let mut known: Vec<&Division> = divisions.iter().filter(|d| d.mother_measured.is_some()).collect();

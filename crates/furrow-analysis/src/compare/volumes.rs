@@ -1,7 +1,7 @@
 //! χ of measured divisions beside the model's (figures 5B, 5D and 6B).
 //!
-//! The model computes χ of a cell twice: in the tree grown from the zygote, and in the tree whose AB and P1 are as large as a
-//! group of embryos measures them. The second can be compared with embryos whose first division was changed.
+//! The model computes χ of a cell twice: in the tree grown from the zygote, and in a tree with AB and P1 of the sizes measured in a
+//! group of embryos. The second can be compared with embryos with a manipulated first division.
 
 use crate::constants::Constants;
 use crate::ranges::{Range, each_tree};
@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 pub struct Modelled {
     /// Its radius R0, in L_h.
     pub r0: f64,
-    /// How its division ends; `None` where that is not known.
+    /// How its division ends; `None` if it is not known.
     pub outcome: Option<Outcome>,
     /// χ, if it divides.
     pub chi: Option<f64>,
@@ -61,14 +61,14 @@ impl Beside {
 pub struct Band {
     /// χ where it divides; `None` where it divides with no set.
     pub chi: Option<Range>,
-    /// Share of the weight of the sets with which it divides.
+    /// Share of the weight of the sets with which the cell divides.
     pub divides: f64,
 }
 
 /// A group beside the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GroupBeside {
-    /// Its name; empty if the table has none.
+    /// Its name; empty if the table has no groups.
     pub group: String,
     /// Its embryos with a division.
     pub embryos: usize,
@@ -129,7 +129,7 @@ pub fn with_first_division_of(lineage: &Lineage, group: &GroupSummary, r0: f64) 
     Some(lineage)
 }
 
-/// Groups with whose own first division a tree is grown.
+/// Most groups that get a tree with their own first division.
 const MOST_GROUPS: usize = 50;
 
 /// χ of every cell of a tree by its name.
@@ -139,7 +139,7 @@ pub type Cells = BTreeMap<String, Modelled>;
 /// groups that measure P0, of the tree [with its first division](with_first_division_of). `grow` grows the trees of lineages.
 ///
 /// # Errors
-/// Those of `grow`.
+/// The error of `grow`.
 pub fn model<E>(
     lineage: &Lineage,
     r0: f64,
@@ -193,7 +193,7 @@ pub fn beside(
     groups.into_iter().map(of).collect()
 }
 
-/// Mean |χ| of one group over that of another, by the mothers that both have measured.
+/// Mean |χ| of one group over the other's, by the mothers measured in both.
 fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
     let of = |group: &GroupBeside, mother: &str| {
         group.events.iter().find(|event| event.measured.mother == mother).map(|event| event.measured.mean)
@@ -226,7 +226,7 @@ pub fn regression_of(groups: &[GroupBeside], x: &str, y: &str) -> Option<Regress
 /// Adds χ over sets of constants to all mothers in `free`, the tree from the zygote; nothing without sets.
 ///
 /// # Errors
-/// [`GrowError`] of the first set whose tree cannot be grown.
+/// [`GrowError`] of the first set without a tree.
 pub fn add_bands(
     groups: &mut [GroupBeside],
     free: &Cells,
@@ -278,8 +278,8 @@ pub enum ScaleFrom {
     Fitted,
 }
 
-/// The scale by P0's divisions, or, if P0 was not measured or `by_p0` is false, by all mothers'; `None` if the model has none of
-/// the mothers.
+/// The scale from P0's divisions, or, if P0 was not measured or `by_p0` is false, from all mothers'; `None` if the model has no
+/// measured mother.
 pub fn scale(divisions: &[Division], cells: &Cells, by_p0: bool) -> Option<Scale> {
     let radius = |volume: f64| (0.75 / std::f64::consts::PI * volume).cbrt();
     let zygote: Vec<f64> = divisions.iter().filter(|d| d.mother == "P0").map(Division::mother_volume).collect();
@@ -345,8 +345,8 @@ pub struct SizeCurve {
 /// Points of a curve over size.
 const POINTS: usize = 48;
 
-/// χ over size, from one radius to another, of cells without a cue and with each of the lineage's: what the model says of every
-/// cell, and not of those of one tree alone.
+/// χ over size, from one radius to another, of cells without a cue and with each of the lineage's cues: the model's result for
+/// every cell, not only for the cells of one tree.
 ///
 /// # Errors
 /// [`SchedulerError`] if no workers can be started. A division that cannot be computed leaves a gap.

@@ -1,8 +1,8 @@
 //! The activity that each founder alone would need for its observed rounds.
 //!
 //! The paper leaves open what stops lineages that mechanics would divide further. If it were activity alone, a founder and
-//! its descendants would share the ξ_s at which the model's rounds are the observed ones. A founder keeps the size it has
-//! with the run's constants, and all other cells keep their activity. All other parameters of a founder are those of the
+//! its descendants would share the ξ_s at which the model's rounds equal the observed ones. A founder keeps the size it has
+//! with the run's constants, and all other cells keep their activity. All other parameters of a founder come from the
 //! lineage file.
 
 use super::error::{FitError, check_cancelled};
@@ -22,7 +22,7 @@ pub struct FounderActivity {
     pub name: String,
     /// Observed rounds, by the reading asked for.
     pub observed: f64,
-    /// Its activity in the run: that of the lineage file, else that of all cells.
+    /// Its activity in the run: the lineage file's, or else the activity of all cells.
     pub run_xi_s: f64,
     /// Rounds in the run, as `furrow tree` counts them; `None` if it is never born.
     pub rounds: Option<f64>,
@@ -40,7 +40,7 @@ pub struct FounderActivity {
 
 /// Largest deviation at which rounds count as the observed ones.
 pub const WITHIN: f64 = 0.5;
-/// The search ends where rounds are so many more than observed.
+/// The search ends where rounds exceed the observed rounds by more than this.
 pub const BEYOND: f64 = 1.5;
 /// Rounds beyond the most observed after which growth stops, for extremes and for means. Fewest and most rounds are too
 /// many then; cutting a few long branches changes a mean little.
@@ -50,7 +50,7 @@ const TRIED: usize = 20;
 /// Halvings at each end of an interval, to half a percent. The nearer to an edge, the longer cells there wait at their threshold.
 const HALVINGS: usize = 5;
 
-/// Trees grown for a founder that show in the progress: those at the activities tried and, as a rule, for two ends.
+/// Most trees grown for a founder, for the progress: at the activities tried and, as a rule, for two ends.
 const MOST: usize = TRIED + 2 * HALVINGS;
 
 /// One founder's rounds over its activity.
@@ -204,7 +204,7 @@ pub fn activities(
     let sought: Vec<(usize, f64)> = (0..lineage.founders.len()).filter_map(|k| Some((k, observed(k)?))).collect();
     // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
     let ends = || Thresholds::new(CriticalRadii::new(&settings.numerics)).with_scope(Scope::Known);
-    // Trees grown, and those that count as done: all of a founder's once its search has ended.
+    // Trees grown, and trees that count as done: all of a founder's once its search has ended.
     let (trees, done, of) = (&AtomicUsize::new(0), AtomicUsize::new(0), MOST * sought.len());
     let advance = |more: usize| {
         if more == 0 {

@@ -2,7 +2,7 @@
 //!
 //! Of each founder with three cells or more, ln lifetime over ln volume is a straight line by least squares; its slope, with the
 //! sign changed, is the exponent. `lifetime_min` is the line's value at `at_volume`, the geometric mean of the founder's volumes,
-//! where the errors of both are independent. Cells whose founder has fewer get the exponent of the line through all cells.
+//! where the errors of both are independent. A founder with fewer cells gets the exponent of the line through all cells.
 //!
 //! # Equations
 //! * \[F.6 clock\] t = t₀ (V/V₀)^−α, of each founder, by least squares of ln t over ln V.
@@ -51,7 +51,7 @@ pub struct FewCells {
     pub n: usize,
     /// The geometric mean of their lifetimes, in minutes.
     pub lifetime_min: f64,
-    /// That of their volumes, as a fraction of the first cell's.
+    /// The geometric mean of their volumes, as a fraction of the first cell's volume.
     pub at_volume: f64,
 }
 
@@ -69,7 +69,7 @@ pub struct Unused {
 pub struct FittedClock {
     /// The line through all cells.
     pub all: FittedLaw,
-    /// Those of founders, in the order of the lineage.
+    /// The founders' lines, in the order of the lineage.
     pub exponents: Vec<FittedLaw>,
     /// Founders with one cell or two.
     pub few: Vec<FewCells>,

@@ -50,7 +50,7 @@ const HALVINGS: usize = 4;
 /// Generations beyond the observed and cells per observed cell after which growth stops: the misfit is large then.
 const BEYOND: [u32; 2] = [5, 6];
 
-/// A founder of a tree beside what was observed of it.
+/// A founder of a tree beside its observations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderFit {
     /// Name.
@@ -78,7 +78,7 @@ pub struct Parts {
     pub chi: f64,
     /// Founders that should divide symmetrically and do not.
     pub not_symmetric: usize,
-    /// Pitchforks whose asymmetric branch lies on the other side than the given one.
+    /// Pitchforks with their asymmetric branch on the side opposite to the given one.
     pub reversed: usize,
     /// Divisions that end otherwise than given.
     pub contradicted: usize,
@@ -152,8 +152,8 @@ pub struct FittedConstants {
     pub front: Vec<Evaluated>,
     /// How sharp the best is.
     pub sharpness: Vec<Sharpness>,
-    /// Sets whose misfit is within 0.05 of the best: the least and the largest value of each constant among them, of the
-    /// activity in units of the gain of the best.
+    /// The least and the largest value of each constant among all sets with a misfit within 0.05 of the best. The activity is in
+    /// units of the gain of the best.
     pub plateau: Vec<(Parameter, [f64; 2])>,
     /// Constants of the best that lie at an end of the range in which they were searched.
     pub at_limit: Vec<NumberAtLimit>,
@@ -268,7 +268,7 @@ impl Objective<'_> {
         }
     }
 
-    /// The published thresholds with these constants, and the cell with the gain that suits them best; none of them where one is not
+    /// The published thresholds with these constants, and the cell with the gain that suits them best; no thresholds if one is not
     /// found. The last is the number of pitchforks of another kind than the given one; it does not depend on the gain.
     fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>, usize) {
         let Targets { thresholds: given, criticalities, .. } = self.targets;
@@ -308,14 +308,14 @@ impl Objective<'_> {
         }
     }
 
-    /// How many sets are asked for: by the swarms, on the line, and along each constant both ways, of which few take all steps.
+    /// An upper bound of the sets tried: by the swarms, on the line, and along each constant both ways, where few searches take all steps.
     fn most(&self, effort: SearchBudget) -> usize {
         let swarms: usize = (0..self.trades().len()).map(|trade| share_of(effort, trade).evaluations()).sum();
         let doublings = (MOVES[1] / MOVES[0]).log2() as usize + 1;
         swarms + STEPS + 2 * self.targets.unknowns.len() * (doublings + HALVINGS)
     }
 
-    /// The constants whose best value lies at an end of the range searched.
+    /// The constants with their best value at an end of the range searched.
     fn at_limit(&self, place: &[f64]) -> Vec<NumberAtLimit> {
         let cell = self.targets.cell_at(&self.settings.cell, place);
         let of = |(unknown, &share): (&Searched, &f64)| {
@@ -421,7 +421,7 @@ pub fn fit_constants(
     })
 }
 
-/// What is tried, in errors.
+/// The candidates' name in errors.
 const SETS: &str = "sets of constants";
 
 /// The effort that the swarm of a trade is given.
@@ -440,7 +440,7 @@ fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option
     (1..STEPS).into_par_iter().for_each(|step| {
         objective.at(&line(step));
     });
-    // The search along each constant may find a better one still, from which it is done again.
+    // The search along each constant may find a better one, and is then repeated from there.
     let mut found = least(objective)?;
     let mut sharpness = objective.sharpness(&found.0, &found.1);
     for _ in 0..2 {

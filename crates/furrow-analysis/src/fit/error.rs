@@ -17,7 +17,7 @@ pub enum FitError {
         /// Advice.
         advice: &'static str,
     },
-    /// There is nothing that a cue would change.
+    /// No cell of the lineage has a cue.
     #[error("no cell of the lineage has a cue: name one for a founder, as in `cue: \"germline\"`")]
     NoCue,
     /// It was stopped.

@@ -35,7 +35,7 @@ const EDGE: f64 = 0.02;
 /// Factor on the time tolerance for sensitivities, and the least tolerance: derivatives show errors that χ does not.
 const FINER: f64 = 1e-2;
 const FINEST: f64 = 1e-8;
-/// What is tried, in errors.
+/// The candidates' name in errors.
 const CUES: &str = "cues";
 /// Combinations are open if a factor e, or a shift over all of u, changes χ by less than a standard deviation, scaled by the misfit.
 const OPEN: f64 = 1.0;
@@ -89,7 +89,7 @@ pub struct FittedCue {
     /// Directions in the space of the numbers, by logarithm or in units of u, from the best held to the least, with the standard
     /// deviations of χ by which a step of 1 along each moves the model; `None` where an outcome is not smooth.
     pub combinations: Option<Vec<Combination>>,
-    /// Measurements that nothing was fitted to, beside the model with this cue.
+    /// Measurements outside the fit, beside the model with this cue.
     pub out_of_sample: Vec<ChiResidual>,
     /// Numbers of the cue that lie at an end of the range in which they were searched.
     pub at_limit: Vec<NumberAtLimit>,
@@ -132,7 +132,7 @@ impl Chain<'_> {
         found
     }
 
-    /// The division of a founder of that radius; none if rules give it a value that is not allowed.
+    /// The division of a founder of that radius; `None` if rules give it a value that is not allowed.
     fn input(&mut self, founder: usize, r0: f64) -> Option<DivisionInput> {
         let Objective { lineage, settings, .. } = self.objective;
         let place = Place { founder, round: 0, generation: lineage.generation(founder), r0 };
@@ -293,7 +293,7 @@ struct Slopes {
 }
 
 impl Slopes {
-    /// ∂R0/∂(number) of a daughter, whose R0 is the cell's times the third root of her share (1 ± χ)/2.
+    /// ∂R0/∂(number) of a daughter. Her R0 is the cell's times the third root of her share (1 ± χ)/2.
     fn radius(&self, which: Option<Daughter>) -> Vec<f64> {
         let way = if which == Some(Daughter::Larger) { 1.0 } else { -1.0 };
         let asymmetric = self.division.outcome() == Outcome::Asymmetric;

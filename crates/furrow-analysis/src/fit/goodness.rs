@@ -19,7 +19,7 @@ pub struct Goodness {
 }
 
 impl Goodness {
-    /// The goodness of a fit of so many numbers to so many measurements.
+    /// The goodness of a fit of `numbers` numbers to `measurements` measurements.
     ///
     /// # Examples
     /// ```
@@ -43,7 +43,7 @@ impl Goodness {
         Goodness { chi_squared, degrees_of_freedom, p, error_scale }
     }
 
-    /// The goodness of constants fitted to thresholds, of which the tolerances are the errors.
+    /// The goodness of constants fitted to thresholds, with the tolerances as errors.
     pub fn of_thresholds(targets: &Targets, found: &Calibration) -> Goodness {
         let of = |(given, residual): (&Threshold, &ThresholdResidual)| (residual.relative / given.tolerance).powi(2);
         let chi_squared = targets.thresholds.iter().zip(&found.residuals).map(of).sum();

@@ -17,7 +17,7 @@ const STEPS: usize = 4;
 /// A change of χ as large as this within [`WITHIN`] of the value is a jump.
 const JUMP: f64 = 0.1;
 const WITHIN: f64 = 1e-3;
-/// A jump ends where χ changes by less than this, and after so many steps, each twice as long as the one before, at the latest.
+/// A jump ends where χ changes by less than `SETTLED`, at the latest after `LONGER` steps, each twice as long as the one before.
 const SETTLED: f64 = 0.01;
 const LONGER: usize = 4;
 
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_edge_is_told_from_a_steep_slope() {
+    fn an_edge_differs_from_a_steep_slope() {
         let chi = |x: f64| {
             vec![
                 (x < 2.006).then_some(4.0 * (2.1 - x)),

@@ -56,7 +56,7 @@ impl Limit {
     }
 }
 
-/// A number whose best value lies at an end of the range in which it was searched.
+/// A number with its best value at an end of the range in which it was searched.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NumberAtLimit {
     /// Its name.
@@ -80,7 +80,7 @@ pub struct FitProgress {
     pub least: Option<f64>,
 }
 
-/// What is called with the progress of a fit, from any thread.
+/// Called with the progress of a fit, from any thread.
 pub type ShowProgress<'a> = &'a (dyn Fn(FitProgress) + Sync);
 
 impl SearchBudget {
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_a_range_are_told_from_its_inside() {
+    fn ends_of_a_range_differ_from_its_inside() {
         let at = [0.0, 0.004, 0.006, 0.5, 0.994, 0.996, 1.0].map(Limit::at);
         let (lower, upper) = (Some(Limit::Lower), Some(Limit::Upper));
         assert_eq!(at, [lower, lower, None, None, None, upper, upper]);

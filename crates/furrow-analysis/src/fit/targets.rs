@@ -45,11 +45,11 @@ pub struct MeasuredChi {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Weights {
-    /// A round by which a founder's mean rounds are off.
+    /// An error of one in a founder's mean rounds.
     pub rounds: f64,
-    /// A doubling by which its terminal cells are off.
+    /// An error of one doubling in its terminal cells.
     pub terminal: f64,
-    /// A χ that is off by 1.
+    /// An error of 1 in χ.
     pub chi: f64,
 }
 
@@ -77,7 +77,7 @@ pub struct OutOfSample {
 pub struct Targets {
     /// Constants searched for.
     pub unknowns: Vec<Searched>,
-    /// Founders whose observed rounds and terminal cells the fit should meet.
+    /// Founders with observed rounds and terminal cells that the fit should meet.
     pub founders: Vec<String>,
     /// Founders that divide into equal daughters.
     #[serde(default)]
@@ -114,7 +114,7 @@ impl Targets {
     /// `source_name`.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// Names the field, its value and the allowed values.
     pub fn check(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
         let require = |holds: bool, field: String, value: &dyn Display, allowed: &str| {
             InputError::require(holds, source_name, field, value, allowed)
@@ -216,7 +216,7 @@ impl Targets {
         out
     }
 
-    /// Where in the unit cube a cell's constants lie; outside of it where they are beyond the limits.
+    /// The place of a cell's constants in the unit cube; outside of it if they are beyond the limits.
     pub fn place_of(&self, cell: &Cell) -> Vec<f64> {
         let share = |u: &Searched| (u.parameter.get(cell) / u.from).ln() / (u.to / u.from).ln();
         self.unknowns.iter().map(share).collect()

@@ -43,7 +43,7 @@ pub(super) fn unknowns(cue: &Cue) -> Vec<Unknown> {
         let limits = limits(parameter, cue);
         let logarithmic = limits != PLACES;
         let sign = if logarithmic { value.signum() } else { 1.0 };
-        // A turnover of 0 says that there is none.
+        // A turnover of 0 means no turnover.
         let searched = parameter != Parameter::Regulator(RegulatorQuantity::Turnover) || value != 0.0;
         searched.then_some(Unknown { parameter, limits, logarithmic, sign })
     };

@@ -8,10 +8,10 @@ use furrow_lineage::{Lineage, Tree};
 use furrow_measured::events::{Division as Measured, MotherSummary, summaries};
 use furrow_measured::statistics::line_through_origin;
 
-/// Groups of a table whose embryos are compressed, or not.
+/// Names of the groups of uncompressed and compressed embryos in a table.
 const COMPRESSED: [&str; 2] = ["uncompressed", "compressed"];
 
-/// The slope of χ in compressed embryos over that in others, by mother; none if there are no such groups.
+/// The slope of χ in compressed embryos over χ in the others, by mother; `None` without such groups.
 fn slope(divisions: &[Measured]) -> Option<Finding> {
     let groups = summaries(divisions);
     let [x, y] = COMPRESSED.map(|name| groups.iter().find(|group| group.group == name));
@@ -43,7 +43,7 @@ pub fn compression(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// χ of the tree's cells of these names in a shell of another ε; `None` of one that is not born or does not divide.
+/// χ of the tree's cells of these names in a shell of another ε; `None` for a cell that is not born or does not divide.
 fn chi_in(
     figure: &mut Figure<'_>,
     tree: &Tree,
@@ -95,7 +95,7 @@ fn amplified(figure: &mut Figure<'_>, tree: &Tree) -> Result<Finding, ReproduceE
 /// Cells that figure 6C shows.
 const LINEAGES: [&str; 4] = ["ABarapapp", "MSpapap", "ABarapaap", "ABaraaapp"];
 
-/// Figure 6C: χ of single cells in a looser shell and in that of the tree.
+/// Figure 6C: χ of single cells in a looser shell and in the tree's shell.
 pub fn lineages(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let tree = grow(figure, &Lineage::c_elegans()?)?;
     let tight = figure.context.settings.cell.epsilon;

@@ -26,8 +26,8 @@ pub const PUBLISHED_CONFINEMENT: f64 = 0.87;
 
 /// Settings and resources for figures. Results depend only on the settings, not on threads or the memo.
 pub struct Context<'a> {
-    /// Constants and discretisation. Size, confinement and activity of single cells are the paper's, those of lineages the
-    /// settings'.
+    /// Constants and discretisation. Single cells take size, confinement and activity from the paper, lineages from these
+    /// settings.
     pub settings: &'a Settings,
     /// Remembers divisions.
     pub memo: &'a Memo,
@@ -37,11 +37,11 @@ pub struct Context<'a> {
     pub cancel: &'a AtomicBool,
     /// Measured divisions, if there are any, with the name of their table.
     pub measured: Option<(&'a str, &'a [furrow_measured::events::Division])>,
-    /// Called before each figure with its name, the number of figures done and that of all.
+    /// Called before each figure with its name, the number of figures done and the number of all figures.
     pub progress: &'a (dyn Fn(&str, usize, usize) + Sync),
 }
 
-/// Why nothing is reproduced at all.
+/// The reason why no figure is reproduced.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproduceError {
@@ -70,12 +70,12 @@ impl From<GrowError> for ReproduceError {
 pub struct Finding {
     /// The statement's id.
     pub id: String,
-    /// What is computed: a number, or words.
+    /// The computed result: a number, or words.
     pub computed: Value,
     /// The same with the published scheme at each of [`PUBLISHED_STEPS`], where that was computed, and whether it meets the
     /// criterion.
     pub published: Vec<(bool, String)>,
-    /// Whether the criterion is met; `None` where the printed number decides, or nothing does.
+    /// Whether the criterion is met; `None` if the printed number decides, or if there is no verdict.
     pub holds: Option<bool>,
     /// A remark.
     pub note: Option<String>,
@@ -122,11 +122,11 @@ pub enum Artifact {
     Sweep(Box<Sweep>, Vec<Row>),
     /// Outcomes over a plane.
     Map(Box<Map>),
-    /// Branches of a cell, each with its name.
+    /// Branches of a cell, with their names.
     Branches(Cell, Vec<(&'static str, Branch)>),
     /// A division.
     Film(Cell, Box<Trajectory>),
-    /// Disturbed shapes of one cell at several activities, each with its name.
+    /// Disturbed shapes of one cell at several activities, with their names.
     Perturbations(Cell, Vec<(String, Perturbation)>),
     /// A lineage.
     Tree(Box<Tree>),
@@ -137,13 +137,13 @@ pub enum Artifact {
 pub struct NamedArtifact {
     /// The name of its file, without the extension.
     pub name: String,
-    /// What it shows.
+    /// The contents.
     pub artifact: Artifact,
 }
 
 /// One figure under way: its statements, and what was found for them.
 pub struct Figure<'a> {
-    /// What it is computed with.
+    /// Settings and resources of the computation.
     pub context: &'a Context<'a>,
     /// The statements of the figure, one at least.
     pub statements: &'a [Statement],
@@ -212,13 +212,13 @@ impl<'a> Figure<'a> {
         self.panels.push(NamedArtifact { name: name.to_owned(), artifact });
     }
 
-    /// The cell of a statement; the paper's zygote where it names none.
+    /// The cell of a statement; the paper's zygote by default.
     pub fn cell_of(&self, statement: &Statement) -> Cell {
         let of = statement.cell.map_or((ZYGOTE, PUBLISHED_CONFINEMENT), |of| (of.r0, of.epsilon));
         self.context.cell(of.0, of.1)
     }
 
-    /// Divisions, in the order of the inputs; none for one that could not be computed.
+    /// Divisions, in the order of the inputs; `None` for one that could not be computed.
     ///
     /// # Errors
     /// [`ReproduceError`].

@@ -43,11 +43,11 @@ use furrow_lineage::batch::StoreWarning;
 use paper::Statement;
 use serde_json::{Value, json};
 
-/// Whether a result is that of the paper.
+/// Whether a result agrees with the paper's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It is, by the criterion that is stated.
+    /// It agrees, by the stated criterion.
     Agrees,
     /// It is not.
     Differs,
@@ -66,7 +66,7 @@ impl std::fmt::Display for Verdict {
     }
 }
 
-/// One statement of the paper beside what is computed.
+/// One statement of the paper beside the computed result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Item {
     /// The statement's name.
@@ -101,7 +101,7 @@ pub struct Item {
     pub verdict: Verdict,
     /// How long all of its figure took, in seconds.
     pub seconds: f64,
-    /// A remark, such as why nothing is judged.
+    /// A remark, for example the reason why there is no verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -138,7 +138,7 @@ impl Reproduction {
 /// Computes a figure.
 type Compute = fn(&mut Figure<'_>) -> Result<(), ReproduceError>;
 
-/// The function of a figure. What is set apart is not computed.
+/// The function of a figure. Statements that are set apart are not computed.
 fn compute(figure: &str) -> Compute {
     match figure {
         "1" => films::rest_shape,
@@ -171,7 +171,7 @@ fn nothing(_: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// Computes what the statements are about, figure by figure, each on all cores; results depend on the settings alone.
+/// Computes the results for the statements, figure by figure, each on all cores; they depend on the settings alone.
 ///
 /// # Errors
 /// [`ReproduceError`]. A statement that cannot be computed does not agree, and says why.
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_follow_numbers_criteria_and_what_is_not_known() {
+    fn verdicts_follow_numbers_criteria_and_missing_results() {
         let printed = Some(Printed { value: 2.0, tolerance: 0.01 });
         let judged = |holds: bool| Finding::judged("x", (holds, "a".into()));
         for (printed, apart, finding, expected) in [

@@ -60,7 +60,7 @@ pub enum Study {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Criterion {
-    /// All divisions fail up to a place in the range, and none above it.
+    /// All divisions fail up to a place in the range, and above it all succeed.
     Rest,
     /// All divisions are equal.
     Halves,
@@ -138,11 +138,11 @@ pub struct OverAxis {
 pub struct Statement {
     /// Its name, unique.
     pub id: String,
-    /// The figure, table or movie, as `2A`, `S5`, `Table S3`, `Movie 1`; `1` for what the text says with figure 1.
+    /// The figure, table or movie, as `2A`, `S5`, `Table S3`, `Movie 1`; `1` for statements of the text about figure 1.
     pub figure: String,
     /// Its subject.
     pub quantity: String,
-    /// What the paper says, in words of ours; empty where it prints a number.
+    /// The paper's statement, in our words; empty where it prints a number.
     #[serde(default)]
     pub says: String,
     /// When a result counts as agreeing.
@@ -151,11 +151,11 @@ pub struct Statement {
     pub printed: Option<Printed>,
     /// The cell.
     pub cell: Option<OfCell>,
-    /// What it says of χ over an axis.
+    /// Its statement about χ over an axis.
     pub over: Option<OverAxis>,
     /// What must be true of its stationary shapes.
     pub check: Option<Check>,
-    /// Why it is set apart, neither judged nor counted, if it is.
+    /// The reason why it is set apart, if it is: it is then neither judged nor counted.
     pub apart: Option<String>,
 }
 
@@ -168,7 +168,7 @@ struct Paper {
 /// All statements, in the order of the figures.
 ///
 /// # Errors
-/// None, as long as the shipped file is one.
+/// Only if the shipped file is invalid.
 pub fn statements() -> Result<Vec<Statement>, InputError> {
     let found: Paper = parse_document(PAPER, FILE, "statements of the paper", "Paper")?;
     let mut ids = HashSet::new();
@@ -202,7 +202,7 @@ fn plain(name: &str) -> String {
     letters.map(|c| if matches!(c, '–' | '−' | '_') { '-' } else { c }).collect()
 }
 
-/// Whether a figure is meant by what a user wrote: by its own name, or by the number of the whole (`2` of `2A`, `movies` of
+/// Whether a user's text means a figure: by the figure's own name, or by the number of the whole (`2` of `2A`, `movies` of
 /// `Movie 1`).
 pub fn means(wanted: &str, figure: &str) -> bool {
     let (wanted, figure) = (plain(wanted), plain(figure));
@@ -213,10 +213,10 @@ pub fn means(wanted: &str, figure: &str) -> bool {
         || (is_number && figure.strip_prefix(&wanted).is_some_and(panel))
 }
 
-/// The statements that belong to any of the figures named; all where none is.
+/// The statements that belong to any of the named figures; all statements without names.
 ///
 /// # Errors
-/// A name is that of none of them.
+/// A name belongs to no figure.
 pub fn selected(wanted: &[String]) -> Result<Vec<Statement>, InputError> {
     let mut found = statements()?;
     for name in wanted {
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_is_none_is_refused_with_those_that_are() {
+    fn an_unknown_figure_is_refused_with_the_known_ones() {
         let error = selected(&["9Z".to_owned()]).unwrap_err().to_string();
         assert!(error.contains("\"9Z\"") && error.contains("2C") && error.contains("Movie 4"), "{error}");
         assert!(selected(&["2".to_owned()]).unwrap().iter().all(|statement| statement.figure.starts_with('2')));

@@ -8,9 +8,9 @@ use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StationaryError, p
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
 use rayon::prelude::*;
 
-/// Cells whose shapes are disturbed, R0 and ε: those whose branches the paper shows.
+/// Cells with disturbed shapes, R0 and ε: the paper shows their branches.
 const CELLS: [[f64; 2]; 4] = [[1.64, 0.87], [2.0, 0.87], [2.22, 0.64], [2.22, 0.88]];
-/// Activities, relative to that of the first pitchfork.
+/// Activities, relative to the first pitchfork's.
 const ACTIVITIES: [f64; 6] = [0.8, 0.95, 0.99, 1.01, 1.05, 1.1];
 /// Seeds of the noise.
 const SEEDS: u64 = 3;
@@ -27,7 +27,7 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         let found = pitchfork::first(&cell, &context.converged(), &BranchOptions::default())?;
         Ok((cell, found.point.xi_s))
     };
-    // All of them: the error is that of the first cell, independent of threads.
+    // Computes all thresholds, so that the reported error is always the first cell's, independent of threads.
     let thresholds: Vec<Result<(Cell, f64), ShapeError>> = pool.install(|| CELLS.par_iter().map(threshold).collect());
     let cells: Vec<(Cell, f64)> = match thresholds.into_iter().collect::<Result<_, _>>() {
         Ok(cells) => cells,

@@ -1,4 +1,4 @@
-//! χ of a sweep along one axis, the other axes held, and what is read off it.
+//! χ of a sweep along one axis, with the other axes held, and readings of the curve.
 
 use serde_json::Value;
 
@@ -55,7 +55,7 @@ pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) ->
     found
 }
 
-/// Those from one place of the axis to another.
+/// The points from one place of the axis to another.
 pub fn between(readings: &[ChiPoint], [from, to]: [f64; 2]) -> Vec<ChiPoint> {
     // Places are sums of steps.
     readings.iter().copied().filter(|reading| (from - 1e-9..=to + 1e-9).contains(&reading.x)).collect()
@@ -66,7 +66,7 @@ pub fn chi_at(readings: &[ChiPoint], x: f64) -> Option<f64> {
     between(readings, [x, x]).first()?.chi
 }
 
-/// The last place up to which every division fails, and the next, from which none does; `None` if there are no such places.
+/// The last place up to which every division fails, and the next, from which all succeed; `None` if there are no such places.
 pub fn edge(readings: &[ChiPoint]) -> Option<[f64; 2]> {
     let resting = readings.iter().take_while(|reading| reading.ended > 0 && reading.failed == reading.ended).count();
     let divides = readings.get(resting..)?.iter().all(|reading| reading.ended > 0 && reading.failed == 0);
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn stretches_are_told_in_words() {
+    fn stretches_are_described_in_words() {
         let rows =
             [at(1.0, Some(0.5)), at(2.0, Some(0.001)), at(3.0, Some(0.002)), at(4.0, Some(0.2)), at(5.0, Some(0.3))];
         let text = "χ = 0.50 at 1.00, χ = 0.20 to 0.30 from 4.00 to 5.00; else equal halves";

@@ -32,7 +32,7 @@ fn shipped(study: Study) -> [&'static str; 3] {
 /// Widths ω of the cue in figure 3B, as exact values of the printed 0.06, 0.14 and 0.31.
 const WIDTHS: [f64; 3] = [0.0577, 0.1414, 0.3162];
 
-/// Whether χ does within a range what a criterion says, and what it does in words.
+/// Whether χ meets a criterion within a range, and a description of χ in words.
 fn meets(criterion: Criterion, all: &[ChiPoint], range: [f64; 2]) -> (bool, String) {
     let part = &between(all, range);
     match criterion {
@@ -50,7 +50,7 @@ fn meets(criterion: Criterion, all: &[ChiPoint], range: [f64; 2]) -> (bool, Stri
     }
 }
 
-/// Whether χ over an axis does what a statement says, by a scheme and its step.
+/// Whether χ over an axis agrees with a statement, with a scheme and its step.
 fn judged(over: &OverAxis, read: impl Fn(&[(&str, Value)]) -> Vec<ChiPoint>, scheme: &str, dt: f64) -> (bool, String) {
     let at = |width: Option<f64>| {
         let held = over.held.iter().map(|(name, value)| (name.as_str(), json!(value)));
@@ -116,7 +116,7 @@ fn trend(readings: &[ChiPoint], in_order: Compares) -> (bool, String) {
     (ordered, format!("χ = {first:.3} at {:.2}, {last:.3} at {:.2}{but}", ends[0], ends[1]))
 }
 
-/// Mean of χ over the distance of the cue from the middle, and the largest relative deviation from it; none if not all divide.
+/// Mean of χ over the distance of the cue from the middle, and the largest relative deviation from it; `None` unless all divide.
 fn slope(readings: &[ChiPoint]) -> Option<[f64; 2]> {
     let ratios: Option<Vec<f64>> = readings.iter().map(|reading| Some(reading.chi? / (0.5 - reading.x))).collect();
     let ratios = ratios.filter(|ratios| !ratios.is_empty())?;

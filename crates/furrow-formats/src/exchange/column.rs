@@ -1,4 +1,4 @@
-//! What the formats share: the columns of a cell, branch lengths, the leaves.
+//! Shared by the formats: the columns of a cell, branch lengths, the leaves.
 
 use std::ops::Deref;
 
@@ -22,7 +22,7 @@ impl<'t> TimedTree<'t> {
         self.times.as_ref().map(|times| times[id.index()])
     }
 
-    /// The columns of its cells: [`COLUMNS`], of which those in minutes come last, where there is a clock.
+    /// The columns of its cells: [`COLUMNS`], where the last ones, in minutes, need a clock.
     pub fn columns(&self) -> &'static [Column] {
         &COLUMNS[..COLUMNS.len() - if self.times.is_some() { 0 } else { MINUTES }]
     }
@@ -47,14 +47,14 @@ pub enum Kind {
     Number,
 }
 
-/// A property of cells. The name of a cell is no column: every format has a place of its own for it.
+/// A property of cells. The name of a cell is no column: every format has another place for it.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// Name of the column.
     pub name: &'static str,
     /// Type of its values.
     pub kind: Kind,
-    /// Whether the comments of Newick and Nexus have it too: not if the brackets say it already, nor if it is a sentence.
+    /// Whether the comments of Newick and Nexus have it too: not if the brackets already contain it, nor if it is a sentence.
     pub note: bool,
     /// Its value for a cell, if there is one.
     pub of: fn(&TimedTree<'_>, CellId) -> Option<String>,
@@ -120,7 +120,7 @@ fn daughter(tree: &Tree, id: CellId) -> Option<String> {
     Some(side.to_owned())
 }
 
-/// Why a cell has no daughters, in one line: what a file says of an undecided cell may contain line breaks.
+/// Why a cell has no daughters, in one line: the reason of an undecided cell may contain line breaks.
 fn ended_why(tree: &Tree, id: CellId) -> Option<String> {
     let why = tree.cell(id).fate.terminal_reason()?.to_string();
     Some(why.chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
@@ -129,14 +129,14 @@ fn ended_why(tree: &Tree, id: CellId) -> Option<String> {
 /// Length of the branch that leads to a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BranchLengths {
-    /// The time in τ from the cell's birth to its pinch-off, or to its rest; none where no division was computed. A cell just
+    /// The time in τ from the cell's birth to its pinch-off, or to its rest; no length without a computed division. A cell just
     /// above the threshold of division takes thousands of τ: drawn to scale, all else is a point.
     #[default]
     Time,
     /// One, and 0 for the first cell: the distance of a cell from it is its generation. Every branch has a length then, as some
     /// programs demand.
     Generation,
-    /// The time from the cell's birth to its division in minutes, by the lineage's clock; none for a cell without daughters.
+    /// The time from the cell's birth to its division in minutes, by the lineage's clock; no length for a cell without daughters.
     Minutes,
     /// No lengths.
     None,

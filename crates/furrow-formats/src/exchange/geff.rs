@@ -11,7 +11,7 @@ use furrow_lineage::{CellId, TreeCell};
 /// The version of GEFF.
 const VERSION: &str = "1.3";
 
-/// Properties that some cells lack. Their files are the same of every tree, so that no file of a tree before is left in a folder.
+/// Properties that some cells lack. Their files are written for every tree, so that no file of an earlier tree is left in a folder.
 const INCOMPLETE: [&str; 2] = ["chi", "outcome"];
 
 /// The values of a property.
@@ -21,7 +21,7 @@ enum Values {
     Texts(Vec<Option<String>>),
 }
 
-/// A property of nodes: its name, what it says, and its values.
+/// A property of nodes: its name, its description and its values.
 type Property = (&'static str, &'static str, Values);
 
 /// The files of a folder: a node per cell, an edge from each mother to each daughter. `t` is the birth in minutes where
@@ -119,7 +119,7 @@ fn array(files: &mut Vec<(String, Vec<u8>)>, name: &str, kind: &str, shape: &[us
     let bytes: Vec<u8> = match values {
         Values::Whole(of) if kind == "|b1" => of.iter().map(|number| *number as u8).collect(),
         Values::Whole(of) => of.iter().flat_map(|number| number.to_le_bytes()).collect(),
-        // What is missing has a value too, which nobody reads.
+        // A missing number is written as 0, which readers ignore.
         Values::Numbers(of) => of.iter().flat_map(|number| number.unwrap_or(0.0).to_le_bytes()).collect(),
         Values::Texts(of) => {
             let width = longest(of);

@@ -7,7 +7,7 @@ use super::column::{self, BranchLengths, TimedTree};
 use super::newick;
 use furrow_lineage::{CellId, Tree};
 
-/// Colours of χ = 0 and of χ = 1, from light to dark, so that print and colour-blind readers tell them apart.
+/// Colours of χ = 0 and of χ = 1, from light to dark, so that they differ in print and for colour-blind readers.
 const CHI_COLOURS: [[u8; 3]; 2] = [[0xff, 0xe8, 0xa3], [0x27, 0x1c, 0x6b]];
 
 /// Colour of founders without a given colour.
@@ -46,7 +46,7 @@ fn file(kind: &str, settings: &[(&str, String)], data: impl Iterator<Item = Stri
 
 fn founders(tree: &Tree, colours: &[&str]) -> String {
     let colour = |founder: usize| colours.get(founder).copied().unwrap_or(GREY);
-    // Those that are in the tree, in the lineage's order.
+    // Founders in the tree, in the lineage's order.
     let present: BTreeMap<usize, &str> =
         tree.cells().map(|id| (tree.cell(id).founder, tree.founder_name(id))).collect();
     let joined = |words: Vec<&str>| words.join("\t");

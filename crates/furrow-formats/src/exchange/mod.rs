@@ -85,7 +85,7 @@ impl Format {
     /// Refuses branch lengths that the format cannot have.
     ///
     /// # Errors
-    /// Names the lengths and what is allowed.
+    /// Names the lengths and the allowed values.
     pub fn check_lengths(self, lengths: BranchLengths) -> Result<(), InputError> {
         let why = match self {
             Format::Csv => "left out with --to csv: it has a column for each".to_owned(),
@@ -102,7 +102,7 @@ const MOST_ROWS: u64 = 20_000_000;
 /// Refuses branch lengths that the tree does not have, or that would make its file too long.
 ///
 /// # Errors
-/// Names the lengths and what is allowed.
+/// Names the lengths and the allowed values.
 pub fn check_tree(tree: &Tree, format: Format, lengths: BranchLengths) -> Result<(), InputError> {
     let refused = |value: String, allowed: &str| {
         Err(InputError::not_allowed("--branch-lengths", "branch_lengths", value, allowed))
@@ -147,8 +147,8 @@ impl Exported {
     }
 }
 
-/// A tree in another format. `lengths` are those of the branches where the format [has them](Format::check_lengths); `colours`
-/// are those of the founders, as `#rrggbb`, for the formats with colours (grey if there are too few).
+/// A tree in another format. `lengths` selects the branch lengths, for formats that [have them](Format::check_lengths); `colours`
+/// gives the founders' colours, as `#rrggbb`, for the formats with colours (grey if there are too few).
 ///
 /// ```
 /// use furrow_cell::Cue;

@@ -23,8 +23,8 @@ pub(super) fn nhx(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
     nested(tree, |cell| length(tree, cell, lengths) + &comment(tree, cell, "&&NHX:", ":")) + "\n"
 }
 
-/// A Nexus file with the leaves as taxa and one rooted tree. `[&key=value,…]` stands between the name of a cell and its
-/// branch length, where FigTree and BEAST put what they say of a node.
+/// A Nexus file with the leaves as taxa and one rooted tree. `[&key=value,…]` is between the name of a cell and its
+/// branch length, where FigTree and BEAST put annotations of a node.
 pub(super) fn nexus(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
     let labels: Vec<String> = tree.leaves().map(|leaf| format!("\n    {}", quoted(&tree.cell(leaf).name))).collect();
     let (count, labels, name) = (labels.len(), labels.concat(), quoted(&tree.lineage.name));
@@ -41,7 +41,7 @@ fn nested(tree: &Tree, after_name: impl Fn(CellId) -> String) -> String {
     let mut out = String::with_capacity(40 * tree.len());
     for cell in tree.post_order() {
         if tree.daughter_count(cell) == 0 {
-            // One bracket for each cell whose anterior descendants begin with this one.
+            // Opens one bracket for each cell above with this leaf as its first descendant.
             let above = successors(Some(cell), |cell| tree.mother(*cell));
             above.take_while(is_anterior).for_each(|_| out.push('('));
         }

@@ -6,7 +6,7 @@ use super::column::{BranchLengths, Kind, TimedTree};
 use furrow_input::csv_field;
 use furrow_lineage::{CellTimes, Tree};
 
-/// One row a cell, mothers before daughters: its name, then all columns; what is not there is an empty field. A name that
+/// One row a cell, mothers before daughters: its name, then all columns; a missing value is an empty field. A name that
 /// a spreadsheet would take for a formula has an apostrophe before it.
 pub(super) fn cells_csv(tree: &TimedTree<'_>) -> String {
     let mut writer = csv::WriterBuilder::new().from_writer(Vec::with_capacity(200 * tree.len()));
@@ -26,7 +26,7 @@ pub(super) fn cells_csv(tree: &TimedTree<'_>) -> String {
 }
 
 /// Rows without a heading: `id, time, z, y, x, pred, lin`, as `read_from_csv` of LineageTree expects. `id` counts the rows from 0,
-/// `pred` is the `id` of the row before (−1 for the first), `lin` the founder's place in the lineage. The places are those of a
+/// `pred` is the `id` of the row before (−1 for the first), `lin` the founder's place in the lineage. The places come from a
 /// drawing of the tree: x counts the leaves from the anterior one, a mother midway between her daughters, and y is the
 /// generation. LineageTree numbers rows anew; z keeps the cell's place in `tree.json`.
 ///

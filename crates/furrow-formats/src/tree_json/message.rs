@@ -24,7 +24,7 @@ pub(super) fn malformed(text: &str, error: &serde_json::Error) -> TreeFileError 
     let whole = error.to_string();
     let message = whole.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&whole);
     let mut path = String::new();
-    // Numbers are found to be out of range while they are read, before it is known what they are for.
+    // The parser refuses a number out of range before it knows the number's field.
     if error.is_data() || message == "number out of range" {
         // Columns are bytes.
         let before: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
@@ -47,7 +47,7 @@ fn in_our_words(message: &str) -> String {
     }
 }
 
-/// A message of bounded length without control characters: parsers quote what they read.
+/// A message of bounded length without control characters: parsers quote their input.
 fn short(message: &str) -> String {
     let mut characters: Vec<char> = message.chars().collect();
     let half = LONGEST_MESSAGE / 2;
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_are_short_and_free_of_what_terminals_obey() {
+    fn messages_are_short_and_free_of_control_characters() {
         let long = short(&format!("a\u{1b}[2J{}z", "x".repeat(1000)));
         assert!(long.starts_with("a\\u{1b}[2Jxx") && long.contains('…') && long.ends_with("xz"), "{long}");
         assert_eq!(long.chars().count(), LONGEST_MESSAGE + 1 + "\\u{1b}".len() - 1);

@@ -1,4 +1,4 @@
-//! `tree.json`: the whole tree with what it was grown from, byte-identical for equal inputs.
+//! `tree.json`: the whole tree with the lineage and parameters it was grown from, byte-identical for equal inputs.
 
 mod message;
 mod read;
@@ -34,7 +34,7 @@ pub const TREE_SCHEMA: &str = include_str!("../../tree.schema.json");
 pub struct FounderRow {
     /// Name.
     pub name: String,
-    /// Radius R0; none if it was never born.
+    /// Radius R0; `None` if it was never born.
     pub r0: Option<f64>,
     /// The same in µm, where the lineage says how long L_h is.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -51,7 +51,7 @@ pub struct FounderRow {
     pub chi: Option<f64>,
     /// Rounds grown.
     pub rounds: Option<Rounds>,
-    /// The last division among its descendants and itself, in minutes; none without a clock, or if none divides.
+    /// The last division among its descendants and itself, in minutes; `None` without a clock, or without such a division.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_division_min: Option<f64>,
     /// Whether the lifetime before that division is by a clock that was fitted to other sizes of cells.
@@ -126,7 +126,7 @@ struct Record<'a> {
     r0: f64,
     volume_fraction: f64,
     cue: Cow<'a, Cue>,
-    /// Parameters that rules give it, over those of its founder.
+    /// Parameters from rules, which override the founder's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     physics: Option<Cow<'a, FounderPhysics>>,
     outcome: Option<Outcome>,

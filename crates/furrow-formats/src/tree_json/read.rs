@@ -14,8 +14,7 @@ use furrow_input::{InputError, forbidden, read_text_up_to, shown};
 use furrow_lineage::{CellId, CellTimes, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionRow, Outcome};
 
-/// The longest file of a tree that is read, in bytes: 512 MB, which the million cells take that a lineage grows to unless it
-/// says otherwise.
+/// The longest file of a tree that is read, in bytes: 512 MB, enough for the million cells to which a lineage grows by default.
 pub const LONGEST_TREE: u64 = 512 << 20;
 
 /// The oldest version that is read. It has cues by field.
@@ -31,7 +30,7 @@ pub enum TreeFileError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong.
+        /// The error in the text.
         message: String,
     },
     /// Another format or version.
@@ -52,7 +51,7 @@ pub enum TreeFileError {
         index: usize,
         /// The cell's name.
         cell: String,
-        /// What is wrong.
+        /// The error of the cell.
         message: String,
     },
 }
@@ -93,7 +92,7 @@ struct Heading<'a> {
 /// Reads a file `tree.json`, of at most [`LONGEST_TREE`] bytes. It may be a pipe.
 ///
 /// # Errors
-/// Names the file, what is wrong in it and what is allowed.
+/// Names the file, the error in it and the allowed values.
 pub fn read_tree(path: &Path) -> Result<Tree, InputError> {
     let text = read_text_up_to(path, LONGEST_TREE)?;
     let begun = text.trim_start_matches('\u{feff}').trim_start();
@@ -121,7 +120,7 @@ pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
     let document: Document<'_> = match serde_json::from_str(text) {
         Ok(document) => document,
         Err(error) => {
-            // A document of another version may lack what this one has; that it is another is what helps to know.
+            // A document of another version may lack fields of this one; the version is then the helpful error.
             if let Ok(Heading { schema, schema_version }) = serde_json::from_str(text) {
                 another(&schema, schema_version)?;
             }
@@ -139,7 +138,7 @@ pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
     build(document.lineage, settings, &document.cells)
 }
 
-/// The error of a cell, with what is allowed.
+/// The error of a cell, with the allowed values.
 type Complaint = String;
 
 /// Adds cells to a tree after checking them.
@@ -150,7 +149,7 @@ fn build(lineage: Lineage, settings: TreeSettings, records: &[Record<'_>]) -> Re
     };
     let founders: HashMap<String, usize> =
         lineage.founders.iter().enumerate().map(|(i, founder)| (founder.name.clone(), i)).collect();
-    // The cue that was checked last; most cells carry that of their mother.
+    // The cue checked last: most cells have their mother's cue.
     let mut checked = Cue::none();
     let mut cell = |record: &Record<'_>| {
         in_range(record)?;
@@ -210,7 +209,7 @@ fn build(lineage: Lineage, settings: TreeSettings, records: &[Record<'_>]) -> Re
     Ok(tree)
 }
 
-/// What is wrong with several cells, or the only one, without a mother.
+/// The error if several cells, or the only one, have no mother.
 const ONE_FIRST: &str = "the first cell, and no other, has neither mother nor daughter side";
 
 /// Checks the first cell.
@@ -296,10 +295,10 @@ fn whole(tree: &Tree, id: CellId, record: &Record<'_>) -> Result<(), Complaint> 
     Err(complaint.to_owned())
 }
 
-/// Difference in minutes up to which times of a file are those of its clock: powers differ between machines in their last digits.
+/// Largest difference in minutes between times of a file and its clock: powers differ between machines in their last digits.
 const SAME_MIN: f64 = 1e-6;
 
-/// Whether the times of a cell, where the file gives them, are those of the lineage's clock.
+/// Checks that the times of a cell, if the file gives them, agree with the lineage's clock.
 fn on_time(times: Option<CellTimes>, record: &Record<'_>) -> Result<(), Complaint> {
     let [birth, division] = [times.map(|times| times.birth_min), times.and_then(|times| times.division_min)];
     for (name, given, known) in

@@ -134,7 +134,7 @@ pub fn quantity<'u, K>(
     Ok(found)
 }
 
-/// The one column of a quantity among those found, if there is one.
+/// The only column of a quantity among the columns found, if there is one.
 ///
 /// # Errors
 /// Two columns, by their headings.

@@ -42,11 +42,11 @@ struct Heading {
     names: Vec<String>,
     /// Columns at the left without a name, as pandas and R write numbers of rows.
     index: usize,
-    /// Columns up to the last that has a name.
+    /// Columns up to the last one with a name.
     named: usize,
 }
 
-/// A row that is no comment and not empty.
+/// A row that is neither a comment nor empty.
 #[derive(Clone, Copy)]
 pub struct Row<'t> {
     /// Its line.
@@ -68,7 +68,7 @@ impl<'t> Row<'t> {
         self.heading.names.get(column).map_or("", String::as_str)
     }
 
-    /// Fields, those without a name included.
+    /// Number of fields, including fields without a name.
     pub fn len(&self) -> usize {
         self.record.len()
     }
@@ -78,7 +78,7 @@ impl<'t> Row<'t> {
         self.record.is_empty()
     }
 
-    /// Whether it has two fields or more, and as many as the heading.
+    /// Whether it has at least two fields, and the same number as the heading.
     fn is_full(&self) -> bool {
         self.len() >= 2 && self.len() == self.heading.names.len()
     }
@@ -127,7 +127,7 @@ impl<'f, R: Read> Table<'f, R> {
         if head.contains(&0) {
             return Err(malformed(file, 1, "this is no text: it has a byte 0"));
         }
-        // Text in a comment says nothing of the columns.
+        // Comments are ignored when the separator of columns is determined.
         let says = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
         let separator = separator(head.split(|byte| *byte == b'\n').find(says).unwrap_or_default());
         let numbers = Numbers::of(separator, &head);

@@ -3,7 +3,7 @@
 /// A comma and a point, which may be the decimal sign of a number or set its thousands apart.
 const SIGNS: [char; 2] = [',', '.'];
 
-/// What else sets thousands apart: blanks, also those that do not break a line, and the Swiss apostrophe.
+/// Other separators of thousands: blanks, also non-breaking ones, and the Swiss apostrophe.
 const BLANKS: [char; 4] = [' ', '\u{a0}', '\u{202f}', '\''];
 
 /// How the numbers of a table are written. Numbers that can be read in one way only show it.
@@ -27,7 +27,7 @@ struct Shape {
 }
 
 impl Numbers {
-    /// The numbers of a table that this byte separates into columns, which begins with `head`.
+    /// The numbers of a table with this separator of columns, which begins with `head`.
     pub(super) fn of(separator: u8, head: &[u8]) -> Numbers {
         let mut found = Numbers { commas_separate: separator == b',', ..Numbers::default() };
         if !found.commas_separate {
@@ -45,7 +45,7 @@ impl Numbers {
     /// A finite number.
     ///
     /// # Errors
-    /// The text is not a number, or can be read in two ways; says why.
+    /// The text is not a number, or can be read in two ways; the error gives the reason.
     pub fn read(self, text: &[u8]) -> Result<f64, String> {
         let text = super::text(text);
         let text = text.trim();

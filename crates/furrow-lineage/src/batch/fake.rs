@@ -1,4 +1,4 @@
-//! Divisions that cost nothing, for the tests of this module.
+//! Fast stand-ins for divisions, for the tests of this module.
 
 use furrow_bvp::Work;
 

@@ -10,7 +10,7 @@ use furrow_mechanics::division::DivisionInput;
 
 /// Version of the solver. Stored divisions of another version are not used.
 ///
-/// Raise it with every change of what a division gives, to the last bit. The test `solver_version` compares the bits of
+/// Raise it with every change of a division's results, to the last bit. The test `solver_version` compares the bits of
 /// a dozen divisions with those stored for this version.
 pub const SOLVER_VERSION: u32 = 7;
 
@@ -81,20 +81,20 @@ impl CanonicalBytes {
     /// The terms that do something, in their order: in another order the last digit of their sum may be another.
     fn cue(&mut self, cue: &Cue) {
         let cue = cue.simplified();
-        // Every term says what it is, so that the number of them only has to part them from what follows.
+        // Every term names its kind, so the number of terms only separates them from the fields that follow.
         self.choice(cue.terms().len());
         for Term { field, profile, amplitude } in cue.terms() {
             self.choice(Field::ALL.iter().position(|other| other == field).unwrap_or(Field::ALL.len()));
             self.choice(profile_choice(profile));
             self.spread(profile, *amplitude);
         }
-        // Nothing is written where there is none, so that cues without one keep their keys.
+        // Without a regulator nothing is written, so that cues without one keep their keys.
         if let Some(regulator) = cue.regulator() {
             self.regulator(regulator);
         }
     }
 
-    /// A mark that no discretisation begins with, then every number: what is before it says how many there are.
+    /// Writes a mark that no discretisation begins with, then every number. Kinds and counts come before the numbers.
     fn regulator(&mut self, regulator: &Regulator) {
         let Regulator { source, turnover, diffusion, diluted, couplings } = regulator;
         self.choice(REGULATOR);
@@ -131,7 +131,7 @@ impl CanonicalBytes {
     }
 }
 
-/// What a regulator begins with. Without one the stages of the discretisation stand there, and they are few.
+/// Marks the beginning of a regulator. Without one the number of stages of the discretisation follows, which is small.
 const REGULATOR: usize = 255;
 
 /// A profile by its place among the names.
@@ -189,7 +189,7 @@ mod tests {
     use crate::batch::fake::input;
     use furrow_cell::Parameter;
 
-    /// Sets one of the numbers in which inputs can differ: the cell's 13, five of the numerics', three of a cue's.
+    /// Sets one of the numbers of an input: 13 of the cell, five of the numerics, three of a cue.
     fn set(input: &mut DivisionInput, place: usize, x: f64) {
         let DivisionInput { cell, numerics, .. } = input;
         match place {
@@ -294,7 +294,7 @@ mod tests {
         keys.sort();
         keys.dedup();
         assert_eq!(keys.len(), cues.len() + 2);
-        // A cue that does nothing is none, and so is a regulator that acts on nothing.
+        // A cue without effect has the key of no cue, and so has a regulator that acts on no field.
         assert_eq!(with("regulator:gradient,amplitude=0.5,turnover=10,diffusion=1,kappa=0"), Key::new(&base));
         let idle = Cue::kappa_band(0.465, 0.0577, 0.0);
         let idle = DivisionInput { cell: base.cell.clone().with_cue(idle), ..base.clone() };

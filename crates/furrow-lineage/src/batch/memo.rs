@@ -36,13 +36,13 @@ enum Slot {
     InFlight(Vec<Sender<Event>>),
 }
 
-/// What workers send to those who wait.
+/// Messages of workers to waiting runs.
 #[expect(missing_docs, reason = "the names of the fields say it")]
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The end of a lease.
     Completed { key: Key, completion: Completion },
-    /// The preparation of a job of this number is done. The memo itself sends none.
+    /// The preparation of the job with this number is done. The memo itself never sends this.
     Prepared(usize),
 }
 
@@ -66,7 +66,7 @@ pub enum Completion {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
-    /// The solver says why.
+    /// The solver's reason.
     #[error(transparent)]
     Unsolved(DivisionError),
     /// The solver panicked: a defect of the program.
@@ -98,7 +98,7 @@ impl Memo {
         Memo { quantisation, table, store: None }
     }
 
-    /// The same over a store: what it holds is known, and what is solved is committed to it.
+    /// The same memo over a store: it reads the store's divisions and commits new ones to it.
     pub fn with_store(self, store: Store) -> Memo {
         Memo { store: Some(store), ..self }
     }
@@ -202,7 +202,7 @@ impl Lease<'_> {
         self.open = false;
         let completion = match self.memo.stored(&self.key) {
             Some(division) => Completion::Known { division, stored: true },
-            // A panic must not take the pool, and with it the process, down: it would lose what the others solve.
+            // A panic must not take the pool, and with it the process, down: the divisions of other workers would be lost.
             None => match catch_unwind(AssertUnwindSafe(|| solve(input))) {
                 Ok(Ok(division)) => {
                     if let Some(store) = &self.memo.store {
@@ -217,7 +217,7 @@ impl Lease<'_> {
         self.complete(completion);
     }
 
-    /// Replaces the slot in flight and tells those who wait for it. Failures are not remembered.
+    /// Replaces the slot in flight and notifies the waiters. Failures are not remembered.
     fn complete(&self, completion: Completion) {
         let before = match &completion {
             Completion::Known { division, .. } => self.memo.table.insert(self.key, Slot::Solved(Arc::clone(division))),
@@ -225,7 +225,7 @@ impl Lease<'_> {
         };
         let Some(Slot::InFlight(waiters)) = before else { return };
         for waiter in waiters {
-            // A waiter that is gone no longer wants to know.
+            // The waiter may be gone.
             let _ = waiter.send(Event::Completed { key: self.key, completion: completion.clone() });
         }
     }

@@ -1,7 +1,7 @@
-//! Many divisions, each solved once: what is known is looked up, the rest is solved on all cores and kept for the next run
+//! Many divisions, each solved once. Known divisions are looked up; the others are solved on all cores and kept for the next run
 //! and for other processes.
 //!
-//! [`scheduler::run`] asks the [`Memo`] for every division and solves what it does not know. The memo asks the [`Store`],
+//! [`scheduler::run`] asks the [`Memo`] for every division and solves unknown ones. The memo asks the [`Store`],
 //! which shares a file with other processes. [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many divisions for
 //! one question.
 

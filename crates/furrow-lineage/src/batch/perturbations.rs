@@ -16,7 +16,8 @@ pub struct Disturbed {
     pub found: Result<Perturbation, PerturbationError>,
 }
 
-/// Disturbances with the seeds from `input.seed` on, on so many threads, 0 being one for each core. They are not kept: what is told of them is a whole curve each.
+/// Disturbances with the seeds from `input.seed` on, on `threads` threads; 0 is one thread per core. They are not stored, as each
+/// is a whole curve.
 ///
 /// # Errors
 /// No workers can be started; that there is no stationary shape, is the answer of every seed.

@@ -1,7 +1,7 @@
 //! Phase diagrams: outcomes over one parameter of a cell and its activity.
 //!
-//! Where the primary branch has a stable shape the cell stays at rest: that is told by its exact folds and pitchforks,
-//! column by column. Elsewhere divisions tell.
+//! Where the primary branch has a stable shape the cell stays at rest. Its exact folds and pitchforks give this region,
+//! column by column. Elsewhere divisions are computed.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -15,7 +15,7 @@ use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::at_rest::{Edge, RestShapes, rest_shapes};
 use furrow_mechanics::equilibria::error::ShapeError;
 
-/// What a diagram is of.
+/// A grid over one parameter of a cell and its activity.
 ///
 /// # Examples
 /// Outcomes of three sizes at the activity that cells have: at rest, unequal, equal.
@@ -84,7 +84,7 @@ pub struct PhaseCell {
     pub outcome: PhaseOutcome,
     /// χ of its division.
     pub chi: Option<f64>,
-    /// How that is known.
+    /// The evidence for it.
     pub by: Evidence,
 }
 
@@ -115,7 +115,7 @@ pub struct PhaseDiagram {
     pub summary: Summary,
 }
 
-/// What is called with the number of columns done and of all.
+/// Called with the number of finished columns and the number of all columns.
 pub type ColumnsShown<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Evenly spaced values, both ends included; the first alone if there is one.
@@ -156,7 +156,8 @@ impl PhasePlane {
         self.compute_shown(memo, options, &|_, _| ())
     }
 
-    /// The same, and calls `shown` with the columns whose shapes are known, which come before the divisions, and their number.
+    /// The same, and calls `shown` with the number of columns of known shapes, which are found before the divisions, and the
+    /// number of all columns.
     ///
     /// # Errors
     /// As [`compute`](PhasePlane::compute).

@@ -1,27 +1,27 @@
-//! Rounding of sizes, so that those a rounding error apart are one.
+//! Rounding of sizes, so that sizes that differ by a rounding error become equal.
 
 /// How sizes are rounded before a task is looked up or solved: to a number of binary digits.
 ///
 /// Sizes that two tasks reach by different roundings then share one record. Rounding to binary digits is exact and
-/// idempotent, and uses no logarithm whose last digit could differ between machines.
+/// idempotent. It needs no logarithm, which could differ between machines in its last digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantisation {
-    /// Binary digits kept after the leading one, 0 to 52; 52 keeps a size as it is.
+    /// Binary digits kept after the leading one, 0 to 52; 52 keeps a size unchanged.
     digits: u32,
 }
 
 impl Quantisation {
-    /// Sizes as they are.
+    /// No rounding.
     pub const EXACT: Quantisation = Quantisation { digits: 52 };
 
-    /// The default relative step, 2⁻³⁰ ≈ 9.3·10⁻¹⁰: far above rounding errors, and far below what a record can tell
-    /// unless its relative slope over the size exceeds a million.
+    /// The default relative step, 2⁻³⁰ ≈ 9.3·10⁻¹⁰: far above rounding errors. It is invisible in a record
+    /// unless the record's relative slope over the size exceeds a million.
     pub const DEFAULT: Quantisation = Quantisation { digits: 30 };
 
-    /// The coarsest quantisation whose relative step does not exceed `step`; 0 is exact.
+    /// The coarsest quantisation with a relative step of at most `step`; 0 is exact.
     ///
     /// # Errors
-    /// A step that is negative, above ½ or not a number is refused and given back.
+    /// Returns a step that is negative, above ½ or not a number.
     pub fn with_relative_step(step: f64) -> Result<Self, f64> {
         if !(0.0..=0.5).contains(&step) {
             return Err(step);

@@ -19,7 +19,7 @@ pub struct Replicates {
 /// Divisions of one cell with the seeds from `input.seed` on, each as soon as a worker is free.
 ///
 /// # Examples
-/// Noise decides on which side the smaller daughter is, and hardly how small:
+/// Noise decides on which side the smaller daughter is. It has little effect on her size:
 ///
 /// ```
 /// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, replicates};

@@ -4,20 +4,20 @@ use super::Contour;
 
 /// Places along the long axis at which the width is taken.
 const PLACES: usize = 400;
-/// Share of the area that lies beyond a furrow on either side: what is less is roughness of a pole, not a daughter.
+/// Least share of the area beyond a furrow on either side: a smaller one is roughness of a pole, not a daughter.
 const LEAST_BEYOND: f64 = 0.05;
 
 /// The furrow of a contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Furrow {
-    /// 1 − w/W: w is the width at the furrow, W that of the narrower of the widest places on both sides. 0 of a convex contour, 1
+    /// 1 − w/W: w is the width at the furrow, W the smaller of the largest widths on the two sides. 0 for a convex contour, 1
     /// where the cell is cut through.
     pub depth: f64,
     /// Its place along the long axis.
     pub at: f64,
 }
 
-/// The furrow of a contour whose long axis lies along the second coordinate: the place that is narrowest beside what is on both
+/// The furrow of a contour with its long axis along the second coordinate: the narrowest place relative to the widths on both
 /// sides of it.
 pub fn furrow(upright: &Contour) -> Furrow {
     let ends = upright.ends();

@@ -1,4 +1,4 @@
-//! The contour of a cell in a mask: a picture, PNG, in which the cell has one colour and what is around it another.
+//! The contour of a cell in a mask: a PNG picture with the cell in one colour and its surroundings in another.
 
 use std::io::Read;
 
@@ -31,12 +31,12 @@ impl Picture {
 }
 
 impl Contours {
-    /// Adds the contour of the largest piece of the cell in a mask: what is on the other side of the middle between the darkest and
-    /// the brightest value than most of the picture's rim; or what has the value `label` in a picture of labels. The contour runs
-    /// through the middles of the outer sides of its pixels; holes are filled.
+    /// Adds the contour of the largest piece of the cell in a mask. Pixels of the cell are darker or brighter than the middle between the
+    /// darkest and the brightest value, unlike most of the picture's rim; in a picture of labels they have the value `label`. The contour
+    /// runs through the middles of the outer sides of its pixels; holes are filled.
     ///
     /// # Errors
-    /// A file that is no such picture.
+    /// A file that is not such a picture.
     pub fn read_mask(&mut self, from: impl Read, file: &str, label: Option<u16>) -> Result<(), InputError> {
         let picture = decode(from, file, label.is_some())?;
         let inside = match label {
@@ -56,7 +56,7 @@ impl Contours {
 
 fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputError> {
     let refused = |reason: String| InputError::other_file(file, "a mask, a PNG picture", reason);
-    // The decoder has to seek, which cannot be done in a pipe: all is read before, up to two bytes for each pixel that is allowed.
+    // The decoder has to seek, which a pipe does not allow. The file is therefore read first, up to two bytes for each allowed pixel.
     let mut bytes = Vec::new();
     let mut from = from.take(2 * MOST_PIXELS as u64);
     from.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
@@ -108,7 +108,7 @@ fn value(row: &[u8], x: usize, color: ColorType, depth: BitDepth) -> u16 {
     if clear { 0 } else { (sum / colours as u32) as u16 }
 }
 
-/// What is not like most of the rim.
+/// Pixels unlike most of the rim.
 fn foreground(picture: &Picture) -> Vec<bool> {
     let (least, most) = picture.values.iter().fold((u16::MAX, 0), |(a, b), v| (a.min(*v), b.max(*v)));
     let middle = (u32::from(least) + u32::from(most)) / 2;
@@ -119,7 +119,7 @@ fn foreground(picture: &Picture) -> Vec<bool> {
     all.map(|at| least < most && bright(&at) != dark_cell).collect()
 }
 
-/// The pixels of the largest piece that hangs together by sides, and what there is to say of the others; none without a pixel.
+/// The pixels of the largest piece that hangs together by sides, and what there is to say of the others; `None` without a pixel.
 fn largest_piece(picture: &Picture, mut inside: Vec<bool>) -> Option<(Vec<bool>, Vec<String>)> {
     let (width, height) = (picture.width, picture.height);
     let mut pieces: Vec<Vec<usize>> = Vec::new();
@@ -188,7 +188,7 @@ fn outline(piece: &[bool], width: usize) -> Vec<[f64; 2]> {
             let [px, py] = if right { [-dy, dx] } else { [dy, -dx] };
             inside(x + (dx + px - 1) / 2, y + (dy + py - 1) / 2)
         };
-        // Pixels that touch in a corner alone do not hang together.
+        // Pixels that touch only at a corner are not connected.
         if !ahead(true) {
             way = (way + 1) % 4;
         } else if ahead(false) {

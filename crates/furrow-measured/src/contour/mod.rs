@@ -7,7 +7,7 @@
 //! | [`overlap`] | the similarity index, by exact areas and by pixels |
 //! | [`polygons`] | contours in a table of points |
 //! | [`mask`] | the contour of a cell in a picture of black and white |
-//! | [`series`] | measured contours beside those of a division |
+//! | [`series`] | measured contours beside a division's |
 
 pub mod furrow;
 pub mod mask;
@@ -19,7 +19,7 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
 use nalgebra::{Matrix2, Point2, Rotation2, SymmetricEigen, Vector2};
 
-/// A share of its area by which a contour may change where loops of it are cut off. More is not a slip of the hand.
+/// Largest share of its area by which a contour may change when loops are cut off. A larger change is more than a slip of the hand.
 const MOST_CUT: f64 = 0.01;
 /// The smallest size of a contour, and its largest coordinate: beyond, second moments are lost to underflow or overflow.
 const SIZES: [f64; 2] = [1e-60, 1e60];
@@ -140,9 +140,9 @@ impl Contour {
         self.points.iter().zip(next).map(|(from, to)| [*from, *to])
     }
 
-    /// Area, centroid and second moments of what it encloses, exactly: sums over its edges, by Green's theorem.
+    /// Area, centroid and second moments of the enclosed area, exactly: sums over its edges, by Green's theorem.
     pub fn moments(&self) -> Moments {
-        // About a point of its own, so that a contour far from the origin loses no digits.
+        // About one of its own points, so that a contour far from the origin loses no digits.
         let about = self.points[0];
         let (mut area, mut first, mut second) = (0.0, Vector2::zeros(), Matrix2::zeros());
         for edge in self.edges() {
@@ -206,7 +206,7 @@ fn extent(points: &[[f64; 2]]) -> f64 {
     side(0).max(side(1))
 }
 
-/// Points at so many angles around a cell, for tests.
+/// Points at `count` angles around a cell, for tests.
 #[cfg(test)]
 pub(crate) fn around(count: u32, at: impl Fn(f64) -> [f64; 2]) -> Contour {
     let angles = (0..count).map(|k| f64::from(k) / f64::from(count) * std::f64::consts::TAU);

@@ -36,7 +36,7 @@ pub fn overlap(a: &Contour, b: &Contour) -> Overlap {
     Overlap::of(a.moments().area, b.moments().area, common.abs())
 }
 
-/// By counting the square pixels of a side whose centres lie within.
+/// Counts square pixels of side `pixel` with their centres inside.
 pub fn overlap_of_pixels(a: &Contour, b: &Contour, pixel: f64) -> Overlap {
     let [a_ends, b_ends] = [a, b].map(Contour::ends);
     let rows = (a_ends[0].min(b_ends[0]) / pixel).floor() as i64..=(a_ends[1].max(b_ends[1]) / pixel).ceil() as i64;
@@ -84,7 +84,7 @@ fn lowest([from, to]: &[Point2<f64>; 2]) -> f64 {
     from.y.min(to.y)
 }
 
-/// Columns of the pixels of one row whose centres lie within, as half-open ranges, from the edges that cross it at `y`.
+/// Columns of a row's pixels with their centres inside, as half-open ranges, from the edges that cross the row at `y`.
 fn columns(crossing: &[[Point2<f64>; 2]], y: f64, pixel: f64) -> Vec<[i64; 2]> {
     let mut at: Vec<f64> = crossing.iter().map(|[p, q]| p.x + (q.x - p.x) * (y - p.y) / (q.y - p.y)).collect();
     at.sort_by(f64::total_cmp);
@@ -133,13 +133,13 @@ mod tests {
         let met: usize = (0..height).map(|row| sweep.at(f64::from(row) + 0.5).len()).sum();
         assert_eq!(met, (2 * teeth * height) as usize);
         assert!(met <= edges, "{met} of {edges}");
-        // Each row has the teeth, and the pixels are those of the area.
+        // Each row crosses all teeth, and the pixels give the exact area.
         let found = overlap_of_pixels(&comb, &square(0.0, 40.0), 1.0);
         let common = (10.0 * 2.0 * 40.0) / 1600.0;
         assert_eq!(found.of_model, common, "{found:?}");
     }
 
-    /// Of two circles whose centres are a radius apart the lens is 2π/3 − √3/2, which inscribed polygons have from below.
+    /// Two circles with centres one radius apart have a lens of 2π/3 − √3/2, which inscribed polygons approach from below.
     #[test]
     fn circles_overlap_in_a_lens() {
         let circle = |x: f64| around(4000, |t| [x + t.cos(), t.sin()]);

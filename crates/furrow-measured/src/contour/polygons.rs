@@ -34,7 +34,7 @@ pub struct LeftOut {
     pub file: String,
     /// Its name within the file.
     pub contour: String,
-    /// The line where that is found, if the file has lines.
+    /// Its line, if the file has lines.
     pub line: Option<u64>,
     /// Why not.
     pub why: String,
@@ -45,7 +45,7 @@ pub struct LeftOut {
 pub struct Contours {
     /// Contours, in the order of the files.
     pub traced: Vec<Traced>,
-    /// Those that cannot be used.
+    /// Contours that cannot be used.
     pub left_out: Vec<LeftOut>,
 }
 

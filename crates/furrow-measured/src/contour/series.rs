@@ -1,9 +1,8 @@
-//! Measured contours beside those of a division: each beside the one of the model that is furrowed as deeply.
+//! Measured contours beside a division's: each beside the model's contour with an equally deep furrow.
 //!
-//! The model's division does not run by the embryo's clock, and so contours are matched by what they look like: by the depth of the
-//! furrow, and of those that are furrowed alike, as all are before there is a furrow, by elongation. Both are numbers without a
-//! unit. One scale is then common to all contours of a series, since it is one cell's: by it they have, together, the area of
-//! the model's.
+//! The model's division does not run by the embryo's clock. Contours are therefore matched by shape: by the depth of the
+//! furrow and, if depths are alike, as before there is a furrow, by elongation. Both numbers have no
+//! unit. A series is of one cell, so all its contours share one scale: it makes their total area equal to the model's.
 
 use serde::Serialize;
 
@@ -13,15 +12,15 @@ use super::polygons::Traced;
 use super::{Contour, Moments};
 use crate::statistics::{mean, sd};
 
-/// Contours whose depths differ by no more are furrowed alike.
+/// Contours with depths that differ by no more are furrowed alike.
 const ALIKE: f64 = 0.01;
-/// Shallower furrows are not told from the roughness of an outline: such contours are all alike.
+/// Shallower furrows cannot be distinguished from the roughness of an outline: such contours are all alike.
 const SHALLOW: f64 = 0.05;
 /// Pixels along the long axis of a contour that was not traced in pixels.
 const PIXELS: f64 = 200.0;
 /// The stages that are shown.
 pub const STAGES: usize = 6;
-/// A contour that is hardly longer than wide has no axis to be laid along.
+/// A contour with a smaller elongation is round and has no long axis.
 const ROUND: f64 = 1.03;
 
 /// A contour of the model.
@@ -35,7 +34,7 @@ pub struct ModelContour {
     pub contour: Contour,
 }
 
-/// What a contour looks like.
+/// The shape of a contour in numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Look {
     /// Area: of the measured in the unit of its file, of the model in L_h².
@@ -53,7 +52,7 @@ pub struct ContourMatch {
     pub file: String,
     /// Its name within the file.
     pub contour: String,
-    /// What was measured.
+    /// The measured contour.
     pub measured: Look,
     /// Centroid, in the unit of the file.
     pub centroid: [f64; 2],
@@ -63,17 +62,17 @@ pub struct ContourMatch {
     pub frame: String,
     /// Its time, in τ.
     pub t: f64,
-    /// What the model's contour looks like.
+    /// The model's contour.
     pub model: Look,
     /// The overlap, by exact areas.
     pub overlap: Overlap,
     /// The overlap, by pixels.
     pub pixels: Overlap,
-    /// Which of the stages it stands for, from 0.
+    /// The stage that it represents, from 0; `None` if it is not a stage.
     pub stage: Option<usize>,
-    /// What was done to it or is to be known of it.
+    /// Changes to it, and remarks.
     pub notes: Vec<String>,
-    /// Both as they were laid upon each other, in L_h, the long axis along the second coordinate.
+    /// Both contours in superposition, in L_h, the long axis along the second coordinate.
     #[serde(skip)]
     pub laid: [Contour; 2],
 }
@@ -95,7 +94,7 @@ pub struct Series {
     pub contours: Vec<ContourMatch>,
 }
 
-/// A contour that is laid upright, with what it looks like.
+/// An upright contour, with its shape.
 struct Laid {
     contour: Contour,
     moments: Moments,
@@ -154,7 +153,7 @@ fn matching(look: &Look, models: &[Laid]) -> Option<usize> {
 }
 
 fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&ModelContour, &Laid), length_scale: f64) -> ContourMatch {
-    // An axis has two directions, and contours do not say which end is which: the one that fits better.
+    // An axis has two directions, and contours do not give the posterior end: the direction that fits better is used.
     let upright = laid.contour.scaled(1.0 / length_scale);
     let turned = upright.turned();
     let [straight, about] = [&upright, &turned].map(|own| overlap(own, &model.contour));
@@ -183,7 +182,7 @@ fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&ModelContour, &Laid
     }
 }
 
-/// As many contours as are shown, in the order of their depth: those nearest to depths that are spread evenly.
+/// The contours shown as stages, in the order of their depth: those nearest to evenly spread depths.
 fn stages(contours: &[ContourMatch]) -> Vec<usize> {
     let depth = |k: usize| contours[k].measured.depth;
     let mut free: Vec<usize> = (0..contours.len()).collect();

@@ -1,8 +1,8 @@
 //! Nuclei of AceTree and StarryNite: one file per frame, `nuclei/t001-nuclei` and so on, in a zip archive or a folder.
 //!
-//! A line is a nucleus: its number in the frame (from 1), whether it is valid, the number of the nucleus that it comes from
-//! in the frame before (−1 or `nill`: none), those of one or two in the frame after, x, y and z in pixels and planes, the diameter
-//! in pixels, its name, the weight, and more; column 15 is a name given by hand, which replaces the other. Nuclei
+//! A line is a nucleus: its number in the frame (from 1), whether it is valid, the number of its predecessor in the frame before
+//! (−1 or `nill` without one), the numbers of one or two successors in the frame after, x, y and z in pixels and planes, the
+//! diameter in pixels, its name, the weight, and more; column 15 is a name given by hand, which replaces the other. Nuclei
 //! that are not valid were deleted in AceTree and are no cells.
 
 use std::collections::HashMap;
@@ -40,7 +40,7 @@ struct Nucleus {
 fn frame_of(name: &str) -> Option<u32> {
     let name = name.rsplit('/').next()?.strip_prefix('t')?;
     let digits = name.find(|c: char| !c.is_ascii_digit())?;
-    // A number that is too large counts as the largest, so that the frames before it are missed.
+    // A number that is too large counts as the largest. The frames before it are then reported as missing.
     (digits > 0 && name[digits..].starts_with("-nuclei")).then(|| name[..digits].parse().unwrap_or(u32::MAX))
 }
 
@@ -125,7 +125,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     spots.lineage(embryo_of(path), Format::AceTree, TimeUnit::Frames, unit_of_pixels(options))
 }
 
-/// Adds the nuclei of a frame, whose file was added last.
+/// Adds the nuclei of a frame. Its file was added last.
 fn read_frame(spots: &mut Spots, frame: u32, text: &[u8], options: &TrackOptions) -> Result<Frame, InputError> {
     let file = spots.files.len() - 1;
     let name = spots.files[file].clone();
@@ -173,7 +173,7 @@ fn in_order(nuclei: &Frame) -> Vec<(u64, &Nucleus)> {
     order
 }
 
-/// Links the nuclei of a frame to those of the one before, which is `frame`.
+/// Links the nuclei of a frame to the nuclei of the frame before, `frame`.
 fn link(spots: &mut Spots, frame: u32, before: &Frame, nuclei: &Frame) -> Result<(), InputError> {
     report_one_sided(spots, frame, before, nuclei);
     let order = in_order(nuclei);

@@ -19,7 +19,7 @@ const END: usize = 22;
 const ENTRY: usize = 46;
 const HEADER: usize = 30;
 
-/// The files of an archive for whose names `wanted` gives a key, with the name and the content of each.
+/// The files of an archive for which `wanted` gives a key by their name, with the name and the content of each.
 ///
 /// # Errors
 /// A file that cannot be read, is no archive, is damaged, encrypted or packed by other methods, or is too long.
@@ -86,7 +86,7 @@ pub(super) fn names(path: &Path) -> Result<Vec<String>, InputError> {
     Ok(names.into_inner())
 }
 
-/// What the directory says of a file.
+/// A file's entry in the directory.
 struct Entry {
     encrypted: bool,
     method: usize,
@@ -108,7 +108,7 @@ fn unpack(bytes: &[u8], entry: &Entry) -> Result<Vec<u8>, String> {
     match entry.method {
         0 => out.extend(packed),
         8 => {
-            // One byte more than announced shows a file that is longer.
+            // One byte more than announced: the file is longer.
             let mut decoder = DeflateDecoder::new(packed).take(entry.length as u64 + 1);
             decoder.read_to_end(&mut out).map_err(|e| e.to_string())?;
         }

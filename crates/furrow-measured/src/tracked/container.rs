@@ -14,7 +14,7 @@ const MOST: usize = 1000;
 /// The GEFF that a folder is or holds.
 ///
 /// # Errors
-/// It holds none or several.
+/// It holds no GEFF or several.
 pub(super) fn geff_in(folder: &Path) -> Result<PathBuf, InputError> {
     if is_group(folder) && zarr::attributes(folder).is_ok_and(|attributes| !attributes["geff"].is_null()) {
         return Ok(folder.to_owned());
@@ -25,7 +25,7 @@ pub(super) fn geff_in(folder: &Path) -> Result<PathBuf, InputError> {
     let wanted = "an embryo that was followed";
     match &found[..] {
         [one] => Ok(one.clone()),
-        // The group itself says what it lacks.
+        // The group itself reports its missing parts.
         [] if folder.join("nodes").is_dir() => Ok(folder.to_owned()),
         [] => {
             let neither = "it is a folder with neither nuclei of AceTree (nuclei/t001-nuclei) nor a GEFF, which is a Zarr group \

@@ -51,11 +51,11 @@ pub enum TimeUnit {
 /// A cell, from its birth to its division.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedCell {
-    /// Its name; that of its first spot if it has none of Sulston's.
+    /// Its name in Sulston's lineage, or else its first spot's name.
     pub name: String,
     /// The index of its mother; `None` if it was there from the start, or its mother is not known.
     pub mother: Option<usize>,
-    /// The indices of its daughters: none, one or two.
+    /// The indices of its daughters, at most two.
     pub daughters: Vec<usize>,
     /// The time of its first spot.
     pub birth: f64,
@@ -63,7 +63,7 @@ pub struct TrackedCell {
     pub division: Option<f64>,
     /// The time of its last spot.
     pub last: f64,
-    /// Mean volume over its spots; `None` if none has a size.
+    /// Mean volume over its spots; `None` if no spot has a size.
     pub volume: Option<f64>,
     /// Spots with a size.
     pub sizes: u64,
@@ -78,7 +78,7 @@ impl TrackedCell {
         Some(self.division? - self.birth)
     }
 
-    /// The report that it is not used.
+    /// The report of this cell as unused.
     fn unused(&self, why: &str) -> Skipped {
         let (file, line) = self.place.clone();
         Skipped {
@@ -111,7 +111,7 @@ pub struct TrackedLineage {
 }
 
 impl TrackedLineage {
-    /// Whether sizes are those of nuclei rather than of cells.
+    /// Whether sizes belong to nuclei rather than to cells.
     pub fn of_nuclei(&self) -> bool {
         matches!(self.format, Format::AceTree | Format::CdTable)
     }
@@ -147,7 +147,7 @@ impl Format {
     }
 }
 
-/// What files do not say.
+/// Information that files lack.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TrackOptions {
     /// Edge of a pixel in µm, for sizes in pixels.
@@ -159,10 +159,10 @@ pub struct TrackOptions {
 /// Bytes at the start of a file that decide its format.
 const HEAD: u64 = 4096;
 
-/// The format of a file or folder of tracked cells; `None` if it is none.
+/// The format of a file or folder of tracked cells; `None` for other files.
 ///
 /// # Errors
-/// A file that cannot be read, and a file or folder of another kind that is known.
+/// A file that cannot be read, and a file or folder of a known other kind.
 pub fn format_of(path: &Path) -> Result<Option<Format>, InputError> {
     Ok(located(path)?.map(|(format, _)| format))
 }
@@ -203,20 +203,20 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
     Ok(cd.or_else(|| spot_tables::format_of(&columns)).and_then(here))
 }
 
-/// Reads an embryo that was followed; as [`read_tracked`], but a file in none of the formats is an error.
+/// Reads an embryo that was followed; as [`read_tracked`], but a file in another format is an error.
 ///
 /// # Errors
-/// Those of [`read_tracked`], and a file in none of the [formats](Format).
+/// As [`read_tracked`]; a file outside the [formats](Format).
 pub fn read_embryo(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
     let other = || InputError::other_file(path.display(), "an embryo that was followed", reason);
     read_tracked(path, options)?.ok_or_else(other)
 }
 
-/// Reads a file or folder of tracked cells; `None` if it is in none of the [formats](Format).
+/// Reads a file or folder of tracked cells; `None` for a file outside the [formats](Format).
 ///
 /// # Errors
-/// A file that cannot be read or does not follow its format: names the file, line, field, value and what is allowed.
+/// A file that cannot be read or does not follow its format: names the file, line, field, value and the allowed values.
 pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<TrackedLineage>, InputError> {
     let Some((format, place)) = located(path)? else { return Ok(None) };
     let mut lineage = match format {
@@ -247,7 +247,7 @@ fn sphere(diameter: f64) -> f64 {
     std::f64::consts::FRAC_PI_6 * diameter.powi(3)
 }
 
-/// The volume of a sphere whose diameter is given in pixels, and its unit: µm³ where a pixel's edge is known.
+/// The volume of a sphere from its diameter in pixels; in µm³ if a pixel's edge is known.
 fn sphere_of_pixels(diameter: f64, options: &TrackOptions) -> f64 {
     sphere(diameter * options.pixel.unwrap_or(1.0))
 }

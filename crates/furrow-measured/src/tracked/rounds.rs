@@ -33,8 +33,8 @@ pub struct Absent {
 }
 
 impl TrackedLineage {
-    /// Rounds of these founders, and why some have none. A founder that divided before the recording began has its daughters'
-    /// rounds and one more. Of several cells of one name the one born first is used.
+    /// Rounds of these founders, and the reason for each founder without rounds. A founder that divided before the recording began has
+    /// its daughters' rounds and one more. Of several cells of one name the one born first is used.
     pub fn rounds(&self, founders: &[&str], names: &Names) -> (Vec<TrackedRounds>, Vec<Absent>) {
         let known = self.known(names);
         let (mut found, mut absent) = (Vec::new(), Vec::new());

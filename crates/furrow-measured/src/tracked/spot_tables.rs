@@ -1,6 +1,6 @@
 //! Spots and links as CSV: of TrackMate (spots and edges) and Mastodon (spots and links).
 //!
-//! The table of links lies beside that of spots: `…_spots.csv` and `…_edges.csv` of TrackMate, `…-Spot.csv` and `…-Link.csv`
+//! The table of links lies beside the table of spots: `…_spots.csv` and `…_edges.csv` of TrackMate, `…-Spot.csv` and `…-Link.csv`
 //! of Mastodon. Both programs repeat their headings: TrackMate has three more lines (names, short names, units), Mastodon two
 //! (names of the parts of a column, units). Users often remove these lines, so the columns of ids decide how many there are: a
 //! row with an id is data. A spot's name is its label.
@@ -28,7 +28,7 @@ struct Layout {
     link: [&'static [&'static str]; 2],
     /// Most lines of a heading.
     heading: usize,
-    /// The words for spots in the name of a file, and for links in that of the other.
+    /// Pairs of words in file names: for the file of spots, and for the file of links.
     words: [(&'static str, &'static str); 3],
 }
 
@@ -72,7 +72,7 @@ pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Resul
     spots.lineage(embryo_of(path), format, TimeUnit::Frames, unit)
 }
 
-/// The table of links beside that of spots, and the names under which it may lie there.
+/// The table of links beside the table of spots, and the names under which it may lie there.
 fn links_beside(path: &Path, layout: &Layout) -> (Option<PathBuf>, Vec<String>) {
     let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let renamed = |(spots, links): &(&str, &str)| {
@@ -104,7 +104,7 @@ struct Heading {
 enum Below {
     /// A name, such as `Spot ID`.
     Name,
-    /// A unit, or nothing.
+    /// A unit, or an empty text.
     Unit,
 }
 
@@ -197,7 +197,7 @@ fn opened<'f>(
     for _ in 1..heading.lines {
         table.next()?;
     }
-    // From here on a row that is longer is an error.
+    // Later rows that are longer are errors.
     table.name_columns(heading.names.clone());
     Ok((table, heading))
 }

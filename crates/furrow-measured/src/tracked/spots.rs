@@ -14,9 +14,9 @@ use furrow_input::table::malformed;
 pub(super) struct Spot {
     /// Its frame or minute.
     pub time: f64,
-    /// The name it has there; empty if it has none.
+    /// Its name in that frame; empty without a name.
     pub name: String,
-    /// The volume it has there.
+    /// Its volume in that frame.
     pub volume: Option<f64>,
     /// Index of its file.
     pub file: usize,
@@ -38,19 +38,19 @@ pub(super) struct Spots {
     merged: HashSet<usize>,
     /// Spots that links give more than two daughters. All these links are left out.
     shattered: HashSet<usize>,
-    /// Spots that have lost a link: the one that is left leads to a daughter, unless that has the same name.
+    /// Spots that have lost a link: their remaining link leads to a daughter, unless the names are equal.
     parted: HashSet<usize>,
     skipped: Vec<Skipped>,
     skipped_count: u64,
 }
 
 impl Spots {
-    /// None yet, of a file.
+    /// No spots yet, of a file.
     pub fn of(file: &str) -> Spots {
         Spots { files: vec![file.to_owned()], ..Spots::default() }
     }
 
-    /// Adds a spot. A name that is one of Sulston's in another spelling becomes it.
+    /// Adds a spot. Another spelling of one of Sulston's names is replaced by Sulston's.
     pub fn push(&mut self, mut spot: Spot) -> usize {
         spot.name = understood(&spot.name).unwrap_or(spot.name);
         self.spots.push(spot);
@@ -72,8 +72,8 @@ impl Spots {
         });
     }
 
-    /// Links a spot to one of a later frame, or the other way round. `file` and `line` say where the link is. Nothing tells which
-    /// of two mothers, or of three daughters, is right: none of their links is used.
+    /// Links a spot to one of a later frame, or the other way round. `file` and `line` give the link's place. If a spot has two mothers or
+    /// three daughters, no such link is used, as it is unknown which are right.
     ///
     /// # Errors
     /// A link within a frame, or one given twice.
@@ -132,7 +132,7 @@ impl Spots {
         format!("{}{place}", furrow_input::shown(name))
     }
 
-    /// Whether a cell is born with a spot: at a division, or where the name becomes that of a daughter, as where only one
+    /// Whether a cell is born with a spot: at a division, or where the name becomes a daughter's because only one
     /// daughter was followed.
     fn is_born(&self, spot: usize) -> bool {
         let Some(before) = self.previous[spot] else { return true };

@@ -80,12 +80,12 @@ pub(super) struct Array {
     pub values: Values,
 }
 
-/// How many rows an array may have. Memory is allocated only after the array's files have been found to hold so many.
+/// How many rows an array may have. Memory is allocated only after the size of the array's files has been checked.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Rows {
     /// As many as its files can hold, which differ.
     Ids,
-    /// So many.
+    /// Exactly this number.
     Exactly(usize),
 }
 
@@ -127,7 +127,7 @@ pub(super) fn attributes(folder: &Path) -> Result<Value, InputError> {
 /// Reads an array.
 ///
 /// # Errors
-/// Names the file, the field, its value and what is allowed.
+/// Names the file, the field, its value and the allowed values.
 pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
     let third = folder.join("zarr.json");
     let (path, is_third) = if third.is_file() { (third, true) } else { (folder.join(".zarray"), false) };
@@ -210,7 +210,7 @@ fn type_of_third(value: &Value) -> Option<(char, usize)> {
     known(['u', 'i', 'f'][kind], text[at..].parse::<usize>().ok()? / 8)
 }
 
-/// A type, if it is one that is read.
+/// A type, if it can be read.
 fn known(kind: char, size: usize) -> Option<(char, usize)> {
     let fine = match kind {
         'b' => size == 1,
@@ -222,10 +222,10 @@ fn known(kind: char, size: usize) -> Option<(char, usize)> {
     fine.then_some((kind, size))
 }
 
-/// What is allowed of codecs.
+/// The allowed codecs.
 const ALLOWED_CODECS: &str = "none, zlib, gzip, zstd or blosc, for values in rows and little-endian order";
 
-/// The separators in names of chunks, and the compression, or the codec that is not known.
+/// The separators in names of chunks, and the compression, or the unknown codec.
 type Stored = ([String; 2], Result<Option<String>, Value>);
 
 fn stored_second(document: &Value) -> Stored {
@@ -337,7 +337,7 @@ impl Layout {
         let fill = &self.fill;
         let whole = fill.as_i64().map(i128::from).or(fill.as_u64().map(i128::from)).or(fill.as_bool().map(i128::from));
         match self.kind {
-            // A text that all nodes share does not tell them apart.
+            // A text that all nodes share cannot distinguish them.
             'U' => Values::Texts(vec![String::new(); count]),
             'f' => Values::Numbers(vec![fill.as_f64().unwrap_or(f64::NAN); count]),
             _ => Values::Integers(vec![whole.unwrap_or(0); count]),
@@ -386,7 +386,7 @@ impl Layout {
 fn unpacked(packed: Vec<u8>, codec: Option<&str>, length: usize) -> Result<Vec<u8>, String> {
     let Some(codec) = codec else { return Ok(packed) };
     let mut out = Vec::new();
-    // One byte more than there should be shows a chunk that is longer.
+    // One byte more than expected: the chunk is longer.
     let read = match codec {
         "zlib" => ZlibDecoder::new(&packed[..]).take(length as u64 + 1).read_to_end(&mut out),
         "gzip" => GzDecoder::new(&packed[..]).take(length as u64 + 1).read_to_end(&mut out),

@@ -24,7 +24,7 @@ fn same(found: &Trend, expected: &Value) {
 }
 
 #[test]
-fn lifetimes_over_volumes_are_those_of_scipy() {
+fn lifetimes_over_volumes_agree_with_scipy() {
     let (lifetimes, volumes) = (jankele2021_lifetimes().unwrap(), mean_volumes(&jankele2021_volumes().unwrap()));
     assert_eq!((lifetimes.cells.len(), lifetimes.used, lifetimes.skipped_count), (190, 190, 0));
     let with_volume = lifetimes.cells.iter();
@@ -44,7 +44,7 @@ fn lifetimes_over_volumes_are_those_of_scipy() {
 }
 
 #[test]
-fn orders_of_sisters_are_those_of_scipy() {
+fn orders_of_sisters_agree_with_scipy() {
     let (lifetimes, volumes) = (jankele2021_lifetimes().unwrap(), mean_volumes(&jankele2021_volumes().unwrap()));
     let (pairs, reference) = (sisters(&lifetimes), reference());
     assert_eq!(pairs.len(), reference["sisters"].as_object().unwrap().len());
@@ -103,7 +103,7 @@ fn rows_of_single_embryos_are_averaged_in_the_unit_of_their_column() {
 }
 
 #[test]
-fn rows_that_cannot_be_used_are_told_with_their_place() {
+fn unusable_rows_are_reported_with_their_place() {
     let table = "# x\ncell,n,lifetime_min,sd_min,birth_min\nABa,8,23,1,0\nABa,8,23,1,0\nnuc,8,23,1,0\nABp,0,23,1,0\nABp,8,-1,1,0\nABp,8,,1,0\nABp,8,2,-1,0\nABp,8,2,1,x\nABp\n";
     let found = read(table);
     let said: Vec<String> =
@@ -144,7 +144,7 @@ fn tables_of_spreadsheets_are_read() {
 }
 
 #[test]
-fn what_is_no_table_of_lifetimes_is_refused() {
+fn other_tables_than_of_lifetimes_are_refused() {
     let cases = BTreeMap::from([
         ("", "t.csv:1:1: the table is empty"),
         ("# only\n# remarks\n", "t.csv:1:1: the table is empty"),

@@ -10,7 +10,7 @@ pub struct Responses(KeyMap<Sample>);
 
 #[derive(Clone, Copy, Debug)]
 struct Sample {
-    /// Key of the same input without its radius.
+    /// Key of the same input, without its radius.
     family: Key,
     r0: f64,
     chi: f64,
@@ -27,7 +27,7 @@ impl Responses {
         });
     }
 
-    /// Largest |Δχ/Δln R0| between neighbouring radii of one family; 0 if there are none.
+    /// Largest |Δχ/Δln R0| between neighbouring radii of one family; 0 without neighbours.
     pub fn steepest_slope(self) -> f64 {
         let mut samples: Vec<Sample> = self.0.into_values().collect();
         samples.sort_by(|a, b| a.family.cmp(&b.family).then_with(|| a.r0.total_cmp(&b.r0)));

@@ -24,10 +24,10 @@ pub struct Job {
     pub input: DivisionInput,
 }
 
-/// Work that is no division.
+/// Work other than a division.
 pub type Work<'s> = Box<dyn FnOnce() + Send + 's>;
 
-/// What a run does next.
+/// The next step of a run.
 // Few steps exist at a time; boxing would cost an allocation for each division.
 #[allow(clippy::large_enum_variant)]
 pub enum Step<'s, S = Job> {
@@ -46,7 +46,7 @@ pub struct SchedulerOptions<'a> {
     pub interrupt: Option<&'a AtomicBool>,
     /// Called at every change in the number of divisions solved or running, and now and then at memo hits.
     pub progress: Option<&'a dyn Fn(Progress)>,
-    /// Work expected of a division and of what it holds up, in any unit; the most is begun first. By default the radius.
+    /// Expected work of a division and of the divisions that wait for it, in any unit; the largest is begun first. By default the radius.
     /// Affects the order of work and so its duration, never a result.
     pub expected_work: &'a dyn Fn(&DivisionInput) -> f64,
 }
@@ -66,18 +66,18 @@ pub struct Progress {
     pub running: usize,
     /// Divisions waiting for a worker.
     pub queued: usize,
-    /// Jobs whose division was already known, or solved for another job.
+    /// Jobs with a division that was already known, or solved for another job.
     pub memo_hits: usize,
 }
 
-/// What a run did.
+/// Counts and warnings of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Jobs done: `solved + memo_hits`.
     pub jobs: usize,
     /// Divisions solved by this run.
     pub solved: usize,
-    /// Jobs that needed no solving of their own.
+    /// Jobs with a division that was already known, or solved for another job.
     pub memo_hits: usize,
     /// Distinct divisions of this run that came from the store.
     pub store_hits: usize,
@@ -87,15 +87,15 @@ pub struct Summary {
     pub interrupted: bool,
     /// Largest relative shift of a radius by rounding.
     pub max_size_shift: f64,
-    /// Estimated effect of that shift on χ: its steepest slope over ln R0, between neighbouring radii of this run whose
-    /// inputs are otherwise the same, times the largest shift.
+    /// Estimated effect of that shift on χ: the steepest slope of χ over ln R0, between neighbouring radii of this run with
+    /// otherwise equal inputs, times the largest shift.
     pub shift_effect: f64,
-    /// What the user should know, such as a store that could not be written.
+    /// Warnings for the user, for example about a store that could not be written.
     pub warnings: Vec<StoreWarning>,
 }
 
 impl Summary {
-    /// Adds what a later run did.
+    /// Adds the summary of a later run.
     pub fn add(&mut self, later: Summary) {
         self.jobs += later.jobs;
         self.solved += later.solved;
@@ -138,7 +138,7 @@ pub enum SchedulerError {
     Unsolved {
         /// The jobs without a division, the largest first; what would have followed from them is not counted. One or more.
         jobs: Vec<Unsolved>,
-        /// What the run did.
+        /// The summary of the run.
         summary: Box<Summary>,
     },
     /// The workers could not be started.
@@ -146,18 +146,18 @@ pub enum SchedulerError {
     Pool {
         /// Threads asked for.
         threads: usize,
-        /// What the system said.
+        /// The system's error message.
         reason: String,
     },
 }
 
-/// Solves `jobs` and all that follows from them, each distinct division once. `expand` says which jobs follow from one.
+/// Solves `jobs` and all jobs that follow from them, each distinct division once. `expand` returns the jobs that follow from one.
 ///
-/// `solve` is called on the workers with inputs whose radii are rounded; `expand` on the calling thread with the job's
+/// `solve` is called on the workers with rounded radii; `expand` on the calling thread with the job's
 /// number and its division, scaled to the job's own radius. The order in which jobs are expanded depends on timing; the
 /// whole is the same every time if what `expand` returns depends on its arguments alone.
 ///
-/// An interrupted run returns what it did with [`Summary::interrupted`] set.
+/// An interrupted run returns its summary so far, with [`Summary::interrupted`] set.
 ///
 /// # Errors
 /// [`SchedulerError::Unsolved`] if a division failed, after all others are done. [`SchedulerError::Pool`] if no threads
@@ -197,7 +197,7 @@ pub fn run_steps<'s>(
             let _ = sender.send(Event::Prepared(id));
         }
     };
-    // Where nothing needs solving no threads are needed either.
+    // Threads are needed only if a division must be solved.
     run.settle_known();
     // A caller that is itself a worker, as in studies of many trees, must not wait for a pool of its own: it would begin another
     // tree while it waits, and so on until its stack is full. The page has no threads.
@@ -214,14 +214,14 @@ pub fn run_steps<'s>(
     run.finish()
 }
 
-/// Divisions of which none follows from another.
+/// Independent divisions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
-    /// One for each input; none where it failed or the run was interrupted.
+    /// One for each input; `None` if it failed or the run was interrupted.
     pub divisions: Vec<Option<Division>>,
-    /// Those that could not be computed, by the place of their input.
+    /// Unsolved divisions, by the place of their input.
     pub unsolved: Vec<Unsolved>,
-    /// What the run did.
+    /// The summary of the run.
     pub summary: Summary,
 }
 
@@ -245,7 +245,7 @@ pub fn solve_all(
     Ok(Solved { divisions, unsolved, summary })
 }
 
-/// What a run did, and the jobs that it could not solve.
+/// The summary of a run, and the jobs that it could not solve.
 pub(crate) fn parts(run: Result<Summary>) -> Result<(Summary, Vec<Unsolved>)> {
     match run {
         Ok(summary) => Ok((summary, vec![])),

@@ -1,4 +1,4 @@
-//! One run: what has arrived, what waits, what is being solved, and what came of it.
+//! One run: its jobs that have arrived, wait or are being solved, and their results.
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
@@ -157,7 +157,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
             if self.waiting.is_empty() && self.preparing == 0 && self.preparations.is_empty() {
                 return;
             }
-            // Only who has to wait needs a clock, which is not to be had everywhere.
+            // Only a waiting thread needs a clock, which some platforms lack.
             match events.try_recv().or_else(|_| events.recv_timeout(TICK)) {
                 Ok(event) => self.take_in(event),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -177,7 +177,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
         self.waiting.retain(|_, awaited| awaited.running);
     }
 
-    /// Looks up every job that has arrived, and those that follow from the ones known, until all that is left waits.
+    /// Looks up every job that has arrived, and jobs that follow from the known ones, until only waiting jobs are left.
     pub fn settle_known(&mut self) {
         while !self.interrupted()
             && let Some(job) = self.arrived.pop_front()
@@ -283,7 +283,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
         if self.unsolved.is_empty() {
             return Ok(self.summary);
         }
-        // In an order that does not depend on which came first.
+        // Sorted, so that the order does not depend on timing.
         self.unsolved.sort_by(|a, b| b.r0.total_cmp(&a.r0).then_with(|| a.id.cmp(&b.id)));
         Err(SchedulerError::Unsolved { jobs: self.unsolved, summary: Box::new(self.summary) })
     }

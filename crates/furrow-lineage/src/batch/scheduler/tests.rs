@@ -87,7 +87,7 @@ fn rounding_loses_no_radius_and_reports_its_effect() {
         }
     }
     assert!(summary.max_size_shift > 0.0 && summary.max_size_shift <= 0.5 * memo.quantisation().relative_step());
-    // |dχ/d ln R0| of the stand-in is at most 0.8.
+    // The stand-in's slope |dχ/d ln R0| is at most 0.8.
     assert!(summary.shift_effect > 0.0 && summary.shift_effect <= 0.8 * summary.max_size_shift);
 
     let (_, summary) = grow(21.0, &Memo::new(Quantisation::EXACT), &SchedulerOptions::default());
@@ -95,10 +95,10 @@ fn rounding_loses_no_radius_and_reports_its_effect() {
 }
 
 #[test]
-fn jobs_whose_division_is_in_flight_do_not_occupy_workers() {
+fn jobs_with_a_division_in_flight_do_not_occupy_workers() {
     let (other_done, other_is_done) = signal();
     let solves = AtomicUsize::new(0);
-    // Nine jobs share the cell of radius 4, which is not solved before that of radius 2 is.
+    // Nine jobs share the cell of radius 4. It is solved only after the cell of radius 2.
     let mut radii = [4.0; 10];
     radii[9] = 2.0;
     let solve = |input: &DivisionInput| {
@@ -120,7 +120,7 @@ fn jobs_whose_division_is_in_flight_do_not_occupy_workers() {
 }
 
 #[test]
-fn two_runs_on_one_memo_share_what_is_in_flight() {
+fn two_runs_on_one_memo_share_divisions_in_flight() {
     let (memo, solves) = (&memo(), &AtomicUsize::new(0));
     let ((begun, is_begun), (other_done, other_is_done)) = (signal(), signal());
     let (first, second) = std::thread::scope(|scope| {
@@ -150,7 +150,7 @@ fn two_runs_on_one_memo_share_what_is_in_flight() {
 }
 
 #[test]
-fn a_run_takes_over_what_an_interrupted_one_gave_up() {
+fn a_run_takes_over_divisions_of_an_interrupted_run() {
     let (memo, stop) = (&memo(), &AtomicBool::new(false));
     let ((begun, is_begun), (release, is_released)) = (signal(), signal());
     std::thread::scope(|scope| {
@@ -270,7 +270,7 @@ fn a_run_solves_nothing_that_is_known_and_nothing_for_no_jobs() {
     assert_eq!(summary, Summary::default());
 }
 
-/// A worker that waits for a pool of its own takes up other work, on top of what it has begun: with many trees its stack was full.
+/// A worker that waits for a pool of its own takes up other work, on top of the work it has begun: many trees once filled its stack.
 #[test]
 fn a_run_on_one_thread_inside_a_worker_begins_no_other() {
     use rayon::prelude::*;

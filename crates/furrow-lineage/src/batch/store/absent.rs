@@ -1,10 +1,10 @@
-//! Without the feature `store` there is none.
+//! Replaces the store in builds without the feature `store`.
 
 use super::StoreWarning;
 use crate::batch::Key;
 use furrow_mechanics::division::{Division, DivisionInput};
 
-/// No store: this build has none.
+/// The store of a build without the feature `store`; it has no values.
 #[derive(Debug)]
 pub enum Store {}
 

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::batch::SOLVER_VERSION;
 
-/// What a cache folder holds.
+/// The contents of a cache folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CacheReport {
     /// The cache folder.
@@ -25,17 +25,17 @@ pub struct CacheReport {
     pub bytes: u64,
     /// Damaged entries, and other damage to the file.
     pub corrupt: usize,
-    /// What is damaged.
+    /// Damaged entries.
     pub damaged: Vec<String>,
 }
 
 /// A report, and the whole rows it counts.
 type Contents = (CacheReport, Vec<Vec<Value>>);
 
-/// Checks every entry of a cache folder. A folder that does not exist holds none.
+/// Checks every entry of a cache folder. A folder that does not exist counts as empty.
 ///
 /// # Errors
-/// [`StoreError`] if the folder is none, or its database is from a newer version of furrow.
+/// [`StoreError`] if the path is not a folder, or its database is from a newer version of furrow.
 pub fn verify(cache: &Path) -> Result<CacheReport, StoreError> {
     contents(cache).map(|(report, _)| report)
 }
@@ -106,7 +106,7 @@ fn read(connection: &Connection, contents: &mut Contents) -> rusqlite::Result<()
     Ok(())
 }
 
-/// Replaces what is in a database by `rows`.
+/// Replaces the rows of a database by `rows`.
 fn rewrite(file: &Path, rows: &[Vec<Value>]) -> Result<(), StoreError> {
     let failed = |source| StoreError::Sqlite { file: file.to_owned(), source };
     let mended = connect(file).and_then(|connection| {
@@ -115,7 +115,7 @@ fn rewrite(file: &Path, rows: &[Vec<Value>]) -> Result<(), StoreError> {
         connection.execute_batch("VACUUM").map_err(failed)
     });
     match mended {
-        // Beyond mending: emptied, whatever it holds.
+        // Beyond repair: emptied, whatever its contents.
         Err(StoreError::Sqlite { source, .. })
             if source.sqlite_error_code() != Some(rusqlite::ErrorCode::DatabaseBusy) =>
         {

@@ -1,12 +1,12 @@
 //! The store: solved divisions in the file `furrow.sqlite` of the cache folder, for the next run and other processes.
 //!
 //! An SQLite database with one table, `division`, and one row for each division and version of the solver. Its columns
-//! have the names of the parameters and of what `furrow divide --json` prints, so that `sqlite3` and every language can
-//! query it. What it withstands:
+//! have the names of the parameters and of the output of `furrow divide --json`, so that `sqlite3` and every language can
+//! query it. It withstands:
 //!
 //! - *Several processes.* The database is in WAL mode: readers never wait, writers take turns. Two processes may solve the
 //!   same division at the same time; they write the same row. A network folder is unsuitable: WAL needs shared memory.
-//! - *A kill at any moment.* A division that is committed is in the file or its log; SQLite rolls back what is not. (A
+//! - *A kill at any moment.* A committed division is in the file or its log; SQLite rolls back all others. (A
 //!   power cut may cost the last seconds.)
 //! - *A full disk, a read-only folder, a damaged file.* The first failure is a warning, and the run continues without.
 //! - *A flipped byte.* Every row has a checksum over its values. A row that fails it is solved and written again.
@@ -32,7 +32,7 @@ pub use absent::Store;
 #[cfg(feature = "store")]
 pub use sqlite::{FILE, Store, StoreError};
 
-/// What the user of a store should know. Nothing is lost but time.
+/// Warnings for the user of a store. Only time is lost.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

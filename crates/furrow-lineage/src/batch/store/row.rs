@@ -7,7 +7,7 @@ use crate::batch::key::{Key, numbers};
 use furrow_cell::{Cell, Material, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 
-/// The columns. None has a declared type: in a column of reals SQLite would store −0 as 0.
+/// The columns. No column has a declared type: in a column of reals SQLite would store −0 as 0.
 pub const COLUMNS: &str = "key, solver, \
     r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, \
     stages, intervals, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \
@@ -65,7 +65,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     row
 }
 
-/// The division of a row; none unless its checksum holds and its numbers are those of a division.
+/// The division of a row; `None` unless its checksum holds and its numbers are in the range of a division.
 pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
     let (last, values) = row.split_last()?;
     if *last != ValueRef::Integer(checksum(values.iter().copied())) {
@@ -102,9 +102,9 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
     Division::try_from(row).ok().filter(in_range)
 }
 
-/// Whether the numbers are those of some division. NaN, which SQLite cannot store, is in no range.
+/// Whether the numbers are possible for a division. NaN, which SQLite cannot store, is in no range.
 pub fn in_range(division: &Division) -> bool {
-    // The smaller daughter of a division that is all but none may have a volume below 0 by rounding.
+    // In an extremely asymmetric division, rounding may give the smaller daughter a volume below 0.
     let share = |number: f64| (0.0..=1.0 + 1e-6).contains(&number);
     let positive = |number: f64| number.is_finite() && number >= 0.0;
     division.chi().is_none_or(share)
@@ -118,7 +118,7 @@ pub fn in_range(division: &Division) -> bool {
         && positive(division.volume_drift)
 }
 
-/// The first eight bytes of the blake3 hash of the values, each with its type.
+/// The first eight bytes of the blake3 hash of the values and their types.
 fn checksum<'v>(values: impl Iterator<Item = ValueRef<'v>>) -> i64 {
     let mut bytes = Vec::with_capacity(512);
     let mut put = |kind: u8, value: &[u8]| {
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use crate::batch::fake;
 
-    /// The column of the cue says what it does, its regulator too.
+    /// The column of the cue also describes its regulator.
     #[test]
     fn the_cue_is_a_column_of_text() {
         let cue = "kappa:gradient,amplitude=0+tension:gradient,amplitude=0.3+regulator:none,turnover=10,diffusion=1,activity=0.3";

@@ -26,7 +26,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Solved divisions in a cache folder.
 ///
 /// # Examples
-/// What one run has solved, the next one finds:
+/// A run finds the divisions that an earlier run has solved:
 ///
 /// ```
 /// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Store, replicates};
@@ -48,14 +48,14 @@ pub struct Store {
     solver: u32,
     /// The process that opened it: a connection must not be used in a forked one.
     process: u32,
-    /// Rows to be written: whoever gets hold of the connection writes all of them in one transaction.
+    /// Rows to be written. The thread that gets the connection writes all of them in one transaction.
     pending: Mutex<Vec<Vec<Value>>>,
     inner: Mutex<Inner>,
 }
 
 #[derive(Debug, Default)]
 struct Inner {
-    /// Reads the file without locks or log, until the first row it does not find. A row whose checksum holds is right even
+    /// Reads the file without locks or log, until the first row it does not find. A row with a matching checksum is right even
     /// if the file changes meanwhile. Never closed: that would release the locks of this process's other connections.
     snapshot: Option<ManuallyDrop<Connection>>,
     /// Open once the file exists and the snapshot does not suffice.
@@ -138,7 +138,7 @@ impl Store {
         self.lock().map_or(0, |inner| inner.damaged.len())
     }
 
-    /// What the user should know, once.
+    /// The warnings since the last call.
     pub fn take_warnings(&self) -> Vec<StoreWarning> {
         let Some(mut inner) = self.lock() else { return Vec::new() };
         let mut warnings = std::mem::take(&mut inner.warnings);
@@ -207,7 +207,7 @@ impl Store {
         inner.warnings.push(StoreWarning::GivenUp { access, file: self.file.clone(), reason });
     }
 
-    /// None in a process that was forked from the one that opened the store.
+    /// `None` in a process that was forked from the one that opened the store.
     fn lock(&self) -> Option<MutexGuard<'_, Inner>> {
         (self.process == std::process::id()).then(|| unpoisoned(&self.inner))
     }
@@ -224,7 +224,7 @@ impl Drop for Store {
 }
 
 fn unpoisoned<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Nothing panics while one is held; were it to, the rows would still be whole ones.
+    // No code panics while it holds a lock, and the rows would be whole even then.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -236,7 +236,7 @@ pub(super) fn file_in(cache: &Path) -> Result<PathBuf, StoreError> {
     Ok(cache.join(FILE))
 }
 
-/// Opens a database; none if there is no file.
+/// Opens a database; `None` if there is no file.
 pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
     if !file.exists() {
         return Ok(None);
@@ -246,7 +246,7 @@ pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
     let connection = Connection::open_with_flags(file, flags).map_err(failed)?;
     connection.busy_timeout(PATIENCE).map_err(failed)?;
     match checked(&connection, file) {
-        // In a folder that cannot be written there is no place for the log of a database, and nobody changes it.
+        // A folder that cannot be written has no place for the log of a database, and its database does not change.
         Err(StoreError::Sqlite { source, .. })
             if matches!(source.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly)) =>
         {
@@ -256,7 +256,7 @@ pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
     }
 }
 
-/// Opens a database that nobody can change, without its log.
+/// Opens a database that cannot change, without its log.
 fn immutable(file: &Path) -> Result<Connection, StoreError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let name = file.to_string_lossy().replace('%', "%25").replace('?', "%3f").replace('#', "%23");
@@ -294,7 +294,7 @@ fn set_aside(connection: &Connection) -> rusqlite::Result<()> {
     })
 }
 
-/// Creates the database and its folder, all at once: other processes see none of it or the whole.
+/// Creates the database and its folder at once: other processes see either nothing or the whole database.
 fn create(file: &Path) -> Result<(), StoreError> {
     let failed = |source| StoreError::Io { file: file.to_owned(), source };
     let folder = file.parent().unwrap_or(Path::new("."));
@@ -327,7 +327,7 @@ fn table() -> String {
     )
 }
 
-/// The division of a whole row; none if the row is damaged.
+/// The division of a whole row; `None` if the row is damaged.
 pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Division>> {
     let values = (0..WIDTH).map(|place| row.get_ref(place)).collect::<Result<Vec<_>, _>>()?;
     Ok(decode(&values))

@@ -25,7 +25,7 @@ fn store(cache: &TempDir) -> Store {
     Store::open(cache.path()).unwrap()
 }
 
-/// That a store has given up reading or writing, and what its only warning says.
+/// Checks that a store has given up reading or writing, and returns its only warning.
 fn gave_up(store: &Store, what: &str) -> String {
     let warnings = store.take_warnings();
     assert!(matches!(&warnings[..], [StoreWarning::GivenUp { access, .. }] if *access == what), "{warnings:?}");
@@ -92,7 +92,7 @@ proptest! {
         let key = Key::new(&input);
         store(&cache).commit(&key, &input, &division);
         let read = store(&cache).get(&key);
-        // What is no number of a division, NaN among it, is not kept.
+        // Numbers out of range, NaN included, are not kept.
         prop_assert_eq!(read.is_some(), row::in_range(&division));
         // `{:?}` tells −0 from 0 and prints enough digits to tell any two numbers apart.
         if let Some(read) = read {
@@ -136,7 +136,7 @@ fn a_changed_value_costs_its_own_row_and_is_mended_by_solving_again() {
     }
 }
 
-/// Whatever byte is flipped, what is read is what was written, a run continues, and the file can be mended.
+/// Any byte may flip: rows are still read as they were written, a run continues, and the file can be repaired.
 #[test]
 fn a_flipped_byte_is_never_used() {
     let mut random = 0x9e37_79b9_7f4a_7c15_u64;
@@ -173,7 +173,7 @@ fn a_flipped_byte_is_never_used() {
 }
 
 #[test]
-fn what_is_no_database_is_a_warning_and_can_be_mended() {
+fn a_file_that_is_no_database_is_a_warning_and_can_be_repaired() {
     let cache = tempfile::tempdir().unwrap();
     fs::write(cache.path().join(FILE), "this is no database, and long enough to be taken for one".repeat(100)).unwrap();
     let store = store(&cache);

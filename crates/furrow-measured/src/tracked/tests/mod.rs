@@ -220,7 +220,7 @@ fn wrong_nuclei_are_refused_with_their_place() {
     let folder = nuclei(&NUCLEI);
     fs::remove_file(folder.path().join("nuclei/t004-nuclei")).unwrap();
     assert!(refused(folder.path()).ends_with("from t001-nuclei to t006-nuclei, but not t004-nuclei"));
-    // Links that contradict each other, and sizes that are none, are reported; the cells are read.
+    // Contradictory links and invalid sizes are reported; the cells are read.
     let folder =
         nuclei(&[NUCLEI[0], "1,1,1,-1,-1,0,0,0,-3,P0,0\n2,1,1,-1,-1,0,0,0,9,AB,0\n3,1,2,-1,-1,0,0,0,9,P1,0\n"]);
     let lineage = tracked(folder.path());
@@ -342,7 +342,7 @@ fn names_are_understood_or_skipped() {
 
 /// A mother that divided before the recording has the rounds of her daughters and one more.
 #[test]
-fn rounds_of_mothers_that_were_not_followed_are_those_of_their_daughters() {
+fn rounds_of_mothers_that_were_not_followed_come_from_their_daughters() {
     let rows: Vec<&str> = [
         "1,1,1,1,-1,0,0,0,9,ABa,0\n",
         "2,1,2,2,-1,0,0,0,9,ABpl,0\n",
@@ -372,7 +372,7 @@ fn rounds_of_mothers_that_were_not_followed_are_those_of_their_daughters() {
     );
 }
 
-/// Errors say what a file of another kind is.
+/// Errors name the kind of an unsuitable file.
 #[test]
 fn files_of_other_kinds_are_named() {
     for (name, content, message) in [
