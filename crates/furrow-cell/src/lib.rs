@@ -93,7 +93,7 @@ impl Cell {
         Cell { cue: self.cue.mirrored(), ..self.clone() }
     }
 
-    /// The same cell without activity and without a cue: what a division starts from.
+    /// The same cell without activity and without a cue: every division starts from it.
     pub fn passive(&self) -> Cell {
         Cell { xi_s: 0.0, cue: Cue::none(), ..self.clone() }
     }

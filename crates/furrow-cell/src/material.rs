@@ -66,7 +66,7 @@ impl Material {
     pub const GAO2026_THRESHOLDS: Material = Material { gain: 0.5, ..Material::GAO2026 };
 }
 
-/// Constants of the ellipsoidal shell. They are not printed in the paper; the presets' are chosen by what it states.
+/// Constants of the ellipsoidal shell. The paper does not print them; the presets choose them by its statements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shell {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
-    /// Steps of high order whose error is controlled, the growing modes' own included.
+    /// Steps of high order with error control, which includes the growing modes.
     #[default]
     Converged,
     /// Backward Euler at a fixed step after a short start, the paper's kind of step. At 0.1 τ it damps growing modes of large
@@ -51,10 +51,10 @@ pub struct Numerics {
     pub step_factor: f64,
     /// Largest time, in τ, one division may take before it is reported as undecided.
     pub t_max: f64,
-    /// Largest coefficient of the noise in the first step; 0 for none, and then the side of an asymmetric division without a
-    /// cue is left to rounding.
+    /// Largest coefficient of the noise in the first step. With 0, rounding decides the side of an asymmetric division without
+    /// a cue.
     pub noise: f64,
-    /// How long the noise takes to change, in τ, where it lasts for all of the division; 0 for noise in the first step alone,
+    /// Correlation time of the noise, in τ, if it lasts for the whole division; 0 for noise in the first step alone,
     /// as in the paper.
     pub noise_time: f64,
     /// A division with |χ| below this is symmetric and its daughters are equal.

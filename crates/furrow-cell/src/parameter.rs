@@ -82,7 +82,7 @@ impl Parameter {
         "regulator.FIELD.half",
     ];
 
-    /// Every parameter but those of cues, for listings.
+    /// Every parameter except the numbers of cues, for listings.
     pub const ALL: [Parameter; 13] = {
         use Parameter::*;
         [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Kappa, EtaB, EtaS, Friction, Tension]
@@ -114,7 +114,7 @@ impl Parameter {
         matches!(self, Parameter::Cue { .. } | Parameter::Regulator(_))
     }
 
-    /// Its row in the table of parameters, with its name; none for a cue's.
+    /// Its row in the table of parameters, with its name; `None` for a number of a cue.
     fn row(self) -> Option<(&'static Number, &'static str)> {
         parameters().find(|(row, ..)| row.parameter == self).map(|(row, name, _)| (row, name))
     }
@@ -157,7 +157,7 @@ impl Parameter {
     /// Checks a value. Of a quantity of a cue's profile it need only be finite.
     ///
     /// # Errors
-    /// What is allowed.
+    /// The allowed values.
     pub fn validate(self, value: f64) -> Result<(), &'static str> {
         if let Parameter::Regulator(quantity) = self {
             return quantity.refused(value).map_or(Ok(()), Err);

@@ -32,14 +32,14 @@ const PRESETS: [(&str, &str); 3] = [
     ("sulston1983", include_str!("../presets/sulston1983.ron")),
 ];
 
-/// Names of the presets; the first is in force where none is named.
+/// Names of the presets; the first is the default.
 pub fn presets() -> impl Iterator<Item = &'static str> {
     PRESETS.into_iter().map(|(name, _)| name)
 }
 
-/// A setter says what is allowed if a value is of another kind.
+/// A setter returns the allowed values if a value is of another kind.
 type Set = fn(&mut Settings, &Value) -> Result<(), &'static str>;
-/// A check gives the offending value and what is allowed.
+/// A check returns the invalid value and the allowed ones.
 type Valid = fn(&Settings) -> Option<(String, &'static str)>;
 
 struct Field {
@@ -73,7 +73,7 @@ macro_rules! fields {
         $($name:ident $([$($alias:literal),*])? at $place:expr => $kind:ty $(as $parameter:ident)?, $allowed:literal, |$v:ident| $ok:expr;)*
     })*) => {
         $(
-            /// What a file sets of one section; what it does not name keeps its value.
+            /// The settings of one section in a file; all others keep their values.
             #[derive(Deserialize, Default)]
             #[serde(default, deny_unknown_fields, rename = $shown)]
             pub struct $overrides {
@@ -83,7 +83,7 @@ macro_rules! fields {
             }
 
             impl $overrides {
-                /// Sets what the file sets.
+                /// Applies the settings of the file.
                 pub fn apply(self, settings: &mut Settings) {
                     let $part = &mut settings.$part;
                     $(if let Some(value) = self.$name { $place = value; })*
@@ -154,7 +154,7 @@ fields! {
     }
 }
 
-/// The configuration file: what it does not name keeps the preset's value.
+/// The configuration file; a setting that it omits keeps the preset's value.
 #[derive(Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
 struct Config {
@@ -190,12 +190,12 @@ impl Settings {
 
     /// A preset with the parameters of a configuration file, if any, and then with `overrides` of the form `key=value`.
     ///
-    /// Keys are the numbers of a [`Cell`], its material and shell, those of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
+    /// Keys are the fields of [`Cell`], its material and shell, the fields of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
     /// shell's strength), `R0`, `Gamma`, `gamma`. Besides these, `xi_b` sets `xi_ratio` = ξ_b/ξ_s from the ξ_s that all
-    /// settings together give: it is the ratio that is kept wherever ξ_s is varied afterwards.
+    /// settings together give: the ratio stays constant if ξ_s varies afterwards.
     ///
     /// # Errors
-    /// Names the file or option, the field, its value and what is allowed.
+    /// Names the file or option, the field, its value and the allowed ones.
     pub fn load(preset: &str, config: Option<&Path>, overrides: &[String]) -> Result<Settings, InputError> {
         let mut settings = Settings::preset(preset)?;
         if let Some(path) = config {
@@ -217,16 +217,16 @@ impl Settings {
     /// Applies and checks `key=value` settings, in order; `xi_b` last.
     ///
     /// # Errors
-    /// Names the key, its value and what is allowed.
+    /// Names the key, its value and the allowed ones.
     pub fn apply_overrides(&mut self, overrides: &[String]) -> Result<(), InputError> {
         self.override_fields(&Overrides::read(overrides)?)?;
         self.check(OVERRIDES)
     }
 
-    /// Applies settings and checks each field by itself: of what is varied afterwards not all is known yet.
+    /// Applies settings and checks each field by itself: other fields may still change.
     ///
     /// # Errors
-    /// Names the key, its value and what is allowed.
+    /// Names the key, its value and the allowed ones.
     pub fn override_fields(&mut self, Overrides { source_name, pairs }: &Overrides) -> Result<(), InputError> {
         self.assign(source_name, pairs)?;
         self.check_fields(source_name)
@@ -269,7 +269,7 @@ impl Settings {
     /// Checks one field, given by its [canonical name](canonical_name).
     ///
     /// # Errors
-    /// What is allowed.
+    /// The allowed values.
     pub fn validate(&self, name: &str) -> Result<(), &'static str> {
         Field::named(name).and_then(|field| (field.valid)(self)).map_or(Ok(()), |(_, allowed)| Err(allowed))
     }
@@ -328,8 +328,8 @@ impl Settings {
             let allowed = format!("at least {least} where numerics.stages = {stages}");
             return Err(InputError::not_allowed(source_name, "numerics.intervals", intervals, allowed));
         }
-        // The error that a full step would make is told from a shortened one, which magnifies its rounding; by trial the
-        // tolerance has to grow by the sixth power.
+        // The error of a full step is estimated from a shortened one, which magnifies rounding. The sixth power was found by
+        // trial.
         let least = 1e-9 * (0.5 / step_factor).powi(6);
         if time_tolerance < least {
             let allowed = format!("at least {least:.1e} where numerics.step_factor = {step_factor}");
@@ -363,7 +363,7 @@ fn four_digits(value: f64) -> f64 {
 /// What errors call settings of the form `key=value`.
 const OVERRIDES: &str = "--set";
 
-/// Parameters that come after those of a file.
+/// Parameters that override those in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// What errors call their source.
@@ -373,7 +373,7 @@ pub struct Overrides {
 }
 
 impl Overrides {
-    /// Those of `--set`, each of the form `key=value`.
+    /// Reads the entries of `--set`, each of the form `key=value`.
     ///
     /// # Errors
     /// An entry of another form, or an unknown key.
@@ -388,7 +388,7 @@ impl Overrides {
     }
 }
 
-/// The rows of the table that are parameters, each with its name and aliases.
+/// The rows of the table that are parameters, with their names and aliases.
 pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static str, &'static [&'static str])> {
     FIELDS.iter().flat_map(|field| field.parameter.iter().map(|number| (number, field.name, field.aliases)))
 }

@@ -43,7 +43,7 @@ impl Display for Value {
 
 /// A kind of parameter.
 pub(crate) trait Kind: Sized {
-    /// What a value means, if it is of this kind.
+    /// Reads a value; `None` if it is of another kind.
     fn of(value: &Value) -> Option<Self>;
     /// As a value.
     fn value(self) -> Value;
@@ -75,7 +75,7 @@ impl Kind for usize {
     }
 }
 
-/// Kinds whose values are words.
+/// Kinds with words as values.
 macro_rules! words {
     ($($kind:ty),*) => {$(
         impl Kind for $kind {

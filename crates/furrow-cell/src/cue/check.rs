@@ -2,8 +2,7 @@
 
 use super::{Coupling, Cue, CueError, Field, Profile, Quantity, RegulatorQuantity};
 
-/// Lengths of contours, in L_h, from those of the smallest cells that are asked about to those of the largest: a width in
-/// L_h is another width in u on each.
+/// Lengths of contours, in L_h, from the smallest cells to the largest: a width in L_h is a different width in u on each.
 pub(super) const CONTOURS: [f64; 6] = [2.5, 4.0, 7.0, 12.0, 20.0, 40.0];
 
 /// Largest amplitude, strength, turnover and diffusion.
@@ -12,7 +11,7 @@ const LARGEST: f64 = 1e4;
 /// Least diffusion of a regulator: its profiles get too narrow for the mesh below it.
 pub const LEAST_DIFFUSION: f64 = 0.05;
 
-/// The first number of a profile and its amplitude that is not allowed, with what is.
+/// The first invalid number of a profile and its amplitude, with the allowed values.
 fn refused(profile: &Profile, amplitude: f64) -> Option<(Quantity, f64, &'static str)> {
     let range = |low: f64, high, allowed, value| (!(low..=high).contains(&value)).then_some(allowed);
     let [u0, omega] = [Quantity::U0, Quantity::Omega].map(|quantity| profile.quantity(quantity));
@@ -40,7 +39,7 @@ fn values(profile: &Profile, amplitude: f64) -> [f64; 2] {
 }
 
 impl RegulatorQuantity {
-    /// What a value would have to be, if it is not allowed. Of a source's number it need only be finite.
+    /// The allowed values if this one is invalid. The numbers of a source must only be finite.
     pub fn refused(self, value: f64) -> Option<&'static str> {
         let (fine, allowed) = match self {
             RegulatorQuantity::Source(_) => (value.is_finite(), "a finite number"),
@@ -57,8 +56,8 @@ impl RegulatorQuantity {
 }
 
 impl Cue {
-    /// Checks every number, and that fields which must be positive stay so. With a regulator they are checked for what it
-    /// can be at rest, between 0 and its source; flow may take it further.
+    /// Checks every number, and that positive fields stay positive. A regulator is assumed to be between 0 and its source, as at
+    /// rest; flow may take it further.
     ///
     /// # Errors
     /// [`CueError`] names the term's field and the number.

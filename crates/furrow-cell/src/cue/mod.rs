@@ -1,11 +1,11 @@
 //! Polarity cues as data: a cue is a sum of terms, a term a field, a profile and an amplitude; and a regulator that the flow
 //! carries.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
 //! | `field` | which coefficients of the equations a cue can modulate |
 //! | `profile` | how a term is spread along the contour |
-//! | `regulator` | what the flow carries, spreads and turns over |
+//! | `regulator` | a substance with advection, diffusion and turnover |
 //! | `check` | which numbers are allowed |
 //! | `text` | the grammar: `kappa:band,u0=0.4,omega=0.1,amplitude=0.2` |
 //! | `regulator_text` | the grammar of a regulator |
@@ -36,7 +36,7 @@ use crate::Number;
 /// One term of a cue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term<D = f64> {
-    /// What it modulates.
+    /// The field that it modulates.
     pub field: Field,
     /// How it is spread along the contour.
     pub profile: Profile<D>,
@@ -52,7 +52,7 @@ impl<D: Number> Term<D> {
 }
 
 impl Term {
-    /// A number of it; none for a number that its profile does not have.
+    /// A number of the term; `None` if its profile does not have it.
     pub fn quantity(mut self, quantity: Quantity) -> Option<f64> {
         self.quantity_mut(quantity).copied()
     }
@@ -102,15 +102,15 @@ pub struct Cue {
     regulator: Option<Regulator>,
 }
 
-/// What is wrong with a cue.
+/// An invalid number or word of a cue.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field} = {value}: must be {allowed}")]
 pub struct CueError {
     /// The part of the cue.
     pub field: String,
-    /// What it is.
+    /// Its value.
     pub value: String,
-    /// What it may be.
+    /// The allowed values.
     pub allowed: String,
 }
 
@@ -145,7 +145,7 @@ impl Cue {
         Cue::with_regulator(terms, None)
     }
 
-    /// A sum of terms, and what the flow carries.
+    /// A sum of terms, and a regulator that the flow carries.
     ///
     /// # Errors
     /// As of [`Cue::new`], and for numbers of the regulator.
@@ -160,17 +160,17 @@ impl Cue {
         &self.terms
     }
 
-    /// Its terms, to be changed; what is set is not checked.
+    /// Its terms, for changes, which are not checked.
     pub fn terms_mut(&mut self) -> &mut [Term] {
         &mut self.terms
     }
 
-    /// What the flow carries.
+    /// The regulator that the flow carries.
     pub fn regulator(&self) -> Option<&Regulator> {
         self.regulator.as_ref()
     }
 
-    /// What the flow carries, to be changed; what is set is not checked.
+    /// The regulator that the flow carries, for changes, which are not checked.
     pub fn regulator_mut(&mut self) -> Option<&mut Regulator> {
         self.regulator.as_mut()
     }
@@ -181,8 +181,8 @@ impl Cue {
         *self == Cue::none() || self.simplified() == Cue::none()
     }
 
-    /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. It is a
-    /// property of what the terms do together to each coefficient of the equations, however they are written.
+    /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. The
+    /// sum of all terms of a field decides, however they are written.
     pub fn is_mirror_symmetric(&self) -> bool {
         if self.follows_par() {
             return false;
@@ -243,8 +243,8 @@ impl Cue {
         }
     }
 
-    /// The cue with what it does multiplied by `factor`: the amplitudes of its terms and the strengths of its regulator, whose
-    /// source stays as it is.
+    /// The cue with the amplitudes of its terms and the strengths of its regulator multiplied by `factor`. The regulator's source
+    /// stays the same.
     pub fn scaled(&self, factor: f64) -> Cue {
         Cue {
             terms: self.terms.iter().map(|term| Term { amplitude: factor * term.amplitude, ..*term }).collect(),
@@ -252,8 +252,7 @@ impl Cue {
         }
     }
 
-    /// The same cue with as few terms as say it: equal terms are one of their amplitudes together, and what does nothing is
-    /// left out.
+    /// The same cue with the fewest terms: equal terms are added, and terms without an effect are left out.
     pub fn simplified(&self) -> Cue {
         let mut terms: Vec<Term> = Vec::new();
         for term in &self.terms {
@@ -338,7 +337,7 @@ mod tests {
             "regulator:step,u0=0.75,omega=-0.1,amplitude=1,turnover=10,diffusion=1,diluted=false,xi_s=0.5,tension=4,tension.half=2"
         );
         assert_eq!(image.mirrored(), whole);
-        // What it does is scaled, its source is not.
+        // Scaling changes its strengths, not its source.
         let twice = whole.scaled(2.0).to_string();
         assert_eq!(twice, whole.to_string().replace("0.1+", "0.2+").replace("xi_s=0.5,tension=4", "xi_s=1,tension=8"));
         assert!(whole.scaled(0.0).is_none() && !whole.is_none());
@@ -349,7 +348,7 @@ mod tests {
             cue(&format!("{text}+tension:gradient,amplitude=1")),
             cue(&format!("tension:gradient,amplitude=1+{text}"))
         );
-        // Flow moves a regulator that has no source; one that acts on nothing is none.
+        // Flow moves a regulator without a source. A regulator without a strength has no effect.
         assert!(!cue(text).is_none());
         let idle = "regulator:gradient,amplitude=0.5,turnover=10,diffusion=1,activity=0,kappa=0";
         assert!(cue(idle).is_none());

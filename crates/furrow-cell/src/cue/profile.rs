@@ -62,8 +62,8 @@ pub enum Profile<D = f64> {
     },
     /// f = 1 − 2u, from 1 at u = 0 to −1 at u = 1.
     Gradient,
-    /// What the posterior antagonist of PAR polarity does on the cell at rest, with place and width computed for its size and shell; 0
-    /// where there is no polarity. `furrow_mechanics::polarity` makes a step or a band of it; until then it is 0.
+    /// The posterior antagonist of PAR polarity on the cell at rest, with place and width computed for its size and shell; 0 without
+    /// polarity. `furrow_mechanics::polarity` replaces it by a step or a band; until then it is 0.
     Par {
         /// A band at the edge of the posterior antagonist, in place of a step that follows it.
         band: bool,
@@ -98,10 +98,10 @@ impl Quantity {
     }
 }
 
-/// Narrower profiles than this, in u or in L_h, are none: they would lie between the digits of u.
+/// Least width of a profile, in u or in L_h: narrower ones would be lost to the rounding of u.
 pub const NARROWEST: f64 = 1e-6;
 
-/// Names of the profiles; the first is meant where none is named.
+/// Names of the profiles; the first is the default.
 pub const NAMES: [&str; 5] = ["band", "step", "gradient", "par", "par_band"];
 
 impl<D> Profile<D> {
@@ -187,7 +187,7 @@ impl Profile {
         (!(size.is_finite() && size >= NARROWEST)).then_some(allowed)
     }
 
-    /// A number of it; none for a number that it does not have.
+    /// A number of the profile; `None` if it does not have it.
     pub fn quantity(mut self, quantity: Quantity) -> Option<f64> {
         self.quantity_mut(quantity).copied()
     }

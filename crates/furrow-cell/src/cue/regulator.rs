@@ -14,7 +14,7 @@ pub struct Source<D = f64> {
     pub amplitude: D,
 }
 
-/// What a regulator does to one field: X = X0·(1 + B h) for every field but tension, to which B h is added.
+/// The effect of a regulator on one field: X = X0·(1 + B h), but for tension B h is added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling<D = f64> {
     /// The field.
@@ -49,7 +49,7 @@ pub struct Regulator<D = f64> {
     pub diffusion: D,
     /// Whether it is a concentration, which converging flow raises, and not a label of the material.
     pub diluted: bool,
-    /// What it does, at most one coupling a field.
+    /// Its effects, at most one per field.
     pub couplings: Vec<Coupling<D>>,
 }
 
@@ -124,12 +124,12 @@ impl Regulator {
         Regulator { couplings: self.couplings.iter().map(scaled).collect(), ..self.clone() }
     }
 
-    /// The same regulator without what does nothing: couplings of strength 0, and a source that makes nothing. None if it acts
-    /// on no field, or is a label that nothing makes, which stays at φ = 0.
+    /// The same regulator without couplings of strength 0 and without a source of amplitude 0. `None` if it acts on no field, or is
+    /// a label without a source, which stays at φ = 0.
     pub(super) fn simplified(&self) -> Option<Regulator> {
         let acts = |coupling: &&Coupling| coupling.strength != 0.0;
         let couplings: Vec<Coupling> = self.couplings.iter().filter(acts).copied().collect();
-        // What is made is k A f.
+        // The source makes k A f per time.
         let source = self.source.filter(|source| source.amplitude != 0.0 && self.turnover != 0.0);
         (!couplings.is_empty() && (self.diluted || self.turnover != 0.0)).then(|| Regulator {
             source,
@@ -159,7 +159,7 @@ impl Regulator {
         }
     }
 
-    /// A number of it; none for one that it does not have.
+    /// A number of the regulator; `None` if it does not have it.
     pub fn quantity(&self, quantity: RegulatorQuantity) -> Option<f64> {
         self.clone().quantity_mut(quantity).copied()
     }

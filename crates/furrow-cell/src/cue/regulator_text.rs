@@ -40,7 +40,7 @@ pub(super) struct RegulatorNumbers {
     pub diluted: Option<bool>,
     pub couplings: Vec<(Field, f64)>,
     pub halves: Vec<(Field, f64)>,
-    /// Those of turnover and diffusion that are in µm and seconds.
+    /// Which of turnover and diffusion are in µm and seconds.
     pub physical: Vec<RegulatorQuantity>,
 }
 
@@ -151,7 +151,7 @@ fn unknown_key(profile: &str, key: &str) -> CueError {
     CueError::new(format!("{REGULATOR}:{profile}"), shown(key), allowed)
 }
 
-/// Reads what stands behind the colon.
+/// Reads the text behind the colon.
 pub(super) fn parse(list: &str) -> Result<WrittenCue, CueError> {
     let (profile, entries) = entries(REGULATOR, list, &[NO_SOURCE, NAMES[0], NAMES[1], NAMES[2], NAMES[3], NAMES[4]]);
     let profile = profile?;

@@ -1,6 +1,6 @@
 //! Cues as text, on the command line and in files: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`; one of them may be a regulator.
 //!
-//! What is printed is what is read: [`Display`](std::fmt::Display) writes every number with as many digits as it takes to
+//! The printed text reads back as the same cue: [`Display`](std::fmt::Display) writes every number with as many digits as it takes to
 //! get the same number back.
 
 use std::fmt;
@@ -114,7 +114,7 @@ impl Numbers {
     }
 }
 
-/// Which of these names there are, with the one nearest to what is written.
+/// Lists the names, and suggests the one nearest to the written text.
 fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
     format!("one of {}{}", names.join(", "), did_you_mean(written, names))
 }
@@ -167,7 +167,7 @@ pub fn starts_with_field(text: &str) -> bool {
     Field::ALL.map(Field::name).into_iter().chain([REGULATOR]).any(|name| text.starts_with(name))
 }
 
-/// What stands in the place of a field where a part of a cue is a regulator.
+/// Replaces the name of a field in the part of a cue that is a regulator.
 pub(super) const REGULATOR: &str = "regulator";
 
 /// The profile at the head of a list, if one is given, and the entries behind it.
@@ -212,7 +212,7 @@ pub(super) fn once(repeated: bool, name: &str, key: &str, value: &str) -> Result
 }
 
 impl Numbers {
-    /// Takes a value, if it is that of one of these numbers. Errors call the part of the cue `name`.
+    /// Takes a value if its key is one of these numbers. Errors call the part of the cue `name`.
     pub fn set(&mut self, name: &str, key: &str, value: &str) -> Result<bool, CueError> {
         let plain = || number(name, key, value, value, "a number");
         let repeated = match key {
