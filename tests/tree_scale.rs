@@ -19,7 +19,7 @@ const CELLS: usize = 131_071;
 /// Resident memory allowed, in MB.
 const MOST_MEMORY: u64 = 500;
 
-/// Largest resident memory of this process so far, in MB; none where the system does not tell.
+/// Largest resident memory of this process so far, in MB; `None` if the system does not report it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

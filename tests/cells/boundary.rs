@@ -14,7 +14,7 @@ fn maxima(epsilon: f64) -> [f64; 2] {
 }
 
 /// The points of the two curves of maxima of a cell where both lie at the same ξ_s, by Newton with the slopes of both
-/// curves, ε within a range whose first end is the cell's own.
+/// curves, ε within a range that begins at the cell's own.
 fn fold_order_swap(cell: &Cell, [from, to]: [f64; 2]) -> [CurvePoint; 2] {
     assert_eq!(cell.epsilon, from);
     let mut curves: Vec<FoldCurve> = whole(cell)

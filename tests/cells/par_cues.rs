@@ -11,7 +11,7 @@ fn cell(r0: f64, cue: &str) -> Cell {
     Cell::new(r0).with_cue(cue.parse().unwrap())
 }
 
-/// A division, a shape at rest and a mirror image are those of the cue that is computed.
+/// A division, a shape at rest and a mirror image are the same as with the computed cue.
 #[test]
 fn a_cue_that_follows_par_is_the_one_that_is_computed() {
     for cue in [
@@ -35,7 +35,7 @@ fn a_cue_that_follows_par_is_the_one_that_is_computed() {
     assert_eq!(shape.solution.scalars, stationary(&Cell::new(1.65), &numerics).unwrap().solution.scalars);
 }
 
-/// What is another for every cell has no critical radius, and is refused by name; branches of trees are then decided by divisions.
+/// A cue that differs from cell to cell has no critical radius, and is refused by name; branches of trees are then decided by divisions.
 #[test]
 fn a_cue_that_follows_par_has_no_critical_radius() {
     let refused = critical_radius(&cell(1.0, "kappa:par,amplitude=0.1"), &Numerics::default());

@@ -7,10 +7,10 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// The folder that tests run in themselves, which is that of the package.
+/// The folder in which tests run: the package's folder.
 pub const HERE: &str = ".";
 
-/// Where tests that are not about solving keep what they have solved, for each other and for the next run.
+/// The cache of tests that are not about solving; they share it, also with the next run.
 pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
 
 /// The command in a folder, not yet started.
@@ -25,19 +25,19 @@ pub fn furrow(folder: impl AsRef<Path>, arguments: &[impl AsRef<OsStr>]) -> Outp
     command(folder, arguments).output().unwrap()
 }
 
-/// Runs a command that must succeed, and gives what it prints.
+/// Runs a command that must succeed, and returns its output.
 pub fn answer(folder: impl AsRef<Path>, arguments: &[&str]) -> String {
     let output = furrow(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Runs a command that must succeed, and gives what it answers with `--json`, which is added.
+/// Runs a command that must succeed, and returns its answer with `--json`, which is added.
 pub fn json(folder: impl AsRef<Path>, arguments: &[&str]) -> Value {
     serde_json::from_str(&answer(folder, &[arguments, &["--json"]].concat())).unwrap()
 }
 
-/// Names of what is in a folder, sorted.
+/// The names of a folder's entries, sorted.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut names: Vec<String> = entries.collect();

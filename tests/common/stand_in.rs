@@ -53,7 +53,7 @@ pub fn grow(
         .unwrap()
 }
 
-/// A tree of the default settings grown on one thread, by a stand-in for the solver.
+/// A tree of the default settings grown on one thread, by a simulated solver.
 pub fn grown(
     lineage: &Lineage,
     ends: &dyn Fn(&Cell) -> Option<TerminalReason>,

@@ -51,7 +51,7 @@ fn the_citation_names_this_version() {
     assert_eq!(version, Some(env!("CARGO_PKG_VERSION")));
 }
 
-/// Numbers of equations in a text, such as M.6, each with the text behind it.
+/// Numbers of equations in a text, such as M.6, with the text behind them.
 fn numbers(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let starts = text.char_indices().filter(|(at, c)| {
         "MNFPA".contains(*c) && !text[..*at].ends_with(|before: char| before.is_alphanumeric() || before == '_')

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[path = "../../fuzz/targets/mod.rs"]
 mod readers;
 
-/// What is in a folder of `fuzz`, sorted by name.
+/// The entries of a folder of `fuzz`, sorted by name.
 fn listed(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(folder);
     let mut paths: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -14,7 +14,7 @@ fn listed(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// Every target has a fuzzer and a corpus, and none fails on a file of its corpus.
+/// Every target has a fuzzer and a corpus, and reads every file of its corpus without a failure.
 #[test]
 fn every_target_passes_its_corpus() {
     let names = |folder: &str| -> Vec<String> {

@@ -1,4 +1,4 @@
-//! Documents, the page's module, the fuzz corpus, and what a release needs.
+//! Documents, the page's module, the fuzz corpus, and the requirements of a release.
 
 mod documents;
 mod hostile_corpus;

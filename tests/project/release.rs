@@ -1,4 +1,4 @@
-//! What a release needs: metadata of every crate, pinned actions, a list of what is still to be filled in, and no test that is forgotten.
+//! Requirements of a release: metadata of every crate, pinned actions, a list of entries to fill in, and no forgotten test.
 
 use std::collections::BTreeSet;
 use std::fs;

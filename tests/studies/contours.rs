@@ -1,6 +1,6 @@
 //! `furrow compare contour`: outlines of cells and of a simulated division.
 //!
-//! Images of embryos are not public. The measured outlines here are those of a simulated division, moved, turned, scaled and blurred
+//! Images of embryos are not public. The measured outlines here come from a simulated division, moved, turned, scaled and blurred
 //! by known amounts, which the comparison must find.
 
 use std::fmt::Write;

@@ -44,7 +44,7 @@ fn the_exact_fit_is_excluded_by_its_criticality() {
 }
 
 /// The default meets every statement and each threshold within 1 %; the shell of the thresholds meets those within 0.3 %, and
-/// contradicts what is said of large cells without a cue and of weak ones.
+/// contradicts the statements on large cells without a cue and on weak cues.
 #[test]
 fn presets_meet_what_they_are_chosen_by() {
     let check = |cell: &Cell| check_constraints(&targets(), cell, &Numerics::default(), Extent::Within(1.0));
@@ -67,7 +67,7 @@ fn check(targets: &Targets, parameters: &[Parameter], values: &[f64]) -> Constra
 }
 
 /// The front is the same at any number of threads. No member has both fewer statements and a worse threshold than another, and
-/// each is what a check of its constants gives.
+/// each agrees with a check of its constants.
 #[test]
 fn a_front_trades_statements_for_thresholds() {
     let targets = targets();
@@ -192,7 +192,7 @@ fn an_interrupted_front_resumes_with_the_same_result() {
     assert!((6..12).contains(&known), "{known} of 12");
 }
 
-/// With one set of constants the ranges are those of its tree; with a second of no weight they stay.
+/// With one set of constants the ranges are the values of its tree; a second set without weight changes nothing.
 #[test]
 fn ranges_of_one_set_are_its_tree() {
     let lineage = Lineage::c_elegans().unwrap();
@@ -204,7 +204,7 @@ fn ranges_of_one_set_are_its_tree() {
     let ems = one.founders.iter().find(|founder| founder.name == "EMS").unwrap();
     assert_eq!(ems.rounds.unwrap().max.p50, 10.0);
     assert_eq!(ems.within_one_round.unwrap().max, Some(1.0));
-    // None of the sets is 0, and not −0, in files.
+    // A share of no set is 0, and not −0, in files.
     let near = one.founders.iter().filter_map(|founder| founder.within_one_round);
     let shares = near.flat_map(|near| [near.min, near.mean, near.max]).flatten();
     let none: Vec<f64> = shares.filter(|share| *share == 0.0).collect();

@@ -45,7 +45,7 @@ fn rounds_at(lineage: &Lineage, settings: &TreeSettings, xi_s: f64) -> Rounds {
 #[test]
 fn constants_are_found_and_the_same_at_any_number_of_threads() {
     let (mut lineage, settings) = clone();
-    // What the clone would count at another activity than its own.
+    // The rounds of the clone at another activity.
     let aim = rounds_at(&lineage, &settings, 32.0);
     let counts =
         ObservedRounds { mean: Some(aim.mean), max: Some(aim.max), terminal: Some(aim.terminal), ..Default::default() };
@@ -66,7 +66,7 @@ fn constants_are_found_and_the_same_at_any_number_of_threads() {
     assert_eq!(found[0], found[1]);
     let FittedConstants { best, start, front, sharpness, .. } = &found[0];
     assert!(best.misfit < start.misfit && best.parts.rounds <= 0.5, "{best:?}");
-    // The gain takes up what the one threshold is off by, and shapes depend on the product alone.
+    // The gain removes the deviation of the one threshold: shapes depend on the product alone.
     assert!(best.thresholds_rms.unwrap() < 1e-12, "{best:?}");
     let [from, to] = [sharpness[0].from, sharpness[0].to];
     let xi_s = best.cell.xi_s;

@@ -47,7 +47,7 @@ fn the_clock_of_the_worm_is_that_of_scipy() {
     assert_eq!(names, ["AB", "MS", "E", "C"]);
 }
 
-/// What the built-in lineage has, to the digits that are printed.
+/// The built-in lineage's values, to the printed digits.
 #[test]
 fn the_built_in_clock_is_the_fitted_one() {
     let built_in = Lineage::c_elegans().unwrap();

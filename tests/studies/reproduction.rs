@@ -51,7 +51,7 @@ fn the_whole_page_is_current() {
     assert_eq!(page_of(&[]), PAGE, "{HELP}");
 }
 
-/// Rows and statements belong together one by one, so that none is left out.
+/// Every row has one statement and every statement one row.
 #[test]
 fn every_statement_has_its_row() {
     let (rows, statements) = (rows(PAGE), statements().unwrap());

@@ -20,7 +20,7 @@ fn at(question: &Question, value: f64) -> Division {
     divide(&DivisionInput { cell, numerics: question.numerics, seed: question.seed }).unwrap()
 }
 
-/// What a division gives at a root is what was wanted, but for the small leaps of an outcome where its number of steps changes.
+/// A division at a root gives the wanted value, up to the small jumps of an outcome where its number of steps changes.
 #[test]
 fn divisions_at_the_roots_give_what_is_wanted() {
     let germline = Cell::new(3.0).with_cue(Cue::published());
@@ -62,7 +62,7 @@ fn jumps_are_named_and_are_no_roots() {
     assert!(solution.roots.iter().all(|root| (root.chi_signed - 0.1).abs() < 1e-5), "{solution:?}");
 }
 
-/// A small cell rests: values there are a gap, whose edge is the critical radius, and there are roots up to it.
+/// A small cell rests: its values are a gap that ends at the critical radius, and there are roots up to it.
 #[test]
 fn cells_at_rest_are_gaps() {
     let question = Question { range: [1.0, 2.4], ..question(Cell::new(2.0), Parameter::R0, Measure::Chi, 0.9) };

@@ -83,7 +83,7 @@ fn a_founder_has_a_law_of_its_own_and_inherits_the_rest() {
     for name in ["Q", "B", "Ba"] {
         law(name, "clock: (lifetime_min: 30, exponent: 1.0)", 24.0, 1.0, 0.28);
     }
-    // At its own volume a cell lives what is given.
+    // At its own volume a cell has the given lifetime.
     let tree = grow("clock: (lifetime_min: 24, at_volume: 0.25),", "");
     close(lifetime(&tree, "A"), 24.0);
 }
@@ -226,7 +226,7 @@ fn a_tree_file_keeps_times_and_refuses_others() {
         let said = tree_from_json(&text.replace(first, with)).unwrap_err().to_string();
         assert!(said.contains(expected), "{said}");
     }
-    // A file of an older furrow has none.
+    // Files of older versions lack it.
     assert!(tree_from_json(&text.replace(first, "\"t_max\":1}")).is_ok());
 }
 

@@ -23,7 +23,7 @@ fn by_boundary(memo: &Memo, threads: usize) -> Tree {
     tree
 }
 
-/// What the paper reports of the lineage.
+/// The paper's report on the lineage.
 #[test]
 fn the_embryo() {
     let memo = Memo::new(Quantisation::DEFAULT);
@@ -34,7 +34,7 @@ fn the_embryo() {
     // AB: four symmetric rounds, then asymmetric ones.
     let ab = row("AB").rounds.unwrap();
     assert_eq!((ab.symmetric, ab.full_doublings), (4, 5));
-    // The germline: flat, then steep, then none.
+    // The germline: shallow divisions, then steep ones, then no division.
     let chi = |name: &str| row(name).chi.unwrap();
     assert!((chi("P0") - 0.1848).abs() < 0.01, "{}", chi("P0"));
     assert!(chi("P1") < 0.2 && chi("P2") < 0.2 && chi("P3") > 0.5);
@@ -48,7 +48,7 @@ fn the_embryo() {
         }
     }
 
-    // What the boundary says of a cell, her dynamics say too: the trees have the same cells.
+    // The boundary and the dynamics agree about every cell: the trees have the same cells.
     let ended = by_boundary(&memo, 1);
     assert_eq!(ended.len(), tree.len());
     for node in ended.cells() {

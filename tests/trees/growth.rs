@@ -1,4 +1,4 @@
-//! Growth, rounds and files of a tree, with a stand-in for the division solver.
+//! Growth, rounds and files of a tree, with a simulated division solver.
 
 use crate::common::stand_in::{self, division, fake, grown};
 use furrow_cell::Cell;
@@ -146,7 +146,7 @@ fn cells_that_cannot_be_computed_are_undecided() {
 }
 
 /// Where nothing tells the poles apart the smaller daughter is on either side, by the seed and the cell's name; its size is
-/// that of the one division solved.
+/// the seed of the one division solved.
 #[test]
 fn sides_of_uncued_divisions_are_drawn_for_each_cell() {
     let unequal = |input: &DivisionInput| Ok(division(input.cell.r0, Outcome::Asymmetric, 0.3));

@@ -1,4 +1,4 @@
-//! Cues in a lineage: those of founders, rules, and the table's column.
+//! Cues in a lineage: of founders, by rules, and in the table's column.
 
 use crate::common::stand_in::{fake, grown};
 use furrow_cell::Cue;
@@ -15,7 +15,7 @@ fn lineage(fields: &str, founders: &str) -> Lineage {
     Lineage::parse(&text, "my.ron").unwrap()
 }
 
-/// Grown with the stand-in for the solver: symmetric without a cue above R0 = 2.25, χ = 0.2 with any.
+/// Grown with the simulated solver: symmetric without a cue above R0 = 2.25, χ = 0.2 with any.
 fn grow(lineage: &Lineage) -> Tree {
     grown(lineage, &|_| None, fake)
 }
@@ -33,7 +33,7 @@ fn a_founders_cue_is_inherited_unless_it_is_not() {
     let alone = grow(&lineage("", "(name: \"Q\", r0: 5.0, cue: \"polar\", inherit: false)"));
     assert_eq!(carriers(&alone, "polar"), ["Q"]);
     assert!(alone.len() > 20);
-    // Up to the next founder, which has its own or none.
+    // Up to the next founder, which has its own cue or no cue.
     let founders = "(name: \"Q\", r0: 5.0, cue: \"polar\"),
         (name: \"A\", mother: \"Q\", daughter: larger, cue: \"pull\", inherit: false),
         (name: \"B\", mother: \"Q\", daughter: smaller)";
@@ -67,7 +67,7 @@ fn founders_rules_give_cues_by_round_and_radius() {
     }
 }
 
-/// Rules of the file count generations from the first cell and hold where a founder says nothing of its own; the word none
+/// Rules of the file count generations from the first cell and apply to founders without rules; the word none
 /// of a founder is a saying.
 #[test]
 fn rules_of_the_file_hold_where_founders_say_nothing() {
@@ -77,7 +77,7 @@ fn rules_of_the_file_hold_where_founders_say_nothing() {
     let tree = grow(&lineage(" cue_rules: [(cue: \"pull\", from_generation: 1, to_generation: 2)],", founders));
     assert_eq!(carriers(&tree, "pull"), ["B", "Ba", "Bp"]);
     assert_eq!(tree.cell(tree.first()).cue, Cue::none());
-    // A founder's own rules shut the file's out, even where none of them applies.
+    // A founder's own rules replace the file's, even if they do not apply.
     let own = "(name: \"Q\", r0: 5.0, cue_rules: [(cue: \"polar\", from_generation: 2)])";
     let tree = grow(&lineage(" cue_rules: [(cue: \"pull\")],", own));
     assert!(carriers(&tree, "pull").is_empty());
@@ -120,7 +120,7 @@ fn a_cue_for_a_lineage_without_cues_goes_along_the_smaller_daughters() {
     }
 }
 
-/// The table names every founder's cue, counts the cells below that carry one, and says what the names mean.
+/// The table names every founder's cue, counts the cells below that carry one, and explains the names.
 #[test]
 fn the_founders_table_has_a_column_of_cues() {
     let founders = "(name: \"Q\", r0: 5.0, cue: \"polar\"),

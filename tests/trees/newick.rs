@@ -47,7 +47,7 @@ fn nodes(text: &str) -> Vec<Node> {
     nodes
 }
 
-/// The founders of C. elegans, grown by the stand-in for the solver.
+/// The founders of C. elegans, grown by the simulated solver.
 fn tree() -> Tree {
     grown(&Lineage::c_elegans().unwrap(), &|_| None, fake)
 }

@@ -36,8 +36,8 @@ fn cells(tree: &Tree) -> Vec<Seen> {
     tree.cells().map(cell).collect()
 }
 
-/// ξ_s falls by 3 % a generation: generation k has 25·0.97^k, in the tree, in tree.json and in what the solver is given. Each cell's
-/// division is that of such a cell by itself.
+/// ξ_s falls by 3 % a generation: generation k has 25·0.97^k, in the tree, in tree.json and in the solver's input. Each cell
+/// divides as a single cell with its parameters.
 #[test]
 fn activity_falls_by_generation() {
     let lineage = lineage(FALLING, "(name: \"Q\", r0: 3.0)");
@@ -63,7 +63,7 @@ fn activity_falls_by_generation() {
     assert_eq!(tree_to_json(&tree_from_json(&text).unwrap()).unwrap(), text);
 }
 
-/// Branches end where cells with their own parameters come to rest, and the ends are not those of the lineage without rules.
+/// Branches end where cells with their own parameters come to rest, and at other cells than without rules.
 #[test]
 fn ends_by_critical_radii_are_those_of_the_divisions() {
     for (rules, is_longer) in [
@@ -100,7 +100,7 @@ fn a_shell_is_set_by_the_mothers() {
     for id in tree.cells() {
         let epsilon = tree.parameters(id).epsilon;
         let mother = tree.mother(id).map(|mother| tree.cell(mother).fate.outcome().unwrap());
-        // The stand-in's divisions are equal or have χ = 0.88. Without a mother the cell keeps its own.
+        // The stand-in's divisions are equal or have χ = 0.88. Without a mother the cell keeps its own parameters.
         let expected = match mother {
             None => 0.87,
             Some(Outcome::Symmetric) => 0.9,
@@ -146,7 +146,7 @@ fn the_first_rule_of_a_parameter_counts() {
     assert!(tree.len() > 10);
 }
 
-/// Rules set numbers of a regulator, whose units are those of the file. Each cell has its own, in the tree and in tree.json.
+/// Rules set numbers of a regulator, in the units of the file. Each cell has its own, in the tree and in tree.json.
 #[test]
 fn rules_set_numbers_of_a_regulator() {
     let rules = "units: (length_um: 2, time_min: 5), cues: {\"carried\": \"regulator:none,turnover=0.05/s,diffusion=0.02um2/s,activity=0.3\"}, physics_rules: [
@@ -165,7 +165,7 @@ fn rules_set_numbers_of_a_regulator() {
     assert_eq!(tree_to_json(&tree_from_json(&text).unwrap()).unwrap(), text);
 }
 
-/// A rule that leads out of what is allowed ends the branch, and the cell says why.
+/// A rule that gives an invalid value ends the branch, and the cell has the reason.
 #[test]
 fn a_value_that_is_not_allowed_leaves_a_cell_undecided() {
     let rules = "physics_rules: [(parameter: \"epsilon\", add: 0.1, per: generation)],";

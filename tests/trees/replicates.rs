@@ -1,4 +1,4 @@
-//! Trees that differ by the seed of their noise: what the noise does not decide is computed once.
+//! Trees that differ by the seed of their noise: divisions that the noise does not decide are computed once.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;

@@ -1,4 +1,4 @@
-//! Far outside the paper's range, cells divide, come to rest, or fail with a reason whose advice helps.
+//! Far outside the paper's range, cells divide, come to rest, or fail with a reason and advice that helps.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ fn solve(cell: Cell) -> Result<Division, DivisionError> {
     divide(&DivisionInput::new(cell))
 }
 
-/// Inside the range of the paper none is without an outcome: every fifteenth cell of the sweeps whose table is in
+/// Inside the range of the paper every cell has an outcome: every fifteenth cell of the sweeps whose table is in
 /// docs/robustness.md.
 #[test]
 fn cells_inside_the_range_of_the_paper_divide_or_rest() {
@@ -64,7 +64,7 @@ fn a_cell_afloat_in_a_wide_shell_is_at_rest() {
     assert_eq!(solve(cell(3.62, 0.3, 4.16, 1.45, "none")).unwrap().outcome(), Outcome::Arrested);
 }
 
-/// A cell whose contour wanders without ever repeating itself is given up after so many steps, not after hours; with a weaker
+/// A cell whose contour wanders without ever repeating itself is given up after a fixed number of steps, not after hours; with a weaker
 /// cue, as the reason says, it has an outcome.
 #[test]
 fn a_cell_that_wanders_for_ever_is_given_up() {

@@ -25,7 +25,7 @@ fn grown(sources: &[Source]) -> (Vec<Scenario>, Vec<Tree>) {
     (scenarios, trees)
 }
 
-/// The files that ship: each says what it says it does, and grows.
+/// The files that ship grow, and have a description.
 #[test]
 fn the_scenarios_that_ship_grow() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("lineages");

@@ -39,7 +39,7 @@ fn commit(store: &Store, number: u64) {
     store.commit(&key, &input, &division);
 }
 
-/// The other process: writes entries and says so until it is killed. An empty test unless it is told where to begin.
+/// The other process: writes entries and says so until it is killed. The test is empty without a first entry in the environment.
 #[test]
 fn other_process() {
     let (Ok(first), Some(cache)) = (env::var(FIRST), env::var_os(CACHE)) else { return };
@@ -53,7 +53,7 @@ fn other_process() {
 
 fn writer(first: u64, cache: &Path) -> Command {
     let mut command = Command::new(env::current_exe().unwrap());
-    // By its path in this binary, which is that of this file without the binary's own name.
+    // The test's path in this binary: the path of this file without the binary's name.
     let (_, file) = module_path!().split_once("::").unwrap();
     command.args(["--exact", &format!("{file}::other_process"), "--nocapture", "--test-threads=1"]);
     command.env(FIRST, first.to_string()).env(CACHE, cache).stdout(Stdio::piped()).stderr(Stdio::null());
@@ -92,7 +92,7 @@ fn fifty_killed_writers_lose_no_committed_entry() {
         // One more entry may have been written and not acknowledged.
         next = acknowledged.last().map_or(next, |last| last + 2);
 
-        // What is lost stays lost: all are looked for now and then, and those of this round at once.
+        // A lost entry stays lost: the entries of this round are checked at once, and all entries now and then.
         let store = open(cache.path());
         let looked_for = if round % 10 == 9 { &committed[..] } else { &committed[before..] };
         for &number in looked_for {

@@ -88,7 +88,7 @@ fn deep_json_is_refused_or_passed_over() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
 
-    /// A tree with bytes changed, left out or cut off is read or refused. What is read is a tree: it is written and read again.
+    /// A tree with bytes changed, left out or cut off is read or refused. A file that is read gives a tree, which is written and read again.
     #[test]
     fn slips_are_read_or_refused(at in any::<prop::sample::Index>(), with in "[ -~]{0,3}", length in 0_usize..4, cut in any::<bool>()) {
         thread_local! { static TEXT: String = small_tree_file(); }

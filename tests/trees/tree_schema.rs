@@ -85,7 +85,7 @@ fn documents() -> Vec<Value> {
     texts.iter().map(|text| serde_json::from_str(text).unwrap()).collect()
 }
 
-/// Where the fields stand that a schema allows, and where each of them is defined; `*` is any name and any entry of a list.
+/// The places of the fields that a schema allows, with their definitions; `*` is any name and any entry of a list.
 fn allowed(root: &Value, schema: &Value, [at, defined]: [&str; 2], found: &mut BTreeMap<String, String>) {
     if let Some(target) = schema["$ref"].as_str() {
         allowed(root, root.pointer(&target[1..]).unwrap(), [at, target], found);
@@ -102,7 +102,7 @@ fn allowed(root: &Value, schema: &Value, [at, defined]: [&str; 2], found: &mut B
     }
 }
 
-/// Where the fields of a document stand, by the places of its schema.
+/// The places of a document's fields, as in its schema.
 fn written(value: &Value, at: &str, known: &BTreeMap<String, String>, found: &mut BTreeSet<String>) {
     let fields = value.as_object().into_iter().flatten().map(|(name, inside)| (name.as_str(), inside));
     for (name, inside) in fields.chain(value.as_array().into_iter().flatten().map(|entry| ("*", entry))) {
