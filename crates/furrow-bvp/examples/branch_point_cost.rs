@@ -13,13 +13,13 @@ mod oscillator;
 use auto_bvp::AutoBvp;
 use oscillator::{Force, Oscillator};
 
-/// How much is done about branch points, each with all that stands before it.
+/// The work on branch points: each level includes the ones before it.
 const EFFORTS: [&str; 4] = ["ignored", "found", "located", "switched at"];
 
-/// Shortest of so many runs.
+/// Number of runs; the shortest counts.
 const RUNS: usize = 100;
 
-/// Seconds, steps and branch points of a branch of which nearly every step is as easy as can be.
+/// Seconds, steps and branch points of a branch with almost trivial steps.
 fn follow<P: Directional + Clone>(
     problem: &P,
     guess: &Solution,

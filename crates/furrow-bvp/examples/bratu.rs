@@ -1,4 +1,4 @@
-//! Bratu's problem u″ + λeᵘ = 0, u(0) = u(1) = 0: the branch of its solutions up to the fold, beyond which there are none.
+//! Bratu's problem u″ + λeᵘ = 0, u(0) = u(1) = 0: the branch of its solutions up to the fold. There are no solutions beyond it.
 
 use furrow_bvp::{Auto, Continuation, Dimensions, Equations, Metric, Number, Solution, locate, mesh};
 

@@ -25,7 +25,7 @@ const INTERVALS: usize = 10;
 /// A solution this far from the exact one, over 1 + |value|, is wrong.
 const WRONG: f64 = 1e-3;
 
-/// Places at which values are compared with those of other solvers.
+/// Places at which values are compared with other solvers.
 const PLACES: usize = 201;
 
 fn main() -> std::io::Result<()> {
@@ -102,7 +102,7 @@ impl Reference {
         Reference { number, epsilon: 1.0, solution: None }
     }
 
-    /// Largest difference of the first component from that of the reference.
+    /// Largest difference of the first component from the reference.
     fn error(&mut self, y: &Solution, epsilon: f64) -> Option<f64> {
         while self.epsilon > epsilon {
             self.epsilon = epsilon.max(self.epsilon / 1.5);

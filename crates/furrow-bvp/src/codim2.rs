@@ -1,6 +1,6 @@
 //! Curves of singular points in two parameters.
 //!
-//! A [`Codim2Curve`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
+//! A [`Codim2Curve`] holds a problem with two free parameters (λ, μ), its last scalar unknowns, and a singularity g. Its points are the
 //! roots of (F, g), one condition short; the closing condition is the plane of pseudo-arclength continuation, or a value
 //! for any one scalar unknown: that is how a critical point is solved for directly by the value of another
 //! parameter.
@@ -71,7 +71,7 @@ impl CurveSettings {
     }
 }
 
-/// Points a prediction goes through: what a curve costs is its points, one factorisation each, and curves are smooth.
+/// Points a prediction goes through: a curve costs one factorisation per point, and curves are smooth.
 const ORDER: usize = 7;
 
 /// Most iterations for a turning point, and the accuracy of its arclength.
@@ -114,7 +114,7 @@ pub enum CurveError {
 /// A curve of singular points being followed.
 ///
 /// # Examples
-/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from that of Bratu's problem at μ = 0 to μ = 0.1. `Oscillator`
+/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from Bratu's problem at μ = 0 to μ = 0.1. `Oscillator`
 /// is in `examples/problems/oscillator.rs`; here it is on the half [0, ½].
 ///
 /// ```
@@ -268,7 +268,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         }
     }
 
-    /// Checks what is public and may have been changed since the last step.
+    /// Checks the public fields, which may have changed since the last step.
     fn check(&self) -> Result<(), InvalidInput> {
         self.settings.check()?;
         self.augmented.system.check(&self.augmented.problem, &self.solution)?;
@@ -340,7 +340,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
             && correction > 0.5 * before
             && correction < 100.0 * self.settings.target_correction
         {
-            // A shorter step that corrects no less: what is left are roundings.
+            // A shorter step with the same correction: only rounding is left.
             self.roundings = self.roundings.max(correction);
         }
         self.last = Some([step, correction]);
@@ -397,7 +397,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     }
 
     /// Solves for the point near the newest where scalar unknown `index` has a value; the curve itself stays where it
-    /// is, but the factors in `augmented` are those of the point found.
+    /// is, but the factors in `augmented` belong to the point found.
     ///
     /// # Errors
     /// [`CurveError::Lost`].

@@ -32,7 +32,7 @@ pub const MAX_UNKNOWNS: usize = 32;
 /// Most unknowns at the stages of one interval, quadrature components left out.
 pub const MAX_STAGE_UNKNOWNS: usize = MAX_LANES * LANE;
 
-/// Most linear conditions beside those of the problem.
+/// Most linear conditions in addition to the problem's own.
 pub const MAX_CONDITIONS: usize = 8;
 
 /// Why a problem does not fit the kernels, which work on blocks of bounded size.
@@ -76,7 +76,7 @@ pub enum TooLarge {
 }
 
 impl Dimensions {
-    /// Conditions beyond those of the problem itself that a square system needs, e.g. one for pseudo-arclength.
+    /// Conditions that a square system needs in addition to the problem's own, e.g. one for pseudo-arclength.
     pub fn missing_conditions(&self) -> isize {
         let conditions = self.left.saturating_add(self.right).saturating_add(self.integrals);
         signed(self.components.saturating_add(self.scalars)).saturating_sub(signed(conditions))
@@ -124,7 +124,7 @@ fn signed(count: usize) -> isize {
     isize::try_from(count).unwrap_or(isize::MAX)
 }
 
-/// Rows of one block of nodes: conditions carried on, those of the interval and borders.
+/// Rows of one block of nodes: carried conditions, conditions of the interval, and borders.
 pub(crate) const MAX_ROWS: usize = 2 * MAX_UNKNOWNS;
 
 /// Lanes that hold all unknowns of one point.

@@ -24,7 +24,7 @@ pub enum InvalidInput {
     NotSquare {
         /// Unknowns less conditions.
         missing: isize,
-        /// What the task allows.
+        /// The numbers that the task allows.
         allowed: &'static str,
     },
     /// A mesh of less than two nodes.
@@ -44,7 +44,7 @@ pub enum InvalidInput {
     /// Another number of values than the problem and the mesh ask for.
     #[error("{length} {name}, {expected} needed")]
     Length {
-        /// What is counted.
+        /// The counted objects.
         name: &'static str,
         /// How many there are.
         length: usize,
@@ -54,7 +54,7 @@ pub enum InvalidInput {
     /// An index beyond the end.
     #[error("{name} {index} does not exist: there are {count}, counted from 0")]
     Index {
-        /// What the index counts.
+        /// The objects that the index counts.
         name: &'static str,
         /// The index.
         index: usize,
@@ -64,11 +64,11 @@ pub enum InvalidInput {
     /// A number outside its range.
     #[error("{name} is {value}, {allowed} is allowed")]
     Setting {
-        /// What the number is.
+        /// The meaning of the number.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// The allowed values.
         allowed: &'static str,
     },
 }
@@ -83,7 +83,7 @@ pub(crate) fn index(name: &'static str, index: usize, count: usize) -> Result<()
     if index < count { Ok(()) } else { Err(InvalidInput::Index { name, index, count }) }
 }
 
-/// Refuses what is not a finite number above 0.
+/// Refuses all but finite numbers above 0.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), InvalidInput> {
     setting(name, value, value > 0.0 && value.is_finite(), "a finite number above 0")
 }
@@ -98,7 +98,7 @@ pub(crate) fn setting(
     if is_allowed { Ok(()) } else { Err(InvalidInput::Setting { name, value, allowed }) }
 }
 
-/// Refuses a mesh of less than two nodes, and one whose nodes are not finite or do not increase.
+/// Refuses a mesh with fewer than two nodes, or with nodes that are not finite or do not increase.
 pub(crate) fn mesh(nodes: &[f64]) -> Result<(), InvalidInput> {
     if nodes.len() < 2 {
         return Err(InvalidInput::ShortMesh { nodes: nodes.len() });

@@ -30,7 +30,7 @@ pub fn halved(mesh: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The mesh with every interval cut into so many equal parts.
+/// The mesh with every interval cut into the given number of equal parts.
 pub fn subdivided(mesh: &[f64], parts: usize) -> Vec<f64> {
     let mut out = Vec::new();
     for pair in mesh.windows(2) {
@@ -70,7 +70,7 @@ pub fn imbalance(mesh: &[f64], weight: &[f64]) -> f64 {
 }
 
 /// The mesh of as many intervals that equidistributes the monitor, if the largest interval carries more than `above` times
-/// its share; none if the monitor is not finite.
+/// its share; `None` if the monitor is not finite.
 pub fn rebalanced(mesh: &[f64], weight: &[f64], above: f64) -> Option<Vec<f64>> {
     let imbalance = imbalance(mesh, weight);
     if !(imbalance > above && imbalance.is_finite()) {
@@ -217,7 +217,7 @@ impl Refinement {
         Refinement { tolerance, limit, before: None }
     }
 
-    /// Intervals of the next mesh after one with these defects; none if more are not allowed and as many do not help.
+    /// Intervals of the next mesh after one with these defects; `None` if more are not allowed and the same number does not help.
     pub fn next(&mut self, defects: &[f64], m: usize) -> Option<usize> {
         let (intervals, defect) = (defects.len(), defects.iter().copied().fold(0.0, f64::max));
         // A defect that is infinite twice is no progress either.

@@ -38,7 +38,7 @@ impl Metric {
         Metric { components: vec![1.0; components], scalars: vec![1.0; scalars] }
     }
 
-    /// Checks that there is a weight for every unknown of a solution, none negative and not all of them 0.
+    /// Checks that every unknown of a solution has a weight, that no weight is negative, and that one is not 0.
     ///
     /// # Errors
     /// [`InvalidInput`].

@@ -40,7 +40,7 @@ impl Solution {
     /// Samples `value` (writing n components at x) on a mesh.
     ///
     /// # Errors
-    /// [`InvalidInput`] if there are no components, or if the mesh is none (see [`mesh::check`](crate::mesh::check)).
+    /// [`InvalidInput`] if there are no components, or if the mesh is invalid (see [`mesh::check`](crate::mesh::check)).
     pub fn from_fn(
         gauss: &Gauss,
         mesh: &[f64],
@@ -141,7 +141,7 @@ impl Solution {
     /// Values at node i.
     ///
     /// # Panics
-    /// As a slice does, if there is none.
+    /// If there is no such interval or node, as for a slice.
     pub fn node(&self, i: usize) -> &[f64] {
         &self.nodes[i * self.components..(i + 1) * self.components]
     }
@@ -149,7 +149,7 @@ impl Solution {
     /// Values at stage j of interval i.
     ///
     /// # Panics
-    /// As a slice does, if there is none.
+    /// If there is no such interval or node, as for a slice.
     pub fn stage(&self, i: usize, j: usize) -> &[f64] {
         let k = i * self.m + j;
         &self.stages[k * self.components..(k + 1) * self.components]
@@ -228,7 +228,7 @@ impl Solution {
     /// each interval. For a solution they are its collocation polynomials; for values that only approximate one, such as
     /// those carried over before, they treat left and right alike: a mirrored problem stays a mirrored problem.
     ///
-    /// It is checked where something is solved on it, like every solution: a mesh that is none gives no error here.
+    /// The mesh is checked when a problem is solved on it; an invalid mesh gives no error here.
     pub fn on_mesh(&self, gauss: &Gauss, mesh: &[f64]) -> Solution {
         let mut out = self.clone();
         self.transfer_into(gauss, mesh, &mut out);

@@ -244,7 +244,7 @@ fn pitchforks_have_their_known_normal_forms() {
 }
 
 /// u″ + λ exp(u/(1 + μu)) = 0: the folds of Bratu's problem at μ = 0 and those from which it comes down again meet in a
-/// cusp, beyond which there are none. In the literature on thermal explosions (Boddington, Gray & Robinson, Proc. R. Soc.
+/// cusp, with no fold beyond it. In the literature on thermal explosions (Boddington, Gray & Robinson, Proc. R. Soc.
 /// Lond. A 368, 441 (1979)) it is at μ = 0.245780 and λ/4 = 1.307374.
 #[test]
 fn the_folds_of_the_gelfand_problem_end_in_a_cusp() {
@@ -389,7 +389,7 @@ fn a_branch_that_needs_more_intervals_than_allowed_ends_with_its_defect() {
     assert!(branch.state.parameter() == last && branch.defect() <= 1e-6);
 }
 
-/// The same cases of [`hostile::check`] in every run; `HOSTILE_CASES` asks for so many others.
+/// The same cases of [`hostile::check`] in every run; `HOSTILE_CASES` asks for the given number of others.
 fn cases() -> ProptestConfig {
     let asked = std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok());
     let rng_seed = if asked.is_some() { RngSeed::Random } else { RngSeed::Fixed(29) };

@@ -159,7 +159,7 @@ fn next_odd(epsilon: f64) -> f64 {
     1.0 / ((1.0 / epsilon).round() + 1.0)
 }
 
-/// The problem of the given number, 1 to 33; none where ε has no meaning for it.
+/// The problem of the given number, 1 to 33; `None` if ε has no meaning for it.
 pub fn problem(number: usize, epsilon: f64) -> Option<TestProblem> {
     match number {
         1..=10 => Some(linear_first(number, epsilon)),

@@ -1,4 +1,4 @@
-//! Problems whose derivatives are found by automatic differentiation: write the equations once, for any number type.
+//! Problems with derivatives by automatic differentiation: write the equations once, for any number type.
 //!
 //! | type | role |
 //! |---|---|
@@ -103,7 +103,7 @@ struct Local<'a, E> {
     sizes: [usize; 2],
 }
 
-/// What is evaluated.
+/// The equations to evaluate.
 #[derive(Clone, Copy)]
 enum Part {
     Rhs,
@@ -118,7 +118,7 @@ impl<E: Equations> Local<'_, E> {
         out.fill(D::from(0.0));
         match part {
             Part::Rhs => self.equations.rhs(self.x, y, p, out),
-            // Equations without them need not say what they are.
+            // Equations without them need not define them.
             _ if out.is_empty() => {}
             Part::Integrands => self.equations.integrands(self.x, y, p, out),
             Part::Left => self.equations.left(y, p, out),
@@ -134,7 +134,7 @@ impl<E: Equations> Local<'_, E> {
         let mut dual_p = numbers(np, |k| Dual64::from(p[k]));
         let mut out = [Dual64::from(0.0); MAX_UNKNOWNS];
         let out = &mut out[..value.len()];
-        // h(p) does not depend on y, and may stand where there is no y.
+        // h(p) does not depend on y, and may be evaluated without y.
         let first = if matches!(part, Part::Offsets) { n } else { 0 };
         for k in first..n + np {
             let seeded = if k < n { &mut dual_y[k] } else { &mut dual_p[k - n] };

@@ -7,7 +7,7 @@ use num_dual::{Dual3_64, Dual64, DualNum, HyperDual64, HyperHyperDual64};
 pub type Jet = HyperHyperDual64;
 
 /// Numbers in which equations are evaluated: plain, or with derivatives of first, second or third order. All functions are those
-/// of [`DualNum`], as `y[0].exp()` or `y[0].powi(2)`; a constant is `D::from(2.0)`, or stands on the right as in `y[0] * 2.0`.
+/// of [`DualNum`], as `y[0].exp()` or `y[0].powi(2)`; a constant is `D::from(2.0)`, or comes second as in `y[0] * 2.0`.
 pub trait Number: DualNum<Primitive = f64> + Copy {
     /// With zeros for the derivatives it does not carry.
     fn to_jet(self) -> Jet;

@@ -8,7 +8,7 @@ use crate::solution::Solution;
 use super::numbers::Number;
 use super::{Auto, Equations};
 
-/// A vector field v(y, p), whose periodic orbits are looked for, written once for any number type.
+/// A vector field v(y, p) with periodic orbits, written once for any number type.
 pub trait VectorField {
     /// Components of y.
     fn components(&self) -> usize;
@@ -36,7 +36,7 @@ pub trait VectorField {
 /// none the problem is square, for [`solve`](crate::solve).
 ///
 /// # Examples
-/// The limit cycle of van der Pol's equation u″ − μ(1 − u²)u′ + u = 0, whose period at μ = 1 is 6.6632868593:
+/// The limit cycle of van der Pol's equation u″ − μ(1 − u²)u′ + u = 0, with the period 6.6632868593 at μ = 1:
 ///
 /// ```
 /// use furrow_bvp::{Continuation, Gauss, Metric, Number, PeriodicOrbit, VectorField, mesh};
@@ -81,7 +81,7 @@ impl<V: VectorField> PeriodicOrbit<V> {
     /// period and the parameters p.
     ///
     /// # Errors
-    /// [`InvalidInput`] if the mesh is none.
+    /// [`InvalidInput`] if the mesh is invalid.
     pub fn near(
         field: V,
         gauss: &Gauss,
@@ -96,7 +96,7 @@ impl<V: VectorField> PeriodicOrbit<V> {
         Ok((Auto(PeriodicOrbit { field, reference, gauss: gauss.clone() }), guess))
     }
 
-    /// The period T of an orbit found; NaN of what is no solution of such a problem.
+    /// The period T of an orbit; NaN for a solution of another problem.
     pub fn period(orbit: &Solution) -> f64 {
         orbit.scalars.get(orbit.components).copied().unwrap_or(f64::NAN)
     }

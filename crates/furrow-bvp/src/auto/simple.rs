@@ -76,7 +76,7 @@ impl std::fmt::Debug for Closures {
 }
 
 impl SimpleProblem {
-    /// y′ = f(x, y, p) for so many components, as yet without scalar unknowns and conditions. `rhs` takes x, y and p and
+    /// y′ = f(x, y, p) for the given number of components, without scalar unknowns and conditions at first. `rhs` takes x, y and p and
     /// writes f.
     pub fn new(
         components: usize,
@@ -92,7 +92,7 @@ impl SimpleProblem {
         })
     }
 
-    /// With so many scalar unknowns p.
+    /// Sets the number of scalar unknowns p.
     pub fn scalars(mut self, count: usize) -> SimpleProblem {
         self.0.dimensions.scalars = count;
         self
@@ -105,7 +105,7 @@ impl SimpleProblem {
         self
     }
 
-    /// With so many conditions at the left end: `residuals` takes y there and p and writes what is to be zero.
+    /// Sets the number of conditions at the left end: `residuals` takes y there and p and writes what is to be zero.
     pub fn left_conditions(
         mut self,
         count: usize,
@@ -116,7 +116,7 @@ impl SimpleProblem {
         self
     }
 
-    /// With so many conditions at the right end.
+    /// Sets the number of conditions at the right end.
     pub fn right_conditions(
         mut self,
         count: usize,
@@ -127,7 +127,7 @@ impl SimpleProblem {
         self
     }
 
-    /// With so many integral conditions ∫ g dx + h(p) = 0: `integrands` takes x, y and p and writes g.
+    /// Sets the number of integral conditions ∫ g dx + h(p) = 0: `integrands` takes x, y and p and writes g.
     pub fn integrals(
         mut self,
         count: usize,

@@ -112,11 +112,11 @@ const CONTRACTION: f64 = 0.5;
 /// Largest correction applied in full.
 const FARTHEST: f64 = 0.5;
 
-/// Corrections that show the rate of convergence: rounding spoils that of smaller ones, the next order of larger ones.
+/// Corrections that show the rate of convergence: rounding spoils the rate of smaller ones, the next order the rate of larger ones.
 const RATES: std::ops::Range<f64> = 1e-8..1e-3;
 
 impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
-    /// For a problem near a point whose branch has the given tangent.
+    /// For a problem near a point with the given tangent of its branch.
     ///
     /// # Errors
     /// [`SingularError::Invalid`] if the problem does not lack one condition for every free parameter, or if the singularity is
@@ -304,7 +304,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         if RATES.contains(&before) {
             self.contraction = (0.5 * self.contraction).max(size / (before * before));
         }
-        // Quadratic convergence: what is left after a step of size δ is of order δ².
+        // Quadratic convergence: the error after a step of size δ is of order δ².
         let expected =
             if self.trusting && self.contraction > 0.0 { 4.0 * self.contraction * size * size } else { f64::INFINITY };
         size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance

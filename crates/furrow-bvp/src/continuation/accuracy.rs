@@ -63,7 +63,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
-    /// One step to a point whose defect is below `tolerance`. A point whose mesh cannot be refined, since Newton fails on the
+    /// One step to a point with a defect below `tolerance`. A point whose mesh cannot be refined, since Newton fails on the
     /// finer one, is tried again nearer by.
     pub(super) fn advance_to(&mut self, tolerance: f64) -> Result<Advance, ContinuationError> {
         self.settings.newton.tolerance = newton_tolerance(self.settings.newton.tolerance, tolerance);
@@ -155,7 +155,7 @@ fn largest(defects: &[f64]) -> f64 {
     defects.iter().copied().fold(0.0, f64::max)
 }
 
-/// The tolerance of a corrector whose points are to have a defect below `tolerance`.
+/// The tolerance of a corrector for points with a defect below `tolerance`.
 pub(super) fn newton_tolerance(own: f64, tolerance: f64) -> f64 {
     own.min(NEWTON_SHARE * tolerance).max(f64::MIN_POSITIVE)
 }

@@ -39,7 +39,7 @@ const REACH_LOSS: f64 = 0.5;
 const CHORD_STEPS: usize = 7;
 const CHORD_CONTRACTION: f64 = 0.5;
 
-/// After so many rejections the tangent they start from is in doubt.
+/// After this many rejections the tangent may be wrong.
 const DOUBTFUL: usize = 2;
 
 /// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.
@@ -49,7 +49,7 @@ struct Attempt {
     cosine: f64,
     /// The bordered determinant.
     orientation: Determinant,
-    /// The factors are those of the point itself.
+    /// The factors belong to the point itself.
     exact: bool,
     passed_branch_point: bool,
 }
@@ -109,7 +109,7 @@ pub struct Continuation<P> {
     elsewhere: bool,
     /// ln |bordered determinant| at the newest point, or at a prediction of it; NaN if not known.
     pub(super) log_determinant: f64,
-    /// The factors in `system` are those of the newest point.
+    /// The factors in `system` belong to the newest point.
     pub(super) exact: bool,
     /// Steps up to this length are corrected with the factors of the point that they start from.
     reach: f64,
@@ -164,7 +164,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         Ok(branch)
     }
 
-    /// Resumes a run, or starts one from a point whose tangent is known (e.g. a branch switched to).
+    /// Resumes a run, or starts one from a point with a known tangent (e.g. after switching branches).
     /// A state may have been read from a file: one that does not fit the problem is refused by the first
     /// [`advance`](Self::advance).
     pub fn resume(mut problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
@@ -196,7 +196,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
-    /// Checks what is public and may have been changed since the last step.
+    /// Checks the public fields, which may have changed since the last step.
     fn check(&self) -> Result<(), InvalidInput> {
         self.settings.check()?;
         self.system.check(&self.problem, &self.state.solution)?;
@@ -413,7 +413,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
-    /// The bordered determinant at the trial point, whose sign is the orientation.
+    /// The bordered determinant at the trial point. Its sign is the orientation.
     ///
     /// Where two branches nearly meet, as next to an imperfect pitchfork, a step across the gap turns by no angle at all.
     /// But it turns the sign of the bordered determinant, as passing a branch point does, and nothing else does.

@@ -24,7 +24,7 @@ const BEYOND: f64 = 0.05;
 pub(crate) struct Passed {
     pub solution: Solution,
     pub basis: [Direction; 2],
-    /// Whether the unfolded system is that of the point, on its mesh.
+    /// Whether the unfolded system belongs to the point and its mesh.
     pub unfolded: bool,
 }
 
@@ -74,7 +74,7 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
         }
     }
     let found = found.and_then(|solution| {
-        // The form may be that of an iterate farther away.
+        // The form may belong to an iterate farther away.
         if unfolding.roots().is_none() {
             unfolding.derive(problem, &solution);
             unfolding.roots()?;

@@ -22,7 +22,7 @@ pub struct ContinuationSettings {
     pub min_cosine: f64,
     /// Move the mesh when the largest interval carries this many times its share of the monitor.
     pub remesh_above: f64,
-    /// The mesh is checked every so many points; 1 for all.
+    /// Number of points between checks of the mesh; 1 checks at every point.
     pub remesh_every: usize,
     /// Bound on the largest defect of every point, see [`mesh::defect`](crate::mesh::defect): the mesh is refined where it is exceeded, and coarsened
     /// where fewer intervals do. Newton's tolerance is tightened where this one asks for it. None leaves the number of

@@ -55,7 +55,7 @@ impl State {
     }
 }
 
-/// What one accepted step did.
+/// The result of one accepted step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Advance {
     /// dλ/ds changed sign: a fold lies between the last two points.

@@ -28,7 +28,7 @@ use crate::solution::Solution;
 
 use super::unfolded::{Unfolded, unfolded};
 
-/// D²F\[a, b\] at a solution, with zeros in so many linear conditions: by the problem itself or by differences.
+/// D²F\[a, b\] at a solution, with zeros in the given number of linear conditions: by the problem itself or by differences.
 pub(crate) type SecondDerivative<P> = fn(&Gauss, &mut P, &Solution, [&Direction; 2], conditions: usize, &mut Residual);
 
 /// Newton on the extended system.
@@ -62,7 +62,7 @@ const FARTHEST: f64 = 0.5;
 /// Branches that cross at an angle with a smaller sine touch, as far as rounding can tell.
 const SEPARATE: f64 = 1e-6;
 
-/// Iterations end with a correction below this: what it leaves is of the order of its square.
+/// Iterations end with a correction below this: the remaining error is of the order of its square.
 pub(super) const CONVERGED: f64 = 3e-9;
 
 /// Weights w of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
@@ -241,7 +241,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         self.basis = basis;
     }
 
-    /// The correction of one Newton iteration in `step`; returns that of β.
+    /// The correction of one Newton iteration in `step`; returns the correction of β.
     fn correction(&mut self, problem: &mut P, y: &Solution) -> Result<f64, PivotFailure> {
         let g = self.linearise(problem, y)?;
         let mut step = std::mem::take(&mut self.step);

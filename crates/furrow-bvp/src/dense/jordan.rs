@@ -4,7 +4,7 @@ use multiversion::multiversion;
 
 use super::{LANE, Lane, PivotFailure, pivot_among, subtract_scaled, times};
 
-/// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time. Its result is that of an elimination.
+/// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time. It returns the result of an elimination.
 macro_rules! with_width {
     ($matrix:expr, $lanes:expr, $rows:ident => $body:expr, [$($l:literal)*]) => {
         match $lanes {

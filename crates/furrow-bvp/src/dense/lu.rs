@@ -93,7 +93,7 @@ fn eliminate_rows<const L: usize>(rows: &mut [[Lane; L]], lu: &mut Lu) -> Result
     Ok(())
 }
 
-/// Gaussian elimination of a square row-major `matrix` (`lanes` lanes a row), whose factors are left in `lu`.
+/// Gaussian elimination of a square row-major `matrix` (`lanes` lanes a row), which leaves its factors in `lu`.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn eliminate(matrix: &mut [Lane], lanes: usize, lu: &mut Lu) -> Result<(), PivotFailure> {
     with_width!(matrix, lanes, rows => eliminate_rows(rows, lu), [1 2 3 4 5 6 7 8])

@@ -163,7 +163,7 @@ fn subtract_scaled(x: &mut Lane, factor: f64, p: &Lane) {
     *x = [x0 - factor * p0, x1 - factor * p1, x2 - factor * p2, x3 - factor * p3];
 }
 
-/// Makes `v` so many zeros. A kilobyte at a time: more are cleared by string instructions, which are slow to begin with.
+/// Makes `v` the given number of zeros. A kilobyte at a time: more are cleared by string instructions, which are slow to begin with.
 pub fn zeroed(v: &mut Vec<f64>, len: usize) {
     v.resize(len, 0.0);
     v.chunks_mut(128).for_each(|part| part.fill(0.0));
@@ -196,7 +196,7 @@ pub fn add_columns(sums: &mut [Lane], factors: &[f64], columns: &[Lane], stride:
     }
 }
 
-/// [`add_columns`] for the first W lanes, whose sums are kept in registers.
+/// [`add_columns`] for the first W lanes, with sums in registers.
 #[inline(always)]
 fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane], stride: usize) {
     let Some(sums) = sums.first_chunk_mut::<W>() else { return };
@@ -275,7 +275,7 @@ mod tests {
         det.multiply(&reciprocal, &exchange);
         assert!((det.sign * det.log_abs.exp() + 10.0).abs() < 1e-12);
         for k in 0..3 {
-            // Column k of A is the right-hand side whose solution is the unit vector k.
+            // With column k of A as right-hand side the solution is the unit vector k.
             let mut b = A.map(|row| row[k]);
             for (j, other) in exchange.iter().enumerate() {
                 b.swap(j, *other as usize);

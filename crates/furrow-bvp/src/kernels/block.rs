@@ -3,7 +3,7 @@
 //! Unknowns are δy_0 … δy_N (n each) and δp. Elimination walks from left to right: the rows that still involve only δy_i
 //! (first the left conditions) join the n rows −G_i δy_i + δy_{i+1} − B_i δp = c_i (N.4), partial pivoting removes δy_i, and
 //! what remains is carried to the next interval. Because [carried; −G_i] always has full column rank, a singular system
-//! (a fold, a pitchfork) shows only in the last small block, whose determinant is therefore a test function.
+//! (a fold, a pitchfork) shows only in the last small block; its determinant is therefore a test function.
 //!
 //! # References
 //! Ascher, Mattheij & Russell 1995, ch. 7 (stability of block elimination with row pivoting for separated conditions).
@@ -22,7 +22,7 @@ pub struct EndJacobian {
     pub left: [Vec<f64>; 2],
     /// The same of the right conditions.
     pub right: [Vec<f64>; 2],
-    /// ∂h/∂p of the integral conditions, whose other derivatives are in the condensed intervals; × scalars.
+    /// ∂h/∂p of the integral conditions, × scalars; their other derivatives are in the condensed intervals.
     pub offsets: Vec<f64>,
 }
 
@@ -224,8 +224,8 @@ impl BlockFactor {
         }
     }
 
-    /// Moves what is left of the carried and border rows on to the next interval: δy_{i+1} takes the place of δy_i.
-    /// Carried rows stand right behind the n pivot rows.
+    /// Moves the remaining carried and border rows to the next interval: δy_{i+1} takes the place of δy_i.
+    /// Carried rows follow the n pivot rows.
     #[inline(always)]
     fn carry_on<S: Shape>(&mut self) {
         let [n, nl, _] = self.sizes::<S>();
@@ -298,7 +298,7 @@ impl BlockFactor {
         self.nb
     }
 
-    /// In place of [`forward`](Self::forward) for right-hand sides that are zero but for those of the last block.
+    /// In place of [`forward`](Self::forward) for right-hand sides that are zero except in the last block.
     pub fn forward_zero(&mut self) {
         self.forward.fill([0.0; LANE]);
     }
@@ -334,7 +334,7 @@ impl BlockFactor {
         border.copy_from_slice(&before[nl + n..rows]);
     }
 
-    /// Solves the last block, or that of the antisymmetric problem, for the last node and the scalar unknowns.
+    /// Solves the last block, or the antisymmetric problem's, for the last node and the scalar unknowns.
     pub fn solve_last(
         &self,
         antisymmetric: Option<&AntisymmetricEnd>,

@@ -56,7 +56,7 @@ pub struct Condensed {
     pub(super) outputs: Lanes,
     /// σ by columns of δy_E (h F_NE) and of δp; per interval e + scalars × lanes of s.
     pub(super) onto: Lanes,
-    /// h F_EN by columns, of which each is padded to whole quads; per interval quads of e × stage unknowns.
+    /// h F_EN by columns, padded to whole quads; per interval quads of e × stage unknowns.
     pub(super) from: Vec<Quad>,
     /// h Σ_k a_jk F_Ep,k, padded to quads of e; per interval scalars × quads of e × m.
     pub(super) sums: Vec<Quad>,
@@ -238,7 +238,7 @@ impl Condensed {
         for j in 0..m {
             let rows = part_mut(matrix, j, nn * lanes);
             for k in 0..e {
-                // What the slope of component k at stage j does to all equations, through its values at all stages.
+                // The effect of the slope of component k at stage j on all equations, through its values at all stages.
                 let mut reach = [[0.0; LANE]; MAX_STAGE_LANES];
                 let column = part(onto, k, lanes).as_flattened();
                 for stage in 0..m {
@@ -316,7 +316,7 @@ impl Condensed {
         let Sizes { s, lanes, .. } = self.sizes::<S>();
         let inverse = part_mut(&mut self.inverse, i, s * lanes);
         let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));
-        // The transpose stands there by rows, and so does its inverse: that of S by columns.
+        // The block holds Sᵀ by rows, so its inverse by rows is S⁻¹ by columns.
         dense::invert(inverse, lanes, reciprocal, exchange)
     }
 
@@ -397,7 +397,7 @@ pub(super) fn integrated(a: &[f64], m: usize, slopes: &[Quad; MAX_STAGES]) -> [Q
     values
 }
 
-/// Adds what the values of a quad of quadratures at the stages do to σ.
+/// Adds the effect of the values of a quad of quadratures at the stages on σ.
 #[inline(always)]
 pub(super) fn add_onto(sizes: Sizes, onto: &[Lane], quad: usize, values: &[Quad; MAX_STAGES], to: &mut [Lane]) {
     let Sizes { m, nn, lanes, .. } = sizes;
@@ -412,7 +412,7 @@ pub(super) fn add_onto(sizes: Sizes, onto: &[Lane], quad: usize, values: &[Quad;
     }
 }
 
-/// What the values of a quad of quadratures at the stages add to an integral of such weights.
+/// The contribution of the values of a quad of quadratures at the stages to an integral with these weights.
 #[inline(always)]
 pub(super) fn of_quadratures(sizes: Sizes, weights: &[f64], quad: usize, values: &[Quad; MAX_STAGES]) -> f64 {
     let mut sum = 0.0;

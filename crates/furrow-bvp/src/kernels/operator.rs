@@ -95,7 +95,7 @@ impl Responses {
         }
     }
 
-    /// What forces add to the right nodes of all intervals; what they add to the integrals is taken from `borders`.
+    /// Adds the forces' part of the right nodes of all intervals; their part of the integrals is subtracted from `borders`.
     #[inline(always)]
     pub fn onto_nodes(&self, condensed: &Condensed, from: &[f64], nodes: &mut [f64], borders: &mut [f64]) {
         let Sizes { n, m, outputs, .. } = condensed.sizes::<Any>();
@@ -155,7 +155,7 @@ fn gather_readings(
             }
         }
         for k in 0..e {
-            // What the slope of component k at stage j does to all readings, through its values at all stages.
+            // The effect of the slope of component k at stage j on all readings, through its values at all stages.
             let component = sizes.quadrature(k);
             let mut reach = [[0.0; LANE]; MAX_STAGE_LANES];
             let to = reach.as_flattened_mut();

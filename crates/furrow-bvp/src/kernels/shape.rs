@@ -35,7 +35,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Those of a problem of `dims` with m stages.
+    /// The sizes of a problem of `dims` with m stages.
     #[inline(always)]
     pub fn of(dims: Dimensions, m: usize) -> Sizes {
         let Dimensions { components: n, quadratures: first, left, scalars: np, integrals: ni, .. } = dims;
@@ -45,7 +45,7 @@ impl Sizes {
         Sizes { n, e, m, nn, first, s: m * nn, lanes, quads: e.div_ceil(QUAD), left, np, ni, outputs }
     }
 
-    /// Which component the quadrature k is: some stand before the others, some behind.
+    /// The component of quadrature k: some precede the other components, some follow them.
     #[inline(always)]
     pub fn quadrature(self, k: usize) -> usize {
         if k < self.first { k } else { self.nn + k }
@@ -100,7 +100,7 @@ pub struct Known<
 impl<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize, const P: usize, const I: usize>
     Known<N, E, T, M, LEFT, P, I>
 {
-    /// The sizes of a problem, whose conditions at the right end do not matter.
+    /// The sizes of a problem. Conditions at the right end do not matter.
     pub const DIMENSIONS: Dimensions = Dimensions {
         components: N,
         quadratures: E - T,

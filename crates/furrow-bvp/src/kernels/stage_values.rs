@@ -91,7 +91,7 @@ impl Condensed {
         }
     }
 
-    /// Writes the stage values of interval i, of which the stage unknowns are `solved`.
+    /// Writes the stage values of interval i; its stage unknowns are `solved`.
     #[inline(always)]
     fn put_stages(
         &self,

@@ -1,6 +1,6 @@
 //! The inner loops compiled for sizes that are known at compile time, for problems that request them.
 //!
-//! Most of a Newton step goes into small dense blocks whose sizes follow from the problem. Compiled for sizes that are
+//! Most of a Newton step goes into small dense blocks with sizes that follow from the problem. Compiled for sizes that are
 //! known, loops over them are unrolled. Neither kind reorders a sum, so that the results are the same to the last bit.
 
 use multiversion::multiversion;
@@ -155,7 +155,7 @@ fn fill_responses<S: Shape>(
     force: &[f64],
     reading: &[f64],
 ) {
-    // Only one force with one reading has sized kernels, and none in a web page, which they would enlarge by a hundred kilobytes.
+    // Only one force with one reading has sized kernels, except in a web page, which they would enlarge by a hundred kilobytes.
     let general = cfg!(target_family = "wasm") || (responses.forces, responses.readings) != (1, 1);
     if S::KNOWN && general {
         fill_responses::<Any>(responses, condensed, gauss, force, reading)
@@ -164,7 +164,7 @@ fn fill_responses<S: Shape>(
     }
 }
 
-// Known sizes would make the two below hardly faster.
+// Known sizes would not make the two below much faster.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub(crate) fn forces_onto_nodes(
     responses: &Responses,

@@ -37,7 +37,7 @@ use super::system::{Progress, System};
 #[derive(Clone, Debug, Default)]
 pub struct SolutionOperator {
     responses: Responses,
-    /// Sizes, stages and intervals of the system that was assembled; none if it did not fit.
+    /// Sizes, stages and intervals of the system that was assembled; `None` if it did not fit.
     assembled: Option<(Dimensions, usize, usize)>,
     /// Nodes of the last product.
     nodes: Vec<f64>,

@@ -130,7 +130,7 @@ const SIZES: [&str; 7] = [
     "integral conditions of the problem",
 ];
 
-/// What is not there has no finite pivot.
+/// A missing pivot is not finite.
 const NO_MATRIX: PivotFailure = PivotFailure { column: 0, non_finite: true };
 
 impl System {

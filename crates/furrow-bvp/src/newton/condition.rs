@@ -21,7 +21,7 @@ pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
         system.solve(&residual, &mut change);
         change.norm(y)
     });
-    // What is not a number comes from a matrix that is singular to rounding.
+    // A matrix that is singular to rounding gives NaN.
     estimates.fold(0.0, |largest: f64, size| if size.is_nan() { f64::INFINITY } else { largest.max(size) })
 }
 

@@ -50,7 +50,7 @@ const CORRECTOR: Newton = Newton {
     chord_contraction: 0.3,
 };
 
-/// A corrector of at most so many factorisations lets the step grow.
+/// Most factorisations of a corrector after which the step grows.
 const EASY: usize = 6;
 
 /// The problem on the way from the guess `origin`.
@@ -108,7 +108,7 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
         self.x.extend_from_slice(x);
     }
 
-    /// Takes what is left of the residual of the guess from f and the integrands at the points of the table from `first` on.
+    /// Subtracts the remaining residual of the guess from f and the integrands at the points of the table from `first` on.
     fn subtract(&self, first: usize, f: &mut [f64], g: &mut [f64]) {
         let Dimensions { components: n, integrals, .. } = self.problem.dimensions();
         let parts = [(f, &self.f[first * n..]), (g, &self.g[first * integrals..])];
@@ -191,7 +191,7 @@ struct Path<'a, P> {
     corrections: usize,
 }
 
-/// A solution of `problem` with a defect below [`BOUND`], along the path of the guess `origin`; none if the path does
+/// A solution of `problem` with a defect below [`BOUND`], along the path of the guess `origin`; `None` if the path does
 /// not lead to one within the limits of intervals and of corrections.
 pub(super) fn solve<P: BoundaryValueProblem>(
     problem: &mut P,

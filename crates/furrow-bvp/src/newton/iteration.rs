@@ -4,7 +4,7 @@
 //! iterate) while they contract. Damping follows the natural monotonicity test, N.5: a step is accepted when the simplified
 //! correction J⁻¹F(x + λδ) is smaller than δ.
 //!
-//! Corrections are compared in one scaling, that of the iterate they both start from: a step to huge values makes every
+//! Corrections are compared in one scaling, by the iterate from which both start: a step to huge values makes every
 //! correction there small *relative to those values*, which says nothing about a root.
 //!
 //! # References
@@ -132,7 +132,7 @@ pub enum NewtonError {
 }
 
 impl NewtonError {
-    /// Of a failed factorisation after so many linear solves.
+    /// A failed factorisation after the given number of linear solves.
     pub fn of_pivot(failure: PivotFailure, iterations: usize) -> NewtonError {
         match failure.non_finite {
             true => NewtonError::NonFinite { iterations },
@@ -313,7 +313,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             system.evaluate(*problem, trial, conditions, false);
             system.solve_own(trial_step);
             report.iterations += 1;
-            // In the scaling of y, that of `size`, however large the trial has become.
+            // Scaled by y, as `size` is, however large the trial has become.
             let next = trial_step.norm(y);
             if next <= settings.leniency * (1.0 - 0.25 * lambda) * size {
                 std::mem::swap(*y, trial);

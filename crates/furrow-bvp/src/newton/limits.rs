@@ -65,7 +65,7 @@ impl Default for Meter {
 }
 
 impl Meter {
-    /// For so many factorisations of a mesh of so many intervals.
+    /// The budget for the given number of factorisations on a mesh with the given number of intervals.
     pub fn new(budget: f64, intervals: usize, interrupt: &Interrupt) -> Meter {
         Meter { left: budget * intervals as f64, interrupt: interrupt.clone() }
     }

@@ -24,7 +24,7 @@ pub struct Settings {
     pub tolerance: f64,
     /// Most intervals.
     pub max_intervals: usize,
-    /// The iteration on every mesh. Its tolerance is tightened where that of the defect asks for it.
+    /// The iteration on every mesh. The tolerance of the defect may tighten its own.
     pub newton: Newton,
     /// Most work, in factorisations of a mesh of `max_intervals`.
     pub budget: f64,
@@ -162,7 +162,7 @@ const PROGRESS: f64 = 0.5;
 /// A defect tolerance is worth this many of Newton's.
 pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 
-/// Solves a square problem to a defect below a tolerance, from a guess on any mesh; its stages are those of the guess.
+/// Solves a square problem to a defect below a tolerance, from a guess on any mesh, with the guess's number of stages.
 ///
 /// On every mesh Newton solves the collocation equations. Where the defect is too large, the mesh is redistributed so that
 /// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for. Where Newton fails,
@@ -291,7 +291,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
             }
         } else if WASTEFUL * needed.max(2) <= y.intervals() {
-            // Half as many again: the mesh is not yet that of its own defects.
+            // Half as many again: the mesh does not yet follow the defects on it.
             let mut coarser = self.moved(&y, defects, needed.max(2).div_ceil(2) * 3);
             let largest = self.newton(&mut coarser).map_or(f64::INFINITY, |()| self.defect(&coarser));
             if largest <= self.settings.tolerance {
@@ -327,7 +327,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         Ok(())
     }
 
-    /// Newton on the mesh of `y`; where it fails, on that of halved intervals, and by a homotopy from the guess.
+    /// Newton on the mesh of `y`; if it fails, on the mesh with halved intervals, and by a homotopy from the guess.
     fn on_this_mesh_or_a_finer(&mut self, mut start: Solution) -> Result<Solution, SolveError> {
         let limit = self.settings.max_intervals;
         let mut failures = 0;
@@ -374,7 +374,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         }
     }
 
-    /// The best solution, which is that of this mesh if there is no other.
+    /// The best solution; without another, the one on this mesh.
     fn best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
         let work = self.work;
         let this = || Box::new(Solved { solution, defect, condition: f64::INFINITY, work });

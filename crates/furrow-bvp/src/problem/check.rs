@@ -7,7 +7,7 @@ use super::differences::{slope, slopes_at_ends, slopes_beside};
 use super::directional::{Directional, EndDerivatives, EndValues, PointDirection};
 use super::statement::{BoundaryValueProblem, CollocationPoints, End, PointJacobian, conditions_at};
 
-/// A derivative that differs from what the values it belongs to say.
+/// A derivative that disagrees with the values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{entry} at x = {x}: {given:e} is given, {expected:e} expected from differences")]
 pub struct Mismatch {

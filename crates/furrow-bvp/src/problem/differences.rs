@@ -11,7 +11,7 @@ const SECOND: f64 = 2e-3;
 /// The same of second differences that are of second order.
 const MIXED: f64 = 1e-4;
 
-/// The step along a direction that changes values by a share of their size; none along zero.
+/// The step along a direction that changes values by a share of their size; `None` for the zero direction.
 fn step<'a>(share: f64, pairs: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Option<f64> {
     let (mut value, mut change) = (1.0f64, 0.0f64);
     for (values, along) in pairs {

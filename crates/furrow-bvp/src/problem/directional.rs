@@ -1,4 +1,4 @@
-//! What a problem gives for second and third derivatives along directions.
+//! Second and third derivatives of a problem along directions.
 
 use crate::dimensions::Dimensions;
 
@@ -47,7 +47,7 @@ pub struct EndDerivatives<'a> {
     pub offsets: &'a mut [f64],
 }
 
-/// Problems whose equations can be differentiated twice and three times along directions, as folds, pitchforks and normal
+/// Problems with second and third derivatives of their equations along directions, as folds, pitchforks and normal
 /// forms need. Only [`second`](Self::second) must be written; `Auto` writes all.
 ///
 /// [`prepare`](BoundaryValueProblem::prepare) is called before every sweep. Outputs are zero before every call.

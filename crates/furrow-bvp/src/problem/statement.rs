@@ -159,7 +159,7 @@ pub trait BoundaryValueProblem {
         }
     }
 
-    /// [`rhs_jacobian`](Self::rhs_jacobian) at many points, each array holding that of one point behind that of another.
+    /// [`rhs_jacobian`](Self::rhs_jacobian) at many points, with the points one after another in each array.
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
         let Dimensions { components: n, scalars: np, integrals: ni, .. } = self.dimensions();
         for (i, (&x, y)) in points.x.iter().zip(points.y.chunks_exact(n)).enumerate() {

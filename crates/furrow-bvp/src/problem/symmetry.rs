@@ -1,6 +1,6 @@
 //! Problems on the half of a mirror-symmetric domain.
 
-/// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
+/// A problem on the left half of a mirror-symmetric domain; its right end is the mirror.
 pub trait MirrorSymmetric {
     /// Components that vanish at the mirror in antisymmetric perturbations: as many as make these, with the left
     /// conditions, a square problem.

@@ -48,7 +48,7 @@ fn closures() -> SimpleProblem {
         .offsets(|p, h| Everything.offsets(p, h))
 }
 
-/// A problem that gives first derivatives and [`Directional::second`] alone, of which the named entry is wrong.
+/// A problem that gives first derivatives and [`Directional::second`] alone; the named entry is wrong.
 #[derive(Clone)]
 struct ByHand<E> {
     exact: Auto<E>,
@@ -231,7 +231,7 @@ fn nonlinear_boundary_conditions_enter_the_normal_form() {
         let mut point = MinimallyAugmented::new(problem, breaking, 4, metric, &branch.state.tangent).unwrap();
         point.solve(&mut y, None).unwrap();
         assert!((y.scalars[0] / (PI * PI) - 1.0).abs() < 1e-10);
-        // φ has φ′(½) = 1 where that of cos πx is −π.
+        // φ has φ′(½) = 1; cos πx has −π there.
         pitchfork_normal_form(&mut point, &y).unwrap().parameters[0] * PI * PI
     }
     let [exact, differences] = [coefficient(Auto(Spring)), coefficient(ByHand::of(Spring, ""))];

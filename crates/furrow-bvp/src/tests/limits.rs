@@ -34,7 +34,7 @@ fn a_workspace_for_what_does_not_fit_refuses_every_use() {
 
 #[test]
 fn sizes_at_the_limits_are_solved() {
-    // Random systems this large are ill-conditioned: what is seen here is that no kernel runs out of room.
+    // Random systems this large are ill-conditioned: the test shows that no kernel runs out of room.
     let largest = [
         (dims(MAX_UNKNOWNS, 24, 0, 16, 16, 0), 5),
         (dims(MAX_UNKNOWNS, 24, 0, 32, 0, 0), 1),

@@ -74,7 +74,7 @@ impl Case {
         (self.y.intervals() * self.problem.dims.all_quadratures()) as f64 * stage.determinant.log_abs
     }
 
-    /// Asserts that ln|det| is that of a dense matrix but for the quadrature components.
+    /// Asserts that ln|det| equals a dense matrix's, without the quadrature components.
     pub fn assert_determinant(&self, dense: &Factorised, condensed: Determinant) {
         let difference = dense.determinant.log_abs - condensed.log_abs - self.eliminated();
         assert!(difference.abs() <= dense.determinant_tolerance(), "{:?}: {difference:.1e}", self.problem.dims);

@@ -1,4 +1,4 @@
-//! Newton's iteration: how it fails, how fast it converges, what it reports.
+//! Newton's iteration: how it fails, how fast it converges, and its reports.
 
 use super::dense::unknowns;
 use super::problems::{Counted, Initial, bratu, factored, solved};
@@ -200,7 +200,7 @@ fn old_factors_do_for_a_nearby_problem() {
 
 #[test]
 fn old_factors_that_do_not_contract_leave_no_trace() {
-    // At 3.5 the derivatives differ so much from those at 0.1 that chord steps do not contract.
+    // At 3.5 and 0.1 the derivatives differ too much for chord steps to contract.
     let (mut system, start) = factors_nearby(0.1);
     let mut problem = bratu(3.5);
     let mut scratch = NewtonScratch::default();
@@ -209,7 +209,7 @@ fn old_factors_that_do_not_contract_leave_no_trace() {
     let outcome = only_chords.solve(&mut system.clone(), &mut scratch, &mut problem, &mut y, &[], true);
     assert!(matches!(outcome, Err(NewtonError::Stalled { .. })), "{outcome:?}");
     assert_eq!(y, start, "restored");
-    // With leave to factorise the outcome is that of a fresh start, but for the solves wasted.
+    // If it may factorise, the outcome is the same as of a fresh start, except for the wasted solves.
     let mut fresh = start.clone();
     let plain = solve(Newton::default(), &mut problem, &mut fresh).unwrap();
     let report = Newton::default().solve(&mut system, &mut scratch, &mut problem, &mut y, &[], true).unwrap();

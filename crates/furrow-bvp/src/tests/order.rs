@@ -44,7 +44,7 @@ const COARSE: [usize; MAX_STAGES] = [32, 16, 8, 4, 4];
 /// Orders seen are told from their neighbours, which are a whole order or more away.
 const HALF: f64 = 0.5;
 
-/// Order of one of the [`errors`] from one mesh to that of its halves.
+/// Order of one of the [`errors`] from one mesh to the mesh with halved intervals.
 fn order_seen(m: usize, intervals: usize, which: usize) -> f64 {
     let error = |y: Solution| errors(&Gauss::new(m).unwrap(), &y)[which];
     let [coarse, fine] = [1, 2].map(|k| error(solved(&mut quadratic(), m, &uneven(k * intervals))));

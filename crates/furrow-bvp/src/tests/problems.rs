@@ -65,7 +65,7 @@ impl Quadratic {
         let mut forms = |count: usize, range: &dyn Fn(usize) -> Range<usize>| -> Vec<Form> {
             (0..count).map(|k| Form::new(random, range(k).start, range(k).end, all)).collect()
         };
-        // Quadratures depend on what is none, and on scalars where those follow.
+        // Quadratures depend on the other components, and on the scalars that follow them.
         let others = dims.quadratures..if dims.trailing_quadratures > 0 { n - dims.trailing_quadratures } else { all };
         let is_quadrature = |k: usize| k < dims.quadratures || k >= n - dims.trailing_quadratures;
         Quadratic {
@@ -141,7 +141,7 @@ impl BoundaryValueProblem for Quadratic {
     }
 }
 
-/// y″ = 3/2 y², y(0) = 4, y(1) = 1, of which one solution is 4/(1 + x)².
+/// y″ = 3/2 y², y(0) = 4, y(1) = 1; one solution is 4/(1 + x)².
 pub fn quadratic() -> SecondOrder {
     SecondOrder { force: Box::new(|_, [y, _]| [1.5 * y * y, 3.0 * y, 0.0]), ends: [4.0, 1.0] }
 }

@@ -161,7 +161,7 @@ fn there_and_back_loses_no_more_than_two_interpolations() {
         (here[0], here[6]) = (0.0, 1.0);
         let y = sine(&gauss, &here);
         let back = y.on_mesh(&gauss, &there).on_mesh(&gauss, &here);
-        // The second interpolation has an error of its own and amplifies that of the first.
+        // The second interpolation has its own error and amplifies the first one's.
         let (first, second) = (interpolation_error(m, &here), interpolation_error(m, &there));
         let allowed = amplification(&gauss).0 * first + second + ROUNDING;
         let lost = distance(&back.nodes, &y.nodes).max(distance(&back.stages, &y.stages));

@@ -1,4 +1,4 @@
-//! Any bytes make a problem, a mesh, a guess and settings, sound or not: what is solved with them ends with a result or an error.
+//! Any bytes make a problem, a mesh, a guess and settings, sound or not: every solve with them ends with a result or an error.
 
 use furrow_bvp::continuation::State;
 use furrow_bvp::continuation::predictor::History;
@@ -264,7 +264,7 @@ fn metric(from: &mut Bytes, y: &Solution) -> Metric {
     metric
 }
 
-/// Solves what the bytes describe in every way.
+/// Solves the problem in the bytes in every way.
 pub fn check(data: &[u8]) {
     let from = &mut Bytes(data);
     let mut problem = problem(from);

@@ -1,4 +1,4 @@
-//! How solves end that do not succeed, and what they say.
+//! How unsuccessful solves end, and their errors.
 
 use furrow_bvp::{
     Continuation, ContinuationError, ContinuationSettings, Gauss, Interrupt, InvalidInput, Metric, NewtonError, Place,
@@ -109,7 +109,7 @@ fn what_is_not_a_number_is_named_with_its_place() {
     assert!(matches!(start(f64::NAN), NewtonError::Undefined { place: Place::Rhs { component: 1, .. }, .. }));
 }
 
-/// Twelve springs u″ = −k²u from 0 to sin k: 24 equations, of which twelve are quadratures.
+/// Twelve springs u″ = −k²u from 0 to sin k: 24 equations; twelve are quadratures.
 #[test]
 fn closures_that_declare_quadratures_may_have_more_components() {
     const SPRINGS: usize = 12;

@@ -39,7 +39,7 @@ fn check_estimate(what: &str, error: f64, estimate: f64, rounding: f64) {
     assert!(estimate <= 10.0 * error + rounding, "{what}: {error:.1e}, estimated as {estimate:.1e}");
 }
 
-/// Zero has no defect on any mesh, its branch points have. Without a tolerance the mesh is that of the guess.
+/// The zero solution has no defect on any mesh, its branch points have one. Without a tolerance the guess's mesh is used.
 #[test]
 fn all_branch_points_of_a_trivial_branch_are_found_with_their_errors() {
     for stages in [2, 3, 4] {

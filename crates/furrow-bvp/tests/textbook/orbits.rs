@@ -28,7 +28,7 @@ impl VectorField for FitzHughNagumo {
 }
 
 /// A small circle about the Hopf point at a = 1 explodes at a = 1 − ε/8 − 3ε²/32 − 173ε³/1024, over a range of exp(−1/ε) in a.
-/// The relaxation oscillations that follow have jumps that meet those of the first orbit nowhere.
+/// The relaxation oscillations that follow have jumps at other places than the first orbit.
 #[test]
 fn a_canard_explosion_is_passed_and_relaxation_oscillations_are_followed() {
     let (gauss, grid) = (Gauss::new(4).unwrap(), mesh::uniform(0.0, 1.0, 40));
