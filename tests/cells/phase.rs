@@ -5,7 +5,7 @@ use furrow_cell::{Cell, Cue, Numerics};
 use furrow_mechanics::equilibria::at_rest::{Edge, rest_shapes};
 
 /// Below the upper end of its stable symmetric shapes a cell stays at rest; above, it divides. Cells with a subcritical
-/// pitchfork first, with an S-shaped branch whose second rise ends in a pitchfork, and whose first rise ends in a fold.
+/// pitchfork first, with an S-shaped branch: its first rise ends in a fold, its second one in a pitchfork.
 #[test]
 fn divisions_agree_with_the_edges() {
     for (r0, epsilon, edge) in [(1.64, 0.87, 25.79676), (2.22, 0.64, 6.24541), (2.22, 0.56, 6.8535)] {

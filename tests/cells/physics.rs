@@ -84,7 +84,7 @@ fn volume_is_kept() {
     assert!(outcomes.iter().all(|count| *count > 0), "{outcomes:?} of each outcome");
 }
 
-/// Numbers that should be 0, of one cell after another: none is far from it, and most are near.
+/// Numbers that should be 0, one per cell: all are small, and most are very small.
 ///
 /// What is exact in physics differs here in roundings, and those by far less than this. But where one of two divisions
 /// rejects a step that the other takes, the paths part, and what is left is the error of the time stepping.
@@ -115,7 +115,7 @@ fn mirror_images_divide_as_mirror_images() {
     }
 }
 
-/// How far χ and t_end of a cell are from those of another that physics cannot tell from it.
+/// The differences of χ and t_end between two physically equal cells.
 fn unlike(cell: &Cell, other: &Cell) -> (String, [f64; 2]) {
     let numerics = Numerics { noise: NOISE, time_tolerance: 4e-6, ..Numerics::default() };
     let [a, b] = [cell, other].map(|cell| solve_with(cell, numerics));
@@ -124,7 +124,7 @@ fn unlike(cell: &Cell, other: &Cell) -> (String, [f64; 2]) {
     (name(cell), [chi, (b.t_end / a.t_end - 1.0).abs()])
 }
 
-/// The cue with the amplitudes of tension multiplied, those of other fields being relative, and lengths too.
+/// The cue with the amplitudes of tension and the lengths multiplied; amplitudes of other fields are relative.
 fn rescaled(cue: &Cue, tension: f64, length: f64) -> Cue {
     let mut cue = cue.clone();
     for term in cue.terms_mut() {

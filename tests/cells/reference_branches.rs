@@ -100,7 +100,7 @@ fn the_branch_passes_the_reference_points() {
     assert_eq!(next, rows.len());
 }
 
-/// In a wide shell a cell is nearly a sphere, whose own branch goes straight on where that of the furrowed shapes folds.
+/// In a wide shell a cell is nearly a sphere, and its branch goes straight on where the branch of furrowed shapes folds.
 #[test]
 fn the_branch_of_a_cell_in_a_wide_shell_folds_whatever_the_step() {
     let first_fold = |epsilon: f64, max_step: f64| {

@@ -114,7 +114,7 @@ fn same_seed_same_bits() {
     assert_eq!((&alone, &again), (&first, &first));
     let chi = |division: &Division| division.chi().unwrap();
     assert!(chi(&other) != chi(&first), "another noise gives other digits");
-    // The noise chooses the side and hardly how unequal the daughters are.
+    // The noise chooses the side, and has little effect on how unequal the daughters are.
     assert!((chi(&other) - chi(&first)).abs() < 0.01, "{} {}", chi(&other), chi(&first));
 }
 

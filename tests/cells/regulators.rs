@@ -64,7 +64,7 @@ fn a_pitchfork_with_a_regulator_is_where_the_odd_growth_rate_vanishes() {
     assert!((crossing / threshold - 1.0).abs() < 1e-6, "{crossing} {threshold}");
 }
 
-/// The fold of a cell whose regulator is made off the equator is where its leading growth rate vanishes, as the root of the distance.
+/// With a source of the regulator off the equator, the fold of a cell is where its leading growth rate vanishes, as the root of the distance.
 #[test]
 fn a_fold_with_a_regulator_is_where_the_growth_rate_vanishes() {
     let cell = cued(2.0, SOURCED);

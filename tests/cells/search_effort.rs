@@ -23,7 +23,7 @@ fn a_search_ends_where_its_effort_does() {
         // The step that passes the limit is the last; one along a branch may count for as many as it took attempts.
         assert!(budget.spent() > most && budget.spent() < most + 40, "{} of {most}", budget.spent());
     }
-    // A plain cell of another size of shell takes a fraction of what is allowed, and as much with a limit as without.
+    // A plain cell of another size of shell takes a fraction of the allowed steps, and the same number without a limit.
     let plain = Cell { epsilon: 0.8, ..Cell::gao2026_thresholds(1.0) };
     let (free, bounded) = (StepBudget::unlimited(), StepBudget::new(MOST_SEARCHED, None));
     let found = critical_radius_within(&plain, &numerics, &free).unwrap();

@@ -1,4 +1,4 @@
-//! Symmetric cues: those of amplitude 0 act as none, and even ones keep the pitchfork.
+//! Symmetric cues: amplitude 0 has no effect, and even cues keep the pitchfork.
 
 use crate::common::shapes::{check_threshold, first, whole};
 use crate::common::stand_in;
@@ -26,7 +26,7 @@ fn idle() -> impl Iterator<Item = Cue> {
     IDLE.into_iter().map(|text| text.parse().unwrap())
 }
 
-/// An even band, and a pair of steps of which one is the other's mirror image.
+/// An even band, and a pair of steps that are mirror images.
 fn even() -> [Cue; 2] {
     [
         "kappa:u0=0.5,omega=0.1,amplitude=0.1",

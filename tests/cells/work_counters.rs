@@ -75,7 +75,7 @@ fn work_of_branches_and_curves() {
         let branch = whole(&at(r0, epsilon));
         within("branch", [branch.points.len(), branch.work.iterations], allowed);
     }
-    // (86 to 104, 120), (95 to 113, 117), (162 to 210, 222), (210 to 244, 247): what a step corrects here is near rounding.
+    // (86 to 104, 120), (95 to 113, 117), (162 to 210, 222), (210 to 244, 247): the corrections of a step are near rounding here.
     for (range, pitchforks, folds) in [([1.5, 5.4], [115, 132], [125, 130]), ([5.4, 1.5], [231, 244], [268, 272])] {
         let curve = curves::pitchfork_curve(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range).unwrap();
         within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);

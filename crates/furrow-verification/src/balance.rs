@@ -49,7 +49,7 @@ pub fn rates<D: Number, const N: usize>(
     out[..COMPONENTS].copy_from_slice(&[cos, -sin, q, c1, q_s, s_uu - c1 * v_n, t_s]);
     if let (Some(regulator), true) = (cell.cue.regulator(), N > COMPONENTS) {
         let (j, phi) = (y[J], y[PHI]);
-        // The flux −D j through a ring of the surface changes by what is stored, carried in, concentrated, made and lost there.
+        // The flux −D j through a ring of the surface changes by storage, advection, concentration, source and loss there.
         let along = cos * motion[0] - sin * motion[1];
         let mut lost = motion[2] + (v - along) * j + (phi - c.source) * regulator.turnover;
         if regulator.diluted {

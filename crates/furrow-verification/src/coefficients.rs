@@ -4,7 +4,7 @@
 use furrow_cell::cue::{Coupling, Field, Profile, Width};
 use furrow_cell::{Cell, Number};
 
-/// Coefficients at one point, activities with the gain. Units are those of [`Cell`].
+/// Coefficients at one point, activities with the gain. Units are as in [`Cell`].
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients<D> {
     /// Bending rigidity κ.

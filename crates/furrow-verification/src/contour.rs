@@ -1,6 +1,6 @@
 //! A computed shape as a surface of revolution.
 //!
-//! Curvatures come from the derivative of ψ, strain rates from that of v and the motion of the contour. The solver's bending
+//! Curvatures come from the derivative of ψ, strain rates from the derivative of v and the motion of the contour. The solver's bending
 //! moment m and tension T are not used.
 
 use std::f64::consts::PI;
@@ -21,7 +21,7 @@ pub struct Computed {
     pub shape: Solution,
     /// ∂_t(r, z) at fixed u at every collocation point; empty at rest.
     pub motion: Vec<[f64; 2]>,
-    /// Factor on the activity at every collocation point; empty for none.
+    /// Factor on the activity at every collocation point; empty without noise.
     pub noise: Vec<f64>,
 }
 

@@ -27,7 +27,7 @@ type Tensor = [[D; 2]; 2];
 /// A function f(s) cos mφ of the surface, or sin mφ: value and derivatives by s.
 type Profile = [f64; 3];
 
-/// A virtual motion, smooth at the poles: outwards by f cos mφ, along the gradient of f cos mφ, or along that of f sin mφ turned by a
+/// A virtual motion, smooth at the poles: outwards by f cos mφ, along the gradient of f cos mφ, or along the gradient of f sin mφ turned by a
 /// right angle, with f = r^m cos kπu.
 #[derive(Clone, Copy, Debug)]
 pub enum Virtual {
@@ -68,7 +68,7 @@ struct Moved {
 pub struct Power {
     /// Bending, tension, viscosity, activity, friction, pressure and shell.
     pub forces: [f64; 7],
-    /// What a regulator gains by rate, flow, strain, turnover and diffusion, weighed by f cos mφ.
+    /// The change of a regulator by rate, flow, strain, turnover and diffusion, weighted by f cos mφ.
     pub regulator: [f64; 5],
 }
 

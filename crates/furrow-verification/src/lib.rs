@@ -1,4 +1,4 @@
-//! What the tests of this crate share: a second statement of the mechanics, which shares no formula with
+//! Shared by the tests of this crate: a second statement of the mechanics, which shares no formula with
 //! `furrow_mechanics::cortex`, and the states on which the two are compared.
 //!
 //! | module | role |
@@ -9,7 +9,7 @@
 //! | [`virtual_power`] | the balance of forces in its weak form, from energy and stress power |
 //! | [`displaced`] | the weak form on a surface that is not axisymmetric |
 //! | [`states`] | shapes at rest, moving shapes, random states |
-//! | [`report`] | assertions that print what they compare |
+//! | [`report`] | assertions that print the compared values |
 //!
 //! The tests are in `tests/`, one file for each kind of argument. `mutations.py` runs them on models with small errors.
 

@@ -1,4 +1,4 @@
-//! Assertions that print what they compare.
+//! Assertions that print the compared values.
 
 /// Asserts that `found` is below `allowed` and prints both, which `mutations.py` reports.
 ///

@@ -48,7 +48,7 @@ pub fn cues() -> Vec<String> {
     out
 }
 
-/// A cell whose constants all differ from each other and from 1, so that mixing two up is noticed.
+/// A cell with constants that differ from each other and from 1, so that a test notices if two are swapped.
 pub fn uneven_cell(r0: f64, xi_s: f64, cue: &str) -> Result<Cell, CueError> {
     let mut cell = Cell { xi_s, ..Cell::gao2026_thresholds(r0).with_cue(cue.parse()?) };
     let material = &mut cell.material;

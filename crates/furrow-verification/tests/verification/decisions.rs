@@ -115,7 +115,7 @@ fn mirror_images_rest_as_mirror_images() {
     within("mirror images at rest", largest, 1e-8);
 }
 
-/// The passive shape is that of any activity and cue: a division starts from it.
+/// The passive shape depends on neither activity nor cue: a division starts from it.
 #[test]
 fn a_division_starts_from_the_passive_shape_without_its_cue() {
     let cell = uneven_cell(3.0, 25.0, "none").unwrap();

@@ -151,7 +151,7 @@ fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
     }
 }
 
-/// On a sphere the rates of a disturbance of azimuthal number m are those of all ℓ ≥ m, whatever m. Without activity they are those of
+/// On a sphere a disturbance of azimuthal number m has the rates of all ℓ ≥ m, for every m. Without activity they are those of
 /// Helfrich's modes of a vesicle, (ℓ − 1)(ℓ + 2)\[γ + κℓ(ℓ + 1)/R²\]/R² over what resists.
 #[test]
 fn on_a_sphere_rates_depend_on_the_degree_alone() {
@@ -172,7 +172,7 @@ fn on_a_sphere_rates_depend_on_the_degree_alone() {
     }
 }
 
-/// For m = 0 the rates are those of axisymmetric disturbances, which come from other equations.
+/// For m = 0 the rates equal the rates of axisymmetric disturbances, which come from other equations.
 #[test]
 fn without_an_azimuthal_number_rates_are_those_of_axisymmetric_disturbances() {
     let regulator = "regulator:none,turnover=10,diffusion=1,activity=0.3";

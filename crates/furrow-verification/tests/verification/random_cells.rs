@@ -13,7 +13,7 @@ fn one_of<'a>(draws: &mut Draws, of: &[&'a str]) -> &'a str {
     of[draws.between(0.0, of.len() as f64) as usize]
 }
 
-/// Any profile, with the amplitude of what it modulates or makes.
+/// Any profile, with an amplitude for the field or the source.
 fn profile(draws: &mut Draws) -> String {
     let (u0, omega, amplitude) = (draws.between(0.1, 0.9), draws.between(0.03, 0.4), draws.between(-0.8, 0.8));
     let unit = one_of(draws, &["", "Lh"]);

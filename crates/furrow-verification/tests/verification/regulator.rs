@@ -1,4 +1,4 @@
-//! Limits in which a regulator that the flow carries is known: fast turnover, none, a sphere at rest, fast diffusion.
+//! Limits in which a regulator that the flow carries is known: fast turnover, no turnover, a sphere at rest, fast diffusion.
 
 use std::f64::consts::PI;
 
@@ -53,7 +53,7 @@ fn carried(turnover: f64, diluted: bool) -> String {
     )
 }
 
-/// k → ∞: shapes at rest tend to those of the painted cue as 1/k.
+/// k → ∞: shapes at rest tend to the shapes with the painted cue as 1/k.
 #[test]
 fn fast_turnover_paints_the_source_on_shapes_at_rest() {
     let numerics = Numerics { intervals: 96, ..Numerics::default() };
@@ -279,7 +279,7 @@ fn small_disturbances_of_a_regulator_on_a_sphere_follow_the_exponential_of_theor
     }
 }
 
-/// A source on a sphere at rest: every Legendre component is that of the source times k/(k + D l(l+1)/R²).
+/// A source on a sphere at rest: every Legendre component is the source's times k/(k + D l(l+1)/R²).
 #[test]
 fn a_source_on_a_sphere_spreads_as_theory_says() {
     let numerics = Numerics { intervals: 192, ..Numerics::default() };
@@ -371,7 +371,7 @@ fn disturbances_of_a_shape_with_a_regulator_decay_at_its_growth_rates() {
     }
 }
 
-/// A regulator that hardly spreads and turns over slowly has many modes of nearly one rate. The cell is found to be at rest all the
+/// A regulator with little diffusion and slow turnover has many modes with nearly the same rate. The cell is found to be at rest all the
 /// same, by rates that the time steps have too.
 #[test]
 fn a_cell_whose_regulator_is_slow_comes_to_rest() {

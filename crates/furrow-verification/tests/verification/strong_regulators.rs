@@ -11,7 +11,7 @@ use furrow_verification::states::Draws;
 
 /// How many are drawn.
 const COUNT: usize = 300;
-/// A division takes a second or two; one that takes so many has lost its way.
+/// A division takes a second or two; a longer one makes no progress.
 const LONGEST: f64 = 60.0;
 
 /// One of several.
@@ -19,7 +19,7 @@ fn one_of<'a>(draws: &mut Draws, of: &[&'a str]) -> &'a str {
     of[draws.between(0.0, of.len() as f64) as usize]
 }
 
-/// A regulator with any source or none that acts on one to three fields.
+/// A regulator with or without a source that acts on one to three fields.
 fn regulator(draws: &mut Draws) -> String {
     let amplitude = draws.between(-1.0, 1.0);
     let (u0, omega) = (draws.between(0.05, 0.95), draws.between(0.03, 0.4));
@@ -43,7 +43,7 @@ fn regulator(draws: &mut Draws) -> String {
     format!("regulator:{source},turnover={turnover:.4},diffusion={diffusion:.4},diluted={diluted},{couplings}")
 }
 
-/// Cells with a regulator; those whose coefficients the source alone would bring to zero are no cells.
+/// Cells with a regulator; regulators that bring a coefficient to zero by their source alone are left out.
 fn cells() -> Vec<Cell> {
     let mut draws = Draws(27);
     let mut out = Vec::new();

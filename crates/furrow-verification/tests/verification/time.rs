@@ -11,7 +11,7 @@ use furrow_verification::contour::Computed;
 use furrow_verification::report::within;
 use furrow_verification::states::{passive_shape, uneven_cell};
 
-/// Mesh of these runs, whose errors in time are compared.
+/// Mesh of these runs, which compare errors in time.
 fn numerics() -> Numerics {
     Numerics { stages: 3, intervals: 20, ..Numerics::default() }
 }

@@ -191,7 +191,7 @@ fn at_rest_activity_pays_for_all_dissipation() {
     within("power at rest", largest, EXACT);
 }
 
-/// A division: at t = 0 the balance is that of the cell without activity and cue, on a mirror-symmetric shape; from the first
+/// A division: at t = 0 the balance holds for the cell without activity and cue, on a mirror-symmetric shape; from the first
 /// step on it has both.
 #[test]
 fn the_cue_is_switched_on_with_the_activity() {
