@@ -182,7 +182,8 @@ def test_geff_with_compressed_arrays_is_read(tmp_path, known):
     described["compressor"] = {"id": "blosc", "cname": "lz4", "clevel": 0, "shuffle": 0, "blocksize": 0}
     (ids / ".zarray").write_text(json.dumps(described))
     content = (ids / "0").read_bytes()
-    # Header: version, version of the codec, a flag for uncompressed bytes, size of an element; lengths without and with the header.
+    # Header: version, version of the codec, a flag for uncompressed bytes, size of an element;
+    # then lengths without and with the header.
     head = struct.pack("<BBBBIII", 2, 1, 2, 8, len(content), len(content), len(content) + 16)
     (ids / "0").write_bytes(head + content)
     assert furrow.compare.counts(worm, measured=tmp_path / "tree.geff").to_dict() == plain.to_dict()
