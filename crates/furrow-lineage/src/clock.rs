@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::definition::Lineage;
 use super::tree::{CellId, Tree, TreeCell};
-use furrow_input::table::{TIMES, Table, malformed, quantity, text as text_of, unified};
+use furrow_input::table::{TIMES, Table, malformed, text as text_of};
 use furrow_input::{InputError, read_text, shown};
 
 /// Lifetimes in minutes by the names of cells.
@@ -158,19 +158,16 @@ impl Clock<WrittenLifetimes> {
 /// Reads the columns `cell` and `lifetime_min` (or in s or h) of a table; lines that begin with # are comments.
 fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
     let mut table = Table::open(text.as_bytes(), file)?;
-    let (line, header) = table.header(|_| false)?;
+    let header = table.columns(|_| false)?;
     let missing = |name: &str| {
-        let why = format!("no column is called {name}; a table of lifetimes has cell and lifetime_min");
-        malformed(file, line, why)
+        header.refused(format!("no column is called {name}; a table of lifetimes has cell and lifetime_min"))
     };
-    let names = unified(&header).map_err(|why| malformed(file, line, why))?;
-    let cell = names.iter().position(|name| name == "cell").ok_or_else(|| missing("cell"))?;
-    let times = quantity(&header, "lifetime", &TIMES).map_err(|why| malformed(file, line, why))?;
-    let (column, unit) = match times[..] {
+    let cell = header.find(&["cell"]).ok_or_else(|| missing("cell"))?;
+    let (column, unit) = match header.quantity("lifetime", &TIMES)?[..] {
         [(column, Some(unit))] => (column, unit.size),
         [] | [(_, None), ..] => return Err(missing("lifetime_min")),
         [_, (second, _), ..] => {
-            return Err(malformed(file, line, format!("column {} is a second one for the lifetime", second + 1)));
+            return Err(header.refused(format!("column {} is a second one for the lifetime", second + 1)));
         }
     };
     let mut lifetimes = Lifetimes::new();
@@ -181,7 +178,7 @@ fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
         }
         let (name, value) = (text_of(row.text(cell)), text_of(row.text(column)));
         let allowed =
-            |why: &str| refused(format!("{} = {}: must be a number above 0{why}", header[column], shown(&value)));
+            |why: &str| refused(format!("{} = {}: must be a number above 0{why}", header.names[column], shown(&value)));
         let minutes = row.numbers.read(row.text(column)).map_err(|why| allowed(&format!(" ({why})")))? * unit;
         if minutes.is_nan() || minutes <= 0.0 {
             return Err(allowed(""));

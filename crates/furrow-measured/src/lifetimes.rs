@@ -8,11 +8,12 @@ use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
 use std::path::Path;
 
-use furrow_input::table::{Row, TIMES, Table, columns_listed, malformed, quantity, unified, units_listed};
+use furrow_input::table::{Header, Row, TIMES, Table, columns_listed};
 use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
 use crate::events::place;
+use crate::layout::cell_column;
 use crate::names::Names;
 use crate::significance::{Sample, Trend, power, sign_test, welch};
 use crate::statistics::{mean, sd};
@@ -71,36 +72,31 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &[String], file: &str, line: usize) -> Result<Columns, InputError> {
-        let refused = |why: String| malformed(file, line, why);
-        let lower = unified(header).map_err(refused)?;
-        let at = |wanted: &str| lower.iter().position(|name| name == wanted);
+    fn of(header: &Header<'_>) -> Result<Columns, InputError> {
         let time = |what: &str| -> Result<Option<TimeColumn>, InputError> {
-            let named = || {
-                let of = |unit: &str| format!("{what}_{unit}");
-                units_listed(&TIMES).split(", ").map(of).collect::<Vec<_>>().join(", ")
+            let refused = |column: usize, why: String| {
+                let named: Vec<String> = TIMES.iter().map(|unit| format!("{what}_{}", unit.words[0])).collect();
+                header.refused(format!("column {} is {why} {}", column + 1, named.join(", ")))
             };
-            match quantity(header, what, &TIMES).map_err(refused)?[..] {
+            match header.quantity(what, &TIMES)?[..] {
                 [] => Ok(None),
                 [(column, Some(unit))] => Ok(Some((column, unit.size))),
                 [(column, None), ..] => {
-                    let why = format!("column {} is called {what:?}: its name must have the unit, as", column + 1);
-                    Err(refused(format!("{why} {}", named())))
+                    Err(refused(column, format!("called {what:?}: its name must have the unit, as")))
                 }
-                [_, (second, _), ..] => {
-                    let why = format!("column {} is a second one for the {what}; allowed is one of", second + 1);
-                    Err(refused(format!("{why} {}", named())))
-                }
+                [_, (second, _), ..] => Err(refused(second, format!("a second one for the {what}; allowed is one of"))),
             }
         };
-        let missing =
-            |what: &str| refused(format!("no column is called {what}; the columns are {}", columns_listed(header)));
-        let cell = at("cell").or_else(|| at("cell_name")).or_else(|| at("name")).ok_or_else(|| missing("cell"))?;
+        let missing = |what: &str| {
+            let here = columns_listed(&header.names);
+            header.refused(format!("no column is called {what}; the columns are {here}"))
+        };
+        let cell = cell_column(header).ok_or_else(|| missing("cell"))?;
         let lifetime = time("lifetime")?.ok_or_else(|| missing("lifetime_min"))?;
-        let (n, sd, birth) = (at("n"), time("sd")?, time("birth")?);
+        let (n, sd, birth) = (header.find(&["n"]), time("sd")?, time("birth")?);
         if let (None, Some((column, _))) = (n, sd) {
             let why = format!("column {} is a standard deviation, but no column is called n", column + 1);
-            return Err(refused(why));
+            return Err(header.refused(why));
         }
         Ok(Columns { cell, lifetime, n, sd, birth })
     }
@@ -162,8 +158,7 @@ impl Lifetimes {
     /// As [`Lifetimes::read`].
     pub fn read_named(from: impl Read, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
         let mut table = Table::open(from, file)?;
-        let (line, header) = table.header(|_| false)?;
-        let columns = Columns::of(&header, file, line)?;
+        let columns = Columns::of(&table.columns(|_| false)?)?;
         let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };
         let mut rows: Vec<Vec<Measured>> = Vec::new();
         // Indices of cells, and the lines of their first rows.

@@ -210,16 +210,16 @@ impl Volumes {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
         let is_grid = |header: &[String]| options.names.any_on_top(header);
-        let (line, header) = table.header(is_grid)?;
+        let header = table.columns(is_grid)?;
         self.names = options.names.clone();
-        let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
+        let unit = if let Some(columns) = DivisionColumns::of(&header)? {
             self.read_divisions(&mut table, file, options, &columns)?
-        } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
+        } else if let Some(columns) = ChiColumns::of(&header) {
             self.read_chi(&mut table, file, options, &columns)?
-        } else if let Some(columns) = Columns::of(&header, (file, line), &options.names)? {
+        } else if let Some(columns) = Columns::of(&header, &options.names)? {
             self.read_long(&mut table, file, options, &columns)?
         } else {
-            self.read_grid(&mut table, (file, line), options, &header)?
+            self.read_grid(&mut table, file, options, &header)?
         };
         let unit = if unit == Unit::Voxels && options.voxel.is_some() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)

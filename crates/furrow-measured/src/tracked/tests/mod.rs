@@ -4,11 +4,12 @@ mod damaged;
 mod graphs;
 
 use std::fs;
-use std::io::Write;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
-use flate2::{Compression, Crc, write::DeflateEncoder};
 use tempfile::TempDir;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 use super::*;
 use crate::names::Names;
@@ -35,37 +36,13 @@ fn nuclei(files: &[&str]) -> TempDir {
 
 /// A zip archive; every second file is deflated.
 fn zip(files: &[(String, Vec<u8>)]) -> Vec<u8> {
-    let (mut out, mut directory) = (Vec::new(), Vec::new());
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for (k, (name, content)) in files.iter().enumerate() {
-        let (method, mut packed, mut crc) = ((k % 2 * 8) as u16, content.clone(), Crc::new());
-        crc.update(content);
-        if method == 8 {
-            let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
-            encoder.write_all(content).unwrap();
-            packed = encoder.finish().unwrap();
-        }
-        let mut common = [20_u16, 0, method, 0, 0].iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
-        let lengths = [crc.sum(), packed.len() as u32, content.len() as u32];
-        common.extend(lengths.iter().flat_map(|n| n.to_le_bytes()));
-        common.extend((name.len() as u16).to_le_bytes());
-        common.extend([0, 0]);
-        directory.extend(b"PK\x01\x02\x14\x00");
-        directory.extend(&common);
-        directory.extend([0; 10]);
-        directory.extend((out.len() as u32).to_le_bytes());
-        directory.extend(name.bytes());
-        out.extend(b"PK\x03\x04");
-        out.extend(&common);
-        out.extend(name.bytes());
-        out.extend(packed);
+        let method = [CompressionMethod::Stored, CompressionMethod::Deflated][k % 2];
+        writer.start_file(&**name, SimpleFileOptions::default().compression_method(method)).unwrap();
+        writer.write_all(content).unwrap();
     }
-    let [count, length, at] = [files.len(), directory.len(), out.len()];
-    out.extend(directory);
-    out.extend(b"PK\x05\x06\0\0\0\0");
-    out.extend([count as u16, count as u16].iter().flat_map(|n| n.to_le_bytes()));
-    out.extend([length as u32, at as u32].iter().flat_map(|n| n.to_le_bytes()));
-    out.extend([0, 0]);
-    out
+    writer.finish().unwrap().into_inner()
 }
 
 fn zipped(files: &[&str]) -> Vec<u8> {
@@ -239,16 +216,19 @@ fn wrong_nuclei_are_refused_with_their_place() {
 #[test]
 fn wrong_archives_and_cd_tables_are_refused() {
     let whole = zipped(&NUCLEI);
-    let mut encrypted = whole.clone();
     let at = whole.windows(4).position(|four| four == b"PK\x01\x02").unwrap();
-    encrypted[at + 8] = 1;
-    let mut changed = whole.clone();
-    changed[30 + 18 + 3] ^= 1;
+    let with = |place: usize, bits: u8| {
+        let mut changed = whole.clone();
+        changed[place] ^= bits;
+        changed
+    };
     for (content, message) in [
         (&whole[..whole.len() - 30], "is not a zip archive: its directory is damaged"),
         (&zip(&[("readme".to_owned(), vec![])]), "it has no file nuclei/t001-nuclei"),
-        (&encrypted, "nuclei/t001-nuclei: is not a file that can be unpacked: it is encrypted"),
-        (&changed, "its length or its checksum is wrong"),
+        (&with(at + 8, 1), "nuclei/t001-nuclei: is not a file that can be unpacked: it is encrypted"),
+        (&with(30 + 18 + 3, 1), "its length or its checksum is wrong"),
+        (&with(at + 27, 0x80), "its files are longer than 64 MB, the most that is unpacked of it"),
+        (&with(at + 10, 12), "it is packed by method 12; stored (0) and deflated (8) files are read"),
     ] {
         let (_folder, path) = file("embryo.zip", content);
         let error = refused(&path);
