@@ -25,5 +25,5 @@ pub mod scale;
 pub mod style;
 pub(crate) mod svg;
 
-pub use canvas::{Anchor, Canvas, Stroke};
+pub use canvas::{Anchor, Canvas, Label, Stroke};
 pub use format::{FigureError, Format};

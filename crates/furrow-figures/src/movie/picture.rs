@@ -7,7 +7,7 @@ use crate::drawing::cell::{ANTERIOR, POSTERIOR, changes, cue_colours};
 use crate::drawing::font;
 use crate::drawing::regulator::PhiRange;
 use crate::drawing::style::{self, FORCES, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::Cell;
 use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
@@ -127,7 +127,7 @@ impl<'a> Stage<'a> {
                 (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),
                 (outcome, None) => (outcome.to_string(), style::outcome(outcome)),
             };
-            canvas.bold([SIZE[0] - 20.0, 54.0], &word, text::LABEL, Anchor::End, colour);
+            canvas.label(Label::new([SIZE[0] - 20.0, 54.0], &word, text::LABEL, Anchor::End, colour).bold());
         }
     }
 }
