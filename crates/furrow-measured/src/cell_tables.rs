@@ -59,9 +59,7 @@ impl Volumes {
         if embryo.text.is_empty() {
             return Err((embryo, "no name of an embryo".to_owned()));
         }
-        let group = columns.group.map(|column| at(column).written()).unwrap_or_default();
-        let given = options.group.clone().filter(|_| group.is_empty());
-        let embryo = self.embryo(given.unwrap_or(group), embryo.written());
+        let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.written());
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -82,7 +80,7 @@ impl Volumes {
         options: &ReadOptions,
         header: &Header<'_>,
     ) -> Result<Unit, InputError> {
-        let embryo = self.embryo(options.group.clone().unwrap_or_default(), embryo_of_file(file));
+        let embryo = self.embryo(options.group_of(None), embryo_of_file(file));
         let (named, line) = (grid_unit(header, &options.names)?, header.line as u64);
         let mut places: Vec<Option<usize>> = Vec::new();
         for (column, name) in header.names.iter().enumerate() {

@@ -16,7 +16,7 @@ use furrow_input::InputError;
 use furrow_input::table::{Header, NamedUnit, Table, split_unit};
 use serde::{Deserialize, Serialize};
 
-use crate::statistics::{Line, RankCorrelation, line, mean, rank_correlation, sd};
+use crate::statistics::{Line, RankCorrelation, grouped, line, mean, rank_correlation, sd};
 use crate::volumes::{Rejected, Skipped, Value, fitting, note};
 
 /// A division of a cell with a dose.
@@ -66,17 +66,13 @@ impl Doses {
         while let Some(row) = table.next_row()? {
             match fitting(row).and_then(|row| columns.division(|column| Value::new(row, column))) {
                 Ok(division) => doses.divisions.push(division),
-                Err(rejected) => doses.skip(file, &rejected),
+                Err(rejected) => note(&mut doses.skipped, &mut doses.skipped_count, || Skipped::new(file, &rejected)),
             }
         }
         let first = doses.skipped.first().map_or("the table has no rows".to_owned(), Skipped::described);
         let allowed = format!("at least one that can be used ({first})");
         InputError::require(!doses.divisions.is_empty(), file, "rows", "none used", allowed)?;
         Ok(doses)
-    }
-
-    fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
-        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, rejected));
     }
 }
 
@@ -177,14 +173,8 @@ impl DoseGroup {
 
 /// Divisions by condition, in the order of the table.
 pub fn by_condition(divisions: &[DosedDivision]) -> Vec<DoseGroup> {
-    let mut names: Vec<&str> = Vec::new();
-    for division in divisions {
-        if !names.contains(&division.condition.as_str()) {
-            names.push(&division.condition);
-        }
-    }
-    let of = |name: &str| divisions.iter().filter(|division| division.condition == name).collect::<Vec<_>>();
-    names.into_iter().map(|name| DoseGroup::of(name.to_owned(), &of(name))).collect()
+    let conditions = grouped(divisions.iter().map(|division| (division.condition.as_str(), division)));
+    conditions.into_iter().map(|(name, divisions)| DoseGroup::of(name.to_owned(), &divisions)).collect()
 }
 
 /// Most bins that are made without edges.

@@ -103,8 +103,8 @@ impl<'a> Stage<'a> {
         canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
         canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
         let (mut x, mut y) = (176.0, bottom);
-        let painted = cue_colours(&changes(cue, still.length)).into_iter();
-        for (colour, word) in painted.chain(self.phi.into_iter().flat_map(PhiRange::colours)) {
+        let of_cue = cue_colours(&changes(cue, still.length)).into_iter();
+        for (colour, word) in of_cue.chain(self.phi.into_iter().flat_map(PhiRange::colours)) {
             let width = 24.0 + font::width(&word, text::TICK);
             if x + width > SIZE[0] - 12.0 {
                 (x, y) = (20.0, y - 22.0);
