@@ -1,6 +1,6 @@
 //! Measured contours beside a division's: each beside the model's contour with an equally deep furrow.
 //!
-//! The model's division does not run by the embryo's clock. Contours are therefore nearest by shape: by the depth of the
+//! The model's division does not run by the embryo's clock. Contours are therefore matched by shape: by the depth of the
 //! furrow and, if depths are alike, as before there is a furrow, by elongation. Both numbers have no
 //! unit. A series is of one cell, so all its contours share one scale: it makes their total area equal to the model's.
 
@@ -116,8 +116,7 @@ impl Aligned {
 pub fn series(measured: &[Traced], model: &[ModelContour], length_scale: Option<f64>) -> Option<Series> {
     let models: Vec<Aligned> = model.iter().map(|modelled| Aligned::of(&modelled.contour)).collect();
     let aligned: Vec<Aligned> = measured.iter().map(|traced| Aligned::of(&traced.contour)).collect();
-    let nearest: Vec<usize> =
-        aligned.iter().map(|aligned| nearest_model(&aligned.shape, &models)).collect::<Option<_>>()?;
+    let nearest: Vec<usize> = aligned.iter().map(|one| nearest_model(&one.shape, &models)).collect::<Option<_>>()?;
     let areas: f64 = aligned.iter().map(|aligned| aligned.shape.area).sum();
     let of_models: f64 = nearest.iter().map(|k| models[*k].shape.area).sum();
     if aligned.is_empty() || of_models <= 0.0 {
