@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::definition::Lineage;
+use super::definition::{Lineage, entries};
 use super::tree::{CellId, Tree, TreeCell};
 use furrow_input::table::{TIMES, Table, malformed, text as text_of};
 use furrow_input::{InputError, read_text, shown};
@@ -121,14 +121,8 @@ impl<'de> Deserialize<'de> for WrittenLifetimes {
                 Ok(WrittenLifetimes::File(file.to_owned()))
             }
 
-            fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<WrittenLifetimes, A::Error> {
-                let mut lifetimes = Lifetimes::new();
-                while let Some((name, minutes)) = map.next_entry::<String, f64>()? {
-                    if lifetimes.insert(name.clone(), minutes).is_some() {
-                        return Err(serde::de::Error::custom(format!("the cell {} is given twice", shown(&name))));
-                    }
-                }
-                Ok(WrittenLifetimes::Inline(lifetimes))
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<WrittenLifetimes, A::Error> {
+                entries(map, |name| format!("the cell {name} is given twice")).map(WrittenLifetimes::Inline)
             }
         }
         deserializer.deserialize_any(Written)
