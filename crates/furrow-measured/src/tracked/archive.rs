@@ -40,7 +40,7 @@ pub(super) fn files<K>(
         let mut content = Vec::new();
         // One byte more than announced: the file is longer.
         let read = (&mut entry).take(length + 1).read_to_end(&mut content);
-        read.map_err(|error| refused(described(error.into())))?;
+        read.map_err(|error| refused(described(error.downcast().unwrap_or_else(ZipError::Io))))?;
         if content.len() as u64 != length {
             return Err(refused(WRONG.to_owned()));
         }
