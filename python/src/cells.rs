@@ -112,7 +112,7 @@ fn frame_columns(stills: &[Snapshot]) -> Columns {
 
 /// Places as columns, with the names of the files of frames.
 fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Columns {
-    let mut columns: Columns = COLUMNS.iter().map(|name| (*name, Vec::new())).collect();
+    let mut columns: Columns = COLUMNS.split(' ').map(|name| (name, Vec::new())).collect();
     for p in places {
         columns.iter_mut().zip(row(p)).for_each(|((_, column), number)| column.push(number));
     }

@@ -298,7 +298,7 @@ pub fn compare_contours(
         let series = laid_beside(&traced, &frames, length)
             .ok_or_else(|| Error::not_allowed("contours", "none", "at least one contour and one frame"))?;
         let points = |contour: &Contour| contour.points().iter().map(|p| [p.x, p.y]).collect();
-        let laid = series.contours.iter().map(|one| one.laid.each_ref().map(points)).collect();
+        let laid = series.contours.iter().map(|one| one.aligned.each_ref().map(points)).collect();
         Document::of(&ContoursFound { series: &series, laid })
     })
 }

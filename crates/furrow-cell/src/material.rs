@@ -1,6 +1,5 @@
 //! Constants of the cortex and of the shell, with the published preset.
 
-use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 
 /// How a varying bending rigidity κ(u) enters the tangential force balance.
@@ -11,21 +10,6 @@ pub enum RigidityGradient {
     Full,
     /// The paper's reading: κ is attached to the mesh and the term is dropped.
     Dropped,
-}
-
-/// The word of files and options.
-impl std::fmt::Display for RigidityGradient {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.serialize(f)
-    }
-}
-
-impl std::str::FromStr for RigidityGradient {
-    type Err = serde::de::value::Error;
-
-    fn from_str(word: &str) -> Result<RigidityGradient, Self::Err> {
-        RigidityGradient::deserialize(word.into_deserializer())
-    }
 }
 
 /// Constants of the cortex, in κ0, L_h and τ. Published values (Table S3) except the gain, which is chosen with the shell.

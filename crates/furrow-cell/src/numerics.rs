@@ -1,6 +1,5 @@
 //! Settings of the discretisation.
 
-use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 
 /// How a division is stepped in time.
@@ -13,21 +12,6 @@ pub enum Scheme {
     /// Backward Euler at a fixed step after a short start, the paper's kind of step. At 0.1 τ it damps growing modes of large
     /// cells, and a shape that grows at more than 2/Δt is an attractor.
     Published,
-}
-
-/// The word of files and options.
-impl std::fmt::Display for Scheme {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.serialize(f)
-    }
-}
-
-impl std::str::FromStr for Scheme {
-    type Err = serde::de::value::Error;
-
-    fn from_str(word: &str) -> Result<Scheme, Self::Err> {
-        Scheme::deserialize(word.into_deserializer())
-    }
 }
 
 /// Settings of the discretisation. The defaults are what every published number of furrow is computed with.

@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 use std::fmt::{Display, Formatter};
+use std::str::FromStr;
 
+use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 
 use crate::{RigidityGradient, Scheme};
@@ -78,6 +80,20 @@ impl Kind for usize {
 /// Kinds with words as values.
 macro_rules! words {
     ($($kind:ty),*) => {$(
+        impl Display for $kind {
+            fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+                self.serialize(f)
+            }
+        }
+
+        impl FromStr for $kind {
+            type Err = serde::de::value::Error;
+
+            fn from_str(word: &str) -> Result<$kind, Self::Err> {
+                <$kind>::deserialize(word.into_deserializer())
+            }
+        }
+
         impl Kind for $kind {
             fn of(value: &Value) -> Option<$kind> {
                 match value {

@@ -95,11 +95,15 @@ fn a_regulator_is_drawn_on_the_contours_and_over_their_length() {
     assert!(!plot::division::draw(&cell, &film).svg().contains("regulator"));
 }
 
+/// The text of a movie of three frames.
+fn movie(cell: &Cell, film: &Trajectory) -> String {
+    String::from_utf8(Movie { cell, film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap()
+}
+
 #[test]
 fn a_movie_shows_the_regulator() {
     let (cell, film) = divided("regulator:gradient,amplitude=0.9,turnover=10,diffusion=1,activity=0.1");
-    let svg =
-        String::from_utf8(Movie { cell: &cell, film: &film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap();
+    let svg = movie(&cell, &film);
     assert_eq!(svg.matches("regulator φ &gt; 0, to ").count(), 3);
     let frames: Vec<&str> = svg.split("<g display").collect();
     let warm = |frame: &str| places(frame, |[r, _, b]| r > 1.3 * b && b > 0.0).len();
@@ -126,8 +130,7 @@ fn the_force_panel_has_the_direction_of_the_contours() {
 #[test]
 fn a_movie_shows_signs_and_poles() {
     let (cell, film) = divided("tension:gradient,amplitude=0.3");
-    let svg =
-        String::from_utf8(Movie { cell: &cell, film: &film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap();
+    let svg = movie(&cell, &film);
     for word in ["cue raises tension", "cue lowers tension", ">anterior<", ">posterior<"] {
         assert_eq!(svg.matches(word).count(), 3, "{word}");
     }

@@ -51,26 +51,8 @@ pub const INDEX: &str = "frames.json";
 /// | `shell_n` | force of the shell |
 /// | `residual_n` | sum of the five, 0 of an exact solution |
 /// | `phi` | the regulator φ: only of a cell that has one |
-pub const COLUMNS: [&str; 18] = [
-    "u",
-    "r",
-    "z",
-    "psi",
-    "c_uu",
-    "c_pp",
-    "t_uu",
-    "t_pp",
-    "v",
-    "v_n",
-    "active_t",
-    "active_n",
-    "viscous_n",
-    "elastic_n",
-    "pressure_n",
-    "shell_n",
-    "residual_n",
-    "phi",
-];
+pub const COLUMNS: &str =
+    "u r z psi c_uu c_pp t_uu t_pp v v_n active_t active_n viscous_n elastic_n pressure_n shell_n residual_n phi";
 
 /// Name of a frame, counted from 0.
 fn name(number: usize) -> String {
@@ -144,8 +126,9 @@ pub fn row(p: &Place) -> impl Iterator<Item = f64> {
 /// One frame as CSV under the names of its columns.
 fn csv(still: &Snapshot) -> String {
     let count = still.places.first().map_or(0, |place| row(place).count());
+    let names: Vec<&str> = COLUMNS.split(' ').take(count).collect();
     let line = |place| row(place).map(|number| number.to_string()).collect::<Vec<_>>().join(",");
-    std::iter::once(COLUMNS[..count].join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
+    std::iter::once(names.join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
 }
 
 /// The contour of a frame that was read.

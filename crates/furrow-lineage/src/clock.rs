@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::definition::Lineage;
+use super::definition::{Lineage, entries};
 use super::tree::{CellId, Tree, TreeCell};
-use furrow_input::table::{TIMES, Table, malformed, quantity, text as text_of, unified};
+use furrow_input::table::{TIMES, Table, malformed, text as text_of};
 use furrow_input::{InputError, read_text, shown};
 
 /// Lifetimes in minutes by the names of cells.
@@ -121,14 +121,8 @@ impl<'de> Deserialize<'de> for WrittenLifetimes {
                 Ok(WrittenLifetimes::File(file.to_owned()))
             }
 
-            fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<WrittenLifetimes, A::Error> {
-                let mut lifetimes = Lifetimes::new();
-                while let Some((name, minutes)) = map.next_entry::<String, f64>()? {
-                    if lifetimes.insert(name.clone(), minutes).is_some() {
-                        return Err(serde::de::Error::custom(format!("the cell {} is given twice", shown(&name))));
-                    }
-                }
-                Ok(WrittenLifetimes::Inline(lifetimes))
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<WrittenLifetimes, A::Error> {
+                entries(map, |name| format!("the cell {name} is given twice")).map(WrittenLifetimes::Inline)
             }
         }
         deserializer.deserialize_any(Written)
@@ -158,19 +152,16 @@ impl Clock<WrittenLifetimes> {
 /// Reads the columns `cell` and `lifetime_min` (or in s or h) of a table; lines that begin with # are comments.
 fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
     let mut table = Table::open(text.as_bytes(), file)?;
-    let (line, header) = table.header(|_| false)?;
+    let header = table.columns(|_| false)?;
     let missing = |name: &str| {
-        let why = format!("no column is called {name}; a table of lifetimes has cell and lifetime_min");
-        malformed(file, line, why)
+        header.refused(format!("no column is called {name}; a table of lifetimes has cell and lifetime_min"))
     };
-    let names = unified(&header).map_err(|why| malformed(file, line, why))?;
-    let cell = names.iter().position(|name| name == "cell").ok_or_else(|| missing("cell"))?;
-    let times = quantity(&header, "lifetime", &TIMES).map_err(|why| malformed(file, line, why))?;
-    let (column, unit) = match times[..] {
+    let cell = header.find(&["cell"]).ok_or_else(|| missing("cell"))?;
+    let (column, unit) = match header.quantity("lifetime", &TIMES)?[..] {
         [(column, Some(unit))] => (column, unit.size),
         [] | [(_, None), ..] => return Err(missing("lifetime_min")),
         [_, (second, _), ..] => {
-            return Err(malformed(file, line, format!("column {} is a second one for the lifetime", second + 1)));
+            return Err(header.refused(format!("column {} is a second one for the lifetime", second + 1)));
         }
     };
     let mut lifetimes = Lifetimes::new();
@@ -181,7 +172,7 @@ fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
         }
         let (name, value) = (text_of(row.text(cell)), text_of(row.text(column)));
         let allowed =
-            |why: &str| refused(format!("{} = {}: must be a number above 0{why}", header[column], shown(&value)));
+            |why: &str| refused(format!("{} = {}: must be a number above 0{why}", header.names[column], shown(&value)));
         let minutes = row.numbers.read(row.text(column)).map_err(|why| allowed(&format!(" ({why})")))? * unit;
         if minutes.is_nan() || minutes <= 0.0 {
             return Err(allowed(""));

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::marker::PhantomData;
 
+use serde::de::MapAccess;
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, FounderClock, Lifetimes};
@@ -400,15 +401,23 @@ pub(super) fn unique<'de, C: Deserialize<'de>, D: serde::Deserializer<'de>>(
             f.write_str("cues by name")
         }
 
-        fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-            let mut cues = BTreeMap::new();
-            while let Some((name, cue)) = map.next_entry::<String, C>()? {
-                if cues.insert(name.clone(), cue).is_some() {
-                    return Err(serde::de::Error::custom(format!("the cue {} stands twice", shown(&name))));
-                }
-            }
-            Ok(cues)
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            entries(map, |name| format!("the cue {name} stands twice"))
         }
     }
     deserializer.deserialize_map(Cues(PhantomData))
+}
+
+/// The entries of a map by name; `twice` is the error for a name, in quotes, that is given again.
+pub(super) fn entries<'de, V: Deserialize<'de>, A: MapAccess<'de>>(
+    mut map: A,
+    twice: impl Fn(&str) -> String,
+) -> Result<BTreeMap<String, V>, A::Error> {
+    let mut entries = BTreeMap::new();
+    while let Some((name, value)) = map.next_entry::<String, V>()? {
+        if entries.insert(name.clone(), value).is_some() {
+            return Err(serde::de::Error::custom(twice(&shown(&name))));
+        }
+    }
+    Ok(entries)
 }

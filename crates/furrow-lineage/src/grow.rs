@@ -133,7 +133,7 @@ struct Growth<'a> {
 }
 
 /// The division or the search that a cell needs before its fate is known.
-enum Need<'a> {
+enum Request<'a> {
     Division(DivisionInput),
     Search(&'a CriticalRadii<'a>, Search),
 }
@@ -224,9 +224,9 @@ impl<'a> Growths<'a> {
     /// The scheduler's next step for a job. `tried` is the search that was run for it.
     fn step(&mut self, id: usize, tried: Option<&Search>) -> Option<Step<'a>> {
         let count = self.trees.len();
-        let (radii, search) = match self.trees[id % count].need(id / count, tried)? {
-            Need::Division(input) => return Some(Step::Solve(Job { id, input })),
-            Need::Search(radii, search) => (radii, search),
+        let (radii, search) = match self.trees[id % count].request(id / count, tried)? {
+            Request::Division(input) => return Some(Step::Solve(Job { id, input })),
+            Request::Search(radii, search) => (radii, search),
         };
         let begun = self.searches.iter_mut().find(|(of, begun, _)| std::ptr::eq(*of, radii) && *begun == search);
         if let Some((.., jobs)) = begun {
@@ -263,7 +263,7 @@ impl<'a> Growth<'a> {
 
     /// The division or the search that a cell needs; `None` if its fate is known without either and has been set. A search that was
     /// `tried` and was interrupted is not tried again.
-    fn need(&mut self, index: usize, tried: Option<&Search>) -> Option<Need<'a>> {
+    fn request(&mut self, index: usize, tried: Option<&Search>) -> Option<Request<'a>> {
         let Grower { lineage, settings, ends, .. } = self.grower;
         let growing = &self.cells[index];
         if growing.fate.is_some() {
@@ -280,14 +280,14 @@ impl<'a> Growth<'a> {
             EndRule::Thresholds(rule) if !rule.decides(&cell, index == 0) => None,
             EndRule::Thresholds(rule) => match rule.radii.missing(&cell) {
                 Some(search) if tried == Some(&search) => None,
-                Some(search) => return Some(Need::Search(&rule.radii, search)),
+                Some(search) => return Some(Request::Search(&rule.radii, search)),
                 None => rule.of(&cell),
             },
         };
         self.cells[index].fate = reason.map(Fate::from);
         let undecided = self.cells[index].fate.is_none();
         let seed = self.seed(index);
-        undecided.then_some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed }))
+        undecided.then_some(Request::Division(DivisionInput { cell, numerics: settings.numerics, seed }))
     }
 
     /// The seed of the next division that a cell needs.
@@ -458,9 +458,9 @@ impl<'a> Growth<'a> {
     fn decide(&mut self, index: usize) -> Option<DivisionInput> {
         let mut tried = None;
         loop {
-            match self.need(index, tried.as_ref())? {
-                Need::Division(input) => return Some(input),
-                Need::Search(radii, search) => {
+            match self.request(index, tried.as_ref())? {
+                Request::Division(input) => return Some(input),
+                Request::Search(radii, search) => {
                     radii.run(&search);
                     tried = Some(search);
                 }

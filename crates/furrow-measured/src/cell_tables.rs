@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use furrow_input::table::{Row, Table, malformed, split_unit, text, unit_of, units_listed};
+use furrow_input::table::{Header, Row, Table, split_unit, text, unit_of, units_listed};
 use furrow_input::{InputError, shown};
 
 use crate::layout::{Columns, Unit, VOLUMES, VolumeUnit, embryo_of_file};
@@ -59,9 +59,7 @@ impl Volumes {
         if embryo.text.is_empty() {
             return Err((embryo, "no name of an embryo".to_owned()));
         }
-        let group = columns.group.map(|column| at(column).written()).unwrap_or_default();
-        let given = options.group.clone().filter(|_| group.is_empty());
-        let embryo = self.embryo(given.unwrap_or(group), embryo.written());
+        let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.written());
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -78,20 +76,20 @@ impl Volumes {
     pub(crate) fn read_grid<R: Read>(
         &mut self,
         table: &mut Table<'_, R>,
-        (file, line): (&str, usize),
+        file: &str,
         options: &ReadOptions,
-        header: &[String],
+        header: &Header<'_>,
     ) -> Result<Unit, InputError> {
-        let embryo = self.embryo(options.group.clone().unwrap_or_default(), embryo_of_file(file));
-        let named = grid_unit(header, (file, line), &options.names)?;
+        let embryo = self.embryo(options.group_of(None), embryo_of_file(file));
+        let (named, line) = (grid_unit(header, &options.names)?, header.line as u64);
         let mut places: Vec<Option<usize>> = Vec::new();
-        for (column, name) in header.iter().enumerate() {
+        for (column, name) in header.names.iter().enumerate() {
             let cell = options.names.understood(split_unit(name).0);
             if cell.is_none() && !is_frame(column, name) {
-                let value = Value::of_heading(line as u64, column, name);
+                let value = Value::of_heading(line, column, name);
                 self.skip(file, &(value, options.names.unknown().to_owned()));
             }
-            places.push(cell.map(|name| self.cell(embryo, &name, line as u64)));
+            places.push(cell.map(|name| self.cell(embryo, &name, line)));
         }
         // Without a unit a grid is in voxels where these have a size.
         let is_bare = named.is_none() && options.unit.is_none();
@@ -135,17 +133,16 @@ fn is_frame(column: usize, name: &str) -> bool {
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.
-fn grid_unit(header: &[String], (file, line): (&str, usize), names: &Names) -> Result<Option<VolumeUnit>, InputError> {
+fn grid_unit(header: &Header<'_>, names: &Names) -> Result<Option<VolumeUnit>, InputError> {
     let mut found: Option<VolumeUnit> = None;
-    for (column, heading) in header.iter().enumerate() {
+    for (column, heading) in header.names.iter().enumerate() {
         let (name, Some(written)) = split_unit(heading) else { continue };
         let unit = unit_of(written, &VOLUMES).copied();
         if unit.is_none() && names.understood(name).is_none() {
             continue;
         }
         let refused = |allowed: String| {
-            let why = format!("the unit of column {}, {}, must be {allowed}", column + 1, shown(heading));
-            malformed(file, line, why)
+            header.refused(format!("the unit of column {}, {}, must be {allowed}", column + 1, shown(heading)))
         };
         let unit = unit.ok_or_else(|| refused(format!("one of {}", units_listed(&VOLUMES))))?;
         if found.is_some_and(|before| before != unit) {

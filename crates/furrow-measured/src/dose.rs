@@ -13,11 +13,10 @@
 use std::io::Read;
 
 use furrow_input::InputError;
-use furrow_input::table::{NamedUnit, Table, columns_listed, malformed, only, split_unit, unit_of};
+use furrow_input::table::{Header, NamedUnit, Table, split_unit};
 use serde::{Deserialize, Serialize};
 
-use crate::layout::unified;
-use crate::statistics::{Line, RankCorrelation, line, mean, rank_correlation, sd};
+use crate::statistics::{Line, RankCorrelation, grouped, line, mean, rank_correlation, sd};
 use crate::volumes::{Rejected, Skipped, Value, fitting, note};
 
 /// A division of a cell with a dose.
@@ -62,23 +61,18 @@ impl Doses {
     /// A table without the required columns, or without a usable row.
     pub fn read(from: impl Read, file: &str) -> Result<Doses, InputError> {
         let mut table = Table::open(from, file)?;
-        let (line, header) = table.header(|_| false)?;
-        let columns = Columns::of(&header, (file, line))?;
+        let columns = Columns::of(&table.columns(|_| false)?)?;
         let mut doses = Doses::default();
         while let Some(row) = table.next_row()? {
             match fitting(row).and_then(|row| columns.division(|column| Value::new(row, column))) {
                 Ok(division) => doses.divisions.push(division),
-                Err(rejected) => doses.skip(file, &rejected),
+                Err(rejected) => note(&mut doses.skipped, &mut doses.skipped_count, || Skipped::new(file, &rejected)),
             }
         }
         let first = doses.skipped.first().map_or("the table has no rows".to_owned(), Skipped::described);
         let allowed = format!("at least one that can be used ({first})");
         InputError::require(!doses.divisions.is_empty(), file, "rows", "none used", allowed)?;
         Ok(doses)
-    }
-
-    fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
-        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, rejected));
     }
 }
 
@@ -97,36 +91,24 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &[String], (file, line): (&str, usize)) -> Result<Columns, InputError> {
-        let lower = unified(header, (file, line))?;
-        let all = |is: &dyn Fn(&str) -> bool| {
-            lower.iter().enumerate().filter(|(_, name)| is(name)).map(|(column, _)| (column, ())).collect::<Vec<_>>()
-        };
-        let one = |what: &str, is: &dyn Fn(&str) -> bool| {
-            let found = only(header, what, &all(is)).map_err(|why| malformed(file, line, why))?;
-            Ok::<_, InputError>(found.map(|(column, ())| column))
-        };
+    fn of(header: &Header<'_>) -> Result<Columns, InputError> {
         let is_dose = |name: &str| {
             let (name, _) = split_unit(name);
             let name = name.trim_end_matches('_');
             ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}")))
         };
-        let (dose, share) = (one("dose", &is_dose)?, one("share", &|name| name == "larger_share")?);
-        let condition = one("condition", &|name| name == "condition" || name == "group")?;
-        let (Some(dose), Some(share)) = (dose, share) else {
-            let missing = if dose.is_none() { "dose" } else { "larger_share" };
-            let message = format!(
-                "no column is called {missing}; a table of doses has the columns dose (or one whose name ends in _dose or _dosage) \
-                 and larger_share; the columns here are {}",
-                columns_listed(header)
-            );
-            return Err(malformed(file, line, message));
+        let dose = header.find_only("dose", is_dose)?;
+        let share = header.find_only("share", |name| name == "larger_share")?;
+        let condition = header.find_only("condition", |name| name == "condition" || name == "group")?;
+        let missing = |name: &str| {
+            let table =
+                "a table of doses has the columns dose (or one whose name ends in _dose or _dosage) and larger_share";
+            header.missing(&[(name, None)], table)
         };
-        let unit = split_unit(&header[dose]).1.map(|written| {
-            let why = || format!("the unit of column {}, {:?}, must be one of 1, %", dose + 1, header[dose]);
-            unit_of(written, &DOSES).map(|unit| unit.size).ok_or_else(|| malformed(file, line, why()))
-        });
-        Ok(Columns { dose, unit: unit.transpose()?.unwrap_or(1.0), share, condition })
+        let dose = dose.ok_or_else(|| missing("dose"))?;
+        let share = share.ok_or_else(|| missing("larger_share"))?;
+        let unit = header.unit(dose, &DOSES)?.map_or(1.0, |unit| unit.size);
+        Ok(Columns { dose, unit, share, condition })
     }
 
     fn division<'r>(&self, at: impl Fn(usize) -> Value<'r>) -> Result<DosedDivision, Rejected<'r>> {
@@ -191,14 +173,8 @@ impl DoseGroup {
 
 /// Divisions by condition, in the order of the table.
 pub fn by_condition(divisions: &[DosedDivision]) -> Vec<DoseGroup> {
-    let mut names: Vec<&str> = Vec::new();
-    for division in divisions {
-        if !names.contains(&division.condition.as_str()) {
-            names.push(&division.condition);
-        }
-    }
-    let of = |name: &str| divisions.iter().filter(|division| division.condition == name).collect::<Vec<_>>();
-    names.into_iter().map(|name| DoseGroup::of(name.to_owned(), &of(name))).collect()
+    let conditions = grouped(divisions.iter().map(|division| (division.condition.as_str(), division)));
+    conditions.into_iter().map(|(name, divisions)| DoseGroup::of(name.to_owned(), &divisions)).collect()
 }
 
 /// Most bins that are made without edges.

@@ -4,13 +4,13 @@
 //!
 //! A mother's volume is the sum of her daughters': segmentations do not always show her, and she grows while they do.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use furrow_input::InputError;
 use serde::Serialize;
 
 use crate::names::generation;
-use crate::statistics::{mean, sd};
+use crate::statistics::{grouped, mean, sd};
 use crate::volumes::Volumes;
 
 /// A division.
@@ -148,16 +148,7 @@ pub struct GroupSummary {
 
 /// Divisions by their group, groups in the order of the table.
 pub fn by_group(divisions: &[Division]) -> Vec<(&str, Vec<&Division>)> {
-    let mut out: Vec<(&str, Vec<&Division>)> = Vec::new();
-    let mut places: HashMap<&str, usize> = HashMap::new();
-    for division in divisions {
-        let place = *places.entry(&division.group).or_insert_with(|| {
-            out.push((&division.group, Vec::new()));
-            out.len() - 1
-        });
-        out[place].1.push(division);
-    }
-    out
+    grouped(divisions.iter().map(|division| (division.group.as_str(), division)))
 }
 
 /// χ by group, in the order of the table, and mother.

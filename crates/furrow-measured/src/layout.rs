@@ -1,7 +1,7 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
 use furrow_input::InputError;
-use furrow_input::table::{NamedUnit, columns_listed, malformed, only, quantity, unit_of};
+use furrow_input::table::{Header, NamedUnit, unit_of};
 use serde::Serialize;
 
 use crate::names::Names;
@@ -76,55 +76,47 @@ pub(crate) struct Columns {
 
 impl Columns {
     /// The columns of a long table; `None` for a grid.
-    pub(crate) fn of(
-        header: &[String],
-        (file, line): (&str, usize),
-        names: &Names,
-    ) -> Result<Option<Columns>, InputError> {
-        let lower = unified(header, (file, line))?;
-        let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
-        // Tables that have both put other names than the cell's in `name`.
-        let cell = find(&["cell"]).or_else(|| find(&["cell_name"])).or_else(|| find(&["name"]));
-        let volume = volume_column(header).map_err(|why| malformed(file, line, why))?;
-        let embryo = find(&["embryo", "embryo_name", "sample"]);
+    pub(crate) fn of(header: &Header<'_>, names: &Names) -> Result<Option<Columns>, InputError> {
+        let (cell, volume) = (cell_column(header), volume_column(header)?);
+        let embryo = header.find(&["embryo", "embryo_name", "sample"]);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
-            let group = find(&["group", "condition"]);
-            let (frame, n, unit) = (find(&["frame", "time", "time_point"]), find(&["n", "n_frames"]), find(&["unit"]));
+            let (group, frame) = (header.find(GROUP), header.find(&["frame", "time", "time_point"]));
+            let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
-        if names.any_on_top(header) {
+        if names.any_on_top(&header.names) {
             return Ok(None);
         }
-        let missing = [("cell", cell), ("volume", volume.map(|(column, _)| column)), ("embryo", embryo)];
-        let missing: Vec<&str> = missing.into_iter().filter(|(_, at)| at.is_none()).map(|(name, _)| name).collect();
-        let message = format!(
-            "no column is called {}; a table of volumes has the columns embryo, cell and volume (also volume_um3, volume_voxels or \
+        let needed = [("cell", cell), ("volume", volume.map(|(column, _)| column)), ("embryo", embryo)];
+        Err(header.missing(
+            &needed,
+            "a table of volumes has the columns embryo, cell and volume (also volume_um3, volume_voxels or \
              relative_volume), or one for each cell with its name on top, or of divisions embryo, mother, \
-             larger_um3 and smaller_um3, or of χ mother and chi; the columns here are {}",
-            missing.join(" or "),
-            columns_listed(header)
-        );
-        Err(malformed(file, line, message))
+             larger_um3 and smaller_um3, or of χ mother and chi",
+        ))
     }
 }
 
+/// Names of the column of groups.
+const GROUP: &[&str] = &["group", "condition"];
+
+/// The column of cells. Tables that have several of these put other names than the cell's in `name`.
+pub(crate) fn cell_column(header: &Header<'_>) -> Option<usize> {
+    ["cell", "cell_name", "name"].into_iter().find_map(|name| header.find(&[name]))
+}
+
 /// The column of volumes, with the unit where its heading gives one.
-fn volume_column(header: &[String]) -> Result<Option<(usize, Option<VolumeUnit>)>, String> {
+fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option<VolumeUnit>)>, InputError> {
     let mut found = Vec::new();
     for name in ["volume", "mean_volume", "relative_volume", "mean_relative_volume"] {
-        for (column, unit) in quantity(header, name, &VOLUMES)? {
+        for (column, unit) in header.quantity(name, &VOLUMES)? {
             let of_name =
                 name.contains("relative").then_some(NamedUnit { kind: Unit::Relative, size: 1.0, words: &[] });
             found.push((column, unit.copied().or(of_name)));
         }
     }
     found.sort_by_key(|(column, _)| *column);
-    only(header, "volume", &found)
-}
-
-/// Names of columns in lower case and with underscores; no two may be alike.
-pub(crate) fn unified(header: &[String], (file, line): (&str, usize)) -> Result<Vec<String>, InputError> {
-    furrow_input::table::unified(header).map_err(|why| malformed(file, line, why))
+    header.only("volume", &found)
 }
 
 /// The columns of a table of divisions.
@@ -141,45 +133,36 @@ pub(crate) struct DivisionColumns {
 
 impl DivisionColumns {
     /// The columns of a table of divisions; `None` for other tables.
-    pub(crate) fn of(header: &[String], (file, line): (&str, usize)) -> Result<Option<Self>, InputError> {
-        let lower = unified(header, (file, line))?;
-        let find = |name: &str| lower.iter().position(|column| column == name);
-        let micrometres = VOLUMES[0];
+    pub(crate) fn of(header: &Header<'_>) -> Result<Option<Self>, InputError> {
         // A heading `mother` without a unit is the column of names.
-        let volume = |of: &str| {
-            let found = quantity(header, of, &VOLUMES).map_err(|why| malformed(file, line, why))?;
-            let found: Vec<_> = found.into_iter().filter(|(_, unit)| unit.is_some() || of != "mother").collect();
-            let found =
-                only(header, &format!("volume of the {of}"), &found).map_err(|why| malformed(file, line, why))?;
-            Ok::<_, InputError>(found.map(|(at, unit)| (at, unit.copied().unwrap_or(micrometres))))
+        let volume = |of: &str| -> Result<Option<(usize, VolumeUnit)>, InputError> {
+            let mut found = header.quantity(of, &VOLUMES)?;
+            found.retain(|(_, unit)| unit.is_some() || of != "mother");
+            let found = header.only(&format!("volume of the {of}"), &found)?;
+            Ok(found.map(|(at, unit)| (at, unit.copied().unwrap_or(VOLUMES[0]))))
         };
         let (larger, smaller) = match (volume("larger")?, volume("smaller")?) {
             (None, None) => return Ok(None),
             found => found,
         };
-        let (embryo, mother) = (find("embryo"), find("mother"));
+        let (embryo, mother) = (header.find(&["embryo"]), header.find(&["mother"]));
         let (Some(embryo), Some(mother), Some((larger, unit)), Some((smaller, other))) =
             (embryo, mother, larger, smaller)
         else {
-            let needed = [("embryo", embryo), ("mother", mother)];
-            let daughters = [("larger_um3", larger), ("smaller_um3", smaller)];
-            let needed = needed.into_iter().chain(daughters.map(|(name, found)| (name, found.map(|(at, _)| at))));
-            let missing: Vec<&str> = needed.filter(|(_, at)| at.is_none()).map(|(name, _)| name).collect();
-            let message = format!(
-                "no column is called {}; a table of divisions has the columns embryo, mother, larger_um3 and smaller_um3 \
-                 (or larger_voxels, smaller_voxels); the columns here are {}",
-                missing.join(" or "),
-                columns_listed(header)
-            );
-            return Err(malformed(file, line, message));
+            let [larger, smaller] = [larger, smaller].map(|found| found.map(|(at, _)| at));
+            return Err(header.missing(
+                &[("embryo", embryo), ("mother", mother), ("larger_um3", larger), ("smaller_um3", smaller)],
+                "a table of divisions has the columns embryo, mother, larger_um3 and smaller_um3 \
+                 (or larger_voxels, smaller_voxels)",
+            ));
         };
         let mother_volume = volume("mother")?;
         if other != unit || mother_volume.is_some_and(|(_, own)| own != unit) {
-            return Err(malformed(file, line, "mother, larger and smaller have different units"));
+            return Err(header.refused("mother, larger and smaller have different units"));
         }
         let mother_volume = mother_volume.map(|(at, _)| at);
-        let (population, generation) = (find("population").or_else(|| find("group")), find("generation"));
-        let daughters = [larger, smaller];
+        let population = header.find(&["population"]).or_else(|| header.find(&["group"]));
+        let (daughters, generation) = ([larger, smaller], header.find(&["generation"]));
         Ok(Some(DivisionColumns { embryo, mother, daughters, mother_volume, population, generation, unit }))
     }
 }
@@ -194,13 +177,11 @@ pub(crate) struct ChiColumns {
 
 impl ChiColumns {
     /// The columns of a table of χ; `None` for other tables.
-    pub(crate) fn of(header: &[String], place: (&str, usize)) -> Result<Option<Self>, InputError> {
-        let lower = unified(header, place)?;
-        let find = |names: &[&str]| lower.iter().position(|column| names.contains(&column.as_str()));
+    pub(crate) fn of(header: &Header<'_>) -> Option<Self> {
+        let mother = header.find(&["mother"])?;
         // Where a table has both, the signed χ is more informative.
-        let (mother, chi) = (find(&["mother"]), find(&["chi_signed"]).or_else(|| find(&["chi"])));
-        let (embryo, group) = (find(&["embryo", "sample"]), find(&["group", "condition"]));
-        Ok(mother.zip(chi).map(|(mother, chi)| ChiColumns { mother, chi, embryo, group }))
+        let chi = header.find(&["chi_signed"]).or_else(|| header.find(&["chi"]))?;
+        Some(ChiColumns { mother, chi, embryo: header.find(&["embryo", "sample"]), group: header.find(GROUP) })
     }
 }
 

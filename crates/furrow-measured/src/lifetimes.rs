@@ -8,16 +8,17 @@ use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
 use std::path::Path;
 
-use furrow_input::table::{Row, TIMES, Table, columns_listed, malformed, quantity, unified, units_listed};
+use furrow_input::table::{Header, Row, TIMES, Table, columns_listed};
 use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
 use crate::events::place;
+use crate::layout::cell_column;
 use crate::names::Names;
 use crate::significance::{Sample, Trend, power, sign_test, welch};
 use crate::statistics::{mean, sd};
 use crate::tracked::{TrackOptions, read_tracked};
-use crate::volumes::{Rejected, Skipped, Value, Volumes, fitting, note};
+use crate::volumes::{Rejected, Skipped, Value, Volumes, fitting, note, require_used};
 
 /// How long a cell lives in some embryos.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,48 +72,34 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &[String], file: &str, line: usize) -> Result<Columns, InputError> {
-        let refused = |why: String| malformed(file, line, why);
-        let lower = unified(header).map_err(refused)?;
-        let at = |wanted: &str| lower.iter().position(|name| name == wanted);
+    fn of(header: &Header<'_>) -> Result<Columns, InputError> {
         let time = |what: &str| -> Result<Option<TimeColumn>, InputError> {
-            let named = || {
-                let of = |unit: &str| format!("{what}_{unit}");
-                units_listed(&TIMES).split(", ").map(of).collect::<Vec<_>>().join(", ")
+            let refused = |column: usize, why: String| {
+                let named: Vec<String> = TIMES.iter().map(|unit| format!("{what}_{}", unit.words[0])).collect();
+                header.refused(format!("column {} is {why} {}", column + 1, named.join(", ")))
             };
-            match quantity(header, what, &TIMES).map_err(refused)?[..] {
+            match header.quantity(what, &TIMES)?[..] {
                 [] => Ok(None),
                 [(column, Some(unit))] => Ok(Some((column, unit.size))),
                 [(column, None), ..] => {
-                    let why = format!("column {} is called {what:?}: its name must have the unit, as", column + 1);
-                    Err(refused(format!("{why} {}", named())))
+                    Err(refused(column, format!("called {what:?}: its name must have the unit, as")))
                 }
-                [_, (second, _), ..] => {
-                    let why = format!("column {} is a second one for the {what}; allowed is one of", second + 1);
-                    Err(refused(format!("{why} {}", named())))
-                }
+                [_, (second, _), ..] => Err(refused(second, format!("a second one for the {what}; allowed is one of"))),
             }
         };
-        let missing =
-            |what: &str| refused(format!("no column is called {what}; the columns are {}", columns_listed(header)));
-        let cell = at("cell").or_else(|| at("cell_name")).or_else(|| at("name")).ok_or_else(|| missing("cell"))?;
+        let missing = |what: &str| {
+            let here = columns_listed(&header.names);
+            header.refused(format!("no column is called {what}; the columns are {here}"))
+        };
+        let cell = cell_column(header).ok_or_else(|| missing("cell"))?;
         let lifetime = time("lifetime")?.ok_or_else(|| missing("lifetime_min"))?;
-        let (n, sd, birth) = (at("n"), time("sd")?, time("birth")?);
+        let (n, sd, birth) = (header.find(&["n"]), time("sd")?, time("birth")?);
         if let (None, Some((column, _))) = (n, sd) {
             let why = format!("column {} is a standard deviation, but no column is called n", column + 1);
-            return Err(refused(why));
+            return Err(header.refused(why));
         }
         Ok(Columns { cell, lifetime, n, sd, birth })
     }
-}
-
-/// The values of a row.
-struct Measured {
-    cell: String,
-    n: u64,
-    mean: f64,
-    sd: Option<f64>,
-    birth: Option<f64>,
 }
 
 /// Limits of a time, in minutes: sums beyond them could overflow.
@@ -125,7 +112,7 @@ fn minutes<'r>(row: Row<'r>, (column, unit): TimeColumn, least: f64, allowed: &s
     if (least..=TIMES_OF_CELLS[1]).contains(&time) { Ok(time) } else { Err((value, allowed.to_owned())) }
 }
 
-fn read_row<'r>(row: Row<'r>, columns: &Columns, names: &Names) -> Result<Measured, Rejected<'r>> {
+fn read_row<'r>(row: Row<'r>, columns: &Columns, names: &Names) -> Result<Lifetime, Rejected<'r>> {
     let row = fitting(row)?;
     let at = |column: usize| Value::new(row, column);
     let cell = at(columns.cell);
@@ -144,7 +131,8 @@ fn read_row<'r>(row: Row<'r>, columns: &Columns, names: &Names) -> Result<Measur
     };
     let sd = optional(columns.sd, 0.0, "must be a time of 0 or more, or empty")?;
     let birth = optional(columns.birth, -TIMES_OF_CELLS[1], "must be a time, or empty")?;
-    Ok(Measured { cell, n, mean, sd, birth })
+    let founder = names.founder(&cell).unwrap_or_default().to_owned();
+    Ok(Lifetime { cell, founder, n, mean, sd, birth })
 }
 
 impl Lifetimes {
@@ -162,45 +150,31 @@ impl Lifetimes {
     /// As [`Lifetimes::read`].
     pub fn read_named(from: impl Read, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
         let mut table = Table::open(from, file)?;
-        let (line, header) = table.header(|_| false)?;
-        let columns = Columns::of(&header, file, line)?;
+        let columns = Columns::of(&table.columns(|_| false)?)?;
         let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };
-        let mut rows: Vec<Vec<Measured>> = Vec::new();
+        let mut rows: Vec<Vec<Lifetime>> = Vec::new();
         // Indices of cells, and the lines of their first rows.
         let mut places: HashMap<String, (usize, u64)> = HashMap::new();
-        while let Some(record) = table.next_row()? {
-            let row = match read_row(record, &columns, names) {
-                Ok(row) => row,
-                Err(rejected) => {
-                    found.skip(file, &rejected);
-                    continue;
+        while let Some(row) = table.next_row()? {
+            let noted = read_row(row, &columns, names).and_then(|lifetime| {
+                let (at, first) = *places.entry(lifetime.cell.clone()).or_insert((rows.len(), row.line));
+                match rows.get_mut(at) {
+                    Some(_) if columns.n.is_some() => {
+                        let why = format!("a second row of this cell; the first is on line {first}");
+                        return Err((Value::new(row, columns.cell), why));
+                    }
+                    Some(of_cell) => of_cell.push(lifetime),
+                    None => rows.push(vec![lifetime]),
                 }
-            };
-            let next = (rows.len(), record.line);
-            match places.get(&row.cell) {
-                Some((_, before)) if columns.n.is_some() => {
-                    let why = format!("a second row of this cell; the first is on line {before}");
-                    found.skip(file, &(Value::new(record, columns.cell), why));
-                    continue;
-                }
-                Some((at, _)) => rows[*at].push(row),
-                None => {
-                    places.insert(row.cell.clone(), next);
-                    rows.push(vec![row]);
-                }
+                Ok(())
+            });
+            match noted {
+                Ok(()) => found.used += 1,
+                Err(rejected) => note(&mut found.skipped, &mut found.skipped_count, || Skipped::new(file, &rejected)),
             }
-            found.used += 1;
         }
-        let first = found.skipped.first().map_or("the table has no rows".to_owned(), Skipped::described);
-        let value = format!("none used, {} skipped", found.skipped_count);
-        InputError::require(
-            found.used > 0,
-            file,
-            "lifetimes",
-            value,
-            format!("at least one that can be used ({first})"),
-        )?;
-        found.cells = rows.iter().filter_map(|rows| averaged(rows, names)).collect();
+        require_used(found.used, (file, "lifetimes"), &found.skipped, found.skipped_count)?;
+        found.cells = rows.iter().filter_map(|rows| averaged(rows)).collect();
         Ok(found)
     }
 
@@ -217,10 +191,6 @@ impl Lifetimes {
         }
     }
 
-    fn skip(&mut self, file: &str, rejected: &Rejected<'_>) {
-        note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, rejected));
-    }
-
     /// The lifetime of a cell.
     pub fn of(&self, cell: &str) -> Option<&Lifetime> {
         self.cells.iter().find(|lifetime| lifetime.cell == cell)
@@ -235,17 +205,12 @@ impl Lifetimes {
 }
 
 /// A single row, or the mean over several rows of one embryo each.
-fn averaged(rows: &[Measured], names: &Names) -> Option<Lifetime> {
-    let first = rows.first()?;
-    let founder = names.founder(&first.cell)?.to_owned();
+fn averaged(rows: &[Lifetime]) -> Option<Lifetime> {
+    let [first, _, ..] = rows else { return rows.first().cloned() };
     let births: Vec<f64> = rows.iter().filter_map(|row| row.birth).collect();
     let lives: Vec<f64> = rows.iter().map(|row| row.mean).collect();
-    let (n, mean_life, sd) = match rows {
-        [row] => (row.n, row.mean, row.sd),
-        rows => (rows.len() as u64, mean(&lives), sd(&lives)),
-    };
     let birth = (!births.is_empty()).then(|| mean(&births));
-    Some(Lifetime { cell: first.cell.clone(), founder, n, mean: mean_life, sd, birth })
+    Some(Lifetime { n: rows.len() as u64, mean: mean(&lives), sd: sd(&lives), birth, ..first.clone() })
 }
 
 /// Mean volume of every cell over the embryos that have it.

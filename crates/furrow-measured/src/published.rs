@@ -13,6 +13,7 @@
 use furrow_input::InputError;
 use furrow_input::table::malformed;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use crate::dose::{DoseGroup, Spread};
 use crate::events::{Division, GroupSummary, MotherSummary, divisions, place};
@@ -99,12 +100,17 @@ pub fn villoutreix2016() -> Result<Vec<GroupSummary>, InputError> {
     groups_of(VILLOUTREIX, "villoutreix2016.csv")
 }
 
+/// The rows of a shipped table.
+fn rows<T: DeserializeOwned>(table: &str, file: &str) -> Result<Vec<T>, InputError> {
+    let refused = |error: csv::Error| {
+        malformed(file, error.position().map_or(1, csv::Position::line) as usize, error.to_string())
+    };
+    csv::Reader::from_reader(table.as_bytes()).into_deserialize().collect::<Result<_, _>>().map_err(refused)
+}
+
 fn groups_of(table: &str, file: &str) -> Result<Vec<GroupSummary>, InputError> {
     let mut groups: Vec<GroupSummary> = Vec::new();
-    for row in csv::Reader::from_reader(table.as_bytes()).deserialize() {
-        let row: Row = row.map_err(|error| {
-            malformed(file, error.position().map_or(1, csv::Position::line) as usize, error.to_string())
-        })?;
+    for row in rows::<Row>(table, file)? {
         let event = MotherSummary {
             mother: row.mother,
             n: row.n,
@@ -152,10 +158,7 @@ struct DoseRow {
 /// Only if the shipped table is invalid.
 pub fn rodrigues2024() -> Result<[Vec<DoseGroup>; 2], InputError> {
     let mut groups = [Vec::new(), Vec::new()];
-    for row in csv::Reader::from_reader(RODRIGUES.as_bytes()).deserialize() {
-        let row: DoseRow = row.map_err(|error| {
-            malformed("rodrigues2024.csv", error.position().map_or(1, csv::Position::line) as usize, error.to_string())
-        })?;
+    for row in rows::<DoseRow>(RODRIGUES, "rodrigues2024.csv")? {
         let spread = |mean: f64, sd: Option<f64>| Spread { mean, sd };
         groups[usize::from(row.by != "condition")].push(DoseGroup {
             name: row.name,

@@ -3,10 +3,24 @@
 //! # References
 //! Mann & Whitney, *Ann. Math. Stat.* 18, 50 (1947); Wilcoxon, *Biometrics Bull.* 1, 80 (1945).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::hash::Hash;
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// Items by their keys, in the order in which these appear.
+pub(crate) fn grouped<K: Copy + Eq + Hash, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
+    let (mut groups, mut places) = (Vec::<(K, Vec<T>)>::new(), HashMap::new());
+    for (key, item) in items {
+        let place = *places.entry(key).or_insert(groups.len());
+        match groups.get_mut(place) {
+            Some((_, group)) => group.push(item),
+            None => groups.push((key, vec![item])),
+        }
+    }
+    groups
+}
 
 /// Mean of the values; NaN without values.
 pub fn mean(values: &[f64]) -> f64 {

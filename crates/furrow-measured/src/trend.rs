@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::events::Division;
 use crate::statistics::{
-    BoxPlot, Line, RankCorrelation, RankSum, box_plot, line, mean, rank_correlation, rank_sum, sd, stars,
+    BoxPlot, Line, RankCorrelation, RankSum, box_plot, grouped, line, mean, rank_correlation, rank_sum, sd, stars,
 };
 
 /// Divisions of mothers in one decade of volume.
@@ -114,16 +114,9 @@ pub struct EmbryoTrend {
 
 /// The trend of some divisions, over all and within embryos.
 pub fn volume_trend(divisions: &[Division]) -> VolumeTrend {
-    let mut embryos: Vec<(&str, Vec<[f64; 2]>)> = Vec::new();
-    let mut all = Vec::new();
-    for division in divisions {
-        let point = [division.mother_volume(), division.chi()];
-        all.push(point);
-        match embryos.iter_mut().find(|(name, _)| *name == division.embryo) {
-            Some((_, points)) => points.push(point),
-            None => embryos.push((&division.embryo, vec![point])),
-        }
-    }
+    let point = |division: &Division| [division.mother_volume(), division.chi()];
+    let all: Vec<[f64; 2]> = divisions.iter().map(point).collect();
+    let embryos = grouped(divisions.iter().map(|division| (division.embryo.as_str(), point(division))));
     let of = |(embryo, points): (&str, Vec<[f64; 2]>)| {
         Some(EmbryoTrend { embryo: embryo.to_owned(), line: volume_line(&points)? })
     };

@@ -21,6 +21,7 @@ use furrow_input::table::{Numbers, Row, Table, text};
 use furrow_input::{InputError, csv_value, open_file};
 use serde::Serialize;
 
+use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{ChiColumns, Columns, DivisionColumns};
@@ -41,6 +42,12 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// The group of a row: the one in its column of groups, or else the given one.
+    pub(crate) fn group_of(&self, written: Option<Value<'_>>) -> String {
+        let written = written.map(Value::written).filter(|group| !group.is_empty());
+        written.or_else(|| self.group.clone()).unwrap_or_default()
+    }
+
     /// The volume of a voxel, 1 if unknown.
     pub(crate) fn voxel_volume(&self) -> f64 {
         self.voxel.map_or(1.0, |voxel| voxel.powi(3))
@@ -131,6 +138,13 @@ pub(crate) fn note(kept: &mut Vec<Skipped>, count: &mut u64, skipped: impl FnOnc
     }
 }
 
+/// Requires that a table has a value that can be used, or names the first one that cannot.
+pub(crate) fn require_used(used: u64, place: (&str, &str), skipped: &[Skipped], count: u64) -> Result<(), InputError> {
+    let first = skipped.first().map_or("the table has no rows".to_owned(), Skipped::described);
+    let (value, allowed) = (format!("none used, {count} skipped"), format!("at least one that can be used ({first})"));
+    InputError::require(used > 0, place.0, place.1, value, allowed)
+}
+
 /// Volumes of the cells of some embryos.
 #[derive(Clone, Debug, Default)]
 pub struct Volumes {
@@ -210,16 +224,18 @@ impl Volumes {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
         let is_grid = |header: &[String]| options.names.any_on_top(header);
-        let (line, header) = table.header(is_grid)?;
+        let header = table.columns(is_grid)?;
         self.names = options.names.clone();
-        let unit = if let Some(columns) = DivisionColumns::of(&header, (file, line))? {
-            self.read_divisions(&mut table, file, options, &columns)?
-        } else if let Some(columns) = ChiColumns::of(&header, (file, line))? {
-            self.read_chi(&mut table, file, options, &columns)?
-        } else if let Some(columns) = Columns::of(&header, (file, line), &options.names)? {
+        let unit = if let Some(columns) = DivisionColumns::of(&header)? {
+            self.read_divisions(&mut table, file, 2, |row| division(row, &columns, options))?;
+            columns.unit.kind
+        } else if let Some(columns) = ChiColumns::of(&header) {
+            self.read_divisions(&mut table, file, 1, |row| chi_division(row, &columns, (file, options)))?;
+            Unit::OfMother
+        } else if let Some(columns) = Columns::of(&header, &options.names)? {
             self.read_long(&mut table, file, options, &columns)?
         } else {
-            self.read_grid(&mut table, (file, line), options, &header)?
+            self.read_grid(&mut table, file, options, &header)?
         };
         let unit = if unit == Unit::Voxels && options.voxel.is_some() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)
@@ -256,7 +272,7 @@ impl Volumes {
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
         let names = &options.names;
         self.names = names.clone();
-        let embryo = self.embryo(options.group.clone().unwrap_or_default(), lineage.name);
+        let embryo = self.embryo(options.group_of(None), lineage.name);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
         for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {
@@ -304,11 +320,8 @@ impl Volumes {
     /// # Errors
     /// No volume was used; the error has the first value that could not be used.
     pub fn require_used(&self, tables: &str) -> Result<(), InputError> {
-        let first = self.skipped.first();
-        let file = first.map_or(tables, |skipped| skipped.file.as_str());
-        let value = format!("none used, {} skipped", self.skipped_count);
-        let why = first.map_or("the table has no rows".to_owned(), Skipped::described);
-        InputError::require(self.used > 0, file, "volumes", value, format!("at least one that can be used ({why})"))
+        let file = self.skipped.first().map_or(tables, |skipped| &skipped.file);
+        require_used(self.used, (file, "volumes"), &self.skipped, self.skipped_count)
     }
 
     pub(crate) fn embryo(&mut self, group: String, name: String) -> usize {

@@ -37,9 +37,7 @@ fn rank_sums_agree_with_scipy() {
 #[test]
 fn lines_agree_with_scipy() {
     for case in reference()["lines"].as_array().unwrap() {
-        let points: Vec<[f64; 2]> =
-            numbers(&case["x"]).into_iter().zip(numbers(&case["y"])).map(|(x, y)| [x, y]).collect();
-        let found = line(&points).unwrap();
+        let found = line(&points(case)).unwrap();
         close(found.slope, &case["slope"]);
         close(found.slope_error, &case["slope_error"]);
         close(found.r_squared, &case["r_squared"]);

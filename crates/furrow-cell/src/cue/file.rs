@@ -158,26 +158,8 @@ mod tests {
 
     #[test]
     fn cues_in_files_are_refused_as_those_of_the_command_line_are() {
-        for (text, expected) in [
-            ("\"kapa:u0=0.4\"", "did you mean kappa?"),
-            ("3", "expected a cue as --cue reads it"),
-            ("kappa(u0: 0.4, amplitude: 0.1)", "kappa.omega = (not given)"),
-            ("kappa(u0: 0.4, u0: 0.4, omega: 0.1, amplitude: 0.1)", "kappa.u0 = \"0.4\": must be given once"),
-            (
-                "kappa(u0: 0.4, omega: 0.1, omega_length: 0.1, amplitude: 0.1)",
-                "kappa.omega = \"0.1Lh\": must be given once",
-            ),
-            ("kappa(u0: left, omega: 0.1, amplitude: 0.1)", "kappa.u0 = \"left\": must be a number"),
-            ("kappa(profile: bnad, u0: 0.4, omega: 0.1, amplitude: 0.1)", "bnad"),
-            ("kappa(u0: 0.4, omga: 0.1, amplitude: 0.1)", "omga"),
-            ("regulator(profile: none, turnover: 1, diffusion: 1)", "regulator = (no field)"),
-            ("regulator(profile: none, turnover: 1, diffusion: 1, couplings: {\"kapa\": 0.3})", "did you mean kappa?"),
-            ("regulator(profile: none, turnover: 1, diffusion: 1, couplings: {\"kappa\": 1, \"kappa\": 2})", "once"),
-            (
-                "regulator(profile: none, turnover: 1, turnover_per_s: 1, diffusion: 1, couplings: {\"kappa\": 1})",
-                "once",
-            ),
-        ] {
+        for case in include_str!("by_field_refused.txt").lines().collect::<Vec<_>>().chunks(2) {
+            let (text, expected) = (case[0], case[1].trim_start_matches("> "));
             let complaint = read(text).unwrap_err();
             assert!(complaint.contains(expected), "{text}: {complaint}");
         }

@@ -38,6 +38,17 @@ pub enum Anchor {
     End,
 }
 
+impl Anchor {
+    /// From the position to the beginning of a text with this length.
+    pub(super) fn beginning(self, length: f32) -> f32 {
+        match self {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -0.5 * length,
+            Anchor::End => -length,
+        }
+    }
+}
+
 /// The outline of a shape.
 #[derive(Clone, Debug)]
 pub(super) enum Outline {
@@ -48,7 +59,7 @@ pub(super) enum Outline {
 
 /// One line of text.
 #[derive(Clone, Debug)]
-pub(super) struct Words {
+pub struct Label {
     pub(super) at: [f64; 2],
     pub(super) content: String,
     pub(super) size: u32,
@@ -56,15 +67,37 @@ pub(super) struct Words {
     pub(super) colour: Colour,
     pub(super) bold: bool,
     pub(super) upwards: bool,
-    /// Colour of a rim that separates the text from the lines behind it.
     pub(super) halo: Option<Colour>,
+}
+
+impl Label {
+    /// A label on a base line.
+    pub fn new(at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) -> Label {
+        let content = printable(content).into_owned();
+        Label { at, content, size, anchor, colour, bold: false, upwards: false, halo: None }
+    }
+
+    /// The label in bold letters.
+    pub fn bold(self) -> Label {
+        Label { bold: true, ..self }
+    }
+
+    /// The label turned to be read from below.
+    pub fn upwards(self) -> Label {
+        Label { upwards: true, ..self }
+    }
+
+    /// The label with a rim that separates it from the lines behind it.
+    pub fn over(self, rim: Colour) -> Label {
+        Label { halo: Some(rim), ..self }
+    }
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum Element {
     /// A shape with its fill, the fill's opacity, and its stroke.
     Shape(Outline, Option<(Colour, f64)>, Option<Stroke>),
-    Text(Words),
+    Text(Label),
     /// Clips the following elements to [left, top, right, bottom]; `None` ends the clipping.
     Clip(Option<[f64; 4]>),
 }
@@ -114,40 +147,17 @@ impl Canvas {
 
     /// A line of text on a base line.
     pub fn text(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.line(at, content, size, anchor, (colour, None, false));
+        self.label(Label::new(at, content, size, anchor, colour));
     }
 
-    /// A line of bold text.
-    pub fn bold(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.line(at, content, size, anchor, (colour, None, true));
+    /// A line of text.
+    pub fn label(&mut self, label: Label) {
+        self.elements.push(Element::Text(label));
     }
 
-    /// A line of text with a rim that separates it from the lines behind it.
-    pub fn text_over(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, [colour, halo]: [Colour; 2]) {
-        self.line(at, content, size, anchor, (colour, Some(halo), false));
-    }
-
-    /// A line of bold text with such a rim.
-    pub fn bold_over(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, [colour, halo]: [Colour; 2]) {
-        self.line(at, content, size, anchor, (colour, Some(halo), true));
-    }
-
-    fn line(
-        &mut self,
-        at: [f64; 2],
-        content: &str,
-        size: u32,
-        anchor: Anchor,
-        (colour, halo, bold): (Colour, Option<Colour>, bool),
-    ) {
-        let content = content.to_owned();
-        self.words(Words { at, content, size, anchor, colour, bold, upwards: false, halo });
-    }
-
-    /// Adds a line of text without the characters that no picture can show and that would make an SVG invalid.
-    pub(super) fn words(&mut self, words: Words) {
-        let content = printable(&words.content).into_owned();
-        self.elements.push(Element::Text(Words { content, ..words }));
+    /// The outline of a rectangle [left, top, right, bottom].
+    pub fn frame(&mut self, [left, top, right, bottom]: [f64; 4], stroke: Stroke) {
+        self.polyline(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], stroke);
     }
 
     /// Clips everything that `draw` adds to [left, top, right, bottom].

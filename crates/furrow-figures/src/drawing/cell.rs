@@ -121,9 +121,9 @@ pub fn cue_colours(changes: &[Change<'_>]) -> Vec<(Colour, String)> {
 pub fn cue_legend(cue: &Cue, length: f64, phi: Option<PhiRange>) -> Legend {
     let changes = changes(cue, length);
     let colours = cue_colours(&changes).into_iter().chain(phi.into_iter().flat_map(PhiRange::colours));
-    let legend = colours.fold(Legend::default(), |legend, (colour, word)| legend.with(Key::Area(colour), word));
-    let painted = changes.iter().map(|change| style::field(change.field));
-    let names: Vec<&str> = phi.map(|_| "regulator").into_iter().chain(painted).collect();
+    let legend = Legend::default().with_all(colours.map(|(colour, word)| (Key::Area(colour), word)));
+    let fields = changes.iter().map(|change| style::field(change.field));
+    let names: Vec<&str> = phi.map(|_| "regulator").into_iter().chain(fields).collect();
     legend.with_if(names.len() > 1, Key::Nothing, format!("strips from the inside: {}", names.join(", ")))
 }
 

@@ -83,7 +83,7 @@ impl Canvas {
 
 #[cfg(test)]
 mod tests {
-    use super::super::canvas::Words;
+    use super::super::canvas::Label;
     use super::super::{Anchor, Stroke, style::INK};
     use super::*;
 
@@ -116,9 +116,8 @@ mod tests {
     fn a_vertical_label_has_the_pixels_of_a_horizontal_one() {
         let label = |upwards: bool| {
             let mut canvas = Canvas::new(160.0, 160.0);
-            let (content, anchor, colour) = ("normal force ξₛ".to_owned(), Anchor::Middle, INK);
-            let at = [80.0, 80.0];
-            canvas.words(Words { at, content, size: 17, anchor, colour, bold: false, upwards, halo: None });
+            let label = Label::new([80.0, 80.0], "normal force ξₛ", 17, Anchor::Middle, INK);
+            canvas.label(if upwards { label.upwards() } else { label });
             let (pixels, [width, _]) = canvas.pixels(2.0).unwrap();
             let pixels: Vec<[u8; 3]> = pixels.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
             (pixels, width as usize)

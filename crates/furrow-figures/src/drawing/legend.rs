@@ -2,7 +2,9 @@
 
 use super::canvas::{Anchor, Canvas, Stroke};
 use super::font;
-use super::style::{Colour, INK, MUTED, WHITE, text};
+use super::style::{self, Colour, INK, MUTED, WHITE, text};
+use furrow_mechanics::division::Outcome;
+use furrow_mechanics::equilibria::curves::Curve;
 
 /// The shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +62,31 @@ impl Legend {
             self.0.push((key, word.into()));
         }
         self
+    }
+
+    /// Adds entries.
+    pub fn with_all<W: Into<String>>(self, entries: impl IntoIterator<Item = (Key, W)>) -> Legend {
+        entries.into_iter().fold(self, |legend, (key, word)| legend.with(key, word))
+    }
+
+    /// Adds the tiles of a map of outcomes, of which `has` tells the shown ones; `None` is an undecided division.
+    pub fn with_tiles(self, has: impl Fn(Option<Outcome>) -> bool) -> Legend {
+        let tiles = [
+            (Some(Outcome::Symmetric), "symmetric"),
+            (Some(Outcome::Asymmetric), "asymmetric, χ by shade"),
+            (Some(Outcome::Arrested), "stays at rest"),
+            (None, "undecided"),
+        ];
+        let shown = tiles.into_iter().filter(|(outcome, _)| has(*outcome));
+        self.with_all(shown.map(|(outcome, word)| (Key::Area(style::tile(outcome, Some(0.7))), word)))
+    }
+
+    /// Adds curves above which disturbances of these wave numbers grow.
+    pub fn with_azimuthal<'a>(self, curves: impl IntoIterator<Item = &'a (usize, Curve)>) -> Legend {
+        self.with_all(curves.into_iter().map(|(m, _)| {
+            let words = format!("disturbances cos {}φ grow above", style::factor(*m));
+            (Key::Line(style::azimuthal(*m)), words)
+        }))
     }
 
     /// Positions of the entries in rows of at most the given width.

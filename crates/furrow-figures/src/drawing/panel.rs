@@ -1,6 +1,6 @@
 //! Charts: axes, and drawing in data coordinates.
 
-use super::canvas::{Anchor, Canvas, Stroke, Words};
+use super::canvas::{Anchor, Canvas, Label, Stroke};
 use super::legend::{Marker, point};
 use super::style::{Colour, FAINT, GRID, INK, MUTED, text};
 
@@ -182,16 +182,13 @@ impl Chart<'_> {
         }
         let label = [0.5 * (left + right), at[1] + height - 9.0];
         chart.canvas.text(label, &chart.x.label, text::LABEL, Anchor::Middle, INK);
-        let (at, content) = ([at[0] + 30.0, 0.5 * (top + bottom)], chart.y.label.clone());
-        let (size, anchor, colour) = (text::LABEL, Anchor::Middle, INK);
-        chart.canvas.words(Words { at, content, size, anchor, colour, bold: false, upwards: true, halo: None });
+        let at = [at[0] + 30.0, 0.5 * (top + bottom)];
+        chart.canvas.label(Label::new(at, &chart.y.label, text::LABEL, Anchor::Middle, INK).upwards());
         chart
     }
 
     fn border(&mut self) {
-        let [left, top, right, bottom] = self.frame;
-        let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
-        self.canvas.polyline(&corners, Stroke::solid(INK, 1.0));
+        self.canvas.frame(self.frame, Stroke::solid(INK, 1.0));
     }
 
     /// A point of the data on the canvas.

@@ -9,7 +9,7 @@ use pdf_writer::types::{CidFontType, FontFlags, LineJoinStyle, SystemInfo, TextR
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use ttf_parser::{Face, GlyphId};
 
-use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
+use super::canvas::{Canvas, Element, Label, Outline, Stroke};
 use super::font::{self, BOLD, DROP, FONT, INDEX};
 use super::style::Colour;
 use super::svg::HALO;
@@ -55,7 +55,7 @@ impl Page<'_> {
     fn draw(&mut self, element: &Element) {
         match element {
             Element::Shape(outline, fill, stroke) => self.shape(outline, *fill, *stroke),
-            Element::Text(words) => self.text(words),
+            Element::Text(label) => self.text(label),
             Element::Clip(Some([left, top, right, bottom])) => {
                 let [x, y, width, height] = [*left, *top, right - left, bottom - top].map(|x| x as f32);
                 self.content.save_state().rect(x, y, width, height).clip_nonzero().end_path();
@@ -117,30 +117,26 @@ impl Page<'_> {
         }
     }
 
-    fn text(&mut self, words: &Words) {
-        let size = words.size as f32;
-        let length = font::width(&words.content, words.size) as f32;
-        let left = match words.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => -0.5 * length,
-            Anchor::End => -length,
-        };
-        let [x, y] = words.at.map(|x| x as f32);
+    fn text(&mut self, label: &Label) {
+        let size = label.size as f32;
+        let length = font::width(&label.content, label.size) as f32;
+        let left = label.anchor.beginning(length);
+        let [x, y] = label.at.map(|x| x as f32);
         // In text space y runs upwards.
         let place =
-            if words.upwards { [0.0, -1.0, -1.0, 0.0, x, y - left] } else { [1.0, 0.0, 0.0, -1.0, x + left, y] };
+            if label.upwards { [0.0, -1.0, -1.0, 0.0, x, y - left] } else { [1.0, 0.0, 0.0, -1.0, x + left, y] };
         let mut layers = Vec::new();
-        layers.extend(words.halo.map(|rim| (Mode::Stroke, rim, HALO as f32)));
-        layers.push(match words.bold {
-            true => (Mode::FillStroke, words.colour, BOLD * size),
-            false => (Mode::Fill, words.colour, 0.0),
+        layers.extend(label.halo.map(|rim| (Mode::Stroke, rim, HALO as f32)));
+        layers.push(match label.bold {
+            true => (Mode::FillStroke, label.colour, BOLD * size),
+            false => (Mode::Fill, label.colour, 0.0),
         });
         for (mode, colour, pen) in layers {
             self.content.save_state();
             self.fill(colour);
             self.pen(colour, pen);
             self.content.begin_text().set_text_rendering_mode(mode).set_text_matrix(place);
-            for run in font::runs(&words.content) {
+            for run in font::runs(&label.content) {
                 let (scale, drop) = if run.index { (INDEX as f32, DROP as f32) } else { (1.0, 0.0) };
                 let shown: Vec<u8> = run.letters.chars().flat_map(|letter| self.glyph(letter).to_be_bytes()).collect();
                 self.content.set_font(FONT_NAME, scale * size).set_rise(-drop * size).show(Str(&shown));

@@ -5,7 +5,7 @@ use tiny_skia::{
 };
 use ttf_parser::{Face, OutlineBuilder};
 
-use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
+use super::canvas::{Canvas, Element, Label, Outline, Stroke};
 use super::font::{self, BOLD, DROP, INDEX};
 use super::style::Colour;
 use super::svg::HALO;
@@ -32,10 +32,10 @@ impl Canvas {
                         pixmap.stroke_path(&path, &colour, &pen(*stroke), scale, clip.as_ref());
                     }
                 }
-                Element::Text(words) if words.upwards => upwards(&mut pixmap, &face, words, density, clip.as_ref())?,
-                Element::Text(words) => {
-                    let [x, y] = words.at.map(|x| x as f32);
-                    write(&mut pixmap, &face, words, scale.pre_translate(x, y), clip.as_ref());
+                Element::Text(label) if label.upwards => upwards(&mut pixmap, &face, label, density, clip.as_ref())?,
+                Element::Text(label) => {
+                    let [x, y] = label.at.map(|x| x as f32);
+                    write(&mut pixmap, &face, label, scale.pre_translate(x, y), clip.as_ref());
                 }
                 Element::Clip(None) => clip = None,
                 Element::Clip(Some(frame)) => {
@@ -83,38 +83,38 @@ fn path(outline: &Outline) -> Option<Path> {
 }
 
 /// Draws a horizontal line of text; `place` is the position of its anchor.
-fn write(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, place: Transform, clip: Option<&Mask>) {
-    let Some(path) = letters(face, words) else { return };
+fn write(pixmap: &mut Pixmap, face: &Face<'_>, label: &Label, place: Transform, clip: Option<&Mask>) {
+    let Some(path) = letters(face, label) else { return };
     let units = f32::from(face.units_per_em());
-    let unit = words.size as f32 / units;
+    let unit = label.size as f32 / units;
     let place = place.pre_scale(unit, unit);
     let wide = |width: f32| tiny_skia::Stroke { width, line_join: LineJoin::Round, ..tiny_skia::Stroke::default() };
-    if let Some(rim) = words.halo {
+    if let Some(rim) = label.halo {
         pixmap.stroke_path(&path, &paint(rim, 1.0), &wide(HALO as f32 / unit), place, clip);
     }
-    let colour = paint(words.colour, 1.0);
+    let colour = paint(label.colour, 1.0);
     pixmap.fill_path(&path, &colour, FillRule::Winding, place, clip);
-    if words.bold {
+    if label.bold {
         pixmap.stroke_path(&path, &colour, &wide(BOLD * units), place, clip);
     }
 }
 
 /// Draws a line of text from bottom to top: horizontally first, then rotated pixel by pixel. Letters rotated as
 /// outlines would fall on different fractions of a pixel and look uneven.
-fn upwards(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, density: f32, clip: Option<&Mask>) -> Option<()> {
-    let length = (font::width(&words.content, words.size) as f32 * density).ceil() as u32 + 8;
-    let half = (words.size as f32 * density).ceil() as u32 * 2;
+fn upwards(pixmap: &mut Pixmap, face: &Face<'_>, label: &Label, density: f32, clip: Option<&Mask>) -> Option<()> {
+    let length = (font::width(&label.content, label.size) as f32 * density).ceil() as u32 + 8;
+    let half = (label.size as f32 * density).ceil() as u32 * 2;
     // The whole text fits, whichever part of it lies at its position.
     let (middle, mut lying) = (length, Pixmap::new(2 * length, 2 * half)?);
     let scale = Transform::from_scale(density, density);
     let place = Transform::from_translate(middle as f32, half as f32).pre_concat(scale);
-    write(&mut lying, face, words, place, None);
+    write(&mut lying, face, label, place, None);
     let mut upright = Pixmap::new(lying.height(), lying.width())?;
     let (wide, high) = (lying.width() as usize, lying.height() as usize);
     for (k, pixel) in lying.pixels().iter().enumerate() {
         upright.pixels_mut()[(wide - 1 - k % wide) * high + k / wide] = *pixel;
     }
-    let [x, y] = words.at.map(|x| (x as f32 * density).round() as i32);
+    let [x, y] = label.at.map(|x| (x as f32 * density).round() as i32);
     let corner = [x - half as i32, y + middle as i32 - wide as i32];
     let (plain, unturned) = (tiny_skia::PixmapPaint::default(), Transform::identity());
     pixmap.draw_pixmap(corner[0], corner[1], upright.as_ref(), &plain, unturned, clip);
@@ -122,16 +122,12 @@ fn upwards(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, density: f32, cl
 }
 
 /// The outlines of a line of text in units of the font, with its anchor at the origin.
-fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
+fn letters(face: &Face<'_>, label: &Label) -> Option<Path> {
     let units = f64::from(face.units_per_em());
-    let length = (font::width(&words.content, words.size) * units / f64::from(words.size)) as f32;
-    let left = match words.anchor {
-        Anchor::Start => 0.0,
-        Anchor::Middle => -0.5 * length,
-        Anchor::End => -length,
-    };
+    let length = (font::width(&label.content, label.size) * units / f64::from(label.size)) as f32;
+    let left = label.anchor.beginning(length);
     let mut pen = Pen { builder: PathBuilder::new(), left, scale: 1.0, down: 0.0 };
-    for run in font::runs(&words.content) {
+    for run in font::runs(&label.content) {
         (pen.scale, pen.down) = if run.index { (INDEX as f32, (DROP * units) as f32) } else { (1.0, 0.0) };
         for letter in run.letters.chars() {
             // A character that the font lacks is drawn as its empty box.

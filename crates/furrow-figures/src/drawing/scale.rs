@@ -1,6 +1,7 @@
 //! Colour scales.
 
-use super::canvas::{Anchor, Canvas, Stroke, Words};
+use super::canvas::{Anchor, Label, Stroke};
+use super::panel::Chart;
 use super::style::{self, INK, text};
 
 /// Width of the scale on the right of a chart.
@@ -9,8 +10,9 @@ pub const WIDTH: f64 = 96.0;
 const BAR: f64 = 18.0;
 const SHADES: usize = 50;
 
-/// Draws the scale of χ beside a chart with the given right edge, top and bottom.
-pub fn chi(canvas: &mut Canvas, [right, top, bottom]: [f64; 3]) {
+/// Draws the scale of χ on the right of a chart.
+pub fn chi(chart: &mut Chart<'_>) {
+    let ([_, top, right, bottom], canvas) = (chart.frame, &mut *chart.canvas);
     let left = right + 16.0;
     let row = |chi: f64| bottom - chi * (bottom - top);
     for k in 0..SHADES {
@@ -19,15 +21,13 @@ pub fn chi(canvas: &mut Canvas, [right, top, bottom]: [f64; 3]) {
         let high = row(from) - row(to) + if k == 0 { 0.0 } else { 0.4 };
         canvas.rectangle([left, row(to)], [BAR, high], style::shade(0.5 * (from + to)), 1.0);
     }
-    let corners = [[left, top], [left + BAR, top], [left + BAR, bottom], [left, bottom], [left, top]];
-    canvas.polyline(&corners, Stroke::solid(INK, 1.0));
+    canvas.frame([left, top, left + BAR, bottom], Stroke::solid(INK, 1.0));
     for fifth in 0..=5 {
         let chi = 0.2 * f64::from(fifth);
         let y = row(chi);
         canvas.polyline(&[[left + BAR, y], [left + BAR + 4.0, y]], Stroke::solid(INK, 1.0));
         canvas.text([left + BAR + 8.0, y + 5.5], &format!("{chi:.1}"), text::TICK, Anchor::Start, INK);
     }
-    let (at, content) = ([left + BAR + 54.0, 0.5 * (top + bottom)], style::CHI.to_owned());
-    let (size, anchor, colour) = (text::LABEL, Anchor::Middle, INK);
-    canvas.words(Words { at, content, size, anchor, colour, bold: false, upwards: true, halo: None });
+    let at = [left + BAR + 54.0, 0.5 * (top + bottom)];
+    canvas.label(Label::new(at, style::CHI, text::LABEL, Anchor::Middle, INK).upwards());
 }

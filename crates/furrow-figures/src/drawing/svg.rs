@@ -1,6 +1,6 @@
 //! Pictures as SVG.
 
-use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
+use super::canvas::{Anchor, Canvas, Element, Label, Outline, Stroke};
 use super::font::{self, DROP, INDEX};
 use super::style::Colour;
 
@@ -20,7 +20,7 @@ impl Canvas {
     pub(crate) fn elements(&self) -> String {
         let written = |element: &Element| match element {
             Element::Shape(outline, fill, stroke) => shape(outline, *fill, *stroke),
-            Element::Text(words) => writing(words),
+            Element::Text(label) => writing(label),
             // An inner picture clips at its own frame.
             Element::Clip(Some([left, top, right, bottom])) => {
                 let [x, y, width, height] = [*left, *top, right - left, bottom - top].map(short);
@@ -68,7 +68,7 @@ fn shape(outline: &Outline, fill: Option<(Colour, f64)>, stroke: Option<Stroke>)
     format!("<{outline} fill=\"{fill}\"{stroke}/>")
 }
 
-fn writing(Words { at, content, size, anchor, colour, bold, upwards, halo }: &Words) -> String {
+fn writing(Label { at, content, size, anchor, colour, bold, upwards, halo }: &Label) -> String {
     let [x, y] = at.map(short);
     let anchor = match anchor {
         Anchor::Start => "start",

@@ -2,12 +2,12 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | [`surface`] | the surface of revolution as facets, turned and projected |
-//! | [`picture`] | one frame |
-//! | [`encode`] | frames as GIF, animated PNG or animated SVG |
+//! | `surface` | the surface of revolution as facets, turned and projected |
+//! | `picture` | one frame |
+//! | `encode` | frames as GIF, animated PNG or animated SVG |
 
-pub mod encode;
-pub mod picture;
-pub mod surface;
+mod encode;
+mod picture;
+mod surface;
 
 pub use encode::{Movie, MovieFormat};

@@ -7,7 +7,7 @@ use crate::drawing::cell::{ANTERIOR, POSTERIOR, changes, cue_colours};
 use crate::drawing::font;
 use crate::drawing::regulator::PhiRange;
 use crate::drawing::style::{self, FORCES, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::Cell;
 use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
@@ -103,8 +103,8 @@ impl<'a> Stage<'a> {
         canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
         canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
         let (mut x, mut y) = (176.0, bottom);
-        let painted = cue_colours(&changes(cue, still.length)).into_iter();
-        for (colour, word) in painted.chain(self.phi.into_iter().flat_map(PhiRange::colours)) {
+        let of_cue = cue_colours(&changes(cue, still.length)).into_iter();
+        for (colour, word) in of_cue.chain(self.phi.into_iter().flat_map(PhiRange::colours)) {
             let width = 24.0 + font::width(&word, text::TICK);
             if x + width > SIZE[0] - 12.0 {
                 (x, y) = (20.0, y - 22.0);
@@ -127,7 +127,7 @@ impl<'a> Stage<'a> {
                 (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),
                 (outcome, None) => (outcome.to_string(), style::outcome(outcome)),
             };
-            canvas.bold([SIZE[0] - 20.0, 54.0], &word, text::LABEL, Anchor::End, colour);
+            canvas.label(Label::new([SIZE[0] - 20.0, 54.0], &word, text::LABEL, Anchor::End, colour).bold());
         }
     }
 }

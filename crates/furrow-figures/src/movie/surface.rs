@@ -120,10 +120,10 @@ fn facets(still: &Snapshot, (cue, phi): (&Cue, Option<PhiRange>), view: &View, f
     for pair in line.windows(2) {
         let ([u, r, z, phi1], [u2, r2, z2, phi2]) = (pair[0], pair[1]);
         let depth = (view.rotation * View::place([0.0, 0.5 * (z + z2)], 0.0)).z;
-        let painted = if still.t > 0.0 { strongest(&changes, 0.5 * (u + u2)) } else { 0.0 };
+        let of_cue = if still.t > 0.0 { strongest(&changes, 0.5 * (u + u2)) } else { 0.0 };
         let carried = phi.map_or(0.0, |range| range.share(0.5 * (phi1 + phi2)));
-        let here = if carried.abs() > painted.abs() { carried } else { painted };
-        let painted = cue_colour(here).map(f64::from);
+        let here = if carried.abs() > of_cue.abs() { carried } else { of_cue };
+        let tint = cue_colour(here).map(f64::from);
         for k in 0..around {
             let corners = [([r, z], k), ([r2, z2], k), ([r2, z2], k + 1), ([r, z], k + 1)];
             let corners = corners.map(|(place, k)| view.rotation * View::place(place, angle(k)));
@@ -132,7 +132,7 @@ fn facets(still: &Snapshot, (cue, phi): (&Cue, Option<PhiRange>), view: &View, f
             let Some(normal) = outwards.try_normalize(1e-14).filter(|normal| normal.z >= -0.02) else { continue };
             let lit = (AMBIENT + (1.0 - AMBIENT) * normal.dot(&light).max(0.0)).min(1.0);
             let lit = (lit * shades).round() / shades;
-            let colour = [0, 1, 2].map(|c| lit * (CORTEX[c] + 0.85 * here.abs() * (painted[c] - CORTEX[c])));
+            let colour = [0, 1, 2].map(|c| lit * (CORTEX[c] + 0.85 * here.abs() * (tint[c] - CORTEX[c])));
             let colour = colour.map(|light: f64| light.clamp(0.0, 255.0) as u8);
             found.push(Facet { depth, corners: larger(corners.map(|corner| view.project(&corner))), colour });
         }

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use crate::drawing::cell::{Site, shell};
 use crate::drawing::legend::{Key, Legend, titled};
 use crate::drawing::style::{self, Colour, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_mechanics::azimuthal::mode::{Displacement, Mode};
 use furrow_mechanics::cortex::Cortex;
 use furrow_mechanics::cortex::forces::shell_axes;
@@ -45,7 +45,7 @@ pub fn draw(cortex: &Cortex, modes: &[Mode]) -> Canvas {
     for (k, mode) in modes.iter().enumerate() {
         let middle = top + ROW * (k as f64 + 0.5);
         let words = format!("m = {}", mode.m);
-        canvas.bold([24.0, middle - 8.0], &words, text::LABEL, Anchor::Start, style::INK);
+        canvas.label(Label::new([24.0, middle - 8.0], &words, text::LABEL, Anchor::Start, style::INK).bold());
         canvas.text([24.0, middle + 16.0], &format!("{:.4}", mode.rate), text::TICK, Anchor::Start, style::MUTED);
         let site = Site { centre: [0.32 * WIDTH, middle], scale };
         outlines(&mut canvas, mode, AMPLITUDE * cell.r0, &site);

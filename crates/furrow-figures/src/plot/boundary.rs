@@ -4,7 +4,7 @@
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_analysis::BoundaryStudy;
 use furrow_cell::Parameter;
 use furrow_mechanics::equilibria::Criticality;
@@ -46,7 +46,9 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
         let word = format!("{:.4} at ξₛ = {}", point.value, (point.xi_s * 1e6).round() * 1e-6);
         let right = at[0] > 0.6 * WIDTH;
         let (x, anchor) = if right { (at[0] - 14.0, Anchor::End) } else { (at[0] + 14.0, Anchor::Start) };
-        chart.canvas.text_over([x, at[1] - 12.0], &word, text::LABEL, anchor, [style::ASYMMETRIC, style::WHITE]);
+        chart
+            .canvas
+            .label(Label::new([x, at[1] - 12.0], &word, text::LABEL, anchor, style::ASYMMETRIC).over(style::WHITE));
     }
     canvas
 }
@@ -54,17 +56,14 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
 fn legend(of: &BoundaryStudy) -> Legend {
     let is = |kind: Criticality| of.pitchfork.points.iter().any(|point| point.criticality() == Some(kind));
     let critical = Key::Point(style::ASYMMETRIC, Marker::Triangle);
-    let azimuthal = |legend: Legend, (m, _): &(usize, Curve)| {
-        legend.with(Key::Line(style::azimuthal(*m)), format!("disturbances cos {}φ grow above", style::factor(*m)))
-    };
-    let legend = Legend::default()
+    Legend::default()
         .with_if(is(Criticality::Supercritical), Key::Line(PITCHFORK), "pitchfork, supercritical")
         .with_if(is(Criticality::Subcritical), Key::Dashes(PITCHFORK, style::DOTTED), "subcritical")
         .with_if(!of.pitchfork.degenerate.is_empty(), Key::Point(PITCHFORK, Marker::Ring), "criticality changes")
         .with_if(!of.folds.is_empty(), Key::Line(FOLD), "fold")
         .with_if(!of.cusps.is_empty(), Key::Point(FOLD, Marker::Diamond), "cusp")
-        .with_if(of.critical.is_some(), critical, "critical value");
-    of.azimuthal.iter().flatten().fold(legend, azimuthal)
+        .with_if(of.critical.is_some(), critical, "critical value")
+        .with_azimuthal(of.azimuthal.iter().flatten())
 }
 
 /// A curve of pitchforks split where its criticality changes; neighbouring pieces share their end point.

@@ -8,7 +8,7 @@ use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::{Cell, Parameter};
 use furrow_mechanics::cortex::forces::shell_axes;
 use furrow_mechanics::cortex::{Cortex, Domain};
@@ -52,19 +52,18 @@ fn legend(branches: &[Named]) -> Legend {
     let has = |kind| branches.iter().flat_map(|(_, branch)| &branch.events).any(|event| event.kind() == kind);
     let lines = || branches.iter().flat_map(|(_, branch)| pieces(branch, |point| point.elongation));
     let is = |stable| lines().any(|(kind, _)| kind == stable);
-    let shapes = |legend: Legend, (name, _): &Named| legend.with(Key::Line(colour(name)), format!("{name} shapes"));
-    let legend = branches
-        .iter()
-        .fold(Legend::default(), shapes)
+    let crossings = crossings(branches).map(|(m, grows)| {
+        let verb = if grows { "begin to grow" } else { "stop growing" };
+        let words = format!("disturbances cos {}φ {verb}", style::factor(m));
+        (Key::Point(style::azimuthal(m), crossing(grows)), words)
+    });
+    Legend::default()
+        .with_all(branches.iter().map(|(name, _)| (Key::Line(colour(name)), format!("{name} shapes"))))
         .with_if(is(true), Key::Line(style::INK), "stable")
         .with_if(is(false), Key::Dashes(style::INK, style::DASHED), "unstable")
         .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
-        .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold");
-    crossings(branches).fold(legend, |legend, (m, grows)| {
-        let verb = if grows { "begin to grow" } else { "stop growing" };
-        let words = format!("disturbances cos {}φ {verb}", style::factor(m));
-        legend.with(Key::Point(style::azimuthal(m), crossing(grows)), words)
-    })
+        .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
+        .with_all(crossings)
 }
 
 /// The kinds of crossings that occur: the azimuthal number, and whether its perturbations grow beyond.
@@ -122,7 +121,7 @@ fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f6
         body(canvas, contour, &site, 1.8);
         shell(canvas, axes, &site);
         let corner = [site.centre[0] - scale * axes[0], site.centre[1] - 0.36 * SHAPES];
-        canvas.bold(corner, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK);
+        canvas.label(Label::new(corner, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK).bold());
     }
 }
 
@@ -180,7 +179,7 @@ fn chart(
         let width = font::width(word, text::TICK);
         let middle = at[0] + if anchor == Anchor::End { -0.5 } else { 0.5 } * width;
         taken.push(([middle, at[1] - 5.0], [0.5 * width, 7.0]));
-        chart.canvas.text_over(at, word, text::TICK, anchor, [style::MUTED, style::WHITE]);
+        chart.canvas.label(Label::new(at, word, text::TICK, anchor, style::MUTED).over(style::WHITE));
     }
     letters(&mut chart, shapes, value, taken);
 }
@@ -209,7 +208,9 @@ fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -
         let place = around.into_iter().find(free).unwrap_or([at[0] + 14.0, at[1] - 17.0]);
         taken.push((place, HALF));
         let base = [place[0], place[1] + 6.0];
-        chart.canvas.bold_over(base, &letter.to_string(), text::LABEL, Anchor::Middle, [style::INK, style::WHITE]);
+        chart.canvas.label(
+            Label::new(base, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK).bold().over(style::WHITE),
+        );
     }
 }
 

@@ -84,34 +84,28 @@ pub fn draw(comparison: &Comparison<'_>) -> Canvas {
 }
 
 fn legend(comparison: &Comparison<'_>) -> Legend {
-    let mut legend = Legend::default();
-    for (k, group) in comparison.groups.iter().enumerate() {
+    let measured = |(k, group): (usize, &GroupBeside)| {
         let name = if group.group.is_empty() { "measured" } else { &group.group };
         let boxes = group.events.iter().any(|event| boxed(event).is_some());
         let how = if boxes { "boxes, whiskers within 3 IQR" } else { "mean ± sd" };
-        legend = legend.with(Key::Point(colour(k), Marker::Disc), format!("{name}, {how}, {} embryos", group.embryos));
-    }
-    let any = |of: fn(&Beside) -> &Option<Modelled>| {
-        let mut events = comparison.groups.iter().flat_map(|group| &group.events);
-        events.any(|event| of(event).is_some_and(|modelled| modelled.chi.is_some()))
+        (Key::Point(colour(k), Marker::Disc), format!("{name}, {how}, {} embryos", group.embryos))
     };
-    let ring = Key::Point(style::MODEL, Marker::Ring);
-    let banded = comparison.groups.iter().flat_map(|group| &group.events).any(|event| event.band.is_some());
-    legend = legend
-        .with_if(any(|event| &event.model), Key::Point(style::MODEL, Marker::Diamond), "model")
-        .with_if(any(|event| &event.given_first), ring, "model, AB and P1 as measured")
-        .with_if(banded, Key::Area(BAND), "model, 90 % of the sets of constants");
-    legend = legend.with_if(
-        !comparison.noise.is_empty(),
-        Key::Point(NOISE, Marker::Square),
-        "equal divisions with noise, 95 % of draws",
-    );
-    for (k, curve) in comparison.curves.iter().enumerate() {
+    let any = |is: fn(&Beside) -> bool| comparison.groups.iter().flat_map(|group| &group.events).any(is);
+    let model = any(|event| event.model.is_some_and(|model| model.chi.is_some()));
+    let given_first = any(|event| event.given_first.is_some_and(|model| model.chi.is_some()));
+    let noise = Key::Point(NOISE, Marker::Square);
+    let over_size = |(k, curve): (usize, &SizeCurve)| {
         let what = if curve.cue.is_empty() { "no cue".to_owned() } else { format!("cue {}", curve.cue) };
         let key = dash(k).map_or(Key::Line(style::MODEL), |dash| Key::Dashes(style::MODEL, dash));
-        legend = legend.with(key, format!("model over size, {what}"));
-    }
-    legend
+        (key, format!("model over size, {what}"))
+    };
+    Legend::default()
+        .with_all(comparison.groups.iter().enumerate().map(measured))
+        .with_if(model, Key::Point(style::MODEL, Marker::Diamond), "model")
+        .with_if(given_first, Key::Point(style::MODEL, Marker::Ring), "model, AB and P1 as measured")
+        .with_if(any(|event| event.band.is_some()), Key::Area(BAND), "model, 90 % of the sets of constants")
+        .with_if(!comparison.noise.is_empty(), noise, "equal divisions with noise, 95 % of draws")
+        .with_all(comparison.curves.iter().enumerate().map(over_size))
 }
 
 /// The model's green, paler for a range.

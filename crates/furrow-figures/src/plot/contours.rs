@@ -24,7 +24,7 @@ pub fn draw(series: &Series) -> Canvas {
     let each = (WIDTH - 40.0) / in_row as f64;
     // All stages have the same scale, so that they can be compared.
     let reach = |k: usize| {
-        let points = stages.iter().flat_map(|beside| &beside.laid).flat_map(Contour::points);
+        let points = stages.iter().flat_map(|beside| &beside.aligned).flat_map(Contour::points);
         points.map(|point| point[k].abs()).fold(0.0, f64::max)
     };
     let (long, wide) = (reach(1), reach(0));
@@ -58,7 +58,7 @@ fn stage(canvas: &mut Canvas, beside: &ContourMatch, site: &Site) {
         let points = contour.points();
         points.iter().chain(points.first()).map(|point| site.point([point.x, point.y])).collect()
     };
-    let [measured, model] = beside.laid.each_ref().map(closed);
+    let [measured, model] = beside.aligned.each_ref().map(closed);
     canvas.polygon(&measured, MEASURED, 1.0, Some(Stroke::solid(style::OBSERVED, 1.6)));
     canvas.polyline(&model, Stroke::solid(style::MODEL, 2.4));
 }

@@ -7,7 +7,7 @@ use crate::drawing::legend::{Key, Legend, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::regulator::PhiRange;
 use crate::drawing::style::{self, FORCES, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::Cell;
 use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
@@ -113,10 +113,8 @@ fn contours(
 /// φ along the drawn contours.
 fn regulator(canvas: &mut Canvas, stills: &[Snapshot], top: f64) {
     let named = |k: usize| style::ramp(k, stills.len());
-    let legend = stills.iter().enumerate().fold(Legend::default(), |legend, (k, still)| {
-        legend.with(Key::Line(named(k)), format!("t = {} τ", style::time(still.t)))
-    });
-    legend.draw(canvas, [70.0, top + 10.0], WIDTH - 90.0);
+    let entry = |(k, still): (usize, &Snapshot)| (Key::Line(named(k)), format!("t = {} τ", style::time(still.t)));
+    Legend::default().with_all(stills.iter().enumerate().map(entry)).draw(canvas, [70.0, top + 10.0], WIDTH - 90.0);
     let line = |still: &Snapshot| -> Vec<[f64; 2]> {
         still.places.iter().filter_map(|place| Some([place.u, place.phi?])).collect()
     };
@@ -176,8 +174,8 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
 
 fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
     let left = CHART[1];
-    let legend = FORCES.iter().fold(Legend::default(), |legend, (name, colour)| legend.with(Key::Line(*colour), *name));
-    legend.draw(canvas, [left + 60.0, top + 10.0], WIDTH - left - 50.0);
+    let entries = FORCES.into_iter().map(|(name, colour)| (Key::Line(colour), name));
+    Legend::default().with_all(entries).draw(canvas, [left + 60.0, top + 10.0], WIDTH - left - 50.0);
     let part = |k: usize| still.places.iter().map(move |place| [place.u, place.normal.parts()[k]]);
     let most = usual(still);
     let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", style::time(still.t));
@@ -201,6 +199,6 @@ fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
     let [left, top, ..] = chart.frame;
     for (k, line) in beyond.iter().enumerate() {
         let at = [left + 10.0, top + 22.0 + 20.0 * k as f64];
-        chart.canvas.text_over(at, line, text::TICK, Anchor::Start, [style::MUTED, style::WHITE]);
+        chart.canvas.label(Label::new(at, line, text::TICK, Anchor::Start, style::MUTED).over(style::WHITE));
     }
 }

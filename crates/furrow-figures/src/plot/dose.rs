@@ -51,12 +51,12 @@ fn colour(condition: usize) -> Colour {
 /// Draws a chart for each reading.
 pub fn draw(comparison: &DoseComparison<'_>) -> Canvas {
     let DoseComparison { divisions, conditions, bins, readings, model, cell } = comparison;
-    let mut legend = Legend::default();
-    for (k, condition) in conditions.iter().enumerate().filter(|_| !divisions.is_empty()) {
+    let measured = |(k, condition): (usize, &DoseGroup)| {
         let name = if condition.name.is_empty() { "measured" } else { &condition.name };
-        legend = legend.with(Key::Point(colour(k), Marker::Disc), format!("{name}, n = {}", condition.n));
-    }
-    legend = legend
+        (Key::Point(colour(k), Marker::Disc), format!("{name}, n = {}", condition.n))
+    };
+    let legend = Legend::default()
+        .with_all(conditions.iter().enumerate().filter(|_| !divisions.is_empty()).map(measured))
         .with(Key::Point(style::INK, Marker::Square), "bins of the dose, mean ± sd")
         .with_if(readings.iter().any(|r| r.line.is_some()), Key::Dashes(style::MUTED, style::DASHED), "least squares")
         .with(Key::Line(style::MODEL), format!("model, amplitude of the cue × dose: {cell}"));

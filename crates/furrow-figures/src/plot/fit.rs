@@ -40,18 +40,13 @@ fn nearest(founder: &FounderActivity) -> bool {
 /// Draws the activities at which each founder has the observed rounds; `xi_s` is the activity of the run.
 pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
     let diamond = Key::Point(style::ASYMMETRIC, Marker::Diamond);
-    let mut legend = Legend::default()
-        .with_if(
-            founders.iter().any(|f| !f.intervals.is_empty()),
-            Key::Area(style::MODEL),
-            "as observed, to half a round",
-        )
-        .with_if(founders.iter().any(nearest), diamond, "nearest tried, where there is none")
-        .with(Key::Dashes(style::MUTED, style::DASHED), "of all others");
+    let observed = founders.iter().any(|founder| !founder.intervals.is_empty());
     let own = || founders.iter().enumerate().filter(|(_, founder)| founder.run_xi_s != xi_s);
-    if own().next().is_some() {
-        legend = legend.with(Key::Line(style::INK), "its own, by the lineage file");
-    }
+    let legend = Legend::default()
+        .with_if(observed, Key::Area(style::MODEL), "as observed, to half a round")
+        .with_if(founders.iter().any(nearest), diamond, "nearest tried, where there is none")
+        .with(Key::Dashes(style::MUTED, style::DASHED), "of all others")
+        .with_if(own().next().is_some(), Key::Line(style::INK), "its own, by the lineage file");
     let height = 78.0 + ROW * founders.len() as f64;
     let title = "Activity with which each founder has the observed rounds";
     let (mut canvas, top) = titled(WIDTH, height, title, &legend);

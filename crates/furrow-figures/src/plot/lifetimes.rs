@@ -4,7 +4,7 @@
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, text};
-use crate::drawing::{Anchor, Canvas, Stroke, font};
+use crate::drawing::{Anchor, Canvas, Label, Stroke, font};
 use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
 use furrow_analysis::compare::lifetimes::{CellBeside, LifetimesBeside};
 use furrow_measured::lifetimes::CellsOverTime;
@@ -19,21 +19,15 @@ const BEYOND: f64 = 2.5;
 /// Draws a table of lifetimes beside a tree; `unit` is the unit of volume.
 pub fn draw(found: &LifetimesBeside, unit: Option<Unit>) -> Canvas {
     let founders = founders(&found.cells);
-    let mut legend = founders.iter().fold(Legend::default(), |legend, (name, colour)| {
-        legend.with(Key::Point(*colour, Marker::Disc), format!("{name}, measured"))
-    });
-    legend = legend
+    let entry = |(name, colour): &(String, Colour)| (Key::Point(*colour, Marker::Disc), format!("{name}, measured"));
+    let (alive, any_birth) = (found.over_time.as_ref(), found.over_time.is_some());
+    let legend = Legend::default()
+        .with_all(founders.iter().map(entry))
         .with_if(found.has_clock, Key::Point(style::MODEL, Marker::Diamond), "the model's, by its clock")
-        .with_if(found.slope.is_some(), Key::Line(style::MUTED), "ln lifetime over ln volume, by founder");
-    if let Some(over_time) = &found.over_time {
-        legend = legend.with(Key::Line(style::OBSERVED), "cells of the embryo").with_if(
-            over_time.model.is_some(),
-            Key::Line(style::MODEL),
-            "of the model",
-        );
-    }
+        .with_if(found.slope.is_some(), Key::Line(style::MUTED), "ln lifetime over ln volume, by founder")
+        .with_if(any_birth, Key::Line(style::OBSERVED), "cells of the embryo")
+        .with_if(alive.is_some_and(|alive| alive.model.is_some()), Key::Line(style::MODEL), "of the model");
     let any_volume = found.cells.iter().any(|cell| cell.volume.is_some());
-    let any_birth = found.over_time.is_some();
     let above = if any_volume || any_birth { CHARTS[0] } else { 0.0 };
     let below = if any_birth { CHARTS[1] } else { 0.0 };
     let title = format!("Lifetimes of cells, measured and of {}", found.lineage);
@@ -45,8 +39,8 @@ pub fn draw(found: &LifetimesBeside, unit: Option<Unit>) -> Canvas {
     if any_birth {
         over_birth(&mut canvas, [WIDTH - share, top], [share, CHARTS[0]], found, &founders);
     }
-    if let Some(over_time) = &found.over_time {
-        numbers(&mut canvas, [0.0, top + above], over_time, found.departure.as_ref());
+    if let Some(alive) = alive {
+        numbers(&mut canvas, [0.0, top + above], alive, found.departure.as_ref());
     }
     canvas
 }
@@ -109,14 +103,7 @@ fn over_volume(
         let ends = [least, most].map(|volume| [volume, (line.intercept + line.slope * volume.ln()).exp()]);
         chart.line(ends, Stroke::solid(*colour, 1.6));
     }
-    for (cell, volume) in &with_volume {
-        chart.point([*volume, cell.measured.mean], 5.0, Marker::Disc, colour_of(founders, cell));
-    }
-    for (cell, volume) in &with_volume {
-        if let Some(model) = cell.model {
-            chart.point([*volume, model], 3.4, Marker::Diamond, style::MODEL);
-        }
-    }
+    draw_cells(&mut chart, &with_volume, founders, [5.0, 3.4]);
 }
 
 /// The lifetime over the time of birth.
@@ -133,14 +120,21 @@ fn over_birth(
     let x = Axis::over("measured birth (min)", born.iter().map(|(_, birth)| *birth));
     let y = logarithmic("lifetime (min)", lifetimes);
     let mut chart = Chart::new(canvas, at, size, x, y);
-    for (cell, birth) in &born {
-        chart.point([*birth, cell.measured.mean], 4.0, Marker::Disc, colour_of(founders, cell));
+    draw_cells(&mut chart, &born, founders, [4.0, 2.8]);
+}
+
+/// Draws the measured lifetimes of cells, and above them the model's, in discs and diamonds of these sizes.
+fn draw_cells(
+    chart: &mut Chart<'_>,
+    cells: &[(&CellBeside, f64)],
+    founders: &[(String, Colour)],
+    [disc, diamond]: [f64; 2],
+) {
+    for (cell, x) in cells {
+        chart.point([*x, cell.measured.mean], disc, Marker::Disc, colour_of(founders, cell));
     }
-    for (cell, birth) in &born {
-        if let Some(model) = cell.model {
-            chart.point([*birth, model], 2.8, Marker::Diamond, style::MODEL);
-        }
-    }
+    let modelled = cells.iter().filter_map(|(cell, x)| Some([*x, cell.model?]));
+    chart.points(modelled, diamond, Marker::Diamond, style::MODEL);
 }
 
 /// The numbers of cells over time.
@@ -219,6 +213,6 @@ fn write_marks(chart: &mut Chart<'_>, mut marks: Vec<(f64, String, Colour)>) {
         }
         rows[row] = from + width;
         let at = [from, top + 18.0 + ROW * row as f64];
-        chart.canvas.text_over(at, &words, text::TICK, Anchor::Start, [colour, style::WHITE]);
+        chart.canvas.label(Label::new(at, &words, text::TICK, Anchor::Start, colour).over(style::WHITE));
     }
 }

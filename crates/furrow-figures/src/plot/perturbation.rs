@@ -17,16 +17,15 @@ const NAMED: usize = 12;
 /// Draws perturbed shapes, named in the legend.
 pub fn draw(title: &str, watched: &[(String, Perturbation)]) -> Canvas {
     let colour = |k: usize| style::series(k, watched.len(), &SERIES);
-    let mut legend = Legend::default();
-    for (k, (name, perturbation)) in watched.iter().enumerate().filter(|_| watched.len() <= NAMED) {
-        let key = if perturbation.returned() { Key::Line(colour(k)) } else { Key::Dashes(colour(k), style::DASHED) };
-        legend = legend.with(key, name.as_str());
-    }
+    let key = |colour, returned| if returned { Key::Line(colour) } else { Key::Dashes(colour, style::DASHED) };
+    let named = watched.iter().enumerate().filter(|_| watched.len() <= NAMED);
+    let named = named.map(|(k, (name, perturbation))| (key(colour(k), perturbation.returned()), name.as_str()));
     let divided = watched.iter().any(|(_, perturbation)| perturbation.division.chi().is_some());
     let returned = |returned: bool| watched.iter().any(|(_, perturbation)| perturbation.returned() == returned);
-    let legend = legend
-        .with_if(returned(true), Key::Line(style::INK), "returns")
-        .with_if(returned(false), Key::Dashes(style::INK, style::DASHED), "leaves")
+    let legend = Legend::default()
+        .with_all(named)
+        .with_if(returned(true), key(style::INK, true), "returns")
+        .with_if(returned(false), key(style::INK, false), "leaves")
         .with_if(divided, Key::Point(style::INK, Marker::Disc), "pinches off");
     let (mut canvas, top) = titled(WIDTH, CHART, title, &legend);
     let points = || watched.iter().flat_map(|(_, perturbation)| perturbation.distances.iter().skip(1));

@@ -4,7 +4,7 @@ use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, bins, widened};
 use crate::drawing::style::{self, Colour, FOLD, PITCHFORK, WHITE, text};
-use crate::drawing::{Anchor, Canvas, Stroke, scale};
+use crate::drawing::{Anchor, Canvas, Label, Stroke, scale};
 use furrow_analysis::Edges;
 use furrow_cell::Parameter;
 use furrow_lineage::batch::phase::PhaseOutcome;
@@ -55,8 +55,7 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
         }
     }
     if unequal {
-        let [_, top, right, bottom] = chart.frame;
-        scale::chi(chart.canvas, [right, top, bottom]);
+        scale::chi(&mut chart);
     }
     canvas
 }
@@ -81,8 +80,8 @@ fn number(canvas: &mut Canvas, chi: f64, middle: [f64; 2], tile: [[f64; 2]; 2], 
     let reach = [0, 1].map(|c: usize| (0.5 * (tile[1][c] - tile[0][c]).abs() - half[c]).max(0.0));
     let places = STEPS.into_iter().map(|[x, y]| [middle[0] + x * reach[0], middle[1] + y * reach[1]]);
     let at = places.clone().find(free).unwrap_or(middle);
-    let colours = [style::INK, style::shade(chi)];
-    canvas.text_over([at[0], at[1] + 5.0], &word, text::TICK, Anchor::Middle, colours);
+    let label = Label::new([at[0], at[1] + 5.0], &word, text::TICK, Anchor::Middle, style::INK);
+    canvas.label(label.over(style::shade(chi)));
 }
 
 /// Positions of a number in its tile, the best first, as shares of the way from the middle to the edge.
@@ -138,28 +137,17 @@ fn outcome(outcome: PhaseOutcome) -> Option<Outcome> {
 }
 
 fn legend(diagram: &PhaseDiagram, edges: &Edges) -> Legend {
-    let mut legend = Legend::default();
-    for (found, word) in [
-        (PhaseOutcome::Symmetric, "symmetric"),
-        (PhaseOutcome::Asymmetric, "asymmetric, χ by shade"),
-        (PhaseOutcome::Failed, "stays at rest"),
-        (PhaseOutcome::Undecided, "undecided"),
-    ] {
-        let shown = diagram.cells.iter().any(|cell| cell.outcome == found);
-        legend = legend.with_if(shown, Key::Area(style::tile(outcome(found), Some(0.7))), word);
-    }
     let edge = |pitchfork: bool| {
         diagram.columns.iter().flat_map(|c| &c.edges).any(|e| matches!(e, Edge::Pitchfork { .. }) == pitchfork)
     };
     let (pitchforks, folds) = (!edges.pitchforks.is_empty(), !edges.folds.is_empty());
-    let legend = legend
+    Legend::default()
+        .with_tiles(|tile| diagram.cells.iter().any(|cell| outcome(cell.outcome) == tile))
         .with_if(pitchforks, Key::Line(PITCHFORK), "pitchfork")
         .with_if(!pitchforks && edge(true), Key::Point(PITCHFORK, Marker::Disc), "pitchfork")
         .with_if(folds, Key::Line(FOLD), "fold")
-        .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold");
-    edges.azimuthal.iter().fold(legend, |legend, (m, _)| {
-        legend.with(Key::Line(style::azimuthal(*m)), format!("disturbances cos {}φ grow above", style::factor(*m)))
-    })
+        .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold")
+        .with_azimuthal(&edges.azimuthal)
 }
 
 #[cfg(test)]

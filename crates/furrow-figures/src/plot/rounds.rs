@@ -81,9 +81,8 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Canvas {
     }
     let names: Vec<String> = lineage.founders.iter().map(|founder| founder.name.clone()).collect();
     let width = (140.0 + names.len() as f64 * (34.0 + 15.0 * sets.len() as f64)).clamp(760.0, 4000.0);
-    let legend = sets
-        .iter()
-        .fold(Legend::default(), |legend, set| legend.with(Key::Point(set.colour, Marker::Disc), set.name.as_str()));
+    let entries = sets.iter().map(|set| (Key::Point(set.colour, Marker::Disc), set.name.as_str()));
+    let legend = Legend::default().with_all(entries);
     let title = format!(
         "{}: rounds of division from each founder\nbars from the fewest to the most rounds, discs at the mean",
         lineage.name

@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, MARGINS, bins, widened};
 use crate::drawing::style::{self, Colour};
-use crate::drawing::{Anchor, Canvas, Stroke, scale};
+use crate::drawing::{Anchor, Canvas, Label, Stroke, scale};
 use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_mechanics::division::Outcome;
@@ -162,7 +162,10 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
     for (k, panel) in panels.iter().take(shown).enumerate() {
         let at = [(k % columns) as f64 * size[0], top + (k / columns) as f64 * size[1]];
         let room = if shown > 1 { 24.0 } else { 0.0 };
-        canvas.bold([at[0] + MARGINS[0], at[1] + 18.0], &panel.name, style::text::TICK, Anchor::Start, style::INK);
+        canvas.label(
+            Label::new([at[0] + MARGINS[0], at[1] + 18.0], &panel.name, style::text::TICK, Anchor::Start, style::INK)
+                .bold(),
+        );
         let size = [size[0], size[1] - room];
         let mut chart = Chart::new(&mut canvas, [at[0], at[1] + room], size, across.clone(), up.clone());
         let place = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
@@ -206,8 +209,8 @@ fn legend(sweep: &Sweep, points: &[Point], curves: &[Group<'_>]) -> Legend {
     let count = if alone { 0 } else { curves.len() };
     let entries = count.min(NAMED);
     let named = (0..entries).map(|k| &curves[if entries < count { k * (count - 1) / (entries - 1) } else { k }]);
-    named
-        .fold(Legend::default(), |legend, group| legend.with(Key::Line(group.colour), group.name.as_str()))
+    Legend::default()
+        .with_all(named.map(|group| (Key::Line(group.colour), group.name.as_str())))
         .with_if(entries < count, Key::Nothing, format!("{entries} of {count} curves are named"))
         .with_if(outcomes && has(Outcome::Symmetric), Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
         .with_if(outcomes && has(Outcome::Asymmetric), Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
@@ -361,14 +364,8 @@ fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>);
         bounds
     };
     let (columns, rows) = (edges(&x.1), edges(&y.1));
-    let has = |outcome| points.iter().any(|point| point.outcome == Some(outcome));
-    let (unequal, undecided) = (has(Outcome::Asymmetric), points.iter().any(|point| point.outcome.is_none()));
-    let area = |outcome, chi| Key::Area(style::tile(outcome, chi));
-    let legend = Legend::default()
-        .with_if(has(Outcome::Symmetric), area(Some(Outcome::Symmetric), None), "symmetric")
-        .with_if(unequal, area(Some(Outcome::Asymmetric), Some(0.7)), "asymmetric, χ by shade")
-        .with_if(has(Outcome::Arrested), area(Some(Outcome::Arrested), None), "stays at rest")
-        .with_if(undecided, area(None, None), "undecided");
+    let has = |outcome| points.iter().any(|point| point.outcome == outcome);
+    let (unequal, legend) = (has(Some(Outcome::Asymmetric)), Legend::default().with_tiles(has));
     let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
     let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), widened(bins.iter().flatten().copied(), 0.0));
     let (across, up) = (axis(x.0, &columns), axis(y.0, &rows));
@@ -379,8 +376,7 @@ fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>);
         Some((*columns.get(place(x.0))?, *rows.get(place(y.0))?, style::tile(point.outcome, point.value)))
     }));
     if unequal {
-        let [_, top, right, bottom] = chart.frame;
-        scale::chi(chart.canvas, [right, top, bottom]);
+        scale::chi(&mut chart);
     }
     canvas
 }

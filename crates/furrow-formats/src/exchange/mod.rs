@@ -45,31 +45,14 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 9] = [
-        Format::Newick,
-        Format::Nhx,
-        Format::Nexus,
-        Format::Itol,
-        Format::Csv,
-        Format::LineageTree,
-        Format::GraphMl,
-        Format::Geff,
-        Format::Ctc,
-    ];
+    pub const ALL: [Format; 9] = {
+        use Format::*;
+        [Newick, Nhx, Nexus, Itol, Csv, LineageTree, GraphMl, Geff, Ctc]
+    };
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Format::Newick => "newick",
-            Format::Nhx => "nhx",
-            Format::Nexus => "nexus",
-            Format::Itol => "itol",
-            Format::Csv => "csv",
-            Format::LineageTree => "lineagetree",
-            Format::GraphMl => "graphml",
-            Format::Geff => "geff",
-            Format::Ctc => "ctc",
-        }
+        ["newick", "nhx", "nexus", "itol", "csv", "lineagetree", "graphml", "geff", "ctc"][self as usize]
     }
 
     /// The branch lengths that it can have. The CSV of cells has all as columns; the time points of LineageTree, GEFF and

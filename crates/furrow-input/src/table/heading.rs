@@ -2,6 +2,9 @@
 
 use std::collections::HashSet;
 
+use super::{columns_listed, malformed};
+use crate::InputError;
+
 /// A unit, how it is written (as [`unit_word`] gives it), and how much of the table's first unit of its kind it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NamedUnit<K> {
@@ -79,77 +82,127 @@ pub(super) fn is_unnamed(name: &str) -> bool {
         || name.strip_prefix("Unnamed: ").is_some_and(|number| number.starts_with(|c: char| c.is_ascii_digit()))
 }
 
-/// Names of columns in lower case and with underscores; no two may be alike, unless they are empty.
-///
-/// # Errors
-/// Names two columns that are alike.
-pub fn unified(header: &[String]) -> Result<Vec<String>, String> {
-    let lower: Vec<String> = header.iter().map(|name| unified_name(name)).collect();
-    let mut seen = HashSet::new();
-    for (column, name) in lower.iter().enumerate() {
-        if !name.is_empty() && !seen.insert(name) {
-            return Err(format!(
-                "two columns are called {:?}, the second of them column {}",
-                header[column],
-                column + 1
-            ));
-        }
-    }
-    Ok(lower)
-}
-
 /// A column of a quantity, with the unit in its heading.
 pub type QuantityColumn<'u, K> = (usize, Option<&'u NamedUnit<K>>);
 
-/// The columns of a quantity, with the unit where their headings give one: `lifetime`, `lifetime_min`, `Lifetime (min)`.
-///
-/// # Errors
-/// A unit in brackets that is not in the list.
-pub fn quantity<'u, K>(
-    header: &[String],
-    name: &str,
-    units: &'u [NamedUnit<K>],
-) -> Result<Vec<QuantityColumn<'u, K>>, String> {
-    let mut found = Vec::new();
-    for (column, heading) in header.iter().enumerate() {
-        let (base, written) = split_unit(heading);
-        let base = unified_name(base);
-        match (base.strip_prefix(name), written) {
-            (Some(""), None) => found.push((column, None)),
-            (Some(""), Some(written)) => {
-                let unit = unit_of(written, units).ok_or_else(|| {
-                    format!("the unit of column {}, {heading:?}, must be one of {}", column + 1, units_listed(units))
-                })?;
-                found.push((column, Some(unit)));
-            }
-            (Some(rest), None) => {
-                // A number behind a name is no unit, though fractions have the unit 1.
-                let word = rest.strip_prefix("_in").unwrap_or(rest).strip_prefix('_');
-                let word = word.filter(|word| !word.starts_with(|c: char| c.is_ascii_digit()));
-                found.extend(word.and_then(|word| unit_of(word, units)).map(|unit| (column, Some(unit))));
-            }
-            _ => {}
-        }
-    }
-    Ok(found)
+/// The names of a table's columns. No two are alike but for case, blanks and hyphens, unless they are empty.
+#[derive(Clone, Debug)]
+pub struct Header<'f> {
+    /// The names, as written.
+    pub names: Vec<String>,
+    /// Their line.
+    pub line: usize,
+    /// The names in lower case and with underscores.
+    unified: Vec<String>,
+    file: &'f str,
 }
 
-/// The only column of a quantity among the columns found, if there is one.
-///
-/// # Errors
-/// Two columns, by their headings.
-pub fn only<T: Copy>(header: &[String], what: &str, found: &[(usize, T)]) -> Result<Option<(usize, T)>, String> {
-    let quoted = |(column, _): &(usize, T)| header.get(*column).map_or(String::new(), |name| format!("{name:?}"));
-    match found {
-        [] => Ok(None),
-        [one] => Ok(Some(*one)),
-        [first, second, ..] => Err(format!(
-            "columns {} and {}, {} and {}, both have the {what}: leave one of them out, or rename it",
-            first.0 + 1,
-            second.0 + 1,
-            quoted(first),
-            quoted(second)
-        )),
+impl<'f> Header<'f> {
+    /// The header on a line of a file.
+    ///
+    /// # Errors
+    /// Two columns with names that are alike.
+    pub(super) fn new(file: &'f str, line: usize, names: Vec<String>) -> Result<Header<'f>, InputError> {
+        let unified: Vec<String> = names.iter().map(|name| unified_name(name)).collect();
+        let header = Header { names, line, unified, file };
+        let mut seen = HashSet::new();
+        match header.unified.iter().position(|name| !name.is_empty() && !seen.insert(name)) {
+            None => Ok(header),
+            Some(column) => {
+                let name = &header.names[column];
+                let why = format!("two columns are called {name:?}, the second of them column {}", column + 1);
+                Err(header.refused(why))
+            }
+        }
+    }
+
+    /// The error at the header.
+    pub fn refused(&self, why: impl Into<String>) -> InputError {
+        malformed(self.file, self.line, why)
+    }
+
+    /// The error for columns that must be there and are `None`; `table` says which columns such a table has.
+    pub fn missing(&self, columns: &[(&str, Option<usize>)], table: &str) -> InputError {
+        let missing = columns.iter().filter(|(_, at)| at.is_none()).map(|(name, _)| *name).collect::<Vec<_>>();
+        let here = columns_listed(&self.names);
+        self.refused(format!("no column is called {}; {table}; the columns here are {here}", missing.join(" or ")))
+    }
+
+    /// The first column with one of these names.
+    pub fn find(&self, names: &[&str]) -> Option<usize> {
+        self.unified.iter().position(|name| names.contains(&name.as_str()))
+    }
+
+    /// The only column with a name that fits `what`, if there is one.
+    ///
+    /// # Errors
+    /// As [`only`](Self::only).
+    pub fn find_only(&self, what: &str, fits: impl Fn(&str) -> bool) -> Result<Option<usize>, InputError> {
+        let fitting = self.unified.iter().enumerate().filter(|(_, name)| fits(name));
+        let found: Vec<(usize, ())> = fitting.map(|(column, _)| (column, ())).collect();
+        Ok(self.only(what, &found)?.map(|(column, ())| column))
+    }
+
+    /// The unit in the heading of a column, in brackets, after a comma or a stroke.
+    ///
+    /// # Errors
+    /// A unit that is not in the list.
+    pub fn unit<'u, K>(
+        &self,
+        column: usize,
+        units: &'u [NamedUnit<K>],
+    ) -> Result<Option<&'u NamedUnit<K>>, InputError> {
+        let heading = &self.names[column];
+        let Some(written) = split_unit(heading).1 else { return Ok(None) };
+        unit_of(written, units).map(Some).ok_or_else(|| {
+            let allowed = units_listed(units);
+            self.refused(format!("the unit of column {}, {heading:?}, must be one of {allowed}", column + 1))
+        })
+    }
+
+    /// The columns of a quantity, with the unit where their headings give one: `lifetime`, `lifetime_min`, `Lifetime (min)`.
+    ///
+    /// # Errors
+    /// A unit in brackets that is not in the list.
+    pub fn quantity<'u, K>(
+        &self,
+        name: &str,
+        units: &'u [NamedUnit<K>],
+    ) -> Result<Vec<QuantityColumn<'u, K>>, InputError> {
+        let mut found = Vec::new();
+        for (column, heading) in self.names.iter().enumerate() {
+            let (base, written) = split_unit(heading);
+            let base = unified_name(base);
+            match (base.strip_prefix(name), written) {
+                (Some(""), _) => found.push((column, self.unit(column, units)?)),
+                (Some(rest), None) => {
+                    // A number behind a name is no unit, though fractions have the unit 1.
+                    let word = rest.strip_prefix("_in").unwrap_or(rest).strip_prefix('_');
+                    let word = word.filter(|word| !word.starts_with(|c: char| c.is_ascii_digit()));
+                    found.extend(word.and_then(|word| unit_of(word, units)).map(|unit| (column, Some(unit))));
+                }
+                _ => {}
+            }
+        }
+        Ok(found)
+    }
+
+    /// The only column of a quantity among the columns found, if there is one.
+    ///
+    /// # Errors
+    /// Two columns, by their headings.
+    pub fn only<T: Copy>(&self, what: &str, found: &[(usize, T)]) -> Result<Option<(usize, T)>, InputError> {
+        match found {
+            [] => Ok(None),
+            [one] => Ok(Some(*one)),
+            [(first, _), (second, _), ..] => Err(self.refused(format!(
+                "columns {} and {}, {:?} and {:?}, both have the {what}: leave one of them out, or rename it",
+                first + 1,
+                second + 1,
+                self.names[*first],
+                self.names[*second]
+            ))),
+        }
     }
 }
 
@@ -159,11 +212,10 @@ mod tests {
 
     #[test]
     fn headings_give_their_units_in_many_ways() {
-        let times = |name: &str| {
-            let found = quantity(&["cell".to_owned(), name.to_owned()], "lifetime", &TIMES);
-            found.map(|found| {
-                found.into_iter().map(|(column, unit)| (column, unit.map(|unit| unit.size))).collect::<Vec<_>>()
-            })
+        let times = |name: &str| -> Result<Vec<(usize, Option<f64>)>, InputError> {
+            let header = Header::new("t.csv", 1, vec!["cell".to_owned(), name.to_owned()])?;
+            let found = header.quantity("lifetime", &TIMES)?;
+            Ok(found.into_iter().map(|(column, unit)| (column, unit.map(|unit| unit.size))).collect::<Vec<_>>())
         };
         for name in [
             "lifetime_min",
@@ -173,12 +225,12 @@ mod tests {
             "lifetime, min",
             "lifetime in min",
         ] {
-            assert_eq!(times(name), Ok(vec![(1, Some(1.0))]), "{name}");
+            assert_eq!(times(name).unwrap(), [(1, Some(1.0))], "{name}");
         }
-        assert_eq!(times("Lifetime (h)"), Ok(vec![(1, Some(60.0))]));
-        assert_eq!(times("lifetime"), Ok(vec![(1, None)]));
-        assert_eq!(times("lifetime_rank"), Ok(vec![]));
-        let why = "the unit of column 2, \"Lifetime (frames)\", must be one of min, s, h";
-        assert_eq!(times("Lifetime (frames)"), Err(why.to_owned()));
+        assert_eq!(times("Lifetime (h)").unwrap(), [(1, Some(60.0))]);
+        assert_eq!(times("lifetime").unwrap(), [(1, None)]);
+        assert_eq!(times("lifetime_rank").unwrap(), []);
+        let why = "t.csv:1:1: the unit of column 2, \"Lifetime (frames)\", must be one of min, s, h";
+        assert_eq!(times("Lifetime (frames)").unwrap_err().to_string(), why);
     }
 }

@@ -19,9 +19,7 @@ use crate::{InputError, foreign};
 use bounded::Bounded;
 use heading::is_unnamed;
 
-pub use heading::{
-    NamedUnit, QuantityColumn, TIMES, only, quantity, split_unit, unified, unit_of, unit_word, units_listed,
-};
+pub use heading::{Header, NamedUnit, QuantityColumn, TIMES, split_unit, unit_of, unit_word, units_listed};
 pub use number::{Numbers, number};
 
 /// Bytes at the start of a table that decide how it is written.
@@ -159,6 +157,15 @@ impl<'f, R: Read> Table<'f, R> {
             }
         }
         Err(malformed(self.file, 1, "the table is empty; its first line must name its columns"))
+    }
+
+    /// As [`header`](Self::header), for columns that are found by their names.
+    ///
+    /// # Errors
+    /// As [`header`](Self::header), and two columns with names that are alike.
+    pub fn columns(&mut self, is_header: impl Fn(&[String]) -> bool) -> Result<Header<'f>, InputError> {
+        let (line, names) = self.header(is_header)?;
+        Header::new(self.file, line, names)
     }
 
     /// Names the columns, where the heading was read by [`next`](Self::next).

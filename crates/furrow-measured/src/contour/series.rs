@@ -36,7 +36,7 @@ pub struct ModelContour {
 
 /// The shape of a contour in numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Look {
+pub struct Shape {
     /// Area: of the measured in the unit of its file, of the model in L_h².
     pub area: f64,
     /// How much longer than wide: the root of the ratio of second moments.
@@ -53,7 +53,7 @@ pub struct ContourMatch {
     /// Its name within the file.
     pub contour: String,
     /// The measured contour.
-    pub measured: Look,
+    pub measured: Shape,
     /// Centroid, in the unit of the file.
     pub centroid: [f64; 2],
     /// Angle of the long axis to the first coordinate, in degrees, from −90 to 90.
@@ -63,7 +63,7 @@ pub struct ContourMatch {
     /// Its time, in τ.
     pub t: f64,
     /// The model's contour.
-    pub model: Look,
+    pub model: Shape,
     /// The overlap, by exact areas.
     pub overlap: Overlap,
     /// The overlap, by pixels.
@@ -74,7 +74,7 @@ pub struct ContourMatch {
     pub notes: Vec<String>,
     /// Both contours in superposition, in L_h, the long axis along the second coordinate.
     #[serde(skip)]
-    pub laid: [Contour; 2],
+    pub aligned: [Contour; 2],
 }
 
 /// All contours of a series.
@@ -95,42 +95,42 @@ pub struct Series {
 }
 
 /// An upright contour, with its shape.
-struct Laid {
+struct Aligned {
     contour: Contour,
     moments: Moments,
-    look: Look,
+    shape: Shape,
 }
 
-impl Laid {
-    fn of(contour: &Contour) -> Laid {
+impl Aligned {
+    fn of(contour: &Contour) -> Aligned {
         let moments = contour.moments();
         let upright = contour.upright();
         let Moments { area, elongation, .. } = moments;
-        let look = Look { area, elongation, depth: furrow(&upright).depth };
-        Laid { contour: upright, moments, look }
+        let shape = Shape { area, elongation, depth: furrow(&upright).depth };
+        Aligned { contour: upright, moments, shape }
     }
 }
 
 /// Holds contours beside the model's. `length_scale` is one L_h in the unit of the contours; without it they have together the
 /// area of the model's. None if there are no contours of either.
 pub fn series(measured: &[Traced], model: &[ModelContour], length_scale: Option<f64>) -> Option<Series> {
-    let models: Vec<Laid> = model.iter().map(|modelled| Laid::of(&modelled.contour)).collect();
-    let laid: Vec<Laid> = measured.iter().map(|traced| Laid::of(&traced.contour)).collect();
-    let matched: Vec<usize> = laid.iter().map(|laid| matching(&laid.look, &models)).collect::<Option<_>>()?;
-    let areas: f64 = laid.iter().map(|laid| laid.look.area).sum();
-    let of_models: f64 = matched.iter().map(|k| models[*k].look.area).sum();
-    if laid.is_empty() || of_models <= 0.0 {
+    let models: Vec<Aligned> = model.iter().map(|modelled| Aligned::of(&modelled.contour)).collect();
+    let aligned: Vec<Aligned> = measured.iter().map(|traced| Aligned::of(&traced.contour)).collect();
+    let nearest: Vec<usize> = aligned.iter().map(|one| nearest_model(&one.shape, &models)).collect::<Option<_>>()?;
+    let areas: f64 = aligned.iter().map(|aligned| aligned.shape.area).sum();
+    let of_models: f64 = nearest.iter().map(|k| models[*k].shape.area).sum();
+    if aligned.is_empty() || of_models <= 0.0 {
         return None;
     }
     let length_scale = length_scale.unwrap_or((areas / of_models).sqrt());
-    let pair = |k: usize| beside(&measured[k], &laid[k], (&model[matched[k]], &models[matched[k]]), length_scale);
-    let mut contours: Vec<ContourMatch> = (0..laid.len()).map(pair).collect();
+    let pair = |k: usize| matched(&measured[k], &aligned[k], (&model[nearest[k]], &models[nearest[k]]), length_scale);
+    let mut contours: Vec<ContourMatch> = (0..aligned.len()).map(pair).collect();
     for (stage, k) in stages(&contours).into_iter().enumerate() {
         contours[k].stage = Some(stage);
     }
     let similarities = |all: bool| -> Vec<f64> {
-        let counted = contours.iter().filter(|beside| all || beside.stage.is_some());
-        counted.map(|beside| beside.overlap.similarity).collect()
+        let counted = contours.iter().filter(|contour| all || contour.stage.is_some());
+        counted.map(|contour| contour.overlap.similarity).collect()
     };
     let (all, staged) = (similarities(true), similarities(false));
     Some(Series {
@@ -144,41 +144,46 @@ pub fn series(measured: &[Traced], model: &[ModelContour], length_scale: Option<
 }
 
 /// The model's contour that looks most like it.
-fn matching(look: &Look, models: &[Laid]) -> Option<usize> {
+fn nearest_model(shape: &Shape, models: &[Aligned]) -> Option<usize> {
     let beyond_roughness = |depth: f64| if depth < SHALLOW { 0.0 } else { depth };
-    let off = |k: usize| (beyond_roughness(models[k].look.depth) - beyond_roughness(look.depth)).abs();
+    let off = |k: usize| (beyond_roughness(models[k].shape.depth) - beyond_roughness(shape.depth)).abs();
     let nearest = (0..models.len()).map(off).fold(f64::INFINITY, f64::min);
-    let longer = |k: usize| (models[k].look.elongation - look.elongation).abs();
+    let longer = |k: usize| (models[k].shape.elongation - shape.elongation).abs();
     (0..models.len()).filter(|k| off(*k) <= nearest + ALIKE).min_by(|a, b| longer(*a).total_cmp(&longer(*b)))
 }
 
-fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&ModelContour, &Laid), length_scale: f64) -> ContourMatch {
+fn matched(
+    traced: &Traced,
+    aligned: &Aligned,
+    (modelled, model): (&ModelContour, &Aligned),
+    length_scale: f64,
+) -> ContourMatch {
     // An axis has two directions, and contours do not give the posterior end: the direction that fits better is used.
-    let upright = laid.contour.scaled(1.0 / length_scale);
+    let upright = aligned.contour.scaled(1.0 / length_scale);
     let turned = upright.turned();
     let [straight, about] = [&upright, &turned].map(|own| overlap(own, &model.contour));
     let (own, exact) = if about.similarity > straight.similarity { (turned, about) } else { (upright, straight) };
     let [low, high] = own.ends();
     let pixel = traced.pixel.map_or((high - low) / PIXELS, |pixel| pixel / length_scale);
     let mut notes = traced.notes.clone();
-    if laid.look.elongation < ROUND {
+    if aligned.shape.elongation < ROUND {
         notes.push("is nearly round: its long axis means little".to_owned());
     }
-    let axis = laid.moments.long_axis;
+    let axis = aligned.moments.long_axis;
     ContourMatch {
         file: traced.file.clone(),
         contour: traced.name.clone(),
-        measured: laid.look,
-        centroid: [laid.moments.centroid.x, laid.moments.centroid.y],
+        measured: aligned.shape,
+        centroid: [aligned.moments.centroid.x, aligned.moments.centroid.y],
         angle: axis.y.atan2(axis.x).to_degrees(),
         frame: modelled.frame.clone(),
         t: modelled.t,
-        model: model.look,
+        model: model.shape,
         overlap: exact,
         pixels: overlap_of_pixels(&own, &model.contour, pixel),
         stage: None,
         notes,
-        laid: [own, model.contour.clone()],
+        aligned: [own, model.contour.clone()],
     }
 }
 

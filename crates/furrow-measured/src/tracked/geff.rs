@@ -17,9 +17,16 @@ use super::zarr::{self, Array, Rows, Values};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels};
 use crate::volumes::Unit;
 
-/// Units of time in minutes.
-const MINUTES: [(&str, f64); 5] =
-    [("minute", 1.0), ("second", 1.0 / 60.0), ("millisecond", 1.0 / 60_000.0), ("hour", 60.0), ("day", 1440.0)];
+/// Units of time: in minutes, except for frames.
+const TIMES: [(&str, f64, TimeUnit); 7] = [
+    ("minute", 1.0, TimeUnit::Minutes),
+    ("second", 1.0 / 60.0, TimeUnit::Minutes),
+    ("millisecond", 1.0 / 60_000.0, TimeUnit::Minutes),
+    ("hour", 60.0, TimeUnit::Minutes),
+    ("day", 1440.0, TimeUnit::Minutes),
+    ("frame", 1.0, TimeUnit::Frames),
+    ("frames", 1.0, TimeUnit::Frames),
+];
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
@@ -45,20 +52,11 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     }
     let nodes = Nodes { folder: path.join("nodes"), count: ids.len() };
     let axis_name = axis["name"].as_str().unwrap_or("t");
-    let (minutes, time) = match axis["unit"].as_str() {
-        Some(unit) => match MINUTES.iter().find(|(name, _)| *name == unit) {
-            Some((_, minutes)) => (*minutes, TimeUnit::Minutes),
-            None if unit == "frame" || unit == "frames" => (1.0, TimeUnit::Frames),
-            None => {
-                return Err(refused(
-                    "geff.axes.unit",
-                    &axis["unit"],
-                    "minute, second, millisecond, hour, day or frame",
-                ));
-            }
-        },
-        None => (1.0, TimeUnit::Frames),
-    };
+    let unit = axis["unit"].as_str().unwrap_or("frame");
+    let (_, minutes, time) = TIMES
+        .into_iter()
+        .find(|(name, ..)| *name == unit)
+        .ok_or_else(|| refused("geff.axes.unit", &axis["unit"], "minute, second, millisecond, hour, day or frame"))?;
     let times = nodes.property(axis_name)?.ok_or_else(|| {
         refused(&format!("nodes/props/{axis_name}"), &Value::Null, "the property of the time axis, of every node")
     })?;

@@ -36,11 +36,11 @@ impl TrackedLineage {
     /// Rounds of these founders, and the reason for each founder without rounds. A founder that divided before the recording began has
     /// its daughters' rounds and one more. Of several cells of one name the one born first is used.
     pub fn rounds(&self, founders: &[&str], names: &Names) -> (Vec<TrackedRounds>, Vec<Absent>) {
-        let known = self.known(names);
+        let known = self.counts_by_name(names);
         let (mut found, mut absent) = (Vec::new(), Vec::new());
         for founder in founders {
             let cell = (*founder).to_owned();
-            if let Some(Below { terminal, sum, min, max }) = known.get(*founder).copied() {
+            if let Some(DivisionCounts { terminal, sum, min, max }) = known.get(*founder).copied() {
                 let mean = sum as f64 / f64::from(terminal);
                 found.push(TrackedRounds { cell, terminal, min, mean, max });
                 continue;
@@ -58,8 +58,8 @@ impl TrackedLineage {
     }
 
     /// Divisions below the cells of each name. A mother that was not followed is added if both daughters are known.
-    fn known(&self, names: &Names) -> HashMap<String, Below> {
-        let below = self.below();
+    fn counts_by_name(&self, names: &Names) -> HashMap<String, DivisionCounts> {
+        let below = self.division_counts();
         let mut known = HashMap::new();
         for (cell, below) in self.cells.iter().zip(below) {
             known.entry(cell.name.clone()).or_insert(below);
@@ -69,7 +69,7 @@ impl TrackedLineage {
         while let Some(cell) = waiting.pop() {
             let Some((mother, sister, _)) = names.birth(&cell) else { continue };
             if let (None, Some(a), Some(b)) = (known.get(mother), known.get(&cell), known.get(&sister)) {
-                let both = a.beside(*b).one_more();
+                let both = a.merged(*b).from_mother();
                 known.insert(mother.to_owned(), both);
                 waiting.push(mother.to_owned());
             }
@@ -93,12 +93,12 @@ impl TrackedLineage {
     }
 
     /// Divisions below every cell; daughters come after their mothers.
-    fn below(&self) -> Vec<Below> {
-        let mut below = vec![Below { terminal: 1, sum: 0, min: 0, max: 0 }; self.cells.len()];
+    fn division_counts(&self) -> Vec<DivisionCounts> {
+        let mut below = vec![DivisionCounts { terminal: 1, sum: 0, min: 0, max: 0 }; self.cells.len()];
         for (index, cell) in self.cells.iter().enumerate().rev() {
             let daughters = cell.daughters.iter().map(|daughter| below[*daughter]);
-            let Some(both) = daughters.reduce(Below::beside) else { continue };
-            below[index] = both.one_more();
+            let Some(both) = daughters.reduce(DivisionCounts::merged) else { continue };
+            below[index] = both.from_mother();
         }
         below
     }
@@ -106,17 +106,17 @@ impl TrackedLineage {
 
 /// Divisions from a cell to its last descendants: how many these are, and the sum, the least and the largest number.
 #[derive(Clone, Copy)]
-struct Below {
+struct DivisionCounts {
     terminal: u32,
     sum: u64,
     min: u32,
     max: u32,
 }
 
-impl Below {
-    /// Below two sisters, counted from each of them.
-    fn beside(self, other: Below) -> Below {
-        Below {
+impl DivisionCounts {
+    /// The counts of two sisters together, from each of them.
+    fn merged(self, other: DivisionCounts) -> DivisionCounts {
+        DivisionCounts {
             terminal: self.terminal + other.terminal,
             sum: self.sum + other.sum,
             min: self.min.min(other.min),
@@ -124,9 +124,9 @@ impl Below {
         }
     }
 
-    /// The same, counted from their mother.
-    fn one_more(self) -> Below {
-        let Below { terminal, sum, min, max } = self;
-        Below { terminal, sum: sum + u64::from(terminal), min: min + 1, max: max + 1 }
+    /// The counts from their mother.
+    fn from_mother(self) -> DivisionCounts {
+        let DivisionCounts { terminal, sum, min, max } = self;
+        DivisionCounts { terminal, sum: sum + u64::from(terminal), min: min + 1, max: max + 1 }
     }
 }

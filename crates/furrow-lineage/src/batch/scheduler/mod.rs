@@ -25,12 +25,12 @@ pub struct Job {
 }
 
 /// Work other than a division.
-pub type Work<'s> = Box<dyn FnOnce() + Send + 's>;
+pub(crate) type Work<'s> = Box<dyn FnOnce() + Send + 's>;
 
 /// The next step of a run.
 // Few steps exist at a time; boxing would cost an allocation for each division.
 #[allow(clippy::large_enum_variant)]
-pub enum Step<'s, S = Job> {
+pub(crate) enum Step<'s, S = Job> {
     /// Solves a division.
     Solve(S),
     /// Does some work on a worker, then asks what follows from the job of that number.
@@ -180,7 +180,7 @@ pub fn run(
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_steps<'s>(
+pub(crate) fn run_steps<'s>(
     steps: Vec<Step<'s>>,
     memo: &Memo,
     options: &SchedulerOptions<'_>,

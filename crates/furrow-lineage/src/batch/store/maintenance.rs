@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{
     StoreError,
     row::WIDTH,
-    sqlite::{FILE, connect, create_table, decoded, file_in, write},
+    sqlite::{FILE, connect, create_table, decoded, failed, file_in, write},
 };
 use crate::batch::SOLVER_VERSION;
 
@@ -108,7 +108,7 @@ fn read(connection: &Connection, contents: &mut Contents) -> rusqlite::Result<()
 
 /// Replaces the rows of a database by `rows`.
 fn rewrite(file: &Path, rows: &[Vec<Value>]) -> Result<(), StoreError> {
-    let failed = |source| StoreError::Sqlite { file: file.to_owned(), source };
+    let failed = failed(file);
     let mended = connect(file).and_then(|connection| {
         let Some(connection) = connection else { return Ok(()) };
         write(&connection, "DELETE FROM division", rows).map_err(failed)?;

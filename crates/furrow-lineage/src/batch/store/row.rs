@@ -4,7 +4,7 @@ use furrow_bvp::Work;
 use rusqlite::types::{Value, ValueRef};
 
 use crate::batch::key::{Key, numbers};
-use furrow_cell::{Cell, Material, RigidityGradient, Scheme, Shell};
+use furrow_cell::{Cell, Material, Shell};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 
 /// The columns. No column has a declared type: in a column of reals SQLite would store −0 as 0.
@@ -42,19 +42,18 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
         work: Work { steps, rejected, iterations, factorisations, remeshings },
     } = division.clone().into();
     let count = |value: usize| Value::Integer(value as i64);
-    let text = |value: &str| Value::Text(value.to_owned());
 
     let mut row = Vec::with_capacity(WIDTH);
     row.extend([Value::Blob(key.as_bytes().to_vec()), Value::Integer(solver.into())]);
     row.extend([*r0, *epsilon, *xi_s].map(Value::Real));
     row.extend([Value::Text(cue.simplified().to_string()), Value::Integer(*seed as i64)]);
     row.extend([kappa, eta_b, eta_s, friction, tension, xi_ratio, gain].map(Value::Real));
-    row.push(text(if rigidity_gradient == RigidityGradient::Full { "full" } else { "dropped" }));
+    row.push(Value::Text(rigidity_gradient.to_string()));
     row.extend([aspect, p0, w].map(Value::Real));
     row.extend(counts.map(count));
-    row.push(text(if scheme == Scheme::Published { "published" } else { "converged" }));
+    row.push(Value::Text(scheme.to_string()));
     row.extend(numerics.map(Value::Real));
-    row.push(text(outcome.name()));
+    row.push(Value::Text(outcome.name().to_owned()));
     let [first, second] = daughters.map_or([None; 2], |radii| radii.map(Some));
     let outcome = [chi, chi_signed, u_furrow, Some(t_end), first, second, growth_rate, slow_growth_rate, phi];
     row.extend(outcome.map(Value::from));

@@ -162,7 +162,7 @@ impl Store {
             inner.connection = connect(&self.file)?;
         }
         let Some(connection) = &inner.connection else { return Ok(None) };
-        let found = self.find(connection, key).map_err(|source| self.failed(source))?;
+        let found = self.find(connection, key).map_err(failed(&self.file))?;
         if found == Some(None) && inner.damaged.insert(*key) {
             inner.unnamed += 1;
         }
@@ -184,11 +184,7 @@ impl Store {
             inner.connection = connect(&self.file)?;
         }
         let Some(connection) = &inner.connection else { return Ok(()) };
-        write(connection, "", rows).map_err(|source| self.failed(source))
-    }
-
-    fn failed(&self, source: rusqlite::Error) -> StoreError {
-        StoreError::Sqlite { file: self.file.clone(), source }
+        write(connection, "", rows).map_err(failed(&self.file))
     }
 
     fn give_up(&self, inner: &mut Inner, access: &'static str, error: &StoreError) {
@@ -223,6 +219,11 @@ impl Drop for Store {
     }
 }
 
+/// Makes the error of a database from SQLite's.
+pub(super) fn failed(file: &Path) -> impl Fn(rusqlite::Error) -> StoreError + Copy + '_ {
+    |source| StoreError::Sqlite { file: file.to_owned(), source }
+}
+
 fn unpoisoned<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // No code panics while it holds a lock, and the rows would be whole even then.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -241,10 +242,9 @@ pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
     if !file.exists() {
         return Ok(None);
     }
-    let failed = |source| StoreError::Sqlite { file: file.to_owned(), source };
     let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let connection = Connection::open_with_flags(file, flags).map_err(failed)?;
-    connection.busy_timeout(PATIENCE).map_err(failed)?;
+    let connection = Connection::open_with_flags(file, flags).map_err(failed(file))?;
+    connection.busy_timeout(PATIENCE).map_err(failed(file))?;
     match checked(&connection, file) {
         // A folder that cannot be written has no place for the log of a database, and its database does not change.
         Err(StoreError::Sqlite { source, .. })
@@ -260,19 +260,15 @@ pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
 fn immutable(file: &Path) -> Result<Connection, StoreError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let name = file.to_string_lossy().replace('%', "%25").replace('?', "%3f").replace('#', "%23");
-    let connection = Connection::open_with_flags(format!("file:{name}?immutable=1"), flags)
-        .map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
+    let connection = Connection::open_with_flags(format!("file:{name}?immutable=1"), flags).map_err(failed(file))?;
     checked(&connection, file).map(|()| connection)
 }
 
 /// Refuses a table from a newer version of furrow.
 fn checked(connection: &Connection, file: &Path) -> Result<(), StoreError> {
-    let schema = connection
-        .pragma_query_value(None, "user_version", |row| row.get(0))
-        .map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
-    match schema {
+    match connection.pragma_query_value(None, "user_version", |row| row.get(0)).map_err(failed(file))? {
         SCHEMA | 0 => Ok(()),
-        1 | 2 => set_aside(connection).map_err(|source| StoreError::Sqlite { file: file.to_owned(), source }),
+        1 | 2 => set_aside(connection).map_err(failed(file)),
         schema => Err(StoreError::Newer { file: file.to_owned(), schema }),
     }
 }
@@ -306,7 +302,7 @@ fn create(file: &Path) -> Result<(), StoreError> {
         create_table(&connection)?;
         connection.close().map_err(|(_, error)| error)
     };
-    made().map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
+    made().map_err(self::failed(file))?;
     match new.persist_noclobber(file) {
         // Another process was quicker.
         Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(()),

@@ -67,51 +67,28 @@ fn trackmate_and_mastodon_give_the_same_cells() {
 #[test]
 fn wrong_spots_and_links_are_refused_with_their_place() {
     let fine = trackmate_edges(&EDGES);
-    let with = |edges: &[(u32, u32)]| trackmate_edges(&[&EDGES[..], edges].concat());
-    let spots = |from: &str, to: &str| TRACKMATE_SPOTS.replace(from, to);
-    for (spots, edges, message) in [
-        (spots("FRAME", "FRAMES"), &fine, "film_spots.csv: cannot be read"),
-        (spots(",RADIUS", ",FRAMEX"), &fine, ""),
-        (spots("P0,10,", "P0,-10,"), &fine, "film_spots.csv:5:1: ID = \"-10\": must be a whole number from 0"),
-        (spots("60,1,20", "60,NaN,20"), &fine, "film_spots.csv:5:1: FRAME = \"NaN\": must be a whole number from 0"),
-        (
-            spots("ID11,11,", "ID11,10,"),
-            &fine,
-            "film_spots.csv:6:1: ID = 10: must be of one spot only; line 5 has it too",
-        ),
-        (
-            spots("(sec),,(micron)", "(sec),,(inch)"),
-            &fine,
-            "film_spots.csv:4:1: the unit of radii is \"(inch)\": must be",
-        ),
-        (spots("", ""), &with(&[(10, 10)]), "film_edges.csv:14:1: a link from \"P0\" (film_spots.csv:5) to \"P0\""),
-        (
-            spots("", ""),
-            &with(&[(11, 12)]),
-            "film_edges.csv:14:1: a second link from \"ID11\" (film_spots.csv:6) to \"AB\"",
-        ),
-        (spots("ID11,11,0,", "ID11,11,0,5,"), &fine, "film_spots.csv:6:1: line 6 has 12 fields, the heading 11"),
-        (spots("", ""), &fine.replace("ID13 →", "ID13, →"), "film_edges.csv:7:1: line 7 has 5 fields, the heading 4"),
-        (spots("", ""), &with(&[(12, 13)]), "both at time 3: links must lead to a later time"),
-        (spots("", ""), &with(&[(10, 99)]), "film_edges.csv:14:1: SPOT_TARGET_ID = \"99\": must be the ID of a spot"),
-        (
-            spots("", ""),
-            &fine.replace("SPOT_SOURCE_ID", "FROM"),
-            "film_edges.csv:1:1: no column is called \"SPOT_SOURCE_ID\"",
-        ),
-        (TRACKMATE_SPOTS.lines().take(4).collect::<Vec<_>>().join("\n"), &fine, "must be the ID of a spot"),
-    ] {
-        let (_folder, path) = trackmate(&spots, edges);
-        match read_tracked(&path, &TrackOptions::default()) {
-            Err(_) => {
-                let error = refused(&path);
-                assert!(error.contains(message), "{error}\n{message}");
-            }
-            // Without a heading that it knows a table is of no program, and without radii cells have no size.
-            Ok(None) => assert!(spots.contains("FRAMES")),
-            Ok(Some(lineage)) => assert!(spots.contains("FRAMEX") && lineage.cells[0].volume.is_none()),
+    for (change, message) in cases(include_str!("wrong_spots.txt")) {
+        let (mut spots, mut edges) = (TRACKMATE_SPOTS.to_owned(), fine.clone());
+        match change[..] {
+            ["spots", from, to] => spots = spots.replace(from, to),
+            ["edges", from, to] => edges = edges.replace(from, to),
+            ["add", from, to] => edges += &format!("ID{from} → ID{to},0,{from},{to}\n"),
+            _ => panic!("{change:?}"),
         }
+        assert!(spots != TRACKMATE_SPOTS || edges != fine, "{change:?}");
+        let (_folder, path) = trackmate(&spots, &edges);
+        let error = refused(&path);
+        assert!(error.contains(message), "{error}\n{message}");
     }
+    let spots = |from: &str, to: &str| TRACKMATE_SPOTS.replace(from, to);
+    // Without a heading that it knows a table is of no program, and without radii cells have no size.
+    let (_folder, path) = trackmate(&spots("FRAME", "FRAMES"), &fine);
+    assert!(read_tracked(&path, &TrackOptions::default()).unwrap().is_none());
+    let (_folder, path) = trackmate(&spots(",RADIUS", ",FRAMEX"), &fine);
+    assert!(tracked(&path).cells[0].volume.is_none());
+    let none = TRACKMATE_SPOTS.lines().take(4).collect::<Vec<_>>().join("\n");
+    let (_folder, path) = trackmate(&none, &fine);
+    assert!(refused(&path).contains("must be the ID of a spot"));
     let (_folder, path) = file("film_spots.csv", TRACKMATE_SPOTS);
     let error = refused(&path);
     assert!(
@@ -340,17 +317,10 @@ fn geff_has_ids_of_64_bits_and_missing_names() {
         files[ids].1 = (10..20).flat_map(id).collect();
         files[edges].1 = EDGES.iter().flat_map(|(a, b)| [id((*a).into()), id((*b).into())].concat()).collect();
         files[edges].1.resize(160, 0);
-        let is_signed = first < 1 << 63;
-        for (name, text) in files.iter_mut() {
-            if name == "edges/ids/.zarray" {
-                *text = String::from_utf8(text.clone())
-                    .unwrap()
-                    .replace("<u4", if is_signed { "<i8" } else { "<u8" })
-                    .into();
-            }
-        }
-        let missing = String::from_utf8(files[file(&files, "nodes/props/size/missing/.zarray")].1.clone()).unwrap();
-        files.push(("nodes/props/name/missing/.zarray".to_owned(), missing.into_bytes()));
+        let kinds = file(&files, "edges/ids/.zarray");
+        replace(&mut files[kinds].1, "<u4", if first < 1 << 63 { "<i8" } else { "<u8" });
+        let missing = files[file(&files, "nodes/props/size/missing/.zarray")].1.clone();
+        files.push(("nodes/props/name/missing/.zarray".to_owned(), missing));
         files.push(("nodes/props/name/missing/0".to_owned(), vec![1, 0, 0, 0, 0, 0, 0, 0, 0, 0]));
         let folder = written(&files);
         let lineage = tracked(&folder.path().join("embryo.geff"));
@@ -362,9 +332,7 @@ fn geff_has_ids_of_64_bits_and_missing_names() {
         expected[2].1 = Some(&name);
         assert_eq!(lives(&lineage), expected, "{first}");
         // An edge to an id that is not there, but is the same double.
-        if let Some(last) = files.iter_mut().find(|(name, _)| name == "edges/ids/0.0") {
-            last.1[8..16].copy_from_slice(&(first + 60).to_le_bytes());
-        }
+        files[edges].1[8..16].copy_from_slice(&(first + 60).to_le_bytes());
         let error = refused(&written(&files).path().join("embryo.geff"));
         assert!(error.contains(&format!("edges/ids[0] = {}: must be a node's id", first + 60)), "{error}");
     }
@@ -408,12 +376,7 @@ fn huge_arrays_are_refused_at_once() {
     ] {
         let mut files = geff(2, 10);
         let (_, content) = files.iter_mut().find(|(known, _)| known == name).unwrap();
-        let mut text = String::from_utf8(content.clone()).unwrap();
-        for (from, to) in changes {
-            assert!(text.contains(from), "{text}");
-            text = text.replace(from, to);
-        }
-        *content = text.into_bytes();
+        changes.iter().for_each(|(from, to)| replace(content, from, to));
         let error = refused(&written(&files).path().join("embryo.geff"));
         assert!(error.contains(name) && error.contains("rows") || error.contains("of at most 64 MB"), "{error}");
     }
@@ -421,64 +384,24 @@ fn huge_arrays_are_refused_at_once() {
 
 #[test]
 fn wrong_geff_is_refused_with_its_place() {
-    let change = |name: &str, from: &str, to: &str| {
+    for (change, message) in cases(include_str!("wrong_geff.txt")) {
         let mut files = geff(2, 10);
-        let file = files.iter_mut().find(|(known, _)| known == name).unwrap();
-        let text = String::from_utf8(file.1.clone()).unwrap();
-        assert!(text.contains(from), "{name}: {from}");
-        file.1 = text.replace(from, to).into_bytes();
-        files
-    };
-    let bytes = |name: &str, at: usize, byte: u8| {
-        let mut files = geff(2, 10);
-        files.iter_mut().find(|(known, _)| known == name).unwrap().1[at] = byte;
-        files
-    };
-    let without = |name: &str| geff(2, 10).into_iter().filter(|(known, _)| known != name).collect::<Files>();
-    for (files, message) in [
-        (change(".zattrs", "geff\":", "graph\":"), "geff = null: must be metadata of GEFF in the attributes"),
-        (
-            change(".zattrs", "true", "false"),
-            "geff.directed = false: must be true: edges lead from mothers to daughters",
-        ),
-        (change(".zattrs", "\"time\"", "\"channel\""), "geff.axes = "),
-        (change(".zattrs", "second", "fortnight"), "geff.axes.unit = \"fortnight\": must be minute, second,"),
-        (change(".zattrs", "micrometer", "furlong"), "unit of size = furlong: must be micrometer, pixel, or none"),
-        (change(".zattrs", "{\"geff\":", "{\"geff\""), ".zattrs:1:"),
-        (without("nodes/ids/.zarray"), "nodes/ids/.zarray: cannot be read"),
-        (without("nodes/props/t/values/0"), "edges/ids:1:1: a link from \"P0\" to \"ID11\", both at time 0"),
-        (
-            change("nodes/ids/.zarray", "<u8", ">u8"),
-            ".zarray: data type = \">u8\": must be integers, floating-point numbers",
-        ),
-        (
-            change("nodes/ids/.zarray", "\"compressor\":null", "\"compressor\":{\"id\":\"lzma\"}"),
-            "codecs = {\"id\":\"lzma\"}: must be none",
-        ),
-        (
-            change("nodes/ids/.zarray", "[10],\"chunks\"", "[9],\"chunks\""),
-            "props/t/values/.zarray: shape = [10]: must be 9 rows, one for each node",
-        ),
-        (
-            change("nodes/ids/.zarray", "\"shape\":[10]", "\"shape\":[99999999999999]"),
-            "shape = [99999999999999]: must be at most 10 rows: the array's files have 80 bytes",
-        ),
-        (
-            change("nodes/ids/.zarray", "\"chunks\":[10]", "\"chunks\":[0]"),
-            "chunks = [0]: must be as many whole numbers above 0",
-        ),
-        (change("nodes/ids/.zarray", "\"chunks\":[10]", "\"chunks\":[11]"), "it has 80 bytes; 11 values have 88"),
-        (bytes("nodes/ids/0", 8, 10), "nodes/ids = 10: must be of one node only"),
-        (bytes("edges/ids/0.0", 0, 77), "edges/ids[0] = 77: must be a node's id"),
-        (bytes("edges/ids/0.0", 4, 10), "edges/ids:1:1: a link from \"P0\" to \"P0\", both at time 1"),
-        (
-            change("edges/ids/.zarray", "\"chunks\":[10,2]", "\"chunks\":[100000000000,2]"),
-            "chunks = [100000000000,2]: must be of at most 64 MB: the array's files have 80 bytes",
-        ),
-        (change("edges/ids/.zarray", "[9,2]", "[9,4000000000]"), "must be of at most 2 columns"),
-    ] {
+        let file = files.iter().position(|(known, _)| known == change[0]).unwrap();
+        match change[1..] {
+            ["removed"] => drop(files.remove(file)),
+            ["byte", at, byte] => files[file].1[at.parse::<usize>().unwrap()] = byte.parse().unwrap(),
+            [from, to] => replace(&mut files[file].1, from, to),
+            _ => panic!("{change:?}"),
+        }
         let folder = written(&files);
         let error = refused(&folder.path().join("embryo.geff"));
         assert!(error.contains(message), "{error}\n{message}");
     }
+}
+
+/// Replaces a text that must be there.
+fn replace(content: &mut Vec<u8>, from: &str, to: &str) {
+    let text = String::from_utf8(content.clone()).unwrap();
+    assert!(text.contains(from), "{text}: {from}");
+    *content = text.replace(from, to).into_bytes();
 }

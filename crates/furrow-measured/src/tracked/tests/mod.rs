@@ -4,11 +4,12 @@ mod damaged;
 mod graphs;
 
 use std::fs;
-use std::io::Write;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
-use flate2::{Compression, Crc, write::DeflateEncoder};
 use tempfile::TempDir;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 use super::*;
 use crate::names::Names;
@@ -35,37 +36,13 @@ fn nuclei(files: &[&str]) -> TempDir {
 
 /// A zip archive; every second file is deflated.
 fn zip(files: &[(String, Vec<u8>)]) -> Vec<u8> {
-    let (mut out, mut directory) = (Vec::new(), Vec::new());
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for (k, (name, content)) in files.iter().enumerate() {
-        let (method, mut packed, mut crc) = ((k % 2 * 8) as u16, content.clone(), Crc::new());
-        crc.update(content);
-        if method == 8 {
-            let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
-            encoder.write_all(content).unwrap();
-            packed = encoder.finish().unwrap();
-        }
-        let mut common = [20_u16, 0, method, 0, 0].iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
-        let lengths = [crc.sum(), packed.len() as u32, content.len() as u32];
-        common.extend(lengths.iter().flat_map(|n| n.to_le_bytes()));
-        common.extend((name.len() as u16).to_le_bytes());
-        common.extend([0, 0]);
-        directory.extend(b"PK\x01\x02\x14\x00");
-        directory.extend(&common);
-        directory.extend([0; 10]);
-        directory.extend((out.len() as u32).to_le_bytes());
-        directory.extend(name.bytes());
-        out.extend(b"PK\x03\x04");
-        out.extend(&common);
-        out.extend(name.bytes());
-        out.extend(packed);
+        let method = [CompressionMethod::Stored, CompressionMethod::Deflated][k % 2];
+        writer.start_file(&**name, SimpleFileOptions::default().compression_method(method)).unwrap();
+        writer.write_all(content).unwrap();
     }
-    let [count, length, at] = [files.len(), directory.len(), out.len()];
-    out.extend(directory);
-    out.extend(b"PK\x05\x06\0\0\0\0");
-    out.extend([count as u16, count as u16].iter().flat_map(|n| n.to_le_bytes()));
-    out.extend([length as u32, at as u32].iter().flat_map(|n| n.to_le_bytes()));
-    out.extend([0, 0]);
-    out
+    writer.finish().unwrap().into_inner()
 }
 
 fn zipped(files: &[&str]) -> Vec<u8> {
@@ -86,6 +63,19 @@ fn tracked(path: &Path) -> TrackedLineage {
     read_tracked(path, &TrackOptions::default()).unwrap().unwrap()
 }
 
+/// Cases of a text file: lines that begin with `> `, and the message below each.
+fn cases(text: &str) -> impl Iterator<Item = (Vec<&str>, &str)> {
+    text.trim_end().split("> ").skip(1).map(|case| {
+        let (changes, message) = case.trim_end().split_once('\n').unwrap();
+        (changes.split(" | ").collect(), message)
+    })
+}
+
+/// What was skipped, with the places.
+fn reports(lineage: &TrackedLineage) -> Vec<String> {
+    lineage.skipped.iter().map(|s| format!("{} {} {}: {}", s.line, s.column, s.value, s.why)).collect()
+}
+
 /// The error, without the folder's name.
 fn refused(path: &Path) -> String {
     let error = read_tracked(path, &TrackOptions::default()).unwrap_err().to_string();
@@ -101,6 +91,16 @@ fn lives(lineage: &TrackedLineage) -> Vec<Life<'_>> {
     let life = |cell: &TrackedCell| cell.mother.map(name);
     let each = lineage.cells.iter().map(|cell| (cell.name.as_str(), life(cell), cell.birth, cell.division, cell.last));
     each.collect()
+}
+
+fn rounds_of(cell: &str, terminal: u32, min: u32, mean: f64, max: u32) -> TrackedRounds {
+    TrackedRounds { cell: cell.to_owned(), terminal, min, mean, max }
+}
+
+/// The cells in the order of [`LIVES`].
+fn in_order(mut lives: Vec<Life<'_>>) -> Vec<Life<'_>> {
+    lives.sort_by_key(|life| LIVES.iter().position(|known| known.0 == life.0));
+    lives
 }
 
 const LIVES: [Life<'static>; 5] = [
@@ -151,9 +151,7 @@ fn cd_table() -> String {
 fn a_cd_table_gives_the_cells_that_the_nuclei_give() {
     let (_folder, path) = file("CDembryo.csv", cd_table());
     let (cd, folder) = (tracked(&path), nuclei(&NUCLEI));
-    let mut found = lives(&cd);
-    found.sort_by_key(|life| LIVES.iter().position(|known| known.0 == life.0));
-    assert_eq!(found, LIVES);
+    assert_eq!(in_order(lives(&cd)), LIVES);
     for cell in &tracked(folder.path()).cells {
         let same = cd.cells.iter().find(|other| other.name == cell.name).unwrap();
         assert_eq!((same.volume, same.sizes), (cell.volume, cell.sizes), "{}", cell.name);
@@ -192,30 +190,16 @@ fn three_hundred_and_sixty_frames_are_read() {
 
 #[test]
 fn wrong_nuclei_are_refused_with_their_place() {
-    for (files, message) in [
-        (
-            &["1,1,-1,1,-1,0,0,0,9\n"][..],
-            "nuclei/t001-nuclei:1:1: 9 columns; a nucleus has at least 10: number, valid,",
-        ),
-        (&["x,1,-1,1,-1,0,0,0,9,A,0\n"], "number (column 1) = \"x\": must be -1 or a whole number from 1"),
-        (
-            &["2,0,-1,-1,-1,0,0,0,9,A,0\n1,maybe,-1,1,-1,0,0,0,9,A,0\n"],
-            "t001-nuclei:2:1: valid (column 2) = \"maybe\": must be 0 or 1",
-        ),
-        (&["1,1,-1,NaN,-1,0,0,0,9,A,0\n"], "successor 1 (column 4) = \"NaN\": must be -1 or a whole number from 1"),
-        (
-            &["1,1,-1,1,-1,0,0,0,9,A,0\n1,1,-1,1,-1,0,0,0,9,B,0\n"],
-            ":2:1: number (column 1) = \"1\": must be a number that no",
-        ),
-        (
-            &[NUCLEI[0], "1,1,9,1,-1,0,0,0,9,A,0\n"],
-            "predecessor (column 3) = \"9\": must be -1 or a nucleus of frame 1",
-        ),
-        (&["", ""], "is not nuclei of AceTree with a cell that can be used: it has no spots"),
+    for (frames, message) in cases(include_str!("wrong_nuclei.txt")) {
+        let frames: Vec<String> = frames.iter().map(|frame| frame.replace(' ', "\n")).collect();
+        let error = refused(nuclei(&frames.iter().map(String::as_str).collect::<Vec<_>>()).path());
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+    for (frames, message) in [
+        (&["", ""][..], "is not nuclei of AceTree with a cell that can be used: it has no spots"),
         (&["\u{feff}\u{0}"], "this is no text: it has a byte 0"),
     ] {
-        let error = refused(nuclei(files).path());
-        assert!(error.contains(message), "{error}\n{message}");
+        assert!(refused(nuclei(frames).path()).contains(message));
     }
     let folder = nuclei(&NUCLEI);
     fs::remove_file(folder.path().join("nuclei/t004-nuclei")).unwrap();
@@ -224,10 +208,8 @@ fn wrong_nuclei_are_refused_with_their_place() {
     let folder =
         nuclei(&[NUCLEI[0], "1,1,1,-1,-1,0,0,0,-3,P0,0\n2,1,1,-1,-1,0,0,0,9,AB,0\n3,1,2,-1,-1,0,0,0,9,P1,0\n"]);
     let lineage = tracked(folder.path());
-    let why: Vec<String> =
-        lineage.skipped.iter().map(|s| format!("{} {} {}: {}", s.line, s.column, s.value, s.why)).collect();
     assert_eq!(
-        why,
+        reports(&lineage),
         [
             "1 9 (size) -3: must be a diameter above 0, in pixels",
             "2 3 (predecessor) 1: nucleus 1 of frame 1 does not name 2 as a successor",
@@ -239,16 +221,19 @@ fn wrong_nuclei_are_refused_with_their_place() {
 #[test]
 fn wrong_archives_and_cd_tables_are_refused() {
     let whole = zipped(&NUCLEI);
-    let mut encrypted = whole.clone();
     let at = whole.windows(4).position(|four| four == b"PK\x01\x02").unwrap();
-    encrypted[at + 8] = 1;
-    let mut changed = whole.clone();
-    changed[30 + 18 + 3] ^= 1;
+    let with = |place: usize, bits: u8| {
+        let mut changed = whole.clone();
+        changed[place] ^= bits;
+        changed
+    };
     for (content, message) in [
         (&whole[..whole.len() - 30], "is not a zip archive: its directory is damaged"),
         (&zip(&[("readme".to_owned(), vec![])]), "it has no file nuclei/t001-nuclei"),
-        (&encrypted, "nuclei/t001-nuclei: is not a file that can be unpacked: it is encrypted"),
-        (&changed, "its length or its checksum is wrong"),
+        (&with(at + 8, 1), "nuclei/t001-nuclei: is not a file that can be unpacked: it is encrypted"),
+        (&with(30 + 18 + 3, 1), "its length or its checksum is wrong"),
+        (&with(at + 27, 0x80), "its files are longer than 64 MB, the most that is unpacked of it"),
+        (&with(at + 10, 12), "it is packed by method 12; stored (0) and deflated (8) files are read"),
     ] {
         let (_folder, path) = file("embryo.zip", content);
         let error = refused(&path);
@@ -294,9 +279,7 @@ fn cd_tables_of_other_programs_are_read() {
     {
         let (_folder, path) = file("CDembryo.csv", table);
         let cd = tracked(&path);
-        let mut found = lives(&cd);
-        found.sort_by_key(|life| LIVES.iter().position(|known| known.0 == life.0));
-        assert_eq!((found, cd.skipped_count), (LIVES.to_vec(), 0));
+        assert_eq!((in_order(lives(&cd)), cd.skipped_count), (LIVES.to_vec(), 0));
         assert_eq!(cd.cells.iter().all(|cell| cell.volume.is_some()), has_sizes);
     }
 }
@@ -355,9 +338,12 @@ fn rounds_of_mothers_that_were_not_followed_come_from_their_daughters() {
     let folder = nuclei(&[&first, last]);
     let lineage = tracked(folder.path());
     let (found, absent) = lineage.rounds(&["P0", "AB", "P1", "EMS", "P2", "MS", "E", "C"], &Names::default());
-    let of = |cell: &str, terminal, min, mean, max| TrackedRounds { cell: cell.to_owned(), terminal, min, mean, max };
-    let expected =
-        [of("AB", 3, 1, 5.0 / 3.0, 2), of("EMS", 2, 1, 1.0, 1), of("MS", 1, 0, 0.0, 0), of("E", 1, 0, 0.0, 0)];
+    let expected = [
+        rounds_of("AB", 3, 1, 5.0 / 3.0, 2),
+        rounds_of("EMS", 2, 1, 1.0, 1),
+        rounds_of("MS", 1, 0, 0.0, 0),
+        rounds_of("E", 1, 0, 0.0, 0),
+    ];
     assert_eq!(found, expected, "{:?}", lineage.skipped);
     let why: Vec<String> = absent.iter().map(|absent| format!("{}: {}", absent.founder, absent.why)).collect();
     let neither = "neither it nor its daughters were followed";
@@ -439,10 +425,8 @@ fn one_sided_successors_are_reported() {
         "1,1,1,-1,-1,0,0,0,9,AB,0\n2,1,-1,-1,-1,0,0,0,9,P1,0\n3,0,2,-1,-1,0,0,0,9,X,0\n",
     ]);
     let lineage = tracked(folder.path());
-    let why: Vec<String> =
-        lineage.skipped.iter().map(|s| format!("{} {} {}: {}", s.line, s.column, s.value, s.why)).collect();
     assert_eq!(
-        why,
+        reports(&lineage),
         [
             "1 5 (successor 2) 2: nucleus 2 of frame 2 does not name 1 as where it comes from",
             "2 4 (successor 1) 3: nucleus 3 of frame 2 is not valid",
@@ -456,8 +440,7 @@ fn rounds_count_divisions_to_the_last_cells() {
     let folder = nuclei(&NUCLEI);
     let lineage = tracked(folder.path());
     let (found, absent) = lineage.rounds(&["P0", "E", "AB", "P1"], &Names::default());
-    let of = |cell: &str, terminal, min, mean, max| TrackedRounds { cell: cell.to_owned(), terminal, min, mean, max };
-    let expected = [of("P0", 3, 1, 5.0 / 3.0, 2), of("AB", 2, 1, 1.0, 1), of("P1", 1, 0, 0.0, 0)];
+    let expected = [rounds_of("P0", 3, 1, 5.0 / 3.0, 2), rounds_of("AB", 2, 1, 1.0, 1), rounds_of("P1", 1, 0, 0.0, 0)];
     assert_eq!((found, lineage.terminal(&Names::default())), (expected.to_vec(), 3));
     assert_eq!((absent.len(), absent[0].why.as_str()), (1, "neither it nor its daughters were followed"));
 }
@@ -473,11 +456,7 @@ fn lifetimes_need_minutes_and_both_ends() {
     let [ab] = &found.cells[..] else { panic!("{found:?}") };
     assert_eq!((ab.cell.as_str(), ab.founder.as_str(), ab.n, ab.mean, ab.birth), ("AB", "AB", 1, 3.0, Some(4.5)));
     let folder = nuclei(&NUCLEI[..2]);
-    let error = read_tracked(folder.path(), &options)
-        .unwrap()
-        .unwrap()
-        .lifetimes("embryo", &Names::default())
-        .unwrap_err()
-        .to_string();
+    let lineage = read_tracked(folder.path(), &options).unwrap().unwrap();
+    let error = lineage.lifetimes("embryo", &Names::default()).unwrap_err().to_string();
     assert!(error.starts_with("embryo: cells = 1: must be at least one cell"), "{error}");
 }
