@@ -42,10 +42,10 @@ pub fn divide(
     // A single division leaves nothing to keep before it ends; it goes on to the memo by itself.
     let interrupt = if count == 1 { Interrupt::Abandons } else { Interrupt::Finishes };
     supervised(py, interrupt, progress, move |watch| {
-        let show = |progress| watch.divisions(progress);
-        let interrupt = Some(&watch.stop).filter(|_| count > 1);
-        let options = SchedulerOptions { threads, interrupt, progress: Some(&show), ..SchedulerOptions::default() };
-        let Replicates { divisions, mut undecided, .. } = replicates(&input, count, &memo, &options)?;
+        let Replicates { divisions, mut undecided, .. } = watch.scheduled(threads, |options| {
+            let interrupt = options.interrupt.filter(|_| count > 1);
+            replicates(&input, count, &memo, &SchedulerOptions { interrupt, ..*options })
+        })?;
         if divisions.len() + undecided.len() < count {
             return Err(Error::Interrupted(0));
         }

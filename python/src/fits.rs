@@ -2,7 +2,8 @@
 
 use furrow_analysis::fit::{FitError, FitProgress, Reading, SearchBudget, Targets};
 use furrow_analysis::fit::{activities, activities_at_limit, fit_constants as fitted, fit_cue as fitted_cue};
-use furrow_analysis::{front as searched, tree_settings};
+use furrow_analysis::{ConstantsSearch, front as searched, tree_settings};
+use furrow_cell::settings::Settings;
 use furrow_figures::plot;
 use furrow_input::parse_document;
 use furrow_lineage::{Lineage, TreeSettings};
@@ -165,18 +166,8 @@ pub fn front(
     threads: usize,
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
-        let (targets, settings) = read_thresholds(&source, unknowns.as_deref(), &given)?;
-        let found = searched(
-            &targets,
-            &settings.cell,
-            &settings.numerics,
-            count,
-            seed,
-            threads,
-            &watch.stop,
-            None,
-            &|_, _| (),
-        )?;
-        Document::of(&found)
+        let (targets, Settings { cell, numerics }) = read_thresholds(&source, unknowns.as_deref(), &given)?;
+        let search = ConstantsSearch::new(&targets, &cell, &numerics, (count, seed), &watch.stop);
+        Document::of(searched(&ConstantsSearch { threads, ..search })?)
     })
 }

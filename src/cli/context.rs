@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::interrupt;
 use super::messages;
 use super::output::number;
+use super::progress::ProgressLine;
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use furrow_cell::settings::canonical_name;
@@ -138,6 +139,16 @@ impl Context {
                 Ok(memo)
             }
         }
+    }
+
+    /// Runs work that shows its progress in a line, which is gone when the work has ended.
+    pub fn shown<T>(&self, work: impl FnOnce(&ProgressLine) -> T) -> T {
+        work(&ProgressLine::new(self.progress))
+    }
+
+    /// The same for divisions, of which the line shows how many are done.
+    pub fn scheduled<T>(&self, work: impl FnOnce(&SchedulerOptions<'_>) -> T) -> T {
+        self.shown(|line| work(&self.scheduling(&|progress| line.show_all(progress))))
     }
 
     /// How divisions are scheduled: on the threads asked for, until Ctrl-C.

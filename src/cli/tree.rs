@@ -7,7 +7,6 @@ use super::interrupt;
 use super::messages::{self, Level};
 use super::output::{filled, merged, print_as, to_json, writable_folder};
 use super::picture::PlotArgs;
-use super::progress::ProgressLine;
 use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::tree_settings;
@@ -17,7 +16,7 @@ use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
 use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
 use furrow_input::InputError;
-use furrow_lineage::batch::{Summary, scheduler::workers};
+use furrow_lineage::batch::{Memo, Summary, scheduler::workers};
 use furrow_lineage::clock::alive;
 use furrow_lineage::units::{MOST_PLAIN, plain_radius};
 use furrow_lineage::{Length, Lineage, TerminalReason, Tree, TreeSettings};
@@ -150,7 +149,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     }
     let names = names_of_files(&scenarios, &beside, several);
     let mut files = FileSet::begin(out, names.iter().map(String::as_str));
-    let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, context)?;
+    let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, &context.memo()?, context)?;
     let trees = &grown.trees;
     stage(&mut files, &scenarios, trees, &spread, (several, axis))?;
     let folders = several.then(|| scenarios.iter().map(|scenario| scenario.folder.as_str()).collect());
@@ -331,18 +330,17 @@ pub fn grown(
     scenarios: &[Scenario],
     replicates: Option<u32>,
     dynamics: bool,
+    memo: &Memo,
     context: &Context,
 ) -> Result<(Grown, Vec<LineageRanges>), CliError> {
-    let memo = context.memo()?;
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show(progress);
-    let (options, flag) = (context.scheduling(&show), interrupt::flag());
-    let found = match replicates {
-        Some(count) => study::grown_replicates(scenarios, count, dynamics, &memo, options, flag),
-        None => study::grown(scenarios, dynamics, &memo, options, flag).map(|grown| (grown, vec![])),
-    };
-    drop(line);
-    let (grown, spread) = found?;
+    let (grown, spread) = context.shown(|line| {
+        let show = |progress| line.show(progress);
+        let (options, flag) = (context.scheduling(&show), interrupt::flag());
+        match replicates {
+            Some(count) => study::grown_replicates(scenarios, count, dynamics, memo, options, flag),
+            None => study::grown(scenarios, dynamics, memo, options, flag).map(|grown| (grown, vec![])),
+        }
+    })?;
     messages::warn_of(&grown.summary.warnings);
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {

@@ -51,7 +51,7 @@ pub use boundary::{BoundaryOptions, BoundaryStudy, boundary, edges};
 pub use constants::{Constants, read_constants, write_constants};
 pub use constraints::{ConstraintCheck, Exclusion, Extent, check_constraints};
 pub use diagram::{Diagram, Edges, diagram};
-pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
+pub use ensemble::{ConstantsSearch, Ensemble, EnsembleError, Member, ensemble};
 pub use front::{Front, FrontMember, front};
 pub use growth::{Grown, grown, grown_replicates, scenarios_of, tree_settings};
 pub use journal::Journal;

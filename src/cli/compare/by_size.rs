@@ -4,19 +4,16 @@ use std::fmt::Write;
 
 use furrow_analysis::compare::noise::{Interval, NoiseBin, NoiseNull};
 use furrow_analysis::compare::volumes::BinModel;
+use furrow_analysis::compare::volumes_comparison::VolumesComparison;
 use furrow_measured::statistics::{Line, RankCorrelation};
-use furrow_measured::trend::{AdjacentTest, EmbryoTrend, VolumeBin, VolumeTrend};
+use furrow_measured::trend::{EmbryoTrend, VolumeTrend};
 use furrow_measured::volumes::Unit;
 
 use super::{plus_minus, significance};
 
 /// Bins of the volume, each with its test and the model's cell of the bin's mean size, if there are any.
-pub fn bins_text(
-    unit: Option<Unit>,
-    bins: &[VolumeBin],
-    tests: &[AdjacentTest],
-    model: &[(String, Vec<BinModel>)],
-) -> String {
+pub fn bins_text(found: &VolumesComparison) -> String {
+    let VolumesComparison { unit, bins, tests, model_by_bin, model_by_bin_with_cues, .. } = found;
     if bins.is_empty() {
         return String::new();
     }
@@ -30,7 +27,10 @@ pub fn bins_text(
         let (name, sd) = (bin.name(), plus_minus(bin.sd, bin.n));
         let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
     }
-    model.iter().for_each(|(cue, bins)| out += &model_text(cue, bins));
+    if !model_by_bin.is_empty() {
+        out += &model_text("", model_by_bin);
+    }
+    model_by_bin_with_cues.iter().for_each(|(cue, bins)| out += &model_text(cue, bins));
     out + "\n"
 }
 

@@ -18,7 +18,6 @@ use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
-use crate::cli::progress::ProgressLine;
 
 /// Compares asymmetry over the dose of a protein with the model's over the strength of its cue
 ///
@@ -91,11 +90,9 @@ fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result
     set(&mut settings, [("--r0", "r0", r0)])?;
     settings.check_divisions("settings")?;
     interrupt::finish();
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show_all(progress);
-    interrupt::finish();
-    let (memo, scheduling) = (context.memo()?, context.scheduling(&show));
-    let model = over_dose(&settings.cell, &cue, measured, settings.numerics, &memo, &scheduling)?;
+    let memo = context.memo()?;
+    let model =
+        context.scheduled(|options| over_dose(&settings.cell, &cue, measured, settings.numerics, &memo, options))?;
     Ok((settings.cell.r0, model))
 }
 

@@ -33,7 +33,7 @@ pub use constants::{Evaluated, FittedConstants, fit_constants};
 pub use document::activities_at_limit;
 pub use error::FitError;
 pub use germline::{ChiResidual, FittedCue, fit_cue};
-pub use goodness::Goodness;
+pub use goodness::{CalibrationStudy, Goodness};
 pub use jumps::Jump;
 pub use search::{FitProgress, Limit, NumberAtLimit, SearchBudget};
 pub use targets::Targets;
