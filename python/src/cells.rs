@@ -6,7 +6,7 @@ use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
-use furrow_report::{azimuthal_report, crossing_report, event_report, stationary_report, threshold_report};
+use furrow_report::{AzimuthalStability, crossing_report, event_report, stationary_report, threshold_report};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -138,14 +138,8 @@ pub fn steady<'py>(
         let places = profile(&shape.cortex, &shape.solution.gauss(), &shape.solution);
         let mut report = stationary_report(&shape, &spectrum);
         if let Some(most) = azimuthal {
-            let mut rows = vec![azimuthal_report(0, &spectrum, None)];
-            for m in 1..=most {
-                let mut disturbances = shape.azimuthal(m);
-                let spectrum = disturbances.leading().map_err(Error::no_outcome)?;
-                let mode = disturbances.mode(spectrum.growth_rate()).map_err(Error::no_outcome)?;
-                rows.push(azimuthal_report(m, &spectrum, Some(&mode)));
-            }
-            report["azimuthal"] = rows.into();
+            let found = AzimuthalStability::up_to(most, &shape, &spectrum).map_err(Error::no_outcome)?;
+            report["azimuthal"] = found.iter().map(AzimuthalStability::report).collect();
         }
         Ok((report.into(), place_columns(places.iter())))
     })?;

@@ -34,9 +34,7 @@ pub fn solve(
         "u" => Measure::UFurrow,
         _ => Measure::TEnd,
     };
-    if let Some(allowed) = measure.refused(wanted) {
-        return Err(Error::not_allowed(name, wanted, allowed));
-    }
+    measure.validate(wanted).map_err(|allowed| Error::not_allowed(name, wanted, allowed))?;
     for end in range.into_iter().flatten() {
         parameter.validate(end).map_err(|allowed| Error::not_allowed("range", end, allowed))?;
     }

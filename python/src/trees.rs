@@ -171,8 +171,8 @@ pub fn read_tree(py: Python<'_>, file: PathBuf) -> Result<GrownTree, Error> {
 }
 
 fn tree_of(text: &str, file: &str) -> Result<GrownTree, Error> {
-    let refused = |error| InputError::other_file(file, "a tree as furrow writes it", error);
-    Ok(GrownTree { tree: Arc::new(tree_from_json(text).map_err(refused)?) })
+    let no_tree = |error| InputError::other_file(file, "a tree as furrow writes it", error);
+    Ok(GrownTree { tree: Arc::new(tree_from_json(text).map_err(no_tree)?) })
 }
 
 /// The value of a name, of several that are known.

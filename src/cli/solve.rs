@@ -94,10 +94,8 @@ impl WantedArgs {
         let given = given.into_iter().find_map(|(measure, option, value)| Some((measure, option, value?)));
         // clap sees to it that one is given.
         let (measure, option, value) = given.unwrap_or((Measure::Chi, "--chi", f64::NAN));
-        match measure.refused(value) {
-            Some(allowed) => Err(InputError::not_allowed(option, measure.name(), value, allowed)),
-            None => Ok((measure, value)),
-        }
+        let error = |allowed| InputError::not_allowed(option, measure.name(), value, allowed);
+        measure.validate(value).map(|()| (measure, value)).map_err(error)
     }
 }
 

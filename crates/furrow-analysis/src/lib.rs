@@ -55,7 +55,7 @@ pub use ensemble::{ConstantsSearch, Ensemble, EnsembleError, Member, ensemble};
 pub use front::{Front, FrontMember, front};
 pub use growth::{Grown, grown, grown_replicates, scenarios_of, tree_settings};
 pub use journal::Journal;
-pub use parse::Lists;
+pub use parse::ListedSweep;
 pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{FounderRange, LineageRanges, Range, ranges};
 pub use run::{Run, SweepProgress, SweepResult};

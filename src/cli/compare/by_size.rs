@@ -9,7 +9,7 @@ use furrow_measured::statistics::{Line, RankCorrelation};
 use furrow_measured::trend::{EmbryoTrend, VolumeTrend};
 use furrow_measured::volumes::Unit;
 
-use super::{plus_minus, significance};
+use super::{ended, plus_minus, significance};
 
 /// Bins of the volume, each with its test and the model's cell of the bin's mean size, if there are any.
 pub fn bins_text(found: &VolumesComparison) -> String {
@@ -39,12 +39,9 @@ fn model_text(cue: &str, bins: &[BinModel]) -> String {
     let with = if cue.is_empty() { "without a cue".to_owned() } else { format!("with the cue {cue}") };
     let mut out = format!("Model, cells {with} as large as the mean mother of each bin:\n");
     for BinModel { bin, volume, model } in bins {
-        let end = match (model.chi, model.outcome) {
-            (Some(chi), _) => format!("χ = {chi:.3}"),
-            (None, Some(outcome)) => outcome.name().to_owned(),
-            (None, None) => "-".to_owned(),
-        };
-        let _ = writeln!(out, "  {bin:<16} V = {volume:<8.0} R0 = {:<6.3} {end}", model.r0);
+        let chi = if model.chi.is_some() { "χ = " } else { "" };
+        let end = ended(model.chi, model.outcome);
+        let _ = writeln!(out, "  {bin:<16} V = {volume:<8.0} R0 = {:<6.3} {chi}{end}", model.r0);
     }
     out
 }

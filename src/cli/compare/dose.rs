@@ -11,7 +11,7 @@ use furrow_lineage::{Length, parse_cue};
 use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread};
 use furrow_measured::statistics::{Line, RankCorrelation};
 
-use super::{check_bins, plus_minus, significance, skipped_text};
+use super::{check_bins, ended, plus_minus, significance, skipped_text};
 use crate::cli::cell::{length, load_lineage, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -110,7 +110,7 @@ fn text(measured: &MeasuredDoses, model: &ModelDoses, cell: &str) -> String {
     }
     let _ = writeln!(out, "\n{}   model", head("doses"));
     for (group, model) in bins.iter().zip(&model.by_bin) {
-        let _ = writeln!(out, "{}   {}", row(group), ended(model));
+        let _ = writeln!(out, "{}   {}", row(group), ended(model.chi, model.outcome));
     }
     out + "\n" + &trend_text(trend) + &model_text(model, cell)
 }
@@ -120,14 +120,6 @@ fn row(group: &DoseGroup) -> String {
     let spread = |Spread { mean, sd }: &Spread| format!("{mean:.3}{}", plus_minus(*sd, *n));
     let [dose, share, area, volume] = [dose, larger_share, chi_area, chi_volume].map(spread);
     format!("{name:<12}{n:>4} {dose:>13} {share:>15} {area:>13} {volume:>15}")
-}
-
-fn ended(model: &DoseModel) -> String {
-    match (model.chi, model.outcome) {
-        (Some(chi), _) => format!("{chi:.3}"),
-        (None, Some(outcome)) => outcome.name().to_owned(),
-        (None, None) => "-".to_owned(),
-    }
 }
 
 fn trend_text(trend: &DoseTrend) -> String {
@@ -153,13 +145,12 @@ fn trend_text(trend: &DoseTrend) -> String {
 }
 
 fn model_text(model: &ModelDoses, cell: &str) -> String {
-    let at = |dose: f64| {
-        let nearest = |point: &&DoseModel| (point.dose - dose).abs();
-        model
-            .curve
-            .iter()
-            .min_by(|a, b| nearest(a).total_cmp(&nearest(b)))
-            .map_or(String::new(), |point| format!("χ = {} at dose {:.3}", ended(point), point.dose))
-    };
+    let at =
+        |dose: f64| {
+            let nearest = |point: &&DoseModel| (point.dose - dose).abs();
+            model.curve.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))).map_or(String::new(), |point| {
+                format!("χ = {} at dose {:.3}", ended(point.chi, point.outcome), point.dose)
+            })
+        };
     format!("Model, {cell}, amplitude × dose: {}, {}\n", at(0.0), at(1.0))
 }

@@ -21,6 +21,7 @@ use furrow_lineage::{Lineage, Tree, Units};
 use furrow_measured::significance::slope_p;
 use furrow_measured::statistics::{Line, SPREAD_FROM};
 use furrow_measured::volumes::Skipped;
+use furrow_mechanics::division::Outcome;
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
@@ -77,6 +78,12 @@ fn significance(line: &Line) -> String {
 /// A standard deviation behind a mean; empty for few values, where it means little.
 fn plus_minus(sd: Option<f64>, n: usize) -> String {
     sd.filter(|_| n >= SPREAD_FROM).map_or(String::new(), |sd| format!(" ± {sd:.3}"))
+}
+
+/// How a computed division ended: χ, or the outcome without one, or a dash where it is not known.
+fn ended(chi: Option<f64>, outcome: Option<Outcome>) -> String {
+    let outcome = || outcome.map_or("-".to_owned(), |outcome| outcome.name().to_owned());
+    chi.map_or_else(outcome, |chi| format!("{chi:.3}"))
 }
 
 /// Trees of several lineages with the parameters of the command, in one run.

@@ -8,7 +8,7 @@ use furrow_measured::statistics::Line;
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
-use super::{MOST_SKIPPED, check_bins, files, plus_minus, significance, skipped_text, trees_of};
+use super::{MOST_SKIPPED, check_bins, ended, files, plus_minus, significance, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -283,13 +283,10 @@ fn group_text(group: &GroupComparison) -> String {
     );
     for event in &group.events {
         let MotherComparison { measured, model, given_first, band, .. } = event;
-        let of = |modelled: &Option<ModelDivision>| match modelled {
-            Some(ModelDivision { chi: Some(chi), .. }) => {
-                let off = event.off(*chi).map_or(String::new(), |off| format!(" ({off:+.1})"));
-                format!("{chi:.3}{off}")
-            }
-            Some(ModelDivision { outcome: Some(outcome), .. }) => outcome.name().to_owned(),
-            _ => "-".to_owned(),
+        let of = |model: &Option<ModelDivision>| {
+            let (chi, outcome) = model.map_or((None, None), |model| (model.chi, model.outcome));
+            let off = chi.and_then(|chi| event.off(chi)).map_or(String::new(), |off| format!(" ({off:+.1})"));
+            ended(chi, outcome) + &off
         };
         let chi = format!("{:.3}{}", measured.mean, plus_minus(measured.sd, measured.n));
         let model = if is_modelled { format!(" {:>16}", of(model)) } else { String::new() };

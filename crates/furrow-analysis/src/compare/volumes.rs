@@ -12,7 +12,7 @@ use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
 use furrow_measured::statistics::{BoxPlot, Line, SPREAD_FROM, box_plot, line, line_through_origin, mean};
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+use furrow_mechanics::division::{Division as Computed, DivisionInput, Outcome, divide};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicBool;
@@ -315,22 +315,33 @@ pub fn model_by_bin(
     memo: &Memo,
     options: &SchedulerOptions<'_>,
 ) -> Result<Vec<(String, Vec<BinModel>)>, SchedulerError> {
-    let mut all = vec![(String::new(), Cue::none())];
-    all.extend(cues.cloned().into_iter().flatten().filter(|(_, cue)| !cue.is_none()));
     let radius = |bin: &VolumeBin| (0.75 / std::f64::consts::PI * bin.mother_volume).cbrt() / length;
-    let input = |cue: &Cue, bin: &VolumeBin| {
-        let cell = Cell { r0: radius(bin), ..settings.cell.clone().with_cue(cue.clone()) };
-        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
-    };
-    let inputs = all.iter().flat_map(|(_, cue)| bins.iter().map(move |bin| input(cue, bin)));
-    let found = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
-    let of = |(bin, found): (&VolumeBin, &Option<furrow_mechanics::division::Division>)| {
-        let (outcome, chi) =
-            (found.as_ref().map(|found| found.outcome()), found.as_ref().and_then(|found| found.chi()));
+    let cues = cues.into_iter().flatten().map(|(name, cue)| (name.clone(), cue.clone()));
+    let found = divide_by_cue(settings, cues, &bins.iter().map(radius).collect::<Vec<_>>(), memo, options)?;
+    let row = |(bin, found): (&VolumeBin, Option<Computed>)| {
+        let (outcome, chi) = (found.as_ref().map(Computed::outcome), found.as_ref().and_then(Computed::chi));
         BinModel { bin: bin.name(), volume: bin.mother_volume, model: ModelDivision { r0: radius(bin), outcome, chi } }
     };
-    let rows = |k: usize| bins.iter().zip(&found[k * bins.len()..]).map(of).collect();
-    Ok(all.into_iter().enumerate().map(|(k, (name, _))| (name, rows(k))).collect())
+    Ok(found.into_iter().map(|(cue, found)| (cue, bins.iter().zip(found).map(row).collect())).collect())
+}
+
+/// Divisions of cells of these radii, without a cue and with each of the others; each list with the name of its cue.
+fn divide_by_cue(
+    settings: &TreeSettings,
+    cues: impl Iterator<Item = (String, Cue)>,
+    radii: &[f64],
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Vec<(String, Vec<Option<Computed>>)>, SchedulerError> {
+    let mut all = vec![(String::new(), Cue::none())];
+    all.extend(cues.filter(|(_, cue)| !cue.is_none()));
+    let input = |cue: &Cue, r0: &f64| {
+        let cell = Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
+        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
+    };
+    let inputs = all.iter().flat_map(|(_, cue)| radii.iter().map(move |r0| input(cue, r0)));
+    let mut found = scheduler::solve_all(inputs, memo, options, divide)?.divisions.into_iter();
+    Ok(all.into_iter().map(|(name, _)| (name, found.by_ref().take(radii.len()).collect())).collect())
 }
 
 /// χ over the size of a cell.
@@ -358,15 +369,10 @@ pub fn size_curves(
     options: &SchedulerOptions<'_>,
 ) -> Result<Vec<SizeCurve>, SchedulerError> {
     let radii: Vec<f64> = phase::spaced(from.ln(), to.ln(), POINTS).into_iter().map(f64::exp).collect();
-    let mut cues = vec![(String::new(), Cue::none())];
-    cues.extend(lineage.cues.clone().into_iter().filter(|(_, cue)| !cue.is_none()));
-    let input = |cue: &Cue, r0: &f64| {
-        let cell = Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
-        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
+    let found = divide_by_cue(settings, lineage.cues.clone().into_iter(), &radii, memo, options)?;
+    let curve = |(cue, found): (String, Vec<Option<Computed>>)| SizeCurve {
+        cue,
+        points: radii.iter().copied().zip(found.iter().map(|found| found.as_ref()?.chi())).collect(),
     };
-    let inputs = cues.iter().flat_map(|(_, cue)| radii.iter().map(move |r0| input(cue, r0)));
-    let divisions = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
-    let chi = |found: &Option<furrow_mechanics::division::Division>| found.as_ref()?.chi();
-    let points = |k: usize| radii.iter().copied().zip(divisions[k * radii.len()..].iter().map(chi)).collect();
-    Ok(cues.into_iter().enumerate().map(|(k, (cue, _))| SizeCurve { cue, points: points(k) }).collect())
+    Ok(found.into_iter().map(curve).collect())
 }
