@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Columns, Inputs, arrays};
+use crate::inputs::{ABOVE_0, Columns, Inputs, arrays, positive};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
@@ -74,9 +74,7 @@ pub fn film<'py>(
     places: Option<usize>,
 ) -> Result<Filmed<'py>, Error> {
     let input = inputs.division(seed)?;
-    if let Some(step) = every.filter(|step| !(step.is_finite() && *step > 0.0)) {
-        return Err(Error::not_allowed("frames", step, "True, False or a finite number of τ above 0"));
-    }
+    every.map(|step| positive("frames", step, "True, False or a finite number of τ above 0")).transpose()?;
     let (text, frames, ends, places, shell) = supervised(py, Interrupt::Abandons, None, move |_| {
         let film = Trajectory::compute(&input)?;
         let film = match places {
@@ -146,18 +144,10 @@ pub fn steady<'py>(
     Ok((found, arrays(py, places)?))
 }
 
-/// A finite number above 0.
-fn positive(field: &str, value: f64) -> Result<f64, Error> {
-    match value.is_finite() && value > 0.0 {
-        true => Ok(value),
-        false => Err(Error::not_allowed(field, value, "a finite number above 0")),
-    }
-}
-
 /// The first pitchfork of the mirror-symmetric shapes.
 #[pyfunction]
 pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<Document, Error> {
-    let options = BranchOptions { xi: [0.0, positive("xi_max", xi_max)?], ..BranchOptions::default() };
+    let options = BranchOptions { xi: [0.0, positive("xi_max", xi_max, ABOVE_0)?], ..BranchOptions::default() };
     let Inputs { cell, numerics } = inputs.clone();
     supervised(py, Interrupt::Abandons, None, move |_| {
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
@@ -176,10 +166,10 @@ pub fn branch<'py>(
     max_step: f64,
     azimuthal: Option<usize>,
 ) -> Result<(Document, Bound<'py, PyDict>), Error> {
-    let xi = [0.0, positive("xi_max", xi_max)?];
+    let xi = [0.0, positive("xi_max", xi_max, ABOVE_0)?];
     let azimuthal = azimuthal.unwrap_or(0);
     let options = BranchOptions { xi, growth_rates: true, azimuthal, ..BranchOptions::default() };
-    let options = options.with_max_step(positive("max_step", max_step)?);
+    let options = options.with_max_step(positive("max_step", max_step, ABOVE_0)?);
     let Inputs { cell, numerics } = inputs.clone();
     let found = supervised(py, Interrupt::Abandons, None, move |_| {
         diagram(&cell, &numerics, &options).map_err(Error::no_outcome)

@@ -22,7 +22,7 @@ use serde_json::json;
 
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, text_of};
+use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, positive, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::GrownTree;
@@ -131,8 +131,8 @@ impl VolumesAsked {
     fn scale(&self) -> Result<LengthScale, Error> {
         Ok(match &self.length_scale {
             Some(Length::Given(length)) => {
-                length_scale(Some(*length), "cube root of the tables' unit")?;
-                LengthScale::Given(*length)
+                let allowed = "a length above 0, in the cube root of the tables' unit";
+                LengthScale::Given(positive("length_scale", *length, allowed)?)
             }
             Some(Length::Word(word)) if word == "fit" => LengthScale::Fitted,
             Some(Length::Word(word)) => {
@@ -191,14 +191,6 @@ pub fn compare_volumes(
     })
 }
 
-/// One L_h in a unit that the user has.
-fn length_scale(length: Option<f64>, unit: &str) -> Result<(), Error> {
-    match length.filter(|length| !(length.is_finite() && *length > 0.0)) {
-        Some(length) => Err(Error::not_allowed("length_scale", length, format!("a length above 0, in the {unit}"))),
-        None => Ok(()),
-    }
-}
-
 /// A series of contours beside the model's, with each pair after alignment.
 #[derive(Serialize)]
 struct ContoursFound<'a> {
@@ -221,7 +213,8 @@ pub fn compare_contours(
     let measured: Vec<Vec<[f64; 2]>> = measured.iter().map(points).collect();
     let model: Vec<(f64, Vec<[f64; 2]>)> = model.iter().map(|(t, array)| (*t, points(array))).collect();
     supervised(py, Interrupt::Abandons, None, move |_| {
-        length_scale(length, "unit of the contours")?;
+        let allowed = "a length above 0, in the unit of the contours";
+        length.map(|length| positive("length_scale", length, allowed)).transpose()?;
         let contour = |of: &str, k: usize, points| match Contour::new(points) {
             Ok((contour, _)) => Ok(contour),
             Err(why) => Err(Error::not_allowed(format!("{of}[{k}]"), why, "a contour of three points or more")),

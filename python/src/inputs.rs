@@ -35,6 +35,14 @@ pub fn text_of(source: &Source, name: &str) -> Result<Option<(String, String)>, 
     })
 }
 
+/// What [`positive`] allows of most arguments.
+pub const ABOVE_0: &str = "a finite number above 0";
+
+/// A finite number above 0; `allowed` is what errors say.
+pub fn positive(field: &str, value: f64, allowed: &str) -> Result<f64, InputError> {
+    InputError::require(value.is_finite() && value > 0.0, ARGUMENTS, field, value, allowed).map(|()| value)
+}
+
 /// Numbers by name as numpy arrays, which take over the memory of the vectors.
 pub type Columns = Vec<(&'static str, Vec<f64>)>;
 

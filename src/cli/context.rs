@@ -12,6 +12,7 @@ use furrow_cell::settings::{self, Settings};
 use furrow_input::InputError;
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store};
 use furrow_lineage::{Length, Units};
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 // Options of all commands.
@@ -146,9 +147,12 @@ impl Context {
         work(&ProgressLine::new(self.progress))
     }
 
-    /// The same for divisions, of which the line shows how many are done.
+    /// The same for divisions, of which the line shows how many are done. It appears with the first of them: until then the work may
+    /// show another line.
     pub fn scheduled<T>(&self, work: impl FnOnce(&SchedulerOptions<'_>) -> T) -> T {
-        self.shown(|line| work(&self.scheduling(&|progress| line.show_all(progress))))
+        let line = OnceCell::new();
+        let show = |progress| line.get_or_init(|| ProgressLine::new(self.progress)).show_all(progress);
+        work(&self.scheduling(&show))
     }
 
     /// How divisions are scheduled: on the threads asked for, until Ctrl-C.

@@ -78,25 +78,13 @@ fn return_and_distances<S: Serializer>(found: &Option<Perturbation>, serializer:
     found.as_ref().map(|p| json!({ "returned": p.returned(), "dis": p.distances })).serialize(serializer)
 }
 
-/// The replicates asked for.
-#[derive(Serialize)]
+/// The replicates that could be computed, and what else decides how the first of them divides.
 struct Divisions {
     replicates: Vec<Replicate>,
-    #[serde(flatten)]
-    statistics: Statistics,
-    #[serde(flatten)]
-    noise: Option<NoiseEffect>,
-    #[serde(flatten)]
-    mesh: Option<MeshEffect>,
-    /// Replicates that could not be computed.
+    /// The number of the others.
     undecided: usize,
-}
-
-impl Divisions {
-    fn of(replicates: Vec<Replicate>, undecided: usize) -> Divisions {
-        let statistics = Statistics::of(replicates.iter().map(|one| &one.division));
-        Divisions { replicates, statistics, noise: None, mesh: None, undecided }
-    }
+    noise: Option<NoiseEffect>,
+    mesh: Option<MeshEffect>,
 }
 
 /// What a comparison of two divisions of a cell shows of the other one.
@@ -129,12 +117,10 @@ impl NoiseEffect {
             self.seed
         )
     }
-}
 
-impl Serialize for NoiseEffect {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+    fn document(&self) -> Value {
         let other = merged(json!({ "seed": self.seed }), compared(&self.other));
-        json!({ "depends_on_noise": self.decides, "other_seed": other }).serialize(serializer)
+        json!({ "depends_on_noise": self.decides, "other_seed": other })
     }
 }
 
@@ -181,17 +167,14 @@ impl MeshEffect {
             2 * intervals
         )
     }
-}
 
-impl Serialize for MeshEffect {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+    fn document(&self) -> Value {
         let there = self.other.as_ref().map_or_else(|error| json!({ "why": error.to_string() }), compared);
         json!({
             "depends_on_mesh": self.differs,
             "chi_uncertainty": self.uncertainty,
             "twice_the_mesh": merged(json!({ "intervals": self.intervals }), there),
         })
-        .serialize(serializer)
     }
 }
 
@@ -251,9 +234,8 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 
 /// The first replicate, between the cell and all replicates.
 fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -> Value {
-    let first = &found.replicates[0];
-    let Cell { r0, epsilon, xi_s, cue, .. } = cell;
-    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue });
+    let Divisions { replicates, undecided, noise, mesh } = found;
+    let (first, Cell { r0, epsilon, xi_s, cue, .. }) = (&replicates[0], cell);
     let start = filled(json!({
         "r0_um": units.micrometres(*r0),
         "t_end_min": units.minutes(first.division.t_end),
@@ -261,26 +243,33 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
         "until": until,
         "start_growth_rate": first.perturbation.as_ref().map(|p| p.start_growth_rate),
     }));
-    [start, json!(first), json!(found)].into_iter().fold(of_cell, merged)
+    let parts = [
+        start,
+        json!(first),
+        json!({ "replicates": replicates }),
+        json!(Statistics::of(replicates.iter().map(|one| &one.division))),
+        noise.as_ref().map_or(Value::Null, NoiseEffect::document),
+        mesh.as_ref().map_or(Value::Null, MeshEffect::document),
+        json!({ "undecided": undecided }),
+    ];
+    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue });
+    parts.into_iter().fold(of_cell, merged)
 }
 
 /// The replicates, with the effects of the noise and of the mesh on the first.
 fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Divisions, CliError> {
     let memo = context.memo()?;
-    let (mut replicates, undecided) = solve(args, context, input, &memo)?;
-    let Replicate { seed, division, .. } = &replicates[0];
-    let mesh = MeshEffect::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, context)?;
-    let noise = NoiseEffect::of(division, &replicates[1..], &input.cell);
+    let mut found = solve(args, context, input, &memo)?;
+    let Replicate { seed, division, .. } = &found.replicates[0];
+    found.mesh = MeshEffect::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, context)?;
+    found.noise = NoiseEffect::of(&found.replicates[0].division, &found.replicates[1..], &input.cell);
     // With one replicate asked for, the second is there for the noise alone.
-    replicates.truncate(args.replicates as usize);
-    Ok(Divisions { noise, mesh, ..Divisions::of(replicates, undecided) })
+    found.replicates.truncate(args.replicates as usize);
+    Ok(found)
 }
 
-/// The successful replicates, and the number of the others.
-type Replicates = (Vec<Replicate>, usize);
-
 /// Solves all replicates, two at least, as the second tells whether the noise matters; at least one succeeds.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Memo) -> Result<Replicates, CliError> {
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Memo) -> Result<Divisions, CliError> {
     if args.replicates == 1 {
         let known = |seed| {
             Some(Replicate {
@@ -291,7 +280,7 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Mem
         };
         let [first, second] = [input.seed, input.seed.wrapping_add(1)].map(known);
         if let (Some(first), Some(second)) = (first, second) {
-            return Ok((vec![first, second], 0));
+            return at_least_one(vec![first, second], vec![]);
         }
     }
     interrupt::listen();
@@ -310,9 +299,9 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Mem
     // The one that was not asked for may fail without a word.
     let asked = |seed: u64| seed.wrapping_sub(args.seed) < u64::from(args.replicates);
     let (wanted, more): (Vec<Replicate>, Vec<Replicate>) = solved.partition(|one| asked(one.seed));
-    let (mut wanted, undecided) = at_least_one(wanted, failed.filter(|(seed, _)| asked(*seed)).collect())?;
-    wanted.extend(more);
-    Ok((wanted, undecided))
+    let mut found = at_least_one(wanted, failed.filter(|(seed, _)| asked(*seed)).collect())?;
+    found.replicates.extend(more);
+    Ok(found)
 }
 
 /// Disturbs the stationary shape with every seed; at least one succeeds.
@@ -325,12 +314,11 @@ fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f
             Err(error) => failed.push((one.seed, error.into())),
         }
     }
-    let (replicates, undecided) = at_least_one(solved, failed)?;
-    Ok(Divisions::of(replicates, undecided))
+    at_least_one(solved, failed)
 }
 
 /// The successful replicates and the number of failed ones. Every failure gets a warning.
-fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Result<Replicates, CliError> {
+fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Result<Divisions, CliError> {
     if solved.is_empty()
         && let Some((_, error)) = failed.pop()
     {
@@ -339,11 +327,11 @@ fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Res
     for (seed, error) in &failed {
         messages::warning!("the replicate of seed {seed} is left out: {error}");
     }
-    Ok((solved, failed.len()))
+    Ok(Divisions { replicates: solved, undecided: failed.len(), noise: None, mesh: None })
 }
 
 fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
-    let Divisions { replicates, statistics, noise, mesh, .. } = found;
+    let Divisions { replicates, noise, mesh, .. } = found;
     let first = &replicates[0].division;
     let size = units.in_micrometres(cell.r0);
     let mut out = format!("R0 = {}{size}, ε = {}, ξ_s = {}", cell.r0, cell.epsilon, cell.xi_s);
@@ -359,6 +347,7 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
     let _ = writeln!(out, ": {}", first.outcome());
     out += &division_text(first, units);
     if replicates.len() > 1 {
+        let statistics = Statistics::of(replicates.iter().map(|one| &one.division));
         let chi = statistics.chi_mean.zip(statistics.chi_sd);
         let chi = chi.map_or(String::new(), |(mean, sd)| format!(", χ = {mean:.4} ± {sd:.4} (sd)"));
         let divided = replicates.len() - statistics.failed;

@@ -9,8 +9,8 @@ use super::output::{filled, merged, print_as, to_json, writable_folder};
 use super::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
-use furrow_analysis::tree_settings;
 use furrow_analysis::{self as study, Grown, LineageRanges, scenarios_csv, spread_csv};
+use furrow_analysis::{scenario_of, tree_settings};
 use furrow_cell::{Cue, CueError};
 use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
@@ -93,12 +93,6 @@ fn tree_counts(tree: &Tree) -> Value {
     let minutes = tree.times().zip(tree.time_origin());
     let minutes = minutes.map(|(times, origin)| json!({ "minute_zero": origin.to_string(), "alive": alive(&times) }));
     merged(counts, minutes.unwrap_or_default())
-}
-
-/// The counts of a scenario; `cue` is the text that the user gave, null for the lineage's own cues.
-fn scenario_counts((scenario, tree): (&Scenario, &Tree)) -> Value {
-    let Scenario { name, folder, label, cue, .. } = scenario;
-    merged(json!({ "name": name, "folder": folder, "lineage": label, "cue": cue }), tree_counts(tree))
 }
 
 /// `run.json`: what this run did; it differs between runs. With the folders of scenarios; without for a tree
@@ -219,19 +213,16 @@ fn stage(
     Ok(())
 }
 
-/// In `--json` the counts of a single tree, or of several the scenarios; over seeds their ranges.
+/// In `--json` the counts of a single tree, or of several the scenarios; over seeds their ranges. `cue` is the text that the user
+/// gave, null for the lineage's own cues.
 fn counts(scenarios: &[Scenario], trees: &[Tree], spread: &[LineageRanges], several: bool) -> Value {
-    let with_spread = |k: usize, counts: Value| match spread.get(k) {
-        Some(spread) => merged(counts, json!(spread)),
-        None => counts,
+    let of = |(k, (Scenario { name, folder, label, cue, .. }, tree)): (usize, (&Scenario, &Tree))| {
+        let named = json!({ "name": name, "folder": folder, "lineage": label, "cue": cue });
+        let counts = merged(if several { named } else { json!({}) }, tree_counts(tree));
+        merged(counts, json!(spread.get(k)))
     };
-    match trees.first().filter(|_| !several) {
-        Some(tree) => with_spread(0, tree_counts(tree)),
-        None => {
-            let of = |(k, pair)| with_spread(k, scenario_counts(pair));
-            json!({ "scenarios": scenarios.iter().zip(trees).enumerate().map(of).collect::<Vec<_>>() })
-        }
-    }
+    let mut all = scenarios.iter().zip(trees).enumerate().map(of);
+    if several { json!({ "scenarios": all.collect::<Vec<_>>() }) } else { all.next().unwrap_or_default() }
 }
 
 /// The files that a run writes, below its folder.
@@ -249,7 +240,7 @@ fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
         tell_who_gets(text, &lineage, "");
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
-    Ok(Scenario { name: String::new(), folder: String::new(), label: String::new(), cue: None, lineage, settings })
+    Ok(scenario_of(lineage, settings))
 }
 
 /// Every lineage file with every cue.

@@ -53,7 +53,7 @@ pub use constraints::{ConstraintCheck, Exclusion, Extent, check_constraints};
 pub use diagram::{Diagram, Edges, diagram};
 pub use ensemble::{ConstantsSearch, Ensemble, EnsembleError, Member, ensemble};
 pub use front::{Front, FrontMember, front};
-pub use growth::{Grown, grown, grown_replicates, scenarios_of, tree_settings};
+pub use growth::{Grown, grown, grown_replicates, scenario_of, scenarios_of, tree_settings};
 pub use journal::Journal;
 pub use parse::ListedSweep;
 pub use points::{Axes, Axis, AxisValue, Point, Target};

@@ -325,6 +325,9 @@ pub fn model_by_bin(
     Ok(found.into_iter().map(|(cue, found)| (cue, bins.iter().zip(found).map(row).collect())).collect())
 }
 
+/// The name of a cue, and divisions with it.
+type ByCue = (String, Vec<Option<Computed>>);
+
 /// Divisions of cells of these radii, without a cue and with each of the others; each list with the name of its cue.
 fn divide_by_cue(
     settings: &TreeSettings,
@@ -332,7 +335,7 @@ fn divide_by_cue(
     radii: &[f64],
     memo: &Memo,
     options: &SchedulerOptions<'_>,
-) -> Result<Vec<(String, Vec<Option<Computed>>)>, SchedulerError> {
+) -> Result<Vec<ByCue>, SchedulerError> {
     let mut all = vec![(String::new(), Cue::none())];
     all.extend(cues.filter(|(_, cue)| !cue.is_none()));
     let input = |cue: &Cue, r0: &f64| {
@@ -370,7 +373,7 @@ pub fn size_curves(
 ) -> Result<Vec<SizeCurve>, SchedulerError> {
     let radii: Vec<f64> = phase::spaced(from.ln(), to.ln(), POINTS).into_iter().map(f64::exp).collect();
     let found = divide_by_cue(settings, lineage.cues.clone().into_iter(), &radii, memo, options)?;
-    let curve = |(cue, found): (String, Vec<Option<Computed>>)| SizeCurve {
+    let curve = |(cue, found): ByCue| SizeCurve {
         cue,
         points: radii.iter().copied().zip(found.iter().map(|found| found.as_ref()?.chi())).collect(),
     };
