@@ -19,7 +19,7 @@ pub fn check(data: &[u8]) {
         assert_eq!(sweep.axes.values(index).len(), sweep.axes.0.len());
         let point = sweep.point(index);
         assert_eq!(point.index, index);
-        match point.refused {
+        match point.invalid {
             Some(why) => says_where(&why),
             None => {
                 let cell = &point.input.cell;

@@ -6,7 +6,7 @@ use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
-use furrow_report::{azimuthal_report, crossing_report, event_report, stationary_report, threshold_report};
+use furrow_report::{AzimuthalStability, crossing_report, event_report, stationary_report, threshold_report};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Columns, Inputs, arrays};
+use crate::inputs::{ABOVE_0, Columns, Inputs, arrays, positive};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
@@ -42,10 +42,10 @@ pub fn divide(
     // A single division leaves nothing to keep before it ends; it goes on to the memo by itself.
     let interrupt = if count == 1 { Interrupt::Abandons } else { Interrupt::Finishes };
     supervised(py, interrupt, progress, move |watch| {
-        let show = |progress| watch.divisions(progress);
-        let interrupt = Some(&watch.stop).filter(|_| count > 1);
-        let options = SchedulerOptions { threads, interrupt, progress: Some(&show), ..SchedulerOptions::default() };
-        let Replicates { divisions, mut undecided, .. } = replicates(&input, count, &memo, &options)?;
+        let Replicates { divisions, mut undecided, .. } = watch.scheduled(threads, |options| {
+            let interrupt = options.interrupt.filter(|_| count > 1);
+            replicates(&input, count, &memo, &SchedulerOptions { interrupt, ..*options })
+        })?;
         if divisions.len() + undecided.len() < count {
             return Err(Error::Interrupted(0));
         }
@@ -74,9 +74,7 @@ pub fn film<'py>(
     places: Option<usize>,
 ) -> Result<Filmed<'py>, Error> {
     let input = inputs.division(seed)?;
-    if let Some(step) = every.filter(|step| !(step.is_finite() && *step > 0.0)) {
-        return Err(Error::not_allowed("frames", step, "True, False or a finite number of τ above 0"));
-    }
+    every.map(|step| positive("frames", step, "True, False or a finite number of τ above 0")).transpose()?;
     let (text, frames, ends, places, shell) = supervised(py, Interrupt::Abandons, None, move |_| {
         let film = Trajectory::compute(&input)?;
         let film = match places {
@@ -138,32 +136,18 @@ pub fn steady<'py>(
         let places = profile(&shape.cortex, &shape.solution.gauss(), &shape.solution);
         let mut report = stationary_report(&shape, &spectrum);
         if let Some(most) = azimuthal {
-            let mut rows = vec![azimuthal_report(0, &spectrum, None)];
-            for m in 1..=most {
-                let mut disturbances = shape.azimuthal(m);
-                let spectrum = disturbances.leading().map_err(Error::no_outcome)?;
-                let mode = disturbances.mode(spectrum.growth_rate()).map_err(Error::no_outcome)?;
-                rows.push(azimuthal_report(m, &spectrum, Some(&mode)));
-            }
-            report["azimuthal"] = rows.into();
+            let found = AzimuthalStability::up_to(most, &shape, &spectrum).map_err(Error::no_outcome)?;
+            report["azimuthal"] = found.iter().map(AzimuthalStability::report).collect();
         }
         Ok((report.into(), place_columns(places.iter())))
     })?;
     Ok((found, arrays(py, places)?))
 }
 
-/// A finite number above 0.
-fn positive(field: &str, value: f64) -> Result<f64, Error> {
-    match value.is_finite() && value > 0.0 {
-        true => Ok(value),
-        false => Err(Error::not_allowed(field, value, "a finite number above 0")),
-    }
-}
-
 /// The first pitchfork of the mirror-symmetric shapes.
 #[pyfunction]
 pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<Document, Error> {
-    let options = BranchOptions { xi: [0.0, positive("xi_max", xi_max)?], ..BranchOptions::default() };
+    let options = BranchOptions { xi: [0.0, positive("xi_max", xi_max, ABOVE_0)?], ..BranchOptions::default() };
     let Inputs { cell, numerics } = inputs.clone();
     supervised(py, Interrupt::Abandons, None, move |_| {
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
@@ -182,10 +166,10 @@ pub fn branch<'py>(
     max_step: f64,
     azimuthal: Option<usize>,
 ) -> Result<(Document, Bound<'py, PyDict>), Error> {
-    let xi = [0.0, positive("xi_max", xi_max)?];
+    let xi = [0.0, positive("xi_max", xi_max, ABOVE_0)?];
     let azimuthal = azimuthal.unwrap_or(0);
     let options = BranchOptions { xi, growth_rates: true, azimuthal, ..BranchOptions::default() };
-    let options = options.with_max_step(positive("max_step", max_step)?);
+    let options = options.with_max_step(positive("max_step", max_step, ABOVE_0)?);
     let Inputs { cell, numerics } = inputs.clone();
     let found = supervised(py, Interrupt::Abandons, None, move |_| {
         diagram(&cell, &numerics, &options).map_err(Error::no_outcome)

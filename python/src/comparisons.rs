@@ -1,35 +1,28 @@
 //! The model beside measured embryos.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use furrow_analysis::compare::counts::{counts as counted, counts_beside};
+use furrow_analysis::compare::counts::{counts as counted, counts_of_embryo};
 use furrow_analysis::compare::names_of;
-use furrow_analysis::compare::noise::noise_null;
-use furrow_analysis::compare::volumes::{
-    BinModel, Cells, GroupBeside, Regression, Scale, ScaleFrom, add_bands, beside, model, model_by_bin, regression_of,
-    scale,
-};
+use furrow_analysis::compare::volumes::{GroupComparison, Regression, regression_of};
+use furrow_analysis::compare::volumes_comparison::{LengthScale, MeasuredVolumes, VolumesComparison, VolumesModel};
 use furrow_analysis::{grown, read_constants, scenarios_of, tree_settings};
 use furrow_input::shown;
-use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
 use furrow_measured::contour::series::{ModelContour, Series, series as laid_beside};
-use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
 use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::tracked::{TrackOptions, read_embryo};
-use furrow_measured::trend::{VolumeBin, adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, text_of};
+use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, positive, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::GrownTree;
@@ -42,7 +35,7 @@ pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf
         let found = match &measured {
             Some(file) => {
                 let embryo = read_embryo(file, &TrackOptions::default())?;
-                counts_beside(&tree.tree, &embryo, &file.display().to_string())?
+                counts_of_embryo(&tree.tree, &embryo, &file.display().to_string())?
             }
             None => counted(&tree.tree, "tree")?,
         };
@@ -75,14 +68,6 @@ enum Length {
     Word(String),
 }
 
-/// The measured side.
-struct MeasuredVolumes {
-    source: Option<&'static str>,
-    volumes: Volumes,
-    found: Divisions,
-    groups: Vec<GroupSummary>,
-}
-
 impl VolumesAsked {
     /// Adds tables: as text, and in files. Their rows without a group are of this one.
     fn read_into(
@@ -107,11 +92,10 @@ impl VolumesAsked {
     fn read(&self, names: &Names) -> Result<MeasuredVolumes, Error> {
         let mut volumes = Volumes::default();
         if is_empty(&self.tables) {
-            let (source, groups) = match &*self.published {
-                "villoutreix2016" => (SEA_URCHIN_SOURCE, villoutreix2016()?),
-                _ => (SOURCE, jankele2021()?),
-            };
-            return Ok(MeasuredVolumes { source: Some(source), volumes, found: Divisions::default(), groups });
+            return Ok(match &*self.published {
+                "villoutreix2016" => MeasuredVolumes::published(SEA_URCHIN_SOURCE, villoutreix2016()?),
+                _ => MeasuredVolumes::published(SOURCE, jankele2021()?),
+            });
         }
         // If the tables have no groups, the two conditions become two groups.
         let [first, second] = match is_empty(&self.against) {
@@ -121,16 +105,11 @@ impl VolumesAsked {
         self.read_into(&mut volumes, &self.tables, &first, names)?;
         self.read_into(&mut volumes, &self.against, &second, names)?;
         volumes.require_used("volumes")?;
-        let mut found = divisions(&volumes);
-        if let Some(wanted) = &self.population {
-            found.keep_populations(ARGUMENTS, wanted)?;
-        }
-        let groups = summaries(&found.divisions);
-        Ok(MeasuredVolumes { source: None, volumes, found, groups })
+        Ok(MeasuredVolumes::of(volumes, (ARGUMENTS, self.population.as_deref()))?)
     }
 
     /// The regression of two groups: of those named, or of the two conditions.
-    fn regressions(&self, groups: &[GroupBeside]) -> Result<Vec<Regression>, Error> {
+    fn regressions(&self, groups: &[GroupComparison]) -> Result<Vec<Regression>, Error> {
         let names = match &self.regress {
             Some((x, y)) => [&**x, &**y],
             None if is_empty(&self.against) => return Ok(Vec::new()),
@@ -148,18 +127,18 @@ impl VolumesAsked {
         }
     }
 
-    /// One L_h, as the caller, the lineage, or the measured P0 gives it, or by all mothers.
-    fn scale(&self, divisions: &[Division], cells: &Cells, of_lineage: Option<f64>) -> Result<Option<Scale>, Error> {
+    /// What one L_h is chosen by.
+    fn scale(&self) -> Result<LengthScale, Error> {
         Ok(match &self.length_scale {
-            Some(Length::Given(length)) => Some(Scale { length: *length, from: ScaleFrom::Given }),
-            Some(Length::Word(word)) if word == "fit" => scale(divisions, cells, false),
+            Some(Length::Given(length)) => {
+                let allowed = "a length above 0, in the cube root of the tables' unit";
+                LengthScale::Given(positive("length_scale", *length, allowed)?)
+            }
+            Some(Length::Word(word)) if word == "fit" => LengthScale::Fitted,
             Some(Length::Word(word)) => {
                 return Err(Error::not_allowed("length_scale", shown(word), "a length above 0, or \"fit\""));
             }
-            None => {
-                let of_lineage = of_lineage.map(|length| Scale { length, from: ScaleFrom::Lineage });
-                of_lineage.or_else(|| scale(divisions, cells, true))
-            }
+            None => LengthScale::Usual,
         })
     }
 }
@@ -179,85 +158,37 @@ pub fn compare_volumes(
     let settings = given.settings()?;
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        if let Some(Length::Given(length)) = asked.length_scale {
-            length_scale(Some(length), "cube root of the tables' unit")?;
-        }
+        let length_scale = asked.scale()?;
         let lineage = lineage_of(asked.lineage.as_deref())?;
         let measured = asked.read(&names_of(&lineage))?;
         given.for_divisions()?;
         let tree_settings = tree_settings(settings.clone(), &lineage, 0, memo.quantisation());
-        let show = |progress| watch.divisions(progress);
-        let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
-        let (free, firsts) = model(&lineage, tree_settings.cell.r0, &measured.groups, |lineages| {
-            let scenarios = scenarios_of(lineages, &settings, memo.quantisation());
-            grown(&scenarios, false, &memo, options, &watch.stop).map(|grown| grown.trees)
-        })?;
-        let (all, bins) = (&measured.found.divisions, asked.bins.as_deref());
-        let mut groups = beside(measured.groups.clone(), all, &free, &firsts, bins);
         let sets = match text_of(&asked.constants.clone().unwrap_or_default(), "constants")? {
             Some((text, name)) => read_constants(&text, &name)?,
             None => Vec::new(),
         };
-        add_bands(&mut groups, &free, &lineage, &tree_settings, &sets, threads, &watch.stop)?;
-        let unit = measured.volumes.unit;
-        // χ alone has no sizes.
-        let no_sizes = unit == Some(Unit::OfMother);
-        if no_sizes {
-            groups.iter_mut().for_each(GroupBeside::without_sizes);
-        }
-        let sized = if no_sizes { &[][..] } else { &all[..] };
-        let of_lineage = lineage.units().length_um.filter(|_| unit == Some(Unit::CubicMicrometres));
-        let length = asked.scale(sized, &free, of_lineage)?;
-        let bins = volume_bins(sized, bins);
-        // Mothers without Sulston's names have no cell in the tree; one of their size is beside them.
-        let by_bin = match length.filter(|_| !measured.volumes.divisions.is_empty() && !no_sizes) {
-            Some(Scale { length, .. }) => {
-                let own_cues = asked.lineage.is_some().then_some(&lineage.cues);
-                model_by_bin(&tree_settings, own_cues, &bins, length, &memo, &options)?
-            }
-            None => Vec::new(),
-        };
-        let regressions = asked.regressions(&groups)?;
-        let found = volumes_found(&measured, (&groups, regressions), (&bins, &by_bin), (sized, length));
+        let found = watch.scheduled(threads, |options| {
+            let model = VolumesModel {
+                lineage: &lineage,
+                own_cues: asked.lineage.is_some(),
+                settings: &tree_settings,
+                constants: &sets,
+                length_scale,
+                memo: &memo,
+                options,
+                cancel: &watch.stop,
+            };
+            let grow = |lineages| {
+                let scenarios = scenarios_of(lineages, &settings, memo.quantisation());
+                Ok::<_, Error>(grown(&scenarios, false, &memo, *options, &watch.stop)?.trees)
+            };
+            VolumesComparison::of(&measured, asked.bins.as_deref(), &model, grow, |groups| asked.regressions(groups))
+        })?;
+        let mut found = json!(found);
+        found["divisions"] = json!(measured.divisions.divisions);
+        found["of_nuclei"] = measured.volumes.of_nuclei.into();
         Ok(found.into())
     })
-}
-
-/// The comparison as JSON, with the keys of the command line.
-fn volumes_found(
-    measured: &MeasuredVolumes,
-    (groups, regressions): (&[GroupBeside], Vec<Regression>),
-    (bins, by_bin): (&[VolumeBin], &[(String, Vec<BinModel>)]),
-    (sized, length): (&[Division], Option<Scale>),
-) -> Value {
-    let MeasuredVolumes { source, volumes, found, .. } = measured;
-    json!({
-        "source": source,
-        "groups": groups,
-        "used": volumes.used,
-        "skipped": volumes.skipped,
-        "skipped_count": volumes.skipped_count,
-        "divisions": found.divisions,
-        "half_seen": found.half_seen,
-        "of_nuclei": volumes.of_nuclei,
-        "unit": volumes.unit,
-        "length_scale": length,
-        "bins": bins,
-        "tests": adjacent_tests(bins),
-        "trend": volume_trend(sized),
-        "noise": noise_null(sized, bins),
-        "model_by_bin": by_bin.first().map_or(&[][..], |(_, bins)| bins),
-        "model_by_bin_with_cues": by_bin.iter().skip(1).cloned().collect::<BTreeMap<_, _>>(),
-        "regressions": regressions,
-    })
-}
-
-/// One L_h in a unit that the user has.
-fn length_scale(length: Option<f64>, unit: &str) -> Result<(), Error> {
-    match length.filter(|length| !(length.is_finite() && *length > 0.0)) {
-        Some(length) => Err(Error::not_allowed("length_scale", length, format!("a length above 0, in the {unit}"))),
-        None => Ok(()),
-    }
 }
 
 /// A series of contours beside the model's, with each pair after alignment.
@@ -282,7 +213,8 @@ pub fn compare_contours(
     let measured: Vec<Vec<[f64; 2]>> = measured.iter().map(points).collect();
     let model: Vec<(f64, Vec<[f64; 2]>)> = model.iter().map(|(t, array)| (*t, points(array))).collect();
     supervised(py, Interrupt::Abandons, None, move |_| {
-        length_scale(length, "unit of the contours")?;
+        let allowed = "a length above 0, in the unit of the contours";
+        length.map(|length| positive("length_scale", length, allowed)).transpose()?;
         let contour = |of: &str, k: usize, points| match Contour::new(points) {
             Ok((contour, _)) => Ok(contour),
             Err(why) => Err(Error::not_allowed(format!("{of}[{k}]"), why, "a contour of three points or more")),

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::Inputs;
+use crate::inputs::{Inputs, positive};
 use crate::supervise::{Interrupt, supervised};
 
 /// A picture, as the command line draws it. Notebooks show it.
@@ -133,9 +133,7 @@ pub fn write_shapes(
     every: Option<f64>,
 ) -> Result<(), Error> {
     let input = inputs.division(seed)?;
-    if let Some(step) = every.filter(|step| !(step.is_finite() && *step > 0.0)) {
-        return Err(Error::not_allowed("every", step, "a finite number of τ above 0"));
-    }
+    every.map(|step| positive("every", step, "a finite number of τ above 0")).transpose()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
         let film = Trajectory::compute(&input)?;
         check_step(ARGUMENTS, &film, every)?;

@@ -164,7 +164,7 @@ fn input(error: InputError) -> PyErr {
 }
 
 /// An argument of the wrong Python type, such as a list in place of a number.
-pub fn refused(field: &str, value: &Bound<'_, PyAny>, allowed: &'static str) -> PyErr {
+pub fn wrong_type(field: &str, value: &Bound<'_, PyAny>, allowed: &'static str) -> PyErr {
     let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
     let message = format!("furrow: {field} is of the type {kind}: must be {allowed}");
     exceptions::InputError::new_err((message, field.to_owned(), value.clone().unbind(), allowed, "furrow"))

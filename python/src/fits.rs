@@ -1,13 +1,14 @@
 //! Constants, activities and a cue fitted to observations.
 
-use furrow_analysis::fit::{FitError, FitProgress, Reading, SearchBudget, Targets};
-use furrow_analysis::fit::{activities, activities_at_limit, fit_constants as fitted, fit_cue as fitted_cue};
-use furrow_analysis::{front as searched, tree_settings};
+use furrow_analysis::fit::{FitError, FitProgress, FitRun, Reading, SearchBudget, Targets};
+use furrow_analysis::fit::{activities, fit_constants as fitted_constants, fit_cue as fitted_cue};
+use furrow_analysis::{ConstantsSearch, front as searched, tree_settings};
+use furrow_cell::settings::Settings;
 use furrow_figures::plot;
 use furrow_input::parse_document;
-use furrow_lineage::{Lineage, TreeSettings};
+use furrow_lineage::Lineage;
+use furrow_lineage::batch::Memo as Solved;
 use pyo3::prelude::*;
-use serde_json::json;
 
 use crate::document::Document;
 use crate::drawings::Drawing;
@@ -35,15 +36,17 @@ impl From<FitError> for Error {
     }
 }
 
-/// The lineage and the parameters of its divisions.
-fn lineage_and_settings(
-    lineage: Option<&str>,
-    given: &Given,
-    memo: &furrow_lineage::batch::Memo,
-) -> Result<(Lineage, TreeSettings), Error> {
+/// Runs a fit of a lineage with the parameters of its divisions.
+fn fitted<T>(
+    watch: &Watch,
+    (lineage, given, threads): (Option<&str>, &Given, usize),
+    memo: &Solved,
+    fit: impl FnOnce(&FitRun<'_>) -> Result<T, Error>,
+) -> Result<T, Error> {
     let lineage = lineage_of(lineage)?;
     let settings = tree_settings(given.for_divisions()?, &lineage, 0, memo.quantisation());
-    Ok((lineage, settings))
+    let show = |FitProgress { done, of, .. }| watch.set([0, done, of]);
+    fit(&FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &watch.stop) })
 }
 
 /// Observations of a file or a text; default the built-in ones.
@@ -54,10 +57,6 @@ fn targets(source: &Source, lineage: &Lineage) -> Result<Targets, Error> {
     };
     targets.check(&name, lineage)?;
     Ok(targets)
-}
-
-fn show(watch: &Watch) -> impl Fn(FitProgress) + Sync {
-    |FitProgress { done, of, .. }| watch.set([0, done, of])
 }
 
 /// One set of constants for the observed embryo: the result, its picture and a configuration file.
@@ -75,12 +74,12 @@ pub fn fit_constants(
 ) -> Result<(Document, Drawing, String), Error> {
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let (lineage, settings) = lineage_and_settings(lineage.as_deref(), &given, &memo)?;
-        let targets = targets(&source, &lineage)?;
-        let (effort, show) = (budget(search), show(watch));
-        let found = fitted(&lineage, &targets, &settings, &memo, effort, threads, &watch.stop, Some(&show))?;
-        let drawing = Drawing::of(plot::fit::draw_constants(&found));
-        Ok((found.document(&targets).into(), drawing, found.best.as_ron()))
+        fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
+            let targets = targets(&source, run.lineage)?;
+            let found = fitted_constants(run, &targets, &memo, budget(search))?;
+            let drawing = Drawing::of(plot::fit::draw_constants(&found));
+            Ok((found.document(&targets).into(), drawing, found.best.as_ron()))
+        })
     })
 }
 
@@ -111,12 +110,11 @@ pub fn fit_activity(
     }
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let (lineage, settings) = lineage_and_settings(lineage.as_deref(), &given, &memo)?;
-        let show = show(watch);
-        let (found, trees) = activities(&lineage, &settings, &memo, reading, range, threads, &watch.stop, Some(&show))?;
-        let drawing = Drawing::of(plot::fit::draw_activities(&found, settings.cell.xi_s));
-        let at_limit = activities_at_limit(&found);
-        Ok((json!({ "rounds": reading, "founders": found, "at_limit": at_limit, "trees": trees }).into(), drawing))
+        fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
+            let found = activities(run, &memo, reading, range)?;
+            let drawing = Drawing::of(plot::fit::draw_activities(&found.founders, run.settings.cell.xi_s));
+            Ok((Document::of(&found)?, drawing))
+        })
     })
 }
 
@@ -136,19 +134,19 @@ pub fn fit_cue(
 ) -> Result<(Document, Drawing), Error> {
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let (lineage, settings) = lineage_and_settings(lineage.as_deref(), &given, &memo)?;
-        let targets = targets(&source, &lineage)?;
-        let template = lineage.parse_cue(&cue).map_err(bad_cue)?;
-        if template.is_none() {
-            return Err(Error::not_allowed("cue", cue, "a cue with at least one term"));
-        }
-        if targets.chi.is_empty() {
-            return Err(Error::not_allowed("targets", "[]", "targets with at least one measured χ"));
-        }
-        let (effort, show) = (budget(search), show(watch));
-        let found = fitted_cue(&lineage, &targets, &settings, &template, effort, threads, &watch.stop, Some(&show))?;
-        let drawing = Drawing::of(plot::fit::draw_cue(&found));
-        Ok((Document::of(&found)?, drawing))
+        fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
+            let targets = targets(&source, run.lineage)?;
+            let template = run.lineage.parse_cue(&cue).map_err(bad_cue)?;
+            if template.is_none() {
+                return Err(Error::not_allowed("cue", cue, "a cue with at least one term"));
+            }
+            if targets.chi.is_empty() {
+                return Err(Error::not_allowed("targets", "[]", "targets with at least one measured χ"));
+            }
+            let found = fitted_cue(run, &targets, &template, budget(search))?;
+            let drawing = Drawing::of(plot::fit::draw_cue(&found));
+            Ok((Document::of(&found)?, drawing))
+        })
     })
 }
 
@@ -165,18 +163,8 @@ pub fn front(
     threads: usize,
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
-        let (targets, settings) = read_thresholds(&source, unknowns.as_deref(), &given)?;
-        let found = searched(
-            &targets,
-            &settings.cell,
-            &settings.numerics,
-            count,
-            seed,
-            threads,
-            &watch.stop,
-            None,
-            &|_, _| (),
-        )?;
-        Document::of(&found)
+        let (targets, Settings { cell, numerics }) = read_thresholds(&source, unknowns.as_deref(), &given)?;
+        let search = ConstantsSearch::new(&targets, &cell, &numerics, (count, seed), &watch.stop);
+        Document::of(searched(&ConstantsSearch { threads, ..search })?)
     })
 }

@@ -13,7 +13,7 @@ use pyo3::types::{PyBool, PyDict, PyInt, PyString};
 use serde::{Deserialize, Serialize};
 
 use crate::document::Document;
-use crate::errors::{ARGUMENTS, Error, refused};
+use crate::errors::{ARGUMENTS, Error, wrong_type};
 
 /// A text, or its file.
 pub type Source = (Option<String>, Option<PathBuf>);
@@ -33,6 +33,14 @@ pub fn text_of(source: &Source, name: &str) -> Result<Option<(String, String)>, 
         (None, Some(file)) => Some((read_text(file)?, file.display().to_string())),
         (None, None) => None,
     })
+}
+
+/// What [`positive`] allows of most arguments.
+pub const ABOVE_0: &str = "a finite number above 0";
+
+/// A finite number above 0; `allowed` is what errors say.
+pub fn positive(field: &str, value: f64, allowed: &str) -> Result<f64, InputError> {
+    InputError::require(value.is_finite() && value > 0.0, ARGUMENTS, field, value, allowed).map(|()| value)
 }
 
 /// Numbers by name as numpy arrays, which take over the memory of the vectors.
@@ -68,15 +76,15 @@ pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Value::Text(text.to_str()?.trim().to_owned()));
     }
-    let refused = |_| refused(name, value, "a number, or a word where the parameter has words");
+    let wrong_type = |_| wrong_type(name, value, "a number, or a word where the parameter has words");
     if value.is_instance_of::<PyBool>() {
-        return Err(refused(()));
+        return Err(wrong_type(()));
     }
     // A whole number of more than 308 digits is no f64.
     if value.is_instance_of::<PyInt>() {
         return Ok(Value::Number(value.extract().unwrap_or(f64::INFINITY)));
     }
-    Ok(Value::Number(value.extract().map_err(|_| refused(()))?))
+    Ok(Value::Number(value.extract().map_err(|_| wrong_type(()))?))
 }
 
 /// Given parameters, by the names of `--set`. They override a configuration file, which overrides a preset.

@@ -1,10 +1,9 @@
 //! Lifetimes and doses that were measured: the clock fitted to the first, and the model beside both.
 
 use furrow_analysis::compare::dose::{MeasuredDoses, document, over_dose};
-use furrow_analysis::compare::lifetimes::{self, lifetimes_beside};
+use furrow_analysis::compare::lifetimes::{self, compare_lifetimes as compared};
 use furrow_analysis::fit::fit_clock as fitted;
 use furrow_input::open_file;
-use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::dose::Doses;
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
 use furrow_measured::names::Names;
@@ -65,7 +64,7 @@ pub fn compare_lifetimes(
         let lifetimes = lifetimes_of(&table, frame_minutes)?;
         let published = [table == (None, None), is_empty(&volumes)];
         let volumes = volumes_of(&volumes)?;
-        let found = lifetimes_beside(&tree.tree, &lifetimes, &mean_volumes(&volumes));
+        let found = compared(&tree.tree, &lifetimes, &mean_volumes(&volumes));
         Ok(lifetimes::document(&found, &lifetimes, &volumes, published).into())
     })
 }
@@ -124,10 +123,9 @@ pub fn compare_dose(
         let strongest = lineage.parse_cue(&cue).map_err(bad_cue)?;
         given.scale_radius(&lineage)?;
         let settings = given.for_divisions()?;
-        let show = |progress| watch.divisions(progress);
-        let interrupt = Some(&watch.stop);
-        let options = SchedulerOptions { threads, interrupt, progress: Some(&show), ..SchedulerOptions::default() };
-        let model = over_dose(&settings.cell, &strongest, &measured, settings.numerics, &memo, &options)?;
+        let model = watch.scheduled(threads, |options| {
+            over_dose(&settings.cell, &strongest, &measured, settings.numerics, &memo, options)
+        })?;
         Ok(document(&measured, &model, (settings.cell.r0, &cue)).into())
     })
 }

@@ -61,9 +61,9 @@ impl Memo {
     #[pyo3(signature = (store=None, r0_step=None))]
     fn new(py: Python<'_>, store: Option<PathBuf>, r0_step: Option<f64>) -> Result<Memo, Error> {
         let solved = py.detach(|| -> Result<Solved, Error> {
-            let refused = |step| InputError::not_allowed("memo", "r0_step", step, "from 0 to 0.5");
+            let not_allowed = |step| InputError::not_allowed("memo", "r0_step", step, "from 0 to 0.5");
             let quantisation = r0_step.map_or(Ok(Quantisation::DEFAULT), Quantisation::with_relative_step);
-            empty(store.as_deref(), quantisation.map_err(refused)?)
+            empty(store.as_deref(), quantisation.map_err(not_allowed)?)
         })?;
         Ok(Memo { solved: Mutex::new((std::process::id(), Arc::new(solved))), store })
     }

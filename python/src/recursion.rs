@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use furrow_cell::{Cell, Cue, Parameter};
-use furrow_lineage::batch::SchedulerOptions;
 use furrow_lineage::batch::scheduler::{Solved, Summary, solve_all};
 use furrow_lineage::{CellId, Fate, FounderPhysics, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use furrow_mechanics::division::{Division, divide};
@@ -130,10 +129,7 @@ pub fn grow_by(
             let inputs = cells.iter().flatten().map(|inputs| inputs.division(seed)).collect::<Result<Vec<_>, _>>()?;
             let memo = Arc::clone(&memo);
             let solved = supervised(py, Interrupt::Finishes, progress, move |watch| {
-                let show = |progress| watch.divisions(progress);
-                let (interrupt, progress): (_, Option<&dyn Fn(_)>) = (Some(&watch.stop), Some(&show));
-                let options = SchedulerOptions { threads, interrupt, progress, ..SchedulerOptions::default() };
-                let solved = solve_all(inputs, &memo, &options, divide)?;
+                let solved = watch.scheduled(threads, |options| solve_all(inputs, &memo, options, divide))?;
                 if solved.summary.interrupted { Err(Error::Interrupted(0)) } else { Ok(solved) }
             })?;
             fates(generation, &cells, solved, &mut summary)

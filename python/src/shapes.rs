@@ -6,9 +6,9 @@ use furrow_analysis::{BoundaryOptions, boundary as followed, edges};
 use furrow_cell::{Cell, Parameter};
 use furrow_figures::drawing::style::described;
 use furrow_figures::plot;
+use furrow_lineage::batch::PhasePlane;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::phase::spaced;
-use furrow_lineage::batch::{PhasePlane, SchedulerOptions};
 use furrow_mechanics::critical::critical_radius as searched;
 use furrow_mechanics::perturbation::Perturbation;
 use furrow_mechanics::polarity::{Chemistry, LENGTH_UM, ParConstants};
@@ -87,10 +87,7 @@ pub fn phase(
     let plane = PhasePlane { cell, numerics: inputs.numerics, parameter, across, up, seed };
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let show = |progress| watch.divisions(progress);
-        let interrupt = Some(&watch.stop);
-        let options = SchedulerOptions { threads, interrupt, progress: Some(&show), ..SchedulerOptions::default() };
-        let diagram = plane.compute(&memo, &options)?;
+        let diagram = watch.scheduled(threads, |options| plane.compute(&memo, options))?;
         if diagram.summary.interrupted {
             return Err(Error::Interrupted(0));
         }

@@ -3,7 +3,6 @@
 use furrow_analysis::solve::{Measure, Question, SolveError, default_range, solve as solved};
 use furrow_cell::Parameter;
 use furrow_input::{did_you_mean, shown};
-use furrow_lineage::batch::SchedulerOptions;
 use pyo3::prelude::*;
 
 use crate::document::Document;
@@ -35,9 +34,7 @@ pub fn solve(
         "u" => Measure::UFurrow,
         _ => Measure::TEnd,
     };
-    if let Some(allowed) = measure.refused(wanted) {
-        return Err(Error::not_allowed(name, wanted, allowed));
-    }
+    measure.validate(wanted).map_err(|allowed| Error::not_allowed(name, wanted, allowed))?;
     for end in range.into_iter().flatten() {
         parameter.validate(end).map_err(|allowed| Error::not_allowed("range", end, allowed))?;
     }
@@ -51,11 +48,8 @@ pub fn solve(
     let question = Question { cell, numerics, seed, parameter, range, points, measure, wanted };
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let show = |progress| watch.divisions(progress);
-        let interrupt = Some(&watch.stop);
-        let options = SchedulerOptions { threads, interrupt, progress: Some(&show), ..SchedulerOptions::default() };
-        let found = solved(&question, &memo, &options).and_then(|found| found.with_roots(&question));
-        let found = found.map_err(|error| match error {
+        let found = watch.scheduled(threads, |options| solved(&question, &memo, options));
+        let found = found.and_then(|found| found.with_roots(&question)).map_err(|error| match error {
             SolveError::Workers(error) => error.into(),
             SolveError::Interrupted { .. } => Error::Interrupted(0),
             error => Error::no_outcome(error),

@@ -1,14 +1,14 @@
 //! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
-use furrow_analysis::fit::Goodness;
-use furrow_analysis::{EnsembleError, Extent, check_constraints, read_constants, write_constants};
+use furrow_analysis::fit::CalibrationStudy;
+use furrow_analysis::{ConstantsSearch, EnsembleError, read_constants, write_constants};
 use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;
 use furrow_figures::plot;
 use furrow_input::parse_document;
-use furrow_mechanics::calibration::{Targets, Unknown, calibrate as calibrated};
+use furrow_mechanics::calibration::{Targets, Unknown};
 use pyo3::prelude::*;
-use serde_json::{Map, json};
+use serde_json::json;
 
 use crate::document::Document;
 use crate::drawings::Drawing;
@@ -43,19 +43,8 @@ pub fn calibrate(
     given: Given,
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Abandons, None, move |_| {
-        let (targets, Settings { cell, numerics }) = read(&source, unknowns.as_deref(), &given)?;
-        let found = calibrated(&targets, &cell, &numerics).map_err(Error::no_outcome)?;
-        let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), json!(value)));
-        let found = json!({
-            "parameters": parameters.collect::<Map<_, _>>(),
-            "residuals": found.residuals,
-            "rms": found.rms,
-            "goodness": Goodness::of_thresholds(&targets, &found),
-            "combinations": found.combinations,
-            "iterations": found.iterations,
-            "excluded": check_constraints(&targets, &found.cell, &numerics, Extent::Within(f64::INFINITY)).excluded,
-        });
-        Ok(found.into())
+        let (targets, settings) = read(&source, unknowns.as_deref(), &given)?;
+        Document::of(CalibrationStudy::of(&targets, &settings).map_err(Error::no_outcome)?)
     })
 }
 
@@ -72,7 +61,8 @@ pub fn ensemble(
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, Settings { cell, numerics }) = read(&source, unknowns.as_deref(), &given)?;
-        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, None, &|_, _| ())?;
+        let search = ConstantsSearch::new(&targets, &cell, &numerics, (count, seed), &watch.stop);
+        let found = sampled(&ConstantsSearch { threads, ..search })?;
         let found = json!({
             "parameters": found.parameters.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "values": found.members.iter().map(|member| &member.values).collect::<Vec<_>>(),

@@ -6,7 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use furrow_lineage::batch::Progress;
+use furrow_lineage::batch::{Progress, SchedulerOptions};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -26,8 +26,15 @@ pub struct Watch {
 
 impl Watch {
     /// Records the progress of divisions.
-    pub fn divisions(&self, Progress { solved, running, queued, memo_hits }: Progress) {
+    fn divisions(&self, Progress { solved, running, queued, memo_hits }: Progress) {
         self.set([solved, solved + memo_hits, solved + memo_hits + running + queued]);
+    }
+
+    /// Runs work whose divisions are solved on these threads, until the stop flag is set, and recorded.
+    pub fn scheduled<T>(&self, threads: usize, work: impl FnOnce(&SchedulerOptions<'_>) -> T) -> T {
+        let show = |progress| self.divisions(progress);
+        let (interrupt, progress): (_, Option<&dyn Fn(Progress)>) = (Some(&self.stop), Some(&show));
+        work(&SchedulerOptions { threads, interrupt, progress, ..SchedulerOptions::default() })
     }
 
     /// Records how many results are kept, and how many divisions or points are finished and how many there are.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
-use furrow_analysis::{AxisValue, Kind, Lists, Row, Run, Shard, Sweep, SweepProgress, SweepResult};
+use furrow_analysis::{AxisValue, Kind, ListedSweep, Row, Run, Shard, Sweep, SweepProgress, SweepResult};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -59,7 +59,7 @@ impl Asked {
         let values = |list: Vec<AxisGiven>| list.into_iter().map(AxisValue::from).collect();
         let axes = self.axes.into_iter().map(|(name, list)| (name, values(list))).collect();
         let Asked { cue, replicates, seed, lineage, .. } = self;
-        Ok(Sweep::over(Lists { kind, axes, cue, replicates, seed, lineage }, ARGUMENTS, &base, &set)?)
+        Ok(Sweep::over(ListedSweep { kind, axes, cue, replicates, seed, lineage }, ARGUMENTS, &base, &set)?)
     }
 }
 
@@ -77,8 +77,8 @@ pub fn sweep<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Table<'py>, Error> {
     let shard = shard.map(|(number, of)| {
-        let refused = |allowed| Error::not_allowed("shard", format!("({number}, {of})"), allowed);
-        Shard::new(number, of).map_err(refused)
+        let not_allowed = |allowed| Error::not_allowed("shard", format!("({number}, {of})"), allowed);
+        Shard::new(number, of).map_err(not_allowed)
     });
     let (shard, memo) = (shard.transpose()?, memo.solved()?);
     let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {

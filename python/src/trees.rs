@@ -11,8 +11,8 @@ use furrow_formats::exchange::{BranchLengths, Exported, Format, check_tree, expo
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
+use furrow_lineage::batch::Quantisation;
 use furrow_lineage::batch::scheduler::Summary;
-use furrow_lineage::batch::{Quantisation, SchedulerOptions};
 use furrow_lineage::clock::alive;
 use furrow_lineage::{CellId, Tree, TreeCell};
 use furrow_mechanics::division::Division;
@@ -107,9 +107,7 @@ pub fn grow(
     let memo = memo.solved()?;
     let (scenarios, Grown { trees, summary, unknown }) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let scenarios = scenarios(&lineages, &cues, &given, seed, memo.quantisation())?;
-        let show = |progress| watch.divisions(progress);
-        let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
-        let found = grown(&scenarios, dynamics, &memo, options, &watch.stop)?;
+        let found = watch.scheduled(threads, |options| grown(&scenarios, dynamics, &memo, *options, &watch.stop))?;
         Ok((scenarios, found))
     })?;
     let work = work(&summary, unknown.len());
@@ -137,9 +135,9 @@ pub fn grow_spread(
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
-        let show = |progress| watch.divisions(progress);
-        let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
-        let (found, ranges) = grown_replicates(&scenarios, count, dynamics, &memo, options, &watch.stop)?;
+        let (found, ranges) = watch.scheduled(threads, |options| {
+            grown_replicates(&scenarios, count, dynamics, &memo, *options, &watch.stop)
+        })?;
         let (Some(tree), Some(ranges)) = (found.trees.into_iter().next(), ranges.first()) else {
             return Err(Error::not_allowed("lineage", "none", "one lineage"));
         };
@@ -173,8 +171,8 @@ pub fn read_tree(py: Python<'_>, file: PathBuf) -> Result<GrownTree, Error> {
 }
 
 fn tree_of(text: &str, file: &str) -> Result<GrownTree, Error> {
-    let refused = |error| InputError::other_file(file, "a tree as furrow writes it", error);
-    Ok(GrownTree { tree: Arc::new(tree_from_json(text).map_err(refused)?) })
+    let no_tree = |error| InputError::other_file(file, "a tree as furrow writes it", error);
+    Ok(GrownTree { tree: Arc::new(tree_from_json(text).map_err(no_tree)?) })
 }
 
 /// The value of a name, of several that are known.

@@ -1,25 +1,19 @@
 //! `furrow calibrate`: constants from thresholds.
 
 use super::context::Context;
-use super::ensemble::{journal_beside, sample, told_of_resuming};
+use super::ensemble::{SearchOptions, SearchRun, sample};
 use super::error::CliError;
-use super::interrupt;
-use super::messages;
-use super::output::{print_as, to_json, writable_file};
+use super::output::{print_as, to_json};
 use super::picture::PlotArgs;
-use super::progress::ProgressLine;
 use clap::Args;
-use furrow_analysis::fit::Goodness;
-use furrow_analysis::{Exclusion, Extent, Front, check_constraints, front};
+use furrow_analysis::fit::CalibrationStudy;
+use furrow_analysis::{Exclusion, Front, front};
 use furrow_cell::Parameter;
-use furrow_cell::settings::Settings;
 use furrow_figures::plot;
-use furrow_formats::{Provenance, write_atomically};
 use furrow_input::{parse_document, read_text};
-use furrow_mechanics::calibration::{Calibration, Targets, Unknown, calibrate};
-use serde_json::{Value, json};
+use furrow_mechanics::calibration::{Targets, Unknown};
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -61,52 +55,21 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     }
     targets.check(&file)?;
     let picture = args.plot.file()?;
-    if let Some(count) = args.ensemble {
-        return sample(&targets, context, count as usize, args.seed, args.out.as_deref(), &picture);
+    let options = |count: u32| SearchOptions { count: count as usize, seed: args.seed, out: args.out.as_deref() };
+    match (args.ensemble, args.front) {
+        (Some(count), _) => return sample(&targets, context, &options(count), &picture),
+        (_, Some(count)) => return search(&targets, context, &options(count)),
+        (None, None) => {}
     }
-    if let Some(count) = args.front {
-        return search(&targets, context, count as usize, args.seed, args.out.as_deref());
-    }
-    let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
-    let excluded =
-        check_constraints(&targets, &found.cell, &context.settings.numerics, Extent::Within(f64::INFINITY)).excluded;
-    picture.write(|| plot::calibration::draw(&targets, &found, &excluded))?;
-    let goodness = Goodness::of_thresholds(&targets, &found);
-    let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
-    // `combinations` are in the order of the parameters, `excluded` are statements of the targets that these contradict.
-    let document = json!({
-        "parameters": parameters.collect::<serde_json::Map<_, _>>(),
-        "residuals": found.residuals,
-        "rms": found.rms,
-        "goodness": goodness,
-        "combinations": found.combinations,
-        "iterations": found.iterations,
-        "excluded": excluded,
-    });
-    print_as(context.json, &document, || text(&found, goodness, &excluded))
+    let study = CalibrationStudy::of(&targets, &context.settings)?;
+    picture.write(|| plot::calibration::draw(&targets, &study.found, &study.excluded))?;
+    print_as(context.json, &study, || text(&study))
 }
 
 /// Searches for the front and prints it.
-fn search(targets: &Targets, context: &Context, count: usize, seed: u64, out: Option<&Path>) -> Result<(), CliError> {
-    writable_file("--out", out)?;
-    let Settings { cell, numerics } = &context.settings;
-    let definition = json!({
-        "schema": "furrow.front", "provenance": Provenance::current(), "targets": targets, "cell": cell, "numerics": numerics,
-        "checked": count, "seed": seed,
-    });
-    let journal = journal_beside(out, &definition)?;
-    let line = ProgressLine::new(context.progress);
-    let shown = |done, of| line.show_share(done, of, || "sets of constants checked".to_owned());
-    let flag = interrupt::flag();
-    let found = front(targets, cell, numerics, count, seed, context.threads, flag, journal.as_ref(), &shown);
-    drop(line);
-    let found = told_of_resuming(found, out)?;
-    if let Some(file) = out {
-        write_atomically(file, to_json(&serde_json::to_value(&found)?)?.as_bytes())?;
-    }
-    if let Some(journal) = journal {
-        journal.finish().unwrap_or_else(|error| messages::warning!("the file of checked sets: {error}"));
-    }
+fn search(targets: &Targets, context: &Context, search: &SearchOptions<'_>) -> Result<(), CliError> {
+    let run = SearchRun { schema: "furrow.front", counted: "checked", progress: "sets of constants checked" };
+    let found = run.find(targets, context, search, front, |found| to_json(&serde_json::to_value(found)?))?;
     print_as(context.json, &serde_json::to_value(&found)?, || front_text(&found))
 }
 
@@ -132,7 +95,7 @@ fn front_text(found: &Front) -> String {
     out
 }
 
-fn text(found: &Calibration, goodness: Goodness, excluded: &[Exclusion]) -> String {
+fn text(CalibrationStudy { found, goodness, excluded }: &CalibrationStudy) -> String {
     let mut out = String::new();
     for (parameter, value) in &found.parameters {
         let _ = writeln!(out, "{:<10} {value:.9}", parameter.to_string());

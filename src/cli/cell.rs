@@ -201,6 +201,6 @@ where
 /// Names the option, its value and the allowed values.
 pub fn positive(option: &str, value: f64) -> Result<f64, InputError> {
     let field = option.trim_start_matches('-').replace('-', "_");
-    let refused = || InputError::not_allowed(option, field, value, "a finite number above 0");
-    (value.is_finite() && value > 0.0).then_some(value).ok_or_else(refused)
+    let not_allowed = || InputError::not_allowed(option, field, value, "a finite number above 0");
+    (value.is_finite() && value > 0.0).then_some(value).ok_or_else(not_allowed)
 }

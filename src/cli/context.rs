@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::interrupt;
 use super::messages;
 use super::output::number;
+use super::progress::ProgressLine;
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use furrow_cell::settings::canonical_name;
@@ -11,6 +12,7 @@ use furrow_cell::settings::{self, Settings};
 use furrow_input::InputError;
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store};
 use furrow_lineage::{Length, Units};
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 // Options of all commands.
@@ -138,6 +140,19 @@ impl Context {
                 Ok(memo)
             }
         }
+    }
+
+    /// Runs work that shows its progress in a line, which is gone when the work has ended.
+    pub fn shown<T>(&self, work: impl FnOnce(&ProgressLine) -> T) -> T {
+        work(&ProgressLine::new(self.progress))
+    }
+
+    /// The same for divisions, of which the line shows how many are done. It appears with the first of them: until then the work may
+    /// show another line.
+    pub fn scheduled<T>(&self, work: impl FnOnce(&SchedulerOptions<'_>) -> T) -> T {
+        let line = OnceCell::new();
+        let show = |progress| line.get_or_init(|| ProgressLine::new(self.progress)).show_all(progress);
+        work(&self.scheduling(&show))
     }
 
     /// How divisions are scheduled: on the threads asked for, until Ctrl-C.

@@ -7,7 +7,6 @@ use super::interrupt;
 use super::messages;
 use super::output::{filled, merged, number, print_as, writable_folder};
 use super::picture::{DENSE, MovieArgs, PlotArgs};
-use super::progress::ProgressLine;
 use clap::Args;
 use furrow_cell::Cell;
 use furrow_figures::drawing::style::described;
@@ -20,6 +19,7 @@ use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -63,30 +63,49 @@ pub struct DivideArgs {
 }
 
 /// A replicate that could be computed.
-struct Solved {
+#[derive(Serialize)]
+struct Replicate {
     seed: u64,
+    #[serde(flatten)]
     division: Division,
     /// With --from-steady.
+    #[serde(flatten, serialize_with = "return_and_distances")]
     perturbation: Option<Perturbation>,
 }
 
-/// The successful replicates, and the number of the others.
-type Replicates = (Vec<Solved>, usize);
+/// Whether the cell returned to its start, and [t, dis(t)].
+fn return_and_distances<S: Serializer>(found: &Option<Perturbation>, serializer: S) -> Result<S::Ok, S::Error> {
+    found.as_ref().map(|p| json!({ "returned": p.returned(), "dis": p.distances })).serialize(serializer)
+}
+
+/// The replicates that could be computed, and what else decides how the first of them divides.
+struct Divisions {
+    replicates: Vec<Replicate>,
+    /// The number of the others.
+    undecided: usize,
+    noise: Option<NoiseEffect>,
+    mesh: Option<MeshEffect>,
+}
+
+/// What a comparison of two divisions of a cell shows of the other one.
+fn compared(other: &Division) -> Value {
+    filled(json!({ "outcome": other.outcome(), "chi": other.chi(), "u_furrow": other.u_furrow() }))
+}
 
 /// Whether the noise decides more than the side of a cell's furrow, shown by a division with another seed.
-struct Chance {
+struct NoiseEffect {
     seed: u64,
     other: Division,
     decides: bool,
 }
 
-impl Chance {
+impl NoiseEffect {
     /// Of the first division, by the first of the others that does not agree with it, else by the next one.
-    fn of(first: &Division, others: &[Solved], cell: &Cell) -> Option<Chance> {
-        let differs = |other: &&Solved| !first.agrees_with(&other.division, cell.is_mirror_symmetric());
+    fn of(first: &Division, others: &[Replicate], cell: &Cell) -> Option<NoiseEffect> {
+        let differs = |other: &&Replicate| !first.agrees_with(&other.division, cell.is_mirror_symmetric());
         let found = others.iter().find(differs);
-        let Solved { seed, division, .. } = found.or(others.first())?;
-        Some(Chance { seed: *seed, other: division.clone(), decides: found.is_some() })
+        let Replicate { seed, division, .. } = found.or(others.first())?;
+        Some(NoiseEffect { seed: *seed, other: division.clone(), decides: found.is_some() })
     }
 
     /// Describes the effect of the noise.
@@ -100,17 +119,13 @@ impl Chance {
     }
 
     fn document(&self) -> Value {
-        json!({
-            "depends_on_noise": self.decides,
-            "other_seed": filled(json!({
-                "seed": self.seed, "outcome": self.other.outcome(), "chi": self.other.chi(), "u_furrow": self.other.u_furrow(),
-            })),
-        })
+        let other = merged(json!({ "seed": self.seed }), compared(&self.other));
+        json!({ "depends_on_noise": self.decides, "other_seed": other })
     }
 }
 
 /// The same division on twice the mesh.
-struct Finer {
+struct MeshEffect {
     intervals: usize,
     /// Its outcome, or why it failed.
     other: Result<Division, CliError>,
@@ -120,9 +135,14 @@ struct Finer {
     uncertainty: Option<f64>,
 }
 
-impl Finer {
+impl MeshEffect {
     /// Divides the cell on twice the mesh, if a mesh may be as fine, and compares.
-    fn of(first: &Division, input: &DivisionInput, memo: &Memo, context: &Context) -> Result<Option<Finer>, CliError> {
+    fn of(
+        first: &Division,
+        input: &DivisionInput,
+        memo: &Memo,
+        context: &Context,
+    ) -> Result<Option<MeshEffect>, CliError> {
         let Some(finer) = input.on_twice_the_mesh() else { return Ok(None) };
         let (parity, intervals) = (input.cell.is_mirror_symmetric(), finer.numerics.intervals);
         let mut found = replicates(&finer, 1, memo, &context.scheduling(&|_| ()))?;
@@ -133,12 +153,12 @@ impl Finer {
         };
         let differs = other.as_ref().map_or(true, |other| first.depends_on_mesh(other, parity));
         let uncertainty = other.as_ref().ok().and_then(|other| first.chi_apart(other, parity));
-        Ok(Some(Finer { intervals, other, differs, uncertainty }))
+        Ok(Some(MeshEffect { intervals, other, differs, uncertainty }))
     }
 
     /// One line for the terminal.
     fn text(&self, first: &Division) -> String {
-        let Finer { intervals, other, uncertainty, .. } = self;
+        let MeshEffect { intervals, other, uncertainty, .. } = self;
         let what = if uncertainty.is_some() { "how unequal" } else { "whether it divides" };
         let there = other.as_ref().map_or_else(|error| format!("no answer ({error})"), found);
         format!(
@@ -149,14 +169,11 @@ impl Finer {
     }
 
     fn document(&self) -> Value {
-        let there = match &self.other {
-            Ok(other) => json!({ "outcome": other.outcome(), "chi": other.chi(), "u_furrow": other.u_furrow() }),
-            Err(error) => json!({ "why": error.to_string() }),
-        };
+        let there = self.other.as_ref().map_or_else(|error| json!({ "why": error.to_string() }), compared);
         json!({
             "depends_on_mesh": self.differs,
             "chi_uncertainty": self.uncertainty,
-            "twice_the_mesh": filled(merged(json!({ "intervals": self.intervals }), there)),
+            "twice_the_mesh": merged(json!({ "intervals": self.intervals }), there),
         })
     }
 }
@@ -174,16 +191,6 @@ fn reason(failure: Failure) -> CliError {
     }
 }
 
-impl Solved {
-    /// With --from-steady also whether the cell returned to its start, and [t, dis(t)].
-    fn document(&self) -> Result<Value, CliError> {
-        let division = serde_json::to_value(&self.division)?;
-        let p = self.perturbation.as_ref();
-        let watched = json!({ "returned": p.map(Perturbation::returned), "dis": p.map(|p| &p.distances) });
-        Ok(merged(merged(json!({ "seed": self.seed }), division), filled(watched)))
-    }
-}
-
 pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     context.settings.check_divisions("settings")?;
@@ -193,20 +200,10 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
     let until = args.from_steady.then(|| positive("--until", args.until)).transpose()?;
-    let mut finer = None;
-    let (mut solved, undecided) = match until {
+    let found = match until {
         Some(until) => disturb(args, &context, &input, until)?,
-        None => {
-            let memo = context.memo()?;
-            let found = solve(args, &context, &input, &memo)?;
-            let Solved { seed, division, .. } = &found.0[0];
-            finer = Finer::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, &context)?;
-            found
-        }
+        None => divide(args, &context, &input)?,
     };
-    let chance = until.is_none().then(|| Chance::of(&solved[0].division, &solved[1..], &input.cell)).flatten();
-    // With one replicate asked for, the second is there for this alone.
-    solved.truncate(args.replicates as usize);
     if args.frames.is_some() || movie.is_wanted() || until.is_none() && picture.is_wanted() {
         interrupt::listen();
         interrupt::abort();
@@ -225,83 +222,95 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         movie.write(&input.cell, &film, context.progress)?;
     }
     if until.is_some() {
-        let named = solved
-            .iter()
-            .filter_map(|Solved { seed, perturbation, .. }| Some((format!("seed {seed}"), perturbation.clone()?)));
+        let named = |one: &Replicate| Some((format!("seed {}", one.seed), one.perturbation.clone()?));
+        let named: Vec<_> = found.replicates.iter().filter_map(named).collect();
         let title = format!("Disturbed stationary shape at {}", described(&input.cell, &[]));
-        picture.write(|| plot::perturbation::draw(&title, &named.collect::<Vec<_>>()))?;
+        picture.write(|| plot::perturbation::draw(&title, &named))?;
     }
     // Results from a stationary shape are in natural units alone.
     let units = if until.is_some() { Units::default() } else { context.units };
-    let Solved { division, perturbation, .. } = &solved[0];
-    let statistics = Statistics::of(solved.iter().map(|one| &one.division));
-    let Cell { r0, epsilon, xi_s, cue, .. } = &input.cell;
-    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue });
-    let in_units = json!({ "r0_um": units.micrometres(*r0), "t_end_min": units.minutes(division.t_end) });
-    let start = perturbation.as_ref().map_or(
-        json!({}),
-        |p| json!({ "from_steady": true, "until": until, "start_growth_rate": p.start_growth_rate }),
-    );
-    let documents: Vec<Value> = solved.iter().map(Solved::document).collect::<Result<_, _>>()?;
-    let first = documents[0].clone();
+    print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
+}
+
+/// The first replicate, between the cell and all replicates.
+fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -> Value {
+    let Divisions { replicates, undecided, noise, mesh } = found;
+    let (first, Cell { r0, epsilon, xi_s, cue, .. }) = (&replicates[0], cell);
+    let start = filled(json!({
+        "r0_um": units.micrometres(*r0),
+        "t_end_min": units.minutes(first.division.t_end),
+        "from_steady": until.map(|_| true),
+        "until": until,
+        "start_growth_rate": first.perturbation.as_ref().map(|p| p.start_growth_rate),
+    }));
     let parts = [
-        filled(in_units),
         start,
-        first,
-        json!({ "replicates": documents }),
-        serde_json::to_value(statistics)?,
-        chance.as_ref().map_or(json!({}), Chance::document),
-        finer.as_ref().map_or(json!({}), Finer::document),
+        json!(first),
+        json!({ "replicates": replicates }),
+        json!(Statistics::of(replicates.iter().map(|one| &one.division))),
+        noise.as_ref().map_or(Value::Null, NoiseEffect::document),
+        mesh.as_ref().map_or(Value::Null, MeshEffect::document),
         json!({ "undecided": undecided }),
     ];
-    print_as(context.json, &parts.into_iter().fold(of_cell, merged), || {
-        let text = text(&input.cell, &units, &solved, &statistics);
-        let chance = chance.filter(|chance| chance.decides).map_or(String::new(), |c| c.text(&solved[0].division));
-        let finer = finer.filter(|finer| finer.differs).map_or(String::new(), |f| f.text(&solved[0].division));
-        text + &chance + &finer + &one_sided(&input.cell, &solved)
-    })
+    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue });
+    parts.into_iter().fold(of_cell, merged)
+}
+
+/// The replicates, with the effects of the noise and of the mesh on the first.
+fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Divisions, CliError> {
+    let memo = context.memo()?;
+    let mut found = solve(args, context, input, &memo)?;
+    let Replicate { seed, division, .. } = &found.replicates[0];
+    found.mesh = MeshEffect::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, context)?;
+    found.noise = NoiseEffect::of(&found.replicates[0].division, &found.replicates[1..], &input.cell);
+    // With one replicate asked for, the second is there for the noise alone.
+    found.replicates.truncate(args.replicates as usize);
+    Ok(found)
 }
 
 /// Solves all replicates, two at least, as the second tells whether the noise matters; at least one succeeds.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Memo) -> Result<Replicates, CliError> {
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Memo) -> Result<Divisions, CliError> {
     if args.replicates == 1 {
         let known = |seed| {
-            Some(Solved { seed, division: memo.known(&DivisionInput { seed, ..input.clone() })?, perturbation: None })
+            Some(Replicate {
+                seed,
+                division: memo.known(&DivisionInput { seed, ..input.clone() })?,
+                perturbation: None,
+            })
         };
         let [first, second] = [input.seed, input.seed.wrapping_add(1)].map(known);
         if let (Some(first), Some(second)) = (first, second) {
-            return Ok((vec![first, second], 0));
+            return at_least_one(vec![first, second], vec![]);
         }
     }
     interrupt::listen();
     interrupt::finish();
-    let line = ProgressLine::new(context.progress && args.replicates > 1);
-    let show = |progress| line.show_all(progress);
     let count = args.replicates.max(2) as usize;
-    let found = replicates(input, count, memo, &context.scheduling(&show));
-    drop(line);
-    let found = found?;
+    let found = match args.replicates {
+        1 => replicates(input, count, memo, &context.scheduling(&|_| ()))?,
+        _ => context.scheduled(|options| replicates(input, count, memo, options))?,
+    };
     messages::warn_of(&found.summary.warnings);
     if found.divisions.len() + found.undecided.len() < count {
         return Err(CliError::Interrupted);
     }
     let failed = found.undecided.into_iter().map(|job| (args.seed.wrapping_add(job.id as u64), reason(job.failure)));
-    let solved = found.divisions.into_iter().map(|(seed, division)| Solved { seed, division, perturbation: None });
+    let solved = found.divisions.into_iter().map(|(seed, division)| Replicate { seed, division, perturbation: None });
     // The one that was not asked for may fail without a word.
     let asked = |seed: u64| seed.wrapping_sub(args.seed) < u64::from(args.replicates);
-    let (wanted, more): (Vec<Solved>, Vec<Solved>) = solved.partition(|one| asked(one.seed));
-    let (mut wanted, undecided) = at_least_one(wanted, failed.filter(|(seed, _)| asked(*seed)).collect())?;
-    wanted.extend(more);
-    Ok((wanted, undecided))
+    let (wanted, more): (Vec<Replicate>, Vec<Replicate>) = solved.partition(|one| asked(one.seed));
+    let mut found = at_least_one(wanted, failed.filter(|(seed, _)| asked(*seed)).collect())?;
+    found.replicates.extend(more);
+    Ok(found)
 }
 
 /// Disturbs the stationary shape with every seed; at least one succeeds.
-fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f64) -> Result<Replicates, CliError> {
+fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f64) -> Result<Divisions, CliError> {
     interrupt::listen();
     let (mut solved, mut failed) = (Vec::new(), Vec::new());
     for one in perturbations(input, args.replicates as usize, until, context.threads)? {
         match one.found {
-            Ok(p) => solved.push(Solved { seed: one.seed, division: p.division.clone(), perturbation: Some(p) }),
+            Ok(p) => solved.push(Replicate { seed: one.seed, division: p.division.clone(), perturbation: Some(p) }),
             Err(error) => failed.push((one.seed, error.into())),
         }
     }
@@ -309,7 +318,7 @@ fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f
 }
 
 /// The successful replicates and the number of failed ones. Every failure gets a warning.
-fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result<Replicates, CliError> {
+fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Result<Divisions, CliError> {
     if solved.is_empty()
         && let Some((_, error)) = failed.pop()
     {
@@ -318,23 +327,40 @@ fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result
     for (seed, error) in &failed {
         messages::warning!("the replicate of seed {seed} is left out: {error}");
     }
-    Ok((solved, failed.len()))
+    Ok(Divisions { replicates: solved, undecided: failed.len(), noise: None, mesh: None })
 }
 
-fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) -> String {
+fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
+    let Divisions { replicates, noise, mesh, .. } = found;
+    let first = &replicates[0].division;
     let size = units.in_micrometres(cell.r0);
     let mut out = format!("R0 = {}{size}, ε = {}, ξ_s = {}", cell.r0, cell.epsilon, cell.xi_s);
     if !cell.cue.is_none() {
         let _ = write!(out, ", {}", cell.cue);
     }
-    if let Some(Perturbation { start_growth_rate: rate, .. }) = &solved[0].perturbation {
+    if let Some(Perturbation { start_growth_rate: rate, .. }) = &replicates[0].perturbation {
         let stable = if *rate < 0.0 { "stable" } else { "unstable" };
         let _ = writeln!(out, ", from its stationary shape, which is {stable}: growth rate {rate:.4}/τ");
-        return solved.iter().filter_map(disturbed_line).fold(out, |out, line| out + &line);
+        out.extend(replicates.iter().filter_map(disturbed_line));
+        return out + &one_sided(cell, replicates);
     }
-    let d = &solved[0].division;
-    let _ = writeln!(out, ": {}", d.outcome());
-    let (t_end, minutes) = (d.t_end, units.in_minutes(d.t_end));
+    let _ = writeln!(out, ": {}", first.outcome());
+    out += &division_text(first, units);
+    if replicates.len() > 1 {
+        let statistics = Statistics::of(replicates.iter().map(|one| &one.division));
+        let chi = statistics.chi_mean.zip(statistics.chi_sd);
+        let chi = chi.map_or(String::new(), |(mean, sd)| format!(", χ = {mean:.4} ± {sd:.4} (sd)"));
+        let divided = replicates.len() - statistics.failed;
+        let _ = writeln!(out, "{} replicates: {divided} divided{chi}", replicates.len());
+    }
+    out.extend(noise.iter().filter(|noise| noise.decides).map(|noise| noise.text(first)));
+    out.extend(mesh.iter().filter(|mesh| mesh.differs).map(|mesh| mesh.text(first)));
+    out + &one_sided(cell, replicates)
+}
+
+/// How a division went.
+fn division_text(d: &Division, units: &Units) -> String {
+    let (mut out, t_end, minutes) = (String::new(), d.t_end, units.in_minutes(d.t_end));
     if let (Some(chi), Some(u), Some([below, above])) = (d.chi(), d.u_furrow(), d.daughters()) {
         let [um_below, um_above] = [below, above].map(|r0| units.in_micrometres(r0));
         let _ = writeln!(
@@ -357,16 +383,11 @@ fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) 
     let (work, drift) = (&d.work, d.volume_drift);
     let counts = format!("{} steps ({} rejected), {} Newton iterations", work.steps, work.rejected, work.iterations);
     let _ = writeln!(out, "{counts}, volume drift {drift:.1e}");
-    if solved.len() > 1 {
-        let chi = statistics.chi_mean.zip(statistics.chi_sd);
-        let chi = chi.map_or(String::new(), |(mean, sd)| format!(", χ = {mean:.4} ± {sd:.4} (sd)"));
-        let _ = writeln!(out, "{} replicates: {} divided{chi}", solved.len(), solved.len() - statistics.failed);
-    }
     out
 }
 
 /// The prediction of linear theory for a cell that does not divide, where a disturbance that is not axisymmetric grows.
-fn one_sided(cell: &Cell, solved: &[Solved]) -> String {
+fn one_sided(cell: &Cell, solved: &[Replicate]) -> String {
     let rests = solved.iter().any(|one| one.division.chi().is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
@@ -377,7 +398,7 @@ fn one_sided(cell: &Cell, solved: &[Solved]) -> String {
 }
 
 /// One line of a result of --from-steady.
-fn disturbed_line(Solved { seed, division, perturbation }: &Solved) -> Option<String> {
+fn disturbed_line(Replicate { seed, division, perturbation }: &Replicate) -> Option<String> {
     let p = perturbation.as_ref()?;
     let distance = |k: usize| p.distances.get(k).map_or(0.0, |[_, distance]| *distance);
     let (last, t_end) = (distance(p.distances.len().saturating_sub(1)), division.t_end);

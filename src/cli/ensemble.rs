@@ -6,8 +6,7 @@ use super::interrupt;
 use super::messages;
 use super::output::{filled, merged, print_as, records_csv, to_json, writable_file, writable_folder};
 use super::picture::Picture;
-use super::progress::ProgressLine;
-use furrow_analysis::ensemble::{EnsembleError, JOURNAL_COLUMNS};
+use furrow_analysis::ensemble::{ConstantsSearch, EnsembleError, JOURNAL_COLUMNS};
 use furrow_analysis::ranges::{FounderRange, RoundsRange};
 use furrow_analysis::{Ensemble, Journal, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
 use furrow_cell::settings::Settings;
@@ -25,35 +24,79 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Samples constants and writes them as a table.
+/// The options of a search among sets of constants.
+pub struct SearchOptions<'a> {
+    pub count: usize,
+    pub seed: u64,
+    /// Its results; with it an interrupted search resumes.
+    pub out: Option<&'a Path>,
+}
+
+/// A kind of search among sets of constants.
+pub struct SearchRun {
+    /// The schema of the definition in its journal.
+    pub schema: &'static str,
+    /// What is counted, in that definition.
+    pub counted: &'static str,
+    /// The same in the progress line.
+    pub progress: &'static str,
+}
+
+impl SearchRun {
+    /// Searches, with a journal beside the file of the results, and writes these as `text` puts them.
+    pub fn find<T>(
+        &self,
+        targets: &Targets,
+        context: &Context,
+        &SearchOptions { count, seed, out }: &SearchOptions<'_>,
+        find: fn(&ConstantsSearch<'_>) -> Result<T, EnsembleError>,
+        text: impl FnOnce(&T) -> Result<String, CliError>,
+    ) -> Result<T, CliError> {
+        writable_file("--out", out)?;
+        let Settings { cell, numerics } = &context.settings;
+        let definition = json!({
+            "schema": self.schema, "provenance": Provenance::current(), "targets": targets, "cell": cell,
+            "numerics": numerics, (self.counted): count, "seed": seed,
+        });
+        let open = |file: &Path| {
+            let file = PathBuf::from(format!("{}.partial.jsonl", file.display()));
+            Journal::open_file(&file, &definition, JOURNAL_COLUMNS.map(str::to_owned).into())
+        };
+        let journal = out.map(open).transpose()?;
+        // Every check is in the journal as soon as it is made.
+        if out.is_some() {
+            interrupt::finish();
+        }
+        let found = context.shown(|line| {
+            let progress = |done, of| line.show_share(done, of, || self.progress.to_owned());
+            let search = ConstantsSearch::new(targets, cell, numerics, (count, seed), interrupt::flag());
+            let journal = journal.as_ref();
+            find(&ConstantsSearch { threads: context.threads, journal, progress: &progress, ..search })
+        });
+        if let (Err(EnsembleError::Interrupted), Some(out)) = (&found, out) {
+            messages::warning!("sets checked so far are kept beside {}; the same command resumes", out.display());
+        }
+        let found = found?;
+        if let Some(file) = out {
+            write_atomically(file, text(&found)?.as_bytes())?;
+        }
+        if let Some(journal) = journal {
+            journal.finish().unwrap_or_else(|error| messages::warning!("the file of checked sets: {error}"));
+        }
+        Ok(found)
+    }
+}
+
+/// Samples admissible sets of constants and prints their quantiles.
 pub fn sample(
     targets: &Targets,
     context: &Context,
-    count: usize,
-    seed: u64,
-    out: Option<&Path>,
+    search: &SearchOptions<'_>,
     picture: &Picture,
 ) -> Result<(), CliError> {
-    writable_file("--out", out)?;
-    let Settings { cell, numerics } = &context.settings;
-    let definition = json!({
-        "schema": "furrow.ensemble", "provenance": Provenance::current(), "targets": targets, "cell": cell, "numerics": numerics,
-        "members": count, "seed": seed,
-    });
-    let journal = journal_beside(out, &definition)?;
-    let line = ProgressLine::new(context.progress);
-    let shown = |done, of| line.show_share(done, of, || "sets of constants drawn".to_owned());
-    let flag = interrupt::flag();
-    let found = ensemble(targets, cell, numerics, count, seed, context.threads, flag, journal.as_ref(), &shown);
-    drop(line);
-    let found = told_of_resuming(found, out)?;
-    let table = write_constants(&found.constants());
-    if let Some(file) = out {
-        write_atomically(file, table.as_bytes())?;
-    }
-    if let Some(journal) = journal {
-        journal.finish().unwrap_or_else(|error| messages::warning!("the file of checked sets: {error}"));
-    }
+    let run = SearchRun { schema: "furrow.ensemble", counted: "members", progress: "sets of constants drawn" };
+    let table = |found: &Ensemble| write_constants(&found.constants());
+    let found = run.find(targets, context, search, ensemble, |found| Ok(table(found)))?;
     picture.write(|| plot::calibration::draw_ensemble(&found))?;
     let excluded = found.excluded.iter().map(|(datum, sets)| json!({ "datum": datum, "sets": sets }));
     let constants = quantiles(&found).map(|(name, range)| (name, json!(range)));
@@ -65,32 +108,10 @@ pub fn sample(
         "excluded": excluded.collect::<Vec<_>>(),
         "constants": constants.collect::<serde_json::Map<_, _>>(),
     });
-    print_as(context.json, &document, || match out {
+    print_as(context.json, &document, || match search.out {
         Some(file) => format!("{}written to {}\n", ensemble_text(&found), file.display()),
-        None => format!("{}\n{table}", ensemble_text(&found)),
+        None => format!("{}\n{}", ensemble_text(&found), table(&found)),
     })
-}
-
-/// The checks of an interrupted run with the same result file, and of this one.
-pub fn journal_beside(out: Option<&Path>, definition: &Value) -> Result<Option<Journal>, CliError> {
-    let open = |file: &Path| {
-        let file = PathBuf::from(format!("{}.partial.jsonl", file.display()));
-        Journal::open_file(&file, definition, JOURNAL_COLUMNS.map(str::to_owned).into())
-    };
-    let journal = out.map(open).transpose()?;
-    // Every check is in the journal as soon as it is made.
-    if out.is_some() {
-        interrupt::finish();
-    }
-    Ok(journal)
-}
-
-/// Says after an interrupt that the run can be resumed.
-pub fn told_of_resuming<T>(found: Result<T, EnsembleError>, out: Option<&Path>) -> Result<T, EnsembleError> {
-    if let (Err(EnsembleError::Interrupted), Some(out)) = (&found, out) {
-        messages::warning!("sets checked so far are kept beside {}; the same command resumes", out.display());
-    }
-    found
 }
 
 /// Weighted quantiles of every constant.
@@ -135,14 +156,14 @@ pub fn grow_over(
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
     // These trees are not cached, so there is nothing to finish.
     interrupt::abort();
-    let (line, done) = (ProgressLine::new(context.progress), AtomicUsize::new(0));
-    let shown = || {
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        line.show_share(done, sets.len(), || "sets of constants".to_owned());
-    };
-    let found = ranges(lineage, settings, &sets, context.threads, interrupt::flag(), &shown);
-    drop(line);
-    let found = found?;
+    let done = AtomicUsize::new(0);
+    let found = context.shown(|line| {
+        let shown = || {
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            line.show_share(done, sets.len(), || "sets of constants".to_owned());
+        };
+        ranges(lineage, settings, &sets, context.threads, interrupt::flag(), &shown)
+    })?;
     let elapsed_s = start.elapsed().as_secs_f64();
     if let Some(mut files) = files {
         files.stage("ranges.csv", &records_csv(RANGES_COLUMNS, found.founders.iter().map(ranges_row))?)?;

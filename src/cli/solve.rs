@@ -7,7 +7,6 @@ use super::error::CliError;
 use super::interrupt;
 use super::messages;
 use super::output::{filled, merged, number, print_as};
-use super::progress::ProgressLine;
 use super::vary::{Given, parameter};
 use clap::Args;
 use furrow_analysis::solve::{Measure, POINTS, Question, Root, Solution, default_range, solve};
@@ -95,10 +94,8 @@ impl WantedArgs {
         let given = given.into_iter().find_map(|(measure, option, value)| Some((measure, option, value?)));
         // clap sees to it that one is given.
         let (measure, option, value) = given.unwrap_or((Measure::Chi, "--chi", f64::NAN));
-        match measure.refused(value) {
-            Some(allowed) => Err(InputError::not_allowed(option, measure.name(), value, allowed)),
-            None => Ok((measure, value)),
-        }
+        let error = |allowed| InputError::not_allowed(option, measure.name(), value, allowed);
+        measure.validate(value).map(|()| (measure, value)).map_err(error)
     }
 }
 
@@ -106,11 +103,7 @@ pub fn run(args: &SolveArgs, mut context: Context) -> Result<(), CliError> {
     let question = args.question(&mut context)?;
     let memo = context.memo()?;
     interrupt::finish();
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show(progress);
-    let found = solve(&question, &memo, &context.scheduling(&show));
-    drop(line);
-    let found = found?;
+    let found = context.shown(|line| solve(&question, &memo, &context.scheduling(&|progress| line.show(progress))))?;
     messages::warn_of(&found.warnings);
     let found = found.with_roots(&question)?;
     let Question { cell, parameter, range, measure, wanted, .. } = &question;

@@ -10,10 +10,9 @@ use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_input::InputError;
 use furrow_mechanics::azimuthal::mode::Mode;
-use furrow_mechanics::equilibria::{StationaryShape, stationary};
-use furrow_mechanics::stability::{Spectrum, StabilityError};
-use furrow_report::{azimuthal_report, stationary_report};
-use serde_json::{Value, json};
+use furrow_mechanics::equilibria::stationary;
+use furrow_report::{AzimuthalStability, stationary_report};
+use serde_json::json;
 use std::fmt::Write;
 
 #[derive(Debug, Args)]
@@ -36,28 +35,10 @@ pub struct SteadyArgs {
 /// Largest azimuthal number offered: modes that turn faster around the axis decay ever faster.
 pub const MOST_AZIMUTHAL: i64 = 16;
 
-/// Growth rates of the disturbances of one azimuthal number, with the mode of the leading rate; no mode for m = 0.
-struct Azimuthal {
-    m: usize,
-    spectrum: Spectrum,
-    mode: Option<Mode>,
-}
-
-fn azimuthal(shape: &StationaryShape, axisymmetric: &Spectrum, most: usize) -> Result<Vec<Azimuthal>, StabilityError> {
-    let mut found = vec![Azimuthal { m: 0, spectrum: axisymmetric.clone(), mode: None }];
-    for m in 1..=most {
-        let mut disturbances = shape.azimuthal(m);
-        let spectrum = disturbances.leading()?;
-        let mode = disturbances.mode(spectrum.growth_rate())?;
-        found.push(Azimuthal { m, spectrum, mode: Some(mode) });
-    }
-    Ok(found)
-}
-
 /// One line for each azimuthal number.
-fn lines(found: &[Azimuthal]) -> String {
+fn lines(found: &[AzimuthalStability]) -> String {
     let mut out = "beyond axial symmetry, leading growth rates (1/τ):\n".to_owned();
-    for Azimuthal { m, spectrum, mode } in found {
+    for AzimuthalStability { m, spectrum, mode } in found {
         let of_mode = mode.as_ref().map_or(String::new(), |mode| {
             let rigid = mode.rigid().map_or(String::new(), |rigid| {
                 format!(", {:.0} % shift, {:.0} % tilt of the cell", 100.0 * rigid.translation, 100.0 * rigid.rotation)
@@ -66,7 +47,7 @@ fn lines(found: &[Azimuthal]) -> String {
         });
         let _ = writeln!(out, "  m = {m:<2} {:>14.6}{of_mode}", spectrum.growth_rate());
     }
-    let rate = |row: &Azimuthal| row.spectrum.growth_rate();
+    let rate = |row: &AzimuthalStability| row.spectrum.growth_rate();
     if let Some(fastest) =
         found.iter().max_by(|a, b| rate(a).total_cmp(&rate(b))).filter(|row| row.m > 0 && rate(row) > 0.0)
     {
@@ -92,10 +73,10 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let found = stationary_report(&shape, &spectrum);
     let mut document = merged(json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue }), found);
     document = merged(document, filled(json!({ "r0_um": context.units.micrometres(*r0) })));
-    let disturbed = args.azimuthal.map(|most| azimuthal(&shape, &spectrum, usize::from(most))).transpose()?;
+    let disturbed = args.azimuthal.map(|most| AzimuthalStability::up_to(usize::from(most), &shape, &spectrum));
+    let disturbed = disturbed.transpose()?;
     if let Some(disturbed) = &disturbed {
-        let rows = disturbed.iter().map(|row| azimuthal_report(row.m, &row.spectrum, row.mode.as_ref()));
-        document["azimuthal"] = rows.collect::<Vec<Value>>().into();
+        document["azimuthal"] = disturbed.iter().map(AzimuthalStability::report).collect();
         let modes: Vec<Mode> = disturbed.iter().filter_map(|row| row.mode.clone()).collect();
         picture.write(|| plot::azimuthal::draw(&shape.cortex, &modes))?;
     }

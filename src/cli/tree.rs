@@ -7,17 +7,16 @@ use super::interrupt;
 use super::messages::{self, Level};
 use super::output::{filled, merged, print_as, to_json, writable_folder};
 use super::picture::PlotArgs;
-use super::progress::ProgressLine;
 use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
-use furrow_analysis::tree_settings;
 use furrow_analysis::{self as study, Grown, LineageRanges, scenarios_csv, spread_csv};
+use furrow_analysis::{scenario_of, tree_settings};
 use furrow_cell::{Cue, CueError};
 use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
 use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
 use furrow_input::InputError;
-use furrow_lineage::batch::{Summary, scheduler::workers};
+use furrow_lineage::batch::{Memo, Summary, scheduler::workers};
 use furrow_lineage::clock::alive;
 use furrow_lineage::units::{MOST_PLAIN, plain_radius};
 use furrow_lineage::{Length, Lineage, TerminalReason, Tree, TreeSettings};
@@ -96,12 +95,6 @@ fn tree_counts(tree: &Tree) -> Value {
     merged(counts, minutes.unwrap_or_default())
 }
 
-/// The counts of a scenario; `cue` is the text that the user gave, null for the lineage's own cues.
-fn scenario_counts((scenario, tree): (&Scenario, &Tree)) -> Value {
-    let Scenario { name, folder, label, cue, .. } = scenario;
-    merged(json!({ "name": name, "folder": folder, "lineage": label, "cue": cue }), tree_counts(tree))
-}
-
 /// `run.json`: what this run did; it differs between runs. With the folders of scenarios; without for a tree
 /// by itself.
 fn run_record(args: &TreeArgs, context: &Context, grown: &Grown, start: Instant, names: Option<Vec<&str>>) -> Value {
@@ -150,7 +143,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     }
     let names = names_of_files(&scenarios, &beside, several);
     let mut files = FileSet::begin(out, names.iter().map(String::as_str));
-    let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, context)?;
+    let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, &context.memo()?, context)?;
     let trees = &grown.trees;
     stage(&mut files, &scenarios, trees, &spread, (several, axis))?;
     let folders = several.then(|| scenarios.iter().map(|scenario| scenario.folder.as_str()).collect());
@@ -220,19 +213,16 @@ fn stage(
     Ok(())
 }
 
-/// In `--json` the counts of a single tree, or of several the scenarios; over seeds their ranges.
+/// In `--json` the counts of a single tree, or of several the scenarios; over seeds their ranges. `cue` is the text that the user
+/// gave, null for the lineage's own cues.
 fn counts(scenarios: &[Scenario], trees: &[Tree], spread: &[LineageRanges], several: bool) -> Value {
-    let with_spread = |k: usize, counts: Value| match spread.get(k) {
-        Some(spread) => merged(counts, json!(spread)),
-        None => counts,
+    let of = |(k, (Scenario { name, folder, label, cue, .. }, tree)): (usize, (&Scenario, &Tree))| {
+        let named = json!({ "name": name, "folder": folder, "lineage": label, "cue": cue });
+        let counts = merged(if several { named } else { json!({}) }, tree_counts(tree));
+        merged(counts, json!(spread.get(k)))
     };
-    match trees.first().filter(|_| !several) {
-        Some(tree) => with_spread(0, tree_counts(tree)),
-        None => {
-            let of = |(k, pair)| with_spread(k, scenario_counts(pair));
-            json!({ "scenarios": scenarios.iter().zip(trees).enumerate().map(of).collect::<Vec<_>>() })
-        }
-    }
+    let mut all = scenarios.iter().zip(trees).enumerate().map(of);
+    if several { json!({ "scenarios": all.collect::<Vec<_>>() }) } else { all.next().unwrap_or_default() }
 }
 
 /// The files that a run writes, below its folder.
@@ -250,7 +240,7 @@ fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
         tell_who_gets(text, &lineage, "");
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
-    Ok(Scenario { name: String::new(), folder: String::new(), label: String::new(), cue: None, lineage, settings })
+    Ok(scenario_of(lineage, settings))
 }
 
 /// Every lineage file with every cue.
@@ -331,18 +321,17 @@ pub fn grown(
     scenarios: &[Scenario],
     replicates: Option<u32>,
     dynamics: bool,
+    memo: &Memo,
     context: &Context,
 ) -> Result<(Grown, Vec<LineageRanges>), CliError> {
-    let memo = context.memo()?;
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show(progress);
-    let (options, flag) = (context.scheduling(&show), interrupt::flag());
-    let found = match replicates {
-        Some(count) => study::grown_replicates(scenarios, count, dynamics, &memo, options, flag),
-        None => study::grown(scenarios, dynamics, &memo, options, flag).map(|grown| (grown, vec![])),
-    };
-    drop(line);
-    let (grown, spread) = found?;
+    let (grown, spread) = context.shown(|line| {
+        let show = |progress| line.show(progress);
+        let (options, flag) = (context.scheduling(&show), interrupt::flag());
+        match replicates {
+            Some(count) => study::grown_replicates(scenarios, count, dynamics, memo, options, flag),
+            None => study::grown(scenarios, dynamics, memo, options, flag).map(|grown| (grown, vec![])),
+        }
+    })?;
     messages::warn_of(&grown.summary.warnings);
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {

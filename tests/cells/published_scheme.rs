@@ -11,7 +11,7 @@ fn published(cell: &Cell, dt: f64) -> Division {
     divide(&DivisionInput { numerics, ..DivisionInput::new(cell.clone()) }).unwrap()
 }
 
-/// Beside values of an independent solver with backward Euler at these steps. Its noise lasts for 0.001 τ, and here for one step: what
+/// MotherComparison values of an independent solver with backward Euler at these steps. Its noise lasts for 0.001 τ, and here for one step: what
 /// counts is amplitude times length.
 #[test]
 fn large_cells_divide_as_an_independent_solver_has_it() {

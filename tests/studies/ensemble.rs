@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use std::path::Path;
 
-use furrow_analysis::ensemble::{EnsembleError, JOURNAL_COLUMNS};
+use furrow_analysis::ensemble::{ConstantsSearch, EnsembleError, JOURNAL_COLUMNS};
 use furrow_analysis::{Constants, ConstraintCheck, Extent, Journal, check_constraints, ensemble, front, ranges};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::{Lineage, TreeSettings};
@@ -72,18 +72,9 @@ fn check(targets: &Targets, parameters: &[Parameter], values: &[f64]) -> Constra
 fn a_front_trades_statements_for_thresholds() {
     let targets = targets();
     let search = |threads: usize| {
-        front(
-            &targets,
-            &Cell::gao2026_thresholds(1.0),
-            &numerics(),
-            10,
-            3,
-            threads,
-            &AtomicBool::new(false),
-            None,
-            &|_, _| (),
-        )
-        .unwrap()
+        let (cell, numerics, stop) = (Cell::gao2026_thresholds(1.0), numerics(), AtomicBool::new(false));
+        let search = ConstantsSearch::new(&targets, &cell, &numerics, (10, 3), &stop);
+        front(&ConstantsSearch { threads, ..search }).unwrap()
     };
     let (one, two) = (search(1), search(2));
     assert_eq!(one, two);
@@ -126,18 +117,9 @@ fn statements_exclude_what_they_are_about() {
 fn the_sample_does_not_depend_on_threads() {
     let targets = targets();
     let sample = |threads: usize| {
-        ensemble(
-            &targets,
-            &Cell::gao2026_thresholds(1.0),
-            &numerics(),
-            2,
-            7,
-            threads,
-            &AtomicBool::new(false),
-            None,
-            &|_, _| (),
-        )
-        .unwrap()
+        let (cell, numerics, stop) = (Cell::gao2026_thresholds(1.0), numerics(), AtomicBool::new(false));
+        let search = ConstantsSearch::new(&targets, &cell, &numerics, (2, 7), &stop);
+        ensemble(&ConstantsSearch { threads, ..search }).unwrap()
     };
     let (one, two) = (sample(1), sample(2));
     assert_eq!(one, two);
@@ -156,38 +138,39 @@ fn the_sample_does_not_depend_on_threads() {
 /// Runs a search whole, then interrupts it after some checks and resumes it from its journal. Returns the results, and how many
 /// checks the journal knew when the search was resumed.
 fn whole_and_resumed<T: std::fmt::Debug>(
-    search: impl Fn(&AtomicBool, Option<&Journal>, &(dyn Fn(usize, usize) + Sync)) -> Result<T, EnsembleError>,
+    (count, seed): (usize, u64),
+    find: impl Fn(&ConstantsSearch<'_>) -> Result<T, EnsembleError>,
 ) -> ([T; 2], usize) {
-    let whole = search(&AtomicBool::new(false), None, &|_, _| ()).unwrap();
+    let (targets, cell, numerics) = (targets(), Cell::gao2026_thresholds(1.0), numerics());
+    let never = AtomicBool::new(false);
+    let search =
+        ConstantsSearch { threads: 2, ..ConstantsSearch::new(&targets, &cell, &numerics, (count, seed), &never) };
+    let whole = find(&search).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("found.partial.jsonl");
     let open = || Journal::open_file(&file, &serde_json::json!({}), JOURNAL_COLUMNS.map(str::to_owned).into()).unwrap();
     let stop = AtomicBool::new(false);
     let after_six = |done: usize, _| stop.store(done >= 6, Ordering::Relaxed);
     let journal = open();
-    let interrupted = search(&stop, Some(&journal), &after_six);
+    let interrupted = find(&ConstantsSearch { cancel: &stop, journal: Some(&journal), progress: &after_six, ..search });
     assert!(matches!(interrupted, Err(EnsembleError::Interrupted)), "{interrupted:?}");
     drop(journal);
     let journal = open();
-    let resumed = search(&AtomicBool::new(false), Some(&journal), &|_, _| ()).unwrap();
+    let resumed = find(&ConstantsSearch { journal: Some(&journal), ..search }).unwrap();
     ([whole, resumed], journal.rows.len())
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn an_interrupted_sample_resumes_with_the_same_result() {
-    let (targets, cell) = (targets(), Cell::gao2026_thresholds(1.0));
-    let ([whole, resumed], known) =
-        whole_and_resumed(|stop, journal, shown| ensemble(&targets, &cell, &numerics(), 2, 7, 2, stop, journal, shown));
+    let ([whole, resumed], known) = whole_and_resumed((2, 7), ensemble);
     assert_eq!(whole, resumed);
     assert!((6..whole.draws).contains(&known), "{known} of {}", whole.draws);
 }
 
 #[test]
 fn an_interrupted_front_resumes_with_the_same_result() {
-    let (targets, cell) = (targets(), Cell::gao2026_thresholds(1.0));
-    let ([whole, resumed], known) =
-        whole_and_resumed(|stop, journal, shown| front(&targets, &cell, &numerics(), 12, 3, 2, stop, journal, shown));
+    let ([whole, resumed], known) = whole_and_resumed((12, 3), front);
     assert_eq!(whole, resumed);
     assert!((6..12).contains(&known), "{known} of 12");
 }

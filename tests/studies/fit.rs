@@ -4,7 +4,8 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use furrow_analysis::fit::{
-    Evaluated, FitProgress, FittedConstants, Limit, Reading, SearchBudget, Targets, activities, fit_constants, fit_cue,
+    Evaluated, FitProgress, FitRun, FittedConstants, Limit, Reading, SearchBudget, Targets, activities, fit_constants,
+    fit_cue,
 };
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
@@ -60,7 +61,8 @@ fn constants_are_found_and_the_same_at_any_number_of_threads() {
         .into_iter()
         .map(|threads| {
             let memo = Memo::new(Quantisation::DEFAULT);
-            fit_constants(&lineage, &targets, &settings, &memo, effort, threads, &AtomicBool::new(false), None).unwrap()
+            let never = AtomicBool::new(false);
+            fit_constants(&FitRun::new(&lineage, &settings, threads, &never), &targets, &memo, effort).unwrap()
         })
         .collect();
     assert_eq!(found[0], found[1]);
@@ -84,10 +86,11 @@ fn constants_are_found_and_the_same_at_any_number_of_threads() {
 fn rounds_are_the_observed_ones_inside_an_activity_interval_and_not_beyond_it() {
     let (lineage, settings) = clone();
     let memo = Memo::new(Quantisation::DEFAULT);
-    let (found, trees) =
-        activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, &AtomicBool::new(false), None).unwrap();
-    let [from, to] = found[0].xi_s.unwrap();
-    assert!(trees > 10 && from < to, "{found:?}");
+    let never = AtomicBool::new(false);
+    let run = FitRun::new(&lineage, &settings, 1, &never);
+    let found = activities(&run, &memo, Reading::Max, [10.0, 60.0]).unwrap();
+    let [from, to] = found.founders[0].xi_s.unwrap();
+    assert!(found.trees > 10 && from < to, "{found:?}");
     let rounds = |xi_s: f64| rounds_at(&lineage, &settings, xi_s).max;
     assert_eq!((rounds(from), rounds(to)), (3, 3));
     // Thresholds are halved five times from neighbours 10 % apart.
@@ -103,9 +106,9 @@ fn a_founder_keeps_its_own_parameters_and_its_rounds_are_those_of_its_tree() {
     let memo = Memo::new(Quantisation::DEFAULT);
     let shown = Mutex::new(Vec::new());
     let show = |progress: FitProgress| shown.lock().unwrap().push(progress.done);
-    let find = |range: [f64; 2]| {
-        activities(&lineage, &settings, &memo, Reading::Mean, range, 1, &AtomicBool::new(false), Some(&show)).unwrap().0
-    };
+    let never = AtomicBool::new(false);
+    let run = FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, 1, &never) };
+    let find = |range: [f64; 2]| activities(&run, &memo, Reading::Mean, range).unwrap().founders;
     let found = find([10.0, 60.0]);
     let (tree, _) = grow(&lineage, &settings, 1, &|_| None, divide);
     let rounds = founder_rounds(&tree)[0].rounds.unwrap();
@@ -135,8 +138,9 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     );
     let targets = targets(&text, &lineage);
     let effort = SearchBudget { particles: 5, moves: 3, seed: 2 };
-    let found =
-        fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, &AtomicBool::new(false), None).unwrap();
+    let never = AtomicBool::new(false);
+    let run = FitRun::new(&lineage, &settings, 2, &never);
+    let found = fit_cue(&run, &targets, &Cue::published(), effort).unwrap();
     assert!(found.goodness.chi_squared < 0.1, "{found:?}");
     assert_eq!(found.numbers.len(), 3);
     // One measurement cannot say how far three numbers are off.

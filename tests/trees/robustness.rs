@@ -31,7 +31,7 @@ fn cells_inside_the_range_of_the_paper_divide_or_rest() {
         let sweep = Sweep::read(&folder.join(name), &Settings::default(), &Overrides::default()).unwrap();
         for index in (0..sweep.points()).step_by(15) {
             let point = sweep.point(index);
-            assert_eq!(point.refused, None);
+            assert_eq!(point.invalid, None);
             if let Err(error) = divide(&point.input) {
                 panic!("{name}, point {index}: {error}");
             }

@@ -19,6 +19,12 @@ pub struct Exclusion {
     pub computed: String,
 }
 
+impl std::fmt::Display for Exclusion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}; computed: {}", self.datum, self.given, self.computed)
+    }
+}
+
 /// The check of one set of constants.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ConstraintCheck {

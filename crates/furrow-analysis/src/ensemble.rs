@@ -25,6 +25,7 @@ use furrow_lineage::batch::{SchedulerError, scheduler};
 use furrow_mechanics::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
 use nalgebra::{DMatrix, DVector};
 use rand_mt::Mt64;
+use rayon::ThreadPool;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -167,66 +168,120 @@ struct Draw {
     ln_weight: f64,
 }
 
-/// Check number `index` of the journal, or a new one, which is then in it.
-pub(super) fn kept(journal: Option<&Journal>, index: u64, make: impl FnOnce() -> ConstraintCheck) -> ConstraintCheck {
-    let index = index as usize;
-    let known = journal.and_then(|journal| journal.rows.get(&index)?.cells.first().cloned());
-    if let Some(check) = known.and_then(|check| serde_json::from_value(check).ok()) {
-        return check;
-    }
-    let check = make();
-    // A check with a number that JSON does not have is made again.
-    if let (Some(journal), Ok(cell)) = (journal, serde_json::to_value(&check)) {
-        journal.append(&Row { index, cells: vec![cell], why: None });
-    }
-    check
-}
-
-/// The posterior density.
-struct Posterior<'a> {
-    targets: &'a Targets,
-    cell: &'a Cell,
-    numerics: &'a Numerics,
-    /// The starting values, about which x counts.
-    start: Vec<(Parameter, f64)>,
-    /// Checks of an interrupted run, and of this one.
-    journal: Option<&'a Journal>,
-}
-
-impl Posterior<'_> {
-    fn values(&self, x: &DVector<f64>) -> Vec<(Parameter, f64)> {
-        moved(&self.start, x.as_slice())
-    }
-
-    /// The check of draw number `index`, which an interrupted run may have made.
-    fn check(&self, index: u64, x: &DVector<f64>) -> ConstraintCheck {
-        kept(self.journal, index, || {
-            let cell = with_values(self.cell, &self.values(x));
-            check_constraints(self.targets, &cell, self.numerics, Extent::UntilExcluded)
-        })
-    }
-
-    fn draw(&self, proposal: &Proposal, index: u64, x: DVector<f64>) -> Draw {
-        let check = self.check(index, &x);
+impl Draw {
+    fn of(x: Vec<f64>, check: ConstraintCheck, proposal: &Proposal) -> Draw {
+        let x = DVector::from_vec(x);
         let ln_prior = -0.5 * x.norm_squared() / (PRIOR * PRIOR);
         let ln_weight = ln_prior - check.misfit - proposal.ln_density(&x);
         Draw { x, check, ln_weight }
+    }
+}
+
+/// A search among sets of constants: about which ones, how many, and how it runs.
+#[derive(Clone, Copy)]
+pub struct ConstantsSearch<'a> {
+    /// What the constants are to agree with, and which of them vary.
+    pub targets: &'a Targets,
+    /// The starting values, and the constants that do not vary.
+    pub cell: &'a Cell,
+    /// How shapes are computed.
+    pub numerics: &'a Numerics,
+    /// Sets of constants that are wanted, or that are checked.
+    pub count: usize,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Threads; 0 is one for each core.
+    pub threads: usize,
+    /// Stops the search.
+    pub cancel: &'a AtomicBool,
+    /// Keeps the checks, from which an interrupted run resumes; its columns are [`JOURNAL_COLUMNS`].
+    pub journal: Option<&'a Journal>,
+    /// Called with the number of sets checked and the number expected, from any thread.
+    pub progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl<'a> ConstantsSearch<'a> {
+    /// A search without a journal that shows no progress.
+    pub fn new(
+        targets: &'a Targets,
+        cell: &'a Cell,
+        numerics: &'a Numerics,
+        (count, seed): (usize, u64),
+        cancel: &'a AtomicBool,
+    ) -> ConstantsSearch<'a> {
+        ConstantsSearch {
+            targets,
+            cell,
+            numerics,
+            count,
+            seed,
+            threads: 0,
+            cancel,
+            journal: None,
+            progress: &|_, _| (),
+        }
+    }
+
+    /// Values of the unknowns at x, which counts from their starting values.
+    pub(super) fn values(&self, x: &[f64]) -> Vec<(Parameter, f64)> {
+        moved(&self.targets.starts(self.cell), x)
+    }
+
+    /// The unknowns.
+    pub(super) fn parameters(&self) -> Vec<Parameter> {
+        self.targets.starts(self.cell).into_iter().map(|(parameter, _)| parameter).collect()
+    }
+
+    /// Checks the constants at several x, of which the first has number `first`; `expected` sets are expected in all.
+    pub(super) fn check_all(
+        &self,
+        pool: &ThreadPool,
+        first: usize,
+        places: Vec<Vec<f64>>,
+        extent: Extent,
+        expected: usize,
+    ) -> Result<Vec<(Vec<f64>, ConstraintCheck)>, EnsembleError> {
+        let done = AtomicUsize::new(first);
+        let one = |(k, x): (usize, Vec<f64>)| {
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(EnsembleError::Interrupted);
+            }
+            let check = self.check(first + k, &x, extent);
+            (self.progress)(done.fetch_add(1, Ordering::Relaxed) + 1, expected);
+            Ok((x, check))
+        };
+        pool.install(|| places.into_par_iter().enumerate().map(one).collect())
+    }
+
+    /// Check number `index` of the journal, or a new one, which is then in it.
+    fn check(&self, index: usize, x: &[f64], extent: Extent) -> ConstraintCheck {
+        let known = self.journal.and_then(|journal| journal.rows.get(&index)?.cells.first().cloned());
+        if let Some(check) = known.and_then(|check| serde_json::from_value(check).ok()) {
+            return check;
+        }
+        let check = check_constraints(self.targets, &with_values(self.cell, &self.values(x)), self.numerics, extent);
+        // A check with a number that JSON does not have is made again.
+        if let (Some(journal), Ok(cell)) = (self.journal, serde_json::to_value(&check)) {
+            journal.append(&Row { index, cells: vec![cell], why: None });
+        }
+        check
     }
 
     /// The best fit and the spread that its sensitivities leave, the prior included.
     fn laplace(&self) -> Result<Proposal, EnsembleError> {
         let fit = calibrate(self.targets, self.cell, self.numerics)?;
-        let d = self.start.len();
+        let starts = self.targets.starts(self.cell);
+        let d = starts.len();
         let tolerance = self.targets.thresholds.iter().map(|t| t.tolerance / t.weight).fold(f64::INFINITY, f64::min);
         let mut precision = DMatrix::identity(d, d) / (PRIOR * PRIOR);
         for combination in &fit.combinations {
             let direction = DVector::from_column_slice(&combination.components);
             precision += &direction * direction.transpose() * (combination.singular_value / tolerance).powi(2);
         }
-        let best = DVector::from_vec(fit.moves_from(&self.start));
+        let best = DVector::from_vec(fit.moves_from(&starts));
         let covariance = precision.try_inverse().unwrap_or_else(|| DMatrix::identity(d, d) * (PRIOR * PRIOR));
         let start =
-            check_constraints(self.targets, &with_values(self.cell, &self.start), self.numerics, Extent::UntilExcluded);
+            check_constraints(self.targets, &with_values(self.cell, &starts), self.numerics, Extent::UntilExcluded);
         // About the start, if it meets the thresholds to about twice their tolerance.
         if start.thresholds.len() == self.targets.thresholds.len()
             && start.misfit <= 2.0 * start.thresholds.len() as f64
@@ -274,45 +329,23 @@ fn fitted(draws: &[Draw]) -> Option<Proposal> {
     Proposal::new(mean, covariance * WIDER)
 }
 
-/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on `threads` threads. `cancel`
-/// stops it. A `journal` with the columns [`JOURNAL_COLUMNS`] keeps the checks, from which an interrupted run resumes. `shown` is
-/// called with the number of draws checked and the number expected, from any thread.
+/// Samples as many admissible sets of constants as the search wants.
 ///
 /// # Errors
 /// [`EnsembleError`].
-pub fn ensemble(
-    targets: &Targets,
-    cell: &Cell,
-    numerics: &Numerics,
-    count: usize,
-    seed: u64,
-    threads: usize,
-    cancel: &AtomicBool,
-    journal: Option<&Journal>,
-    shown: &(dyn Fn(usize, usize) + Sync),
-) -> Result<Ensemble, EnsembleError> {
-    let posterior = Posterior { targets, cell, numerics, start: targets.starts(cell), journal };
-    let pool = scheduler::pool(threads)?;
-    let mut proposal = posterior.laplace()?;
-    let mut draws = 0u64;
+pub fn ensemble(search: &ConstantsSearch<'_>) -> Result<Ensemble, EnsembleError> {
+    let (count, pool) = (search.count, scheduler::pool(search.threads)?);
+    let mut proposal = search.laplace()?;
+    let mut draws = 0;
     let mut excluded = BTreeMap::new();
-    let checked = AtomicUsize::new(0);
     let mut draw_all = |proposal: &Proposal, many: usize, expected: usize| -> Result<Vec<Draw>, EnsembleError> {
-        let one = |index: u64| {
-            if cancel.load(Ordering::Relaxed) {
-                return Err(EnsembleError::Interrupted);
-            }
-            let found = posterior.draw(proposal, index, proposal.draw(seed, index));
-            shown(checked.fetch_add(1, Ordering::Relaxed) + 1, expected);
-            Ok(found)
-        };
-        let indices = (draws..draws + many as u64).into_par_iter();
-        let found: Vec<Draw> = pool.install(|| indices.map(one).collect::<Result<_, _>>())?;
-        draws += many as u64;
-        for exclusion in found.iter().filter_map(|draw| draw.check.excluded.first()) {
+        let places = (draws..draws + many).map(|index| proposal.draw(search.seed, index as u64).data.into()).collect();
+        let checked = search.check_all(&pool, draws, places, Extent::UntilExcluded, expected)?;
+        draws += many;
+        for exclusion in checked.iter().filter_map(|(_, check)| check.excluded.first()) {
             *excluded.entry(exclusion.datum.clone()).or_insert(0) += 1;
         }
-        Ok(found)
+        Ok(checked.into_iter().map(|(x, check)| Draw::of(x, check, proposal)).collect())
     };
     let many = (DRAWS[0] * count).max(DRAWS[1]);
     for _ in 0..ROUNDS {
@@ -336,18 +369,18 @@ pub fn ensemble(
     let weights = weights(&kept, 1.0);
     if kept.is_empty() {
         let by = excluded.iter().max_by_key(|(_, n)| **n).map_or("-".to_owned(), |(datum, _)| datum.clone());
-        return Err(EnsembleError::NoneAdmissible { draws: draws as usize, by });
+        return Err(EnsembleError::NoneAdmissible { draws, by });
     }
     let member = |(draw, &weight): (&Draw, &f64)| Member {
-        values: posterior.values(&draw.x).into_iter().map(|(_, value)| value).collect(),
+        values: search.values(draw.x.as_slice()).into_iter().map(|(_, value)| value).collect(),
         weight,
         thresholds: draw.check.thresholds.clone(),
     };
     Ok(Ensemble {
-        parameters: posterior.start.iter().map(|(parameter, _)| *parameter).collect(),
+        parameters: search.parameters(),
         members: kept.iter().zip(&weights).map(member).collect(),
         effective_sample_size: effective_size(&weights),
         excluded,
-        draws: draws as usize,
+        draws,
     })
 }

@@ -7,17 +7,14 @@
 //! Every candidate has a seed of its own, from the run's seed and its number, so that the front does not depend on how many
 //! threads check the candidates.
 
-use super::constraints::{ConstraintCheck, Extent, check_constraints};
-use super::ensemble::{EnsembleError, kept, normal, uniform};
-use super::journal::Journal;
+use super::constraints::{ConstraintCheck, Exclusion, Extent};
+use super::ensemble::{ConstantsSearch, EnsembleError, normal, uniform};
 use super::sample::seed_of;
-use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_cell::Parameter;
 use furrow_lineage::batch::scheduler;
-use furrow_mechanics::calibration::{Targets, calibrate, moved, with_values};
+use furrow_mechanics::calibration::calibrate;
 use rand_mt::Mt64;
-use rayon::prelude::*;
 use serde::Serialize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Candidates of a generation.
 const GENERATION: usize = 64;
@@ -107,38 +104,19 @@ fn next(parents: &[&Candidate], seed: u64, index: u64) -> Vec<f64> {
     one.iter().zip(other).map(|(a, b)| a + share * (b - a) + step * normal(&mut random)).collect()
 }
 
-/// Searches among `count` sets of the unknowns of `targets`, from the constants of `cell`, on `threads` threads. `cancel` stops it.
-/// `journal` and `shown` are as for [`ensemble`](super::ensemble::ensemble).
+/// Finds the front among as many sets of constants as the search checks.
 ///
 /// # Errors
 /// [`EnsembleError::Workers`], [`EnsembleError::Interrupted`]; [`EnsembleError::NoneAdmissible`] if no set has all thresholds.
-pub fn front(
-    targets: &Targets,
-    cell: &Cell,
-    numerics: &Numerics,
-    count: usize,
-    seed: u64,
-    threads: usize,
-    cancel: &AtomicBool,
-    journal: Option<&Journal>,
-    shown: &(dyn Fn(usize, usize) + Sync),
-) -> Result<Front, EnsembleError> {
-    let start = targets.starts(cell);
-    let statements = targets.statements();
-    let pool = scheduler::pool(threads)?;
-    let done = AtomicUsize::new(0);
-    let one = |(index, x): (u64, Vec<f64>)| -> Result<Candidate, EnsembleError> {
-        if cancel.load(Ordering::Relaxed) {
-            return Err(EnsembleError::Interrupted);
-        }
-        let check = kept(journal, index, || {
-            let cell = with_values(cell, &moved(&start, &x));
-            check_constraints(targets, &cell, numerics, Extent::Within(WORST))
-        });
-        shown(done.fetch_add(1, Ordering::Relaxed) + 1, count);
-        let is_whole = check.thresholds.len() == targets.thresholds.len() && check.worst <= WORST;
-        let met = if is_whole { statements.saturating_sub(check.excluded.len() + check.off.len()) } else { 0 };
-        Ok(Candidate { x, met, check })
+pub fn front(search: &ConstantsSearch<'_>) -> Result<Front, EnsembleError> {
+    let ConstantsSearch { targets, cell, numerics, count, seed, threads, .. } = *search;
+    let (start, statements, pool) = (targets.starts(cell), targets.statements(), scheduler::pool(threads)?);
+    let candidate = |(x, check): (Vec<f64>, ConstraintCheck)| {
+        let met = match check.worst <= WORST {
+            true => statements.saturating_sub(check.excluded.len() + check.off.len()),
+            false => 0,
+        };
+        Candidate { x, met, check }
     };
     let mut best = Best((0..=statements).map(|_| Vec::new()).collect());
     let mut generation = vec![vec![0.0; start.len()]];
@@ -149,32 +127,24 @@ pub fn front(
     let mut checked = 0;
     while checked < count {
         generation.truncate(count - checked);
-        let (first, many) = (checked as u64, generation.len());
-        let numbered: Vec<(u64, Vec<f64>)> = (first..).zip(generation).collect();
-        let found: Vec<Candidate> = pool.install(|| numbered.into_par_iter().map(one).collect::<Result<_, _>>())?;
-        let whole = |candidate: &Candidate| candidate.check.thresholds.len() == targets.thresholds.len();
-        found.into_iter().filter(whole).for_each(|candidate| best.add(candidate));
+        let many = generation.len();
+        let found = search.check_all(&pool, checked, generation, Extent::Within(WORST), count)?;
+        let whole = |found: &(_, ConstraintCheck)| found.1.thresholds.len() == targets.thresholds.len();
+        found.into_iter().filter(whole).map(candidate).for_each(|candidate| best.add(candidate));
         checked += many;
         let parents = best.parents();
         if parents.is_empty() {
             return Err(EnsembleError::NoneAdmissible { draws: checked, by: "thresholds".to_owned() });
         }
-        generation = (0..GENERATION as u64).map(|k| next(&parents, seed, first + many as u64 + k)).collect();
+        generation = (0..GENERATION as u64).map(|k| next(&parents, seed, checked as u64 + k)).collect();
     }
     let member = |candidate: &Candidate| FrontMember {
-        values: moved(&start, &candidate.x).into_iter().map(|(_, value)| value).collect(),
+        values: search.values(&candidate.x).into_iter().map(|(_, value)| value).collect(),
         thresholds: candidate.check.thresholds.clone(),
         worst: candidate.check.worst,
         met: candidate.met,
-        missed: candidate
-            .check
-            .excluded
-            .iter()
-            .chain(&candidate.check.off)
-            .map(|missed| format!("{}: {}; computed: {}", missed.datum, missed.given, missed.computed))
-            .collect(),
+        missed: candidate.check.excluded.iter().chain(&candidate.check.off).map(Exclusion::to_string).collect(),
     };
-    let parameters = start.iter().map(|(parameter, _)| *parameter).collect();
     let members = best.front().into_iter().map(member).collect();
-    Ok(Front { parameters, statements, checked, members })
+    Ok(Front { parameters: search.parameters(), statements, checked, members })
 }

@@ -20,17 +20,17 @@ pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation
     TreeSettings { cell, numerics, seed, r0_step: quantisation.relative_step() }
 }
 
+/// A lineage as a scenario without a name.
+pub fn scenario_of(lineage: Lineage, settings: TreeSettings) -> Scenario {
+    let [name, folder, label] = Default::default();
+    Scenario { name, folder, label, cue: None, lineage, settings }
+}
+
 /// Lineages to be grown with the same parameters, as scenarios without names.
 pub fn scenarios_of(lineages: Vec<Lineage>, given: &Settings, quantisation: Quantisation) -> Vec<Scenario> {
-    let scenario = |lineage: Lineage| Scenario {
-        name: String::new(),
-        folder: String::new(),
-        label: String::new(),
-        cue: None,
-        settings: tree_settings(given.clone(), &lineage, 0, quantisation),
-        lineage,
-    };
-    lineages.into_iter().map(scenario).collect()
+    let settings: Vec<_> =
+        lineages.iter().map(|lineage| tree_settings(given.clone(), lineage, 0, quantisation)).collect();
+    lineages.into_iter().zip(settings).map(|(lineage, settings)| scenario_of(lineage, settings)).collect()
 }
 
 /// Trees that were grown in one run.

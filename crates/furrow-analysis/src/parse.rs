@@ -60,7 +60,7 @@ struct Interval {
 
 /// A sweep over lists of values.
 #[derive(Clone, Debug)]
-pub struct Lists {
+pub struct ListedSweep {
     /// The kind of computation.
     pub kind: Kind,
     /// Parameters with their values; the first varies slowest.
@@ -98,8 +98,8 @@ impl Sweep {
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn over(lists: Lists, source_name: &str, base: &Settings, set: &Overrides) -> Result<Sweep, InputError> {
-        let Lists { kind, axes, cue, replicates, seed, lineage } = lists;
+    pub fn over(lists: ListedSweep, source_name: &str, base: &Settings, set: &Overrides) -> Result<Sweep, InputError> {
+        let ListedSweep { kind, axes, cue, replicates, seed, lineage } = lists;
         let listed = |(parameter, list)| AxisDocument { parameter, list: Some(list), range: None, sample: None };
         let axes = axes.into_iter().map(listed).collect();
         let (physics, numerics) = Default::default();
@@ -266,7 +266,7 @@ impl Check<'_> {
         let allowed = format!("a whole number from 1 to {MOST_POINTS}");
         self.require((1..=MOST_POINTS).contains(&count), format!("axes[{k}].{of}.count"), count, &allowed)?;
         if range.is_some() {
-            let values = spaced(from, to, count).into_iter().map(|value| tidy(value, [from, to]));
+            let values = spaced(from, to, count).into_iter().map(|value| rounded(value, [from, to]));
             return Ok(values.map(AxisValue::Number).collect());
         }
         let allowed = format!("one of {MOST_AXES} samples at most");
@@ -314,12 +314,12 @@ impl Check<'_> {
         let quoted = matches!(value, AxisValue::Text(text) if text.parse::<f64>().is_ok());
         self.require(!quoted, place, &written, "a number without quotes")?;
         let mut trial = self.settings.clone();
-        let refused = match trial.assign(self.file, &[(name, value.clone())]) {
+        let allowed = match trial.assign(self.file, &[(name, value.clone())]) {
             Err(InputError::NotAllowed { allowed, .. }) => Some(allowed),
             Err(other) => return Err(other),
             Ok(()) => trial.validate(name).err().map(str::to_owned),
         };
-        refused.map_or(Ok(()), |allowed| self.refuse(place.to_owned(), written, allowed))
+        allowed.map_or(Ok(()), |allowed| self.refuse(place.to_owned(), written, allowed))
     }
 
     fn cue(&self, place: &str, text: &str) -> Result<Cue, InputError> {
@@ -383,7 +383,7 @@ impl Check<'_> {
 
 /// A value of a range without rounding noise in its last digits, 1.7 for 1.7000000000000002, as a list would have it. The ends
 /// stay as they were given.
-fn tidy(value: f64, ends: [f64; 2]) -> f64 {
+fn rounded(value: f64, ends: [f64; 2]) -> f64 {
     if ends.contains(&value) { value } else { format!("{value:.12e}").parse().unwrap_or(value) }
 }
 
@@ -394,11 +394,11 @@ mod tests {
     #[test]
     fn ranges_hold_the_numbers_that_one_would_write() {
         let ends = [1.6, 5.4];
-        let values: Vec<f64> = spaced(1.6, 5.4, 39).into_iter().map(|value| tidy(value, ends)).collect();
+        let values: Vec<f64> = spaced(1.6, 5.4, 39).into_iter().map(|value| rounded(value, ends)).collect();
         let written: Vec<f64> =
             (16..=54).map(|tenths: i32| format!("{}.{}", tenths / 10, tenths % 10).parse().unwrap()).collect();
         assert_eq!(values, written);
         assert_ne!(spaced(1.6, 5.4, 39), written);
-        assert_eq!(tidy(1.0 / 3.0, [1.0 / 3.0, 1.0]), 1.0 / 3.0);
+        assert_eq!(rounded(1.0 / 3.0, [1.0 / 3.0, 1.0]), 1.0 / 3.0);
     }
 }

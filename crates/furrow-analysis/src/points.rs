@@ -81,7 +81,7 @@ pub struct Point {
     /// Cell, numerics and first seed; of a tree the first cell, with the cue that replaces the lineage's if one does.
     pub input: DivisionInput,
     /// The reason why these values cannot be computed together, if it is known beforehand.
-    pub refused: Option<String>,
+    pub invalid: Option<String>,
 }
 
 #[cfg(test)]

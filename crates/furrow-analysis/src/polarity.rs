@@ -111,8 +111,8 @@ pub fn germline(lineage: &Lineage, settings: &Settings) -> Result<Vec<NamedCell>
         let place = Place { founder, round: 0, generation: lineage.generation(founder), r0 };
         let mut cell = Cell { r0, cue: lineage.cue_at(place), ..settings.cell.clone() };
         let mother = cells.last().map(|mother| Mother::of(&mother.cell, before.as_ref()));
-        let refused = |why| PolarityStudyError::Rule { name: name.clone(), why };
-        lineage.set_physics(place, &mut cell, mother).map_err(refused)?;
+        let failed_rule = |why| PolarityStudyError::Rule { name: name.clone(), why };
+        lineage.set_physics(place, &mut cell, mother).map_err(failed_rule)?;
         if let Some(daughter) = smaller(&name) {
             let input = DivisionInput { cell: cell.clone(), numerics: settings.numerics, seed: 0 };
             let failed = |source| PolarityStudyError::Division { name: name.clone(), source };

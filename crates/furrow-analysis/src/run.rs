@@ -142,7 +142,7 @@ impl<'a> Run<'a> {
         if !out.interrupted {
             let row = |(point, number): (&Point, &Option<usize>)| {
                 let results = number.and_then(|number| inputs.results[number].clone());
-                let (values, why) = results.unwrap_or_else(|| (self.no_results(), point.refused.clone()));
+                let (values, why) = results.unwrap_or_else(|| (self.no_results(), point.invalid.clone()));
                 self.sweep.row(point.index, values, why)
             };
             out.rows = points.iter().zip(&inputs.of_point).map(row).collect();
@@ -160,7 +160,7 @@ impl<'a> Run<'a> {
             firsts.len() - 1
         };
         let number = |point: &'p Point| {
-            point.refused.is_none().then(|| *numbers.entry(key(point)).or_insert_with(|| add(point)))
+            point.invalid.is_none().then(|| *numbers.entry(key(point)).or_insert_with(|| add(point)))
         };
         let of_point = points.iter().map(number).collect();
         let mut results = vec![None; firsts.len()];

@@ -1,52 +1,50 @@
 //! `scenarios.csv`: founders of several scenarios, one row for each scenario and founder; `spread.csv`: their ranges over seeds.
 
 use crate::ranges::{LineageRanges, Range};
-use crate::table::{Row, csv_text};
+use crate::table::cells_csv;
 use furrow_formats::founder_rows;
 use furrow_lineage::{Scenario, Tree};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// The columns. Counts are as in the founders' table; an unknown value, as of a founder that was not born or not observed, is
 /// empty. `cue` is the one that the founder carries, in full.
 const COLUMNS: &str = "scenario,lineage,cue,founder,r0,outcome,chi,min,mean,max,full_doublings,terminal,\
     observed_min,observed_mean,observed_max,observed_full_doublings,observed_terminal";
 
-/// Where a founder's row has those from `founder` on.
-const FIELDS: [&str; 14] = [
-    "/name",
-    "/r0",
-    "/outcome",
-    "/chi",
-    "/rounds/min",
-    "/rounds/mean",
-    "/rounds/max",
-    "/rounds/full_doublings",
-    "/rounds/terminal",
-    "/observed/min",
-    "/observed/mean",
-    "/observed/max",
-    "/observed/full_doublings",
-    "/observed/terminal",
-];
-
 /// The table of scenarios and their trees.
 pub fn scenarios_csv(scenarios: &[Scenario], trees: &[Tree]) -> String {
-    let mut rows = Vec::new();
+    let mut rows: Vec<Vec<Value>> = Vec::new();
     for (Scenario { name, label, .. }, tree) in scenarios.iter().zip(trees) {
         for (founder, row) in founder_rows(tree).iter().enumerate() {
             let cue = tree.founder_cell(founder).map(|id| tree.cell(id).cue.to_string());
-            let row = json!(row);
-            let fields = FIELDS.iter().map(|field| row.pointer(field).cloned().unwrap_or_default());
-            let cells = [json!(name), json!(label), json!(cue)].into_iter().chain(fields).collect();
-            rows.push(Row { index: rows.len(), cells, why: None });
+            let (rounds, observed) = (row.rounds, row.observed.unwrap_or_default());
+            rows.push(vec![
+                json!(name),
+                json!(label),
+                json!(cue),
+                json!(row.name),
+                json!(row.r0),
+                json!(row.outcome),
+                json!(row.chi),
+                json!(rounds.map(|r| r.min)),
+                json!(rounds.map(|r| r.mean)),
+                json!(rounds.map(|r| r.max)),
+                json!(rounds.map(|r| r.full_doublings)),
+                json!(rounds.map(|r| r.terminal)),
+                json!(observed.min),
+                json!(observed.mean),
+                json!(observed.max),
+                json!(observed.full_doublings),
+                json!(observed.terminal),
+            ]);
         }
     }
-    csv_text(&COLUMNS.split(',').map(str::to_owned).collect::<Vec<_>>(), &rows)
+    cells_csv(COLUMNS.split(','), rows)
 }
 
 /// The table of ranges over seeds of the noise: a row for each scenario, founder and quantity.
 pub fn spread_csv(scenarios: &[Scenario], spread: &[LineageRanges]) -> String {
-    let mut rows = Vec::new();
+    let mut rows: Vec<[Value; 8]> = Vec::new();
     for (Scenario { name, label, .. }, ranges) in scenarios.iter().zip(spread) {
         for founder in &ranges.founders {
             let rounds = founder.rounds.as_ref();
@@ -61,13 +59,12 @@ pub fn spread_csv(scenarios: &[Scenario], spread: &[LineageRanges]) -> String {
             ];
             for (quantity, range) in quantities {
                 let Some(Range { p5, p50, p95 }) = range else { continue };
-                let seeds = ranges.members;
-                let cells = json!([name, label, founder.name, quantity, seeds, p5, p50, p95]);
-                let cells = cells.as_array().cloned().unwrap_or_default();
-                rows.push(Row { index: rows.len(), cells, why: None });
+                let [name, label, founder] = [name, label, &founder.name].map(|text| json!(text));
+                let [seeds, quantity] = [json!(ranges.members), json!(quantity)];
+                rows.push([name, label, founder, quantity, seeds, json!(p5), json!(p50), json!(p95)]);
             }
         }
     }
     let columns = ["scenario", "lineage", "founder", "quantity", "seeds", "p5", "p50", "p95"];
-    csv_text(&columns.map(str::to_owned), &rows)
+    cells_csv(columns.into_iter(), rows)
 }

@@ -50,7 +50,7 @@ impl Measure {
     }
 
     /// The allowed range, if a wanted value is outside it.
-    pub fn refused(self, wanted: f64) -> Option<&'static str> {
+    pub fn validate(self, wanted: f64) -> Result<(), &'static str> {
         let (fine, allowed) = match self {
             // No division has |χ| below 0: the outcome does not pass it.
             Measure::Chi => (wanted > 0.0 && wanted < 1.0, "above 0 and below 1"),
@@ -58,7 +58,7 @@ impl Measure {
             Measure::UFurrow => (wanted > 0.0 && wanted < 1.0, "above 0 and below 1"),
             Measure::TEnd => (wanted > 0.0 && wanted.is_finite(), "a finite number above 0"),
         };
-        (!fine).then_some(allowed)
+        if fine { Ok(()) } else { Err(allowed) }
     }
 
     /// Outcomes that differ by more than this at neighbouring values are a jump.
@@ -194,7 +194,7 @@ pub struct Gap {
 
 /// An outcome that was seen, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Seen {
+pub struct Extreme {
     /// The outcome.
     pub outcome: f64,
     /// The value of the parameter.
@@ -211,7 +211,7 @@ pub struct Solution {
     /// Where the cell does not divide.
     pub gaps: Vec<Gap>,
     /// The least and the greatest outcome; `None` if the cell divides nowhere.
-    pub seen: Option<[Seen; 2]>,
+    pub seen: Option<[Extreme; 2]>,
     /// Divisions looked up or solved.
     pub divisions: usize,
     /// Warnings about the store.
@@ -459,7 +459,7 @@ impl Search<'_> {
         }
         roots.sort_by(|a, b| a.value.total_cmp(&b.value));
         let outcomes = self.tried.iter().filter_map(|tried| {
-            Some(Seen {
+            Some(Extreme {
                 outcome: tried.found.as_ref().ok().and_then(|division| measure.of(division))?,
                 value: tried.value,
             })

@@ -100,7 +100,7 @@ impl Sweep {
     /// The point of a number below [`Sweep::points`].
     pub fn point(&self, index: usize) -> Point {
         let (input, checked) = self.checked(index);
-        Point { index, input, refused: checked.err().map(|error| error.to_string()) }
+        Point { index, input, invalid: checked.err().map(|error| error.to_string()) }
     }
 
     /// The input at a point, and whether its values are allowed together.

@@ -63,15 +63,13 @@ pub fn records_csv<T: Serialize>(
     header: &str,
     records: impl IntoIterator<Item = T>,
 ) -> Result<Vec<u8>, serde_json::Error> {
-    let names: Vec<String> = header.split(',').map(str::to_owned).collect();
-    let row = |(index, record): (usize, T)| {
+    let cells = |record: T| {
         let record = serde_json::to_value(record)?;
-        let cell =
-            |(k, name): (usize, &String)| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
-        Ok(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None })
+        let cell = |(k, name)| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
+        Ok(header.split(',').enumerate().map(cell).collect())
     };
-    let rows = records.into_iter().enumerate().map(row).collect::<Result<Vec<_>, serde_json::Error>>()?;
-    Ok(csv_text(&names, &rows).into_bytes())
+    let rows = records.into_iter().map(cells).collect::<Result<Vec<Vec<Value>>, serde_json::Error>>()?;
+    Ok(cells_csv(header.split(','), rows).into_bytes())
 }
 
 /// The rows as JSON, one a line, their fields in the order of the columns.
@@ -94,10 +92,18 @@ pub fn read_line(columns: &[String], line: &str) -> Option<Row> {
     fields.is_empty().then_some(Row { index, cells, why })
 }
 
-/// The rows as CSV with a header. Missing values are empty fields.
+/// Rows of a sweep as CSV.
 pub fn csv_text(columns: &[String], rows: &[Row]) -> String {
-    let names: Vec<String> = columns.iter().map(|name| csv_field(name).into_owned()).collect();
-    let cells = rows.iter().map(|row| row.cells.iter().map(csv_cell).collect());
+    cells_csv(columns.iter().map(String::as_str), rows.iter().map(|row| &row.cells[..]))
+}
+
+/// Cells below the names of their columns, as CSV.
+pub fn cells_csv<'a, R: AsRef<[Value]>>(
+    columns: impl Iterator<Item = &'a str>,
+    rows: impl IntoIterator<Item = R>,
+) -> String {
+    let names = columns.map(|name| csv_field(name).into_owned()).collect::<Vec<_>>();
+    let cells = rows.into_iter().map(|cells| cells.as_ref().iter().map(csv_cell).collect());
     csv_of(std::iter::once(names).chain(cells))
 }
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use furrow_mechanics::azimuthal::mode::Mode;
 use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
 use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
-use furrow_mechanics::stability::{GrowthRate, Spectrum};
+use furrow_mechanics::stability::{GrowthRate, Spectrum, StabilityError};
 
 /// A stationary shape and its stability: its rightmost growth rates with the parity of their modes, the activities of
 /// the folds that the branch passed on its way here, and, with a regulator, φ at u = ½ and at u = 0.
@@ -30,22 +30,52 @@ pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value 
     report
 }
 
-/// Stability of a stationary shape to perturbations of azimuthal number m: the rightmost growth rates, the parity of
-/// the leading mode and, for m = 1, the shares of the mode that shift and tilt the whole cell.
-pub fn azimuthal_report(m: usize, spectrum: &Spectrum, mode: Option<&Mode>) -> Value {
-    let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im });
-    let mut report = json!({
-        "m": m,
-        "growth_rate": spectrum.growth_rate(),
-        "growth_rates": spectrum.values.iter().map(rate).collect::<Vec<_>>(),
-    });
-    if let Some(mode) = mode {
-        report["parity"] = format!("{:?}", mode.parity()).to_lowercase().into();
-        if let Some(rigid) = mode.rigid() {
-            report["rigid"] = json!({ "translation": rigid.translation, "rotation": rigid.rotation });
+/// Stability of a stationary shape to perturbations of azimuthal number m.
+pub struct AzimuthalStability {
+    /// The azimuthal number.
+    pub m: usize,
+    /// The rightmost growth rates.
+    pub spectrum: Spectrum,
+    /// The leading mode; `None` for m = 0.
+    pub mode: Option<Mode>,
+}
+
+impl AzimuthalStability {
+    /// Of perturbations up to m = `most`; those of m = 0 have the given growth rates.
+    ///
+    /// # Errors
+    /// Growth rates cannot be computed.
+    pub fn up_to(
+        most: usize,
+        shape: &StationaryShape,
+        axisymmetric: &Spectrum,
+    ) -> Result<Vec<AzimuthalStability>, StabilityError> {
+        let mut found = vec![AzimuthalStability { m: 0, spectrum: axisymmetric.clone(), mode: None }];
+        for m in 1..=most {
+            let mut perturbations = shape.azimuthal(m);
+            let spectrum = perturbations.leading()?;
+            let mode = perturbations.mode(spectrum.growth_rate())?;
+            found.push(AzimuthalStability { m, spectrum, mode: Some(mode) });
         }
+        Ok(found)
     }
-    report
+
+    /// The growth rates, the parity of the leading mode and, for m = 1, the shares of the mode that shift and tilt the whole cell.
+    pub fn report(&self) -> Value {
+        let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im });
+        let mut report = json!({
+            "m": self.m,
+            "growth_rate": self.spectrum.growth_rate(),
+            "growth_rates": self.spectrum.values.iter().map(rate).collect::<Vec<_>>(),
+        });
+        if let Some(mode) = &self.mode {
+            report["parity"] = format!("{:?}", mode.parity()).to_lowercase().into();
+            if let Some(rigid) = mode.rigid() {
+                report["rigid"] = json!({ "translation": rigid.translation, "rotation": rigid.rotation });
+            }
+        }
+        report
+    }
 }
 
 /// A single pitchfork. `coefficient` is c of ξ_s = ξ_s* + c (u_furrow − ½)² along the asymmetric branch; `residual` is

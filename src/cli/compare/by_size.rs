@@ -4,19 +4,16 @@ use std::fmt::Write;
 
 use furrow_analysis::compare::noise::{Interval, NoiseBin, NoiseNull};
 use furrow_analysis::compare::volumes::BinModel;
+use furrow_analysis::compare::volumes_comparison::VolumesComparison;
 use furrow_measured::statistics::{Line, RankCorrelation};
-use furrow_measured::trend::{AdjacentTest, EmbryoTrend, VolumeBin, VolumeTrend};
+use furrow_measured::trend::{EmbryoTrend, VolumeTrend};
 use furrow_measured::volumes::Unit;
 
-use super::{plus_minus, significance};
+use super::{ended, plus_minus, significance};
 
 /// Bins of the volume, each with its test and the model's cell of the bin's mean size, if there are any.
-pub fn bins_text(
-    unit: Option<Unit>,
-    bins: &[VolumeBin],
-    tests: &[AdjacentTest],
-    model: &[(String, Vec<BinModel>)],
-) -> String {
+pub fn bins_text(found: &VolumesComparison) -> String {
+    let VolumesComparison { unit, bins, tests, model_by_bin, model_by_bin_with_cues, .. } = found;
     if bins.is_empty() {
         return String::new();
     }
@@ -30,7 +27,10 @@ pub fn bins_text(
         let (name, sd) = (bin.name(), plus_minus(bin.sd, bin.n));
         let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
     }
-    model.iter().for_each(|(cue, bins)| out += &model_text(cue, bins));
+    if !model_by_bin.is_empty() {
+        out += &model_text("", model_by_bin);
+    }
+    model_by_bin_with_cues.iter().for_each(|(cue, bins)| out += &model_text(cue, bins));
     out + "\n"
 }
 
@@ -39,12 +39,9 @@ fn model_text(cue: &str, bins: &[BinModel]) -> String {
     let with = if cue.is_empty() { "without a cue".to_owned() } else { format!("with the cue {cue}") };
     let mut out = format!("Model, cells {with} as large as the mean mother of each bin:\n");
     for BinModel { bin, volume, model } in bins {
-        let end = match (model.chi, model.outcome) {
-            (Some(chi), _) => format!("χ = {chi:.3}"),
-            (None, Some(outcome)) => outcome.name().to_owned(),
-            (None, None) => "-".to_owned(),
-        };
-        let _ = writeln!(out, "  {bin:<16} V = {volume:<8.0} R0 = {:<6.3} {end}", model.r0);
+        let chi = if model.chi.is_some() { "χ = " } else { "" };
+        let end = ended(model.chi, model.outcome);
+        let _ = writeln!(out, "  {bin:<16} V = {volume:<8.0} R0 = {:<6.3} {chi}{end}", model.r0);
     }
     out
 }

@@ -55,7 +55,7 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
     InputError::require((1e-6..=1e6).contains(&length), "--length-scale", "length_scale", length, allowed)?;
     let picture = args.plot.file()?;
     writable_folder("--out", args.out.as_deref(), &files::CONTOUR_NAMES)?;
-    let model = modelled(&args.frames)?;
+    let model = model_contours(&args.frames)?;
     let found = read(args)?;
     let Some(series) = series(&found.traced, &model, args.length_scale) else {
         return Err(nothing_to_compare(args, &found, model.is_empty()).into());
@@ -70,14 +70,14 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
 }
 
 /// The contours of a simulated division, both sides of the axis.
-fn modelled(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
+fn model_contours(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
     let mut out = Vec::new();
     for frame in read_frames(folder)? {
         let other = frame.points.iter().rev().map(|[r, z]| [-r, *z]);
         let ring = frame.points.iter().copied().chain(other).collect();
         let file = folder.join(&frame.file);
-        let refused = |why| InputError::other_file(file.display(), "a contour from pole to pole", why);
-        let (contour, _) = Contour::new(ring).map_err(refused)?;
+        let no_contour = |why| InputError::other_file(file.display(), "a contour from pole to pole", why);
+        let (contour, _) = Contour::new(ring).map_err(no_contour)?;
         out.push(ModelContour { frame: frame.file, t: frame.t, contour });
     }
     Ok(out)

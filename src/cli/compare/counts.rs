@@ -8,7 +8,7 @@ use crate::cli::error::CliError;
 use crate::cli::output::print_as;
 use crate::cli::picture::PlotArgs;
 use clap::Args;
-use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts, counts_beside};
+use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts, counts_of_embryo};
 use furrow_figures::plot;
 use furrow_formats::read_tree;
 use furrow_input::InputError;
@@ -52,7 +52,7 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     };
     let source = args.tree.as_ref().map_or("c_elegans.ron (built in)".to_owned(), |file| file.display().to_string());
     let found = match &measured {
-        Some((measured, file)) => counts_beside(&tree, measured, file)?,
+        Some((measured, file)) => counts_of_embryo(&tree, measured, file)?,
         None => counts(&tree, &source)?,
     };
     if let Some(first) = found.skipped.first() {

@@ -11,14 +11,13 @@ use furrow_lineage::{Length, parse_cue};
 use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread};
 use furrow_measured::statistics::{Line, RankCorrelation};
 
-use super::{check_bins, plus_minus, significance, skipped_text};
+use super::{check_bins, ended, plus_minus, significance, skipped_text};
 use crate::cli::cell::{length, load_lineage, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{number, print_as};
 use crate::cli::picture::PlotArgs;
-use crate::cli::progress::ProgressLine;
 
 /// Compares asymmetry over the dose of a protein with the model's over the strength of its cue
 ///
@@ -91,11 +90,9 @@ fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result
     set(&mut settings, [("--r0", "r0", r0)])?;
     settings.check_divisions("settings")?;
     interrupt::finish();
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show_all(progress);
-    interrupt::finish();
-    let (memo, scheduling) = (context.memo()?, context.scheduling(&show));
-    let model = over_dose(&settings.cell, &cue, measured, settings.numerics, &memo, &scheduling)?;
+    let memo = context.memo()?;
+    let model =
+        context.scheduled(|options| over_dose(&settings.cell, &cue, measured, settings.numerics, &memo, options))?;
     Ok((settings.cell.r0, model))
 }
 
@@ -113,7 +110,7 @@ fn text(measured: &MeasuredDoses, model: &ModelDoses, cell: &str) -> String {
     }
     let _ = writeln!(out, "\n{}   model", head("doses"));
     for (group, model) in bins.iter().zip(&model.by_bin) {
-        let _ = writeln!(out, "{}   {}", row(group), ended(model));
+        let _ = writeln!(out, "{}   {}", row(group), ended(model.chi, model.outcome));
     }
     out + "\n" + &trend_text(trend) + &model_text(model, cell)
 }
@@ -123,14 +120,6 @@ fn row(group: &DoseGroup) -> String {
     let spread = |Spread { mean, sd }: &Spread| format!("{mean:.3}{}", plus_minus(*sd, *n));
     let [dose, share, area, volume] = [dose, larger_share, chi_area, chi_volume].map(spread);
     format!("{name:<12}{n:>4} {dose:>13} {share:>15} {area:>13} {volume:>15}")
-}
-
-fn ended(model: &DoseModel) -> String {
-    match (model.chi, model.outcome) {
-        (Some(chi), _) => format!("{chi:.3}"),
-        (None, Some(outcome)) => outcome.name().to_owned(),
-        (None, None) => "-".to_owned(),
-    }
 }
 
 fn trend_text(trend: &DoseTrend) -> String {
@@ -156,13 +145,12 @@ fn trend_text(trend: &DoseTrend) -> String {
 }
 
 fn model_text(model: &ModelDoses, cell: &str) -> String {
-    let at = |dose: f64| {
-        let nearest = |point: &&DoseModel| (point.dose - dose).abs();
-        model
-            .curve
-            .iter()
-            .min_by(|a, b| nearest(a).total_cmp(&nearest(b)))
-            .map_or(String::new(), |point| format!("χ = {} at dose {:.3}", ended(point), point.dose))
-    };
+    let at =
+        |dose: f64| {
+            let nearest = |point: &&DoseModel| (point.dose - dose).abs();
+            model.curve.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))).map_or(String::new(), |point| {
+                format!("χ = {} at dose {:.3}", ended(point.chi, point.outcome), point.dose)
+            })
+        };
     format!("Model, {cell}, amplitude × dose: {}, {}\n", at(0.0), at(1.0))
 }

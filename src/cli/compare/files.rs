@@ -2,12 +2,11 @@
 
 use furrow_measured::contour::series::{ContourMatch, Series};
 use furrow_measured::events::Division;
-use furrow_measured::trend::{AdjacentTest, VolumeBin};
 
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::records_csv;
-use furrow_analysis::compare::volumes::GroupBeside;
+use furrow_analysis::compare::volumes_comparison::VolumesComparison;
 use furrow_formats::files::FileSet;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -27,9 +26,8 @@ const BIN: &str = "from,to,n,chi_mean,chi_sd,u,p,stars";
 /// Writes all files or, if one fails, no file. `json` is the output of `--json`.
 pub fn write(
     folder: &Path,
-    groups: &[GroupBeside],
+    VolumesComparison { groups, bins, tests, .. }: &VolumesComparison,
     divisions: &[Division],
-    (bins, tests): (&[VolumeBin], &[AdjacentTest]),
     json: &str,
 ) -> Result<(), CliError> {
     let each = groups.iter().flat_map(|group| group.events.iter().map(move |event| (group, event)));

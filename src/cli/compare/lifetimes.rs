@@ -9,7 +9,8 @@ use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::departure::{Counts, Departure, LoneDivision};
 use furrow_analysis::compare::lifetimes::{
-    CellBeside, Deviation, FounderBeside, LifetimesBeside, Order, SistersBeside, document, lifetimes_beside,
+    CellComparison, Deviation, FounderComparison, LifetimesComparison, Order, SistersComparison, compare_lifetimes,
+    document,
 };
 use furrow_analysis::compare::names_of;
 use furrow_figures::plot;
@@ -66,7 +67,7 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
         files => Volumes::of_files(files, &ReadOptions { names, ..ReadOptions::default() })?,
     };
     let tree = model.tree(context)?;
-    let found = lifetimes_beside(&tree, &lifetimes, &mean_volumes(&volumes));
+    let found = compare_lifetimes(&tree, &lifetimes, &mean_volumes(&volumes));
     picture.write(|| plot::lifetimes::draw(&found, volumes.unit))?;
     let published = [args.table.is_none(), args.volumes.is_empty() && of_worm];
     print_as(context.json, &document(&found, &lifetimes, &volumes, published), || {
@@ -114,12 +115,12 @@ impl Model {
     pub(super) fn tree(self, context: &Context) -> Result<Tree, CliError> {
         match self {
             Model::Grown(tree) => Ok(*tree),
-            Model::ToGrow(lineage) => Ok(trees_of(vec![*lineage], context)?.remove(0)),
+            Model::ToGrow(lineage) => Ok(trees_of(vec![*lineage], &context.memo()?, context)?.remove(0)),
         }
     }
 }
 
-fn text(found: &LifetimesBeside) -> String {
+fn text(found: &LifetimesComparison) -> String {
     let mut out = match found.has_clock {
         true => format!("model: {}, lifetimes by its clock\n\n", found.lineage),
         false => format!("model: {}, which has no clock: see clock in the book\n\n", found.lineage),
@@ -149,7 +150,7 @@ fn text(found: &LifetimesBeside) -> String {
     out + &deviation + &departure_text(found)
 }
 
-fn cell_text(cell: &CellBeside) -> String {
+fn cell_text(cell: &CellComparison) -> String {
     let model = match (cell.model, cell.model_divides) {
         (Some(model), _) => {
             let off = cell.off().map_or(String::new(), |off| format!(" ({off:+.1})"));
@@ -168,7 +169,7 @@ fn mean_sd(mean: f64, sd: Option<f64>, n: u64) -> String {
     format!("{mean:.1}{}", sd.map_or(String::new(), |sd| format!(" ± {sd:.1}")))
 }
 
-fn founders_text(found: &LifetimesBeside) -> String {
+fn founders_text(found: &LifetimesComparison) -> String {
     let mut out = "\nby founder, with the slope of ln lifetime over ln volume (all dividing cells of the model)\n\
          founder   cells          measured             model           slope   cells      R²           p   model's slope\n"
         .to_owned();
@@ -185,7 +186,7 @@ fn founders_text(found: &LifetimesBeside) -> String {
         format!("{measured}{model:>16}")
     };
     for row in &found.founders {
-        let FounderBeside { founder, n, mean, sd, model, model_n, .. } = row;
+        let FounderComparison { founder, n, mean, sd, model, model_n, .. } = row;
         let model = model.map_or("-".to_owned(), |model| format!("{model:.1} of {model_n}"));
         let (measured, slopes) = (mean_sd(*mean, *sd, *n as u64), slopes(row.slope, row.model_slope));
         let _ = writeln!(out, "{founder:<8}{n:>7}{measured:>18}{model:>18}{slopes}");
@@ -203,7 +204,7 @@ fn order_text(Order { pairs, larger_first, model }: &Order) -> String {
     if pairs.is_empty() {
         return String::new();
     }
-    let certain = |pair: &&SistersBeside| pair.measured.p.is_some_and(|p| p < 0.05);
+    let certain = |pair: &&SistersComparison| pair.measured.p.is_some_and(|p| p < 0.05);
     let mut out = format!("order of division in {} pairs of sisters", pairs.len());
     // Sisters that were measured once have no test.
     if pairs.iter().any(|pair| pair.measured.p.is_some()) {
@@ -226,7 +227,7 @@ fn order_text(Order { pairs, larger_first, model }: &Order) -> String {
     out + "\n"
 }
 
-fn departure_text(found: &LifetimesBeside) -> String {
+fn departure_text(found: &LifetimesComparison) -> String {
     let Some(over_time) = &found.over_time else {
         return "the table has no births: numbers of cells over time are not compared\n".to_owned();
     };

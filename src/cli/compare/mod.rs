@@ -16,10 +16,12 @@ use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use furrow_analysis::scenarios_of;
 use furrow_input::InputError;
+use furrow_lineage::batch::Memo;
 use furrow_lineage::{Lineage, Tree, Units};
 use furrow_measured::significance::slope_p;
 use furrow_measured::statistics::{Line, SPREAD_FROM};
 use furrow_measured::volumes::Skipped;
+use furrow_mechanics::division::Outcome;
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
@@ -78,12 +80,18 @@ fn plus_minus(sd: Option<f64>, n: usize) -> String {
     sd.filter(|_| n >= SPREAD_FROM).map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
+/// How a computed division ended: χ, or the outcome without one, or a dash where it is not known.
+fn ended(chi: Option<f64>, outcome: Option<Outcome>) -> String {
+    let outcome = || outcome.map_or("-".to_owned(), |outcome| outcome.name().to_owned());
+    chi.map_or_else(outcome, |chi| format!("{chi:.3}"))
+}
+
 /// Trees of several lineages with the parameters of the command, in one run.
-fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
+fn trees_of(lineages: Vec<Lineage>, memo: &Memo, context: &Context) -> Result<Vec<Tree>, CliError> {
     // Until here only files were read, which Ctrl-C stops at once.
     interrupt::finish();
     context.settings.check_divisions("settings")?;
     let units = lineages.first().map_or(Units::default(), Lineage::units);
     let scenarios = scenarios_of(lineages, &context.settings_in(&units)?, context.quantisation);
-    Ok(grown(&scenarios, None, false, context)?.0.trees)
+    Ok(grown(&scenarios, None, false, memo, context)?.0.trees)
 }

@@ -1,37 +1,33 @@
 //! `furrow compare volumes`: size asymmetries beside the measured ones.
 
 use super::super::messages;
-use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
+use furrow_measured::events::Division;
 use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
-use furrow_measured::trend::{VolumeBin, adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
-use super::{MOST_SKIPPED, check_bins, files, plus_minus, significance, skipped_text, trees_of};
+use super::{MOST_SKIPPED, check_bins, ended, files, plus_minus, significance, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{number, print, to_json, writable_folder};
 use crate::cli::picture::PlotArgs;
-use crate::cli::progress::ProgressLine;
 use clap::{Args, ValueEnum};
 use furrow_analysis::compare::names_of;
-use furrow_analysis::compare::noise::noise_null;
 use furrow_analysis::compare::volumes::{
-    Band, Beside, BinModel, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model,
-    model_by_bin, regression_of, scale, size_curves,
+    Band, GroupComparison, ModelDivision, MotherComparison, Regression, Scale, ScaleFrom, SizeCurve, regression_of,
+    size_curves,
 };
+use furrow_analysis::compare::volumes_comparison::{LengthScale, MeasuredVolumes, VolumesComparison, VolumesModel};
 use furrow_analysis::{Range, read_constants, tree_settings};
-use furrow_cell::Cue;
 use furrow_figures::plot;
 use furrow_input::{InputError, read_text};
+use furrow_lineage::batch::Memo;
 use furrow_lineage::{Lineage, TreeSettings};
 use plot::comparison::{self, Comparison};
-use serde_json::json;
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -81,7 +77,7 @@ pub struct VolumesArgs {
     /// such that P0 is as large as measured, and by all mothers where P0 is not
     #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale,
         requires = "files")]
-    length_scale: Option<WantedScale>,
+    length_scale: Option<LengthScale>,
     /// Sets of constants from calibrate --ensemble, which give the model's χ a range
     #[arg(help_heading = "Model", long, value_name = "FILE.csv")]
     constants: Option<PathBuf>,
@@ -104,26 +100,12 @@ enum Published {
     Villoutreix2016,
 }
 
-/// The value of --length-scale.
-#[derive(Clone, Copy, Debug)]
-enum WantedScale {
-    Length(f64),
-    Fitted,
-}
-
-fn wanted_scale(text: &str) -> Result<WantedScale, String> {
+/// Reads the value of --length-scale.
+fn wanted_scale(text: &str) -> Result<LengthScale, String> {
     match text {
-        "fit" => Ok(WantedScale::Fitted),
-        _ => Ok(WantedScale::Length(number(text)?)),
+        "fit" => Ok(LengthScale::Fitted),
+        _ => Ok(LengthScale::Given(number(text)?)),
     }
-}
-
-/// The measured side of a comparison.
-struct Measured {
-    source: Option<&'static str>,
-    volumes: Volumes,
-    found: Divisions,
-    groups: Vec<GroupSummary>,
 }
 
 pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
@@ -138,96 +120,60 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     let measured = read(args, &names_of(&lineage))?;
     let settings: TreeSettings =
         tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
-    let grow = |lineages| trees_of(lineages, context);
-    let (free, firsts) = model(&lineage, settings.cell.r0, &measured.groups, grow)?;
-    let all = &measured.found.divisions;
-    let mut groups = beside(measured.groups.clone(), all, &free, &firsts, args.bins.as_deref());
-    if !sets.is_empty() {
-        // Trees over sets of constants do not go to the cache.
-        interrupt::abort();
-    }
-    let flag = interrupt::flag();
-    add_bands(&mut groups, &free, &lineage, &settings, &sets, context.threads, flag)?;
-    // χ alone has no sizes.
-    let no_sizes = measured.volumes.unit == Some(Unit::OfMother);
-    if no_sizes {
-        groups.iter_mut().for_each(GroupBeside::without_sizes);
-    }
-    let sized = if no_sizes { &[][..] } else { &all[..] };
-    let bins = volume_bins(sized, args.bins.as_deref());
-    let Volumes { unit, used, skipped, skipped_count, divisions: in_rows, .. } = &measured.volumes;
-    let of_lineage = || {
-        let length = lineage.units().length_um.filter(|_| *unit == Some(Unit::CubicMicrometres))?;
-        Some(Scale { length, from: ScaleFrom::Lineage })
-    };
-    let length_scale = match args.length_scale {
-        Some(WantedScale::Length(length)) => Some(Scale { length, from: ScaleFrom::Given }),
-        Some(WantedScale::Fitted) => scale(sized, &free, false),
-        None => of_lineage().or_else(|| scale(sized, &free, true)),
-    };
-    // Mothers without Sulston's names have no cell in the tree; one of their size is beside them.
-    let sizes = length_scale.filter(|_| !in_rows.is_empty() && !no_sizes);
-    let own_cues = args.lineage.is_some().then_some(&lineage.cues);
-    let by_cue = match sizes {
-        Some(Scale { length, .. }) => {
-            bin_models(&settings, own_cues, &volume_bins(sized, args.bins.as_deref()), length, context)?
+    let memo = context.memo()?;
+    let grow = |lineages| {
+        let trees = trees_of(lineages, &memo, context)?;
+        if !sets.is_empty() {
+            // Trees over sets of constants do not go to the cache.
+            interrupt::abort();
         }
-        None => Vec::new(),
+        Ok::<_, CliError>(trees)
     };
-    let (trend, noise) = (volume_trend(sized), noise_null(sized, &bins));
-    let tests = adjacent_tests(&bins);
-    let regressions = regressions(args, &groups)?;
-    let in_um = length_scale.filter(|_| *unit == Some(Unit::CubicMicrometres));
-    let json = to_json(&json!({
-        "source": measured.source,
-        "groups": groups,
-        "used": used,
-        "skipped": skipped,
-        "skipped_count": skipped_count,
-        "divisions": all.len(),
-        "half_seen": measured.found.half_seen,
-        "unit": unit,
-        "length_scale": length_scale,
-        "length_scale_um": in_um.map(|scale| scale.length),
-        // Sets of constants over which the model's χ have ranges.
-        "members": (!sets.is_empty()).then_some(sets.len()),
-        "bins": bins,
-        "tests": tests,
-        "trend": trend,
-        "noise": noise,
-        "model_by_bin": by_cue.first().map_or(&[][..], |(_, bins)| bins),
-        "model_by_bin_with_cues": by_cue.iter().skip(1).cloned().collect::<BTreeMap<_, _>>(),
-        "regressions": regressions,
-    }))?;
+    let found = context.scheduled(|options| {
+        let model = VolumesModel {
+            lineage: &lineage,
+            own_cues: args.lineage.is_some(),
+            settings: &settings,
+            constants: &sets,
+            length_scale: args.length_scale.unwrap_or(LengthScale::Usual),
+            memo: &memo,
+            options,
+            cancel: interrupt::flag(),
+        };
+        let regress = |groups: &[GroupComparison]| Ok(regressions(args, groups)?);
+        VolumesComparison::of(&measured, args.bins.as_deref(), &model, grow, regress)
+    })?;
+    let json = to_json(&found)?;
     if let Some(out) = &args.out {
-        files::write(out, &groups, all, (&bins, &tests), &json)?;
+        files::write(out, &found, &measured.divisions.divisions, &json)?;
     }
     if picture.is_wanted() {
-        let unit = unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
-        let (groups, bins, length) = (&groups, &bins, length_scale.map(|scale| scale.length));
-        let curves = curves(&lineage, &settings, sized, length, context)?;
-        let noise = noise.as_ref().map_or(&[][..], |null| &null.bins);
-        picture
-            .write(|| comparison::draw(&Comparison { groups, divisions: sized, bins, noise, unit, length, curves }))?;
+        let (groups, bins, divisions) = (&found.groups, &found.bins, measured.sized());
+        let unit = found.unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
+        let length = found.length_scale.map(|scale| scale.length);
+        let curves = curves(&lineage, &settings, (divisions, length), &memo, context)?;
+        let noise = found.noise.as_ref().map_or(&[][..], |null| &null.bins);
+        picture.write(|| comparison::draw(&Comparison { groups, divisions, bins, noise, unit, length, curves }))?;
     }
-    if context.json {
-        return print(&json);
-    }
-    let by_size = bins_text(*unit, &bins, &tests, &by_cue)
-        + &if in_rows.is_empty() { String::new() } else { trend_text(&trend) }
-        + &noise.as_ref().map_or(String::new(), noise_text);
-    let groups: String = groups.iter().map(group_text).collect();
-    let regressions: String = regressions.iter().map(regression_text).collect();
-    let source = measured.source.map_or(String::new(), |source| format!("measured: means published by {source}\n\n"));
-    print(&[source, groups, by_size, regressions, scale_text(*unit, length_scale), used_text(&measured)].concat())
+    if context.json { print(&json) } else { print(&text(&found, &measured)) }
+}
+
+fn text(found: &VolumesComparison, measured: &MeasuredVolumes) -> String {
+    let source = found.source.map_or(String::new(), |source| format!("measured: means published by {source}\n\n"));
+    let groups: String = found.groups.iter().map(group_text).collect();
+    let trend = if measured.volumes.divisions.is_empty() { String::new() } else { trend_text(&found.trend) };
+    let noise = found.noise.as_ref().map_or(String::new(), noise_text);
+    let regressions: String = found.regressions.iter().map(regression_text).collect();
+    let scale = scale_text(found.unit, found.length_scale);
+    [source, groups, bins_text(found), trend, noise, regressions, scale, used_text(found)].concat()
 }
 
 /// The model's χ over the sizes of the measured mothers, for the picture; empty without a length scale.
 fn curves(
     lineage: &Lineage,
     settings: &TreeSettings,
-    divisions: &[Division],
-    length: Option<f64>,
+    (divisions, length): (&[Division], Option<f64>),
+    memo: &Memo,
     context: &Context,
 ) -> Result<Vec<SizeCurve>, CliError> {
     let Some(length) = length else { return Ok(Vec::new()) };
@@ -238,22 +184,7 @@ fn curves(
     if from >= to {
         return Ok(Vec::new());
     }
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show_all(progress);
-    Ok(size_curves(lineage, settings, [from, to], &context.memo()?, &context.scheduling(&show))?)
-}
-
-/// Cells of the model, one for the mean size of each bin: without a cue, and then with each of these cues.
-fn bin_models(
-    settings: &TreeSettings,
-    own_cues: Option<&BTreeMap<String, Cue>>,
-    bins: &[VolumeBin],
-    length: f64,
-    context: &Context,
-) -> Result<Vec<(String, Vec<BinModel>)>, CliError> {
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show_all(progress);
-    Ok(model_by_bin(settings, own_cues, bins, length, &context.memo()?, &context.scheduling(&show))?)
+    Ok(context.scheduled(|options| size_curves(lineage, settings, [from, to], memo, options))?)
 }
 
 /// Smallest radius of the curve, in L_h: smaller cells stay at rest.
@@ -262,22 +193,21 @@ const SMALLEST: f64 = 1.0;
 fn check(args: &VolumesArgs) -> Result<(), InputError> {
     let voxel = args.voxel.unwrap_or(1.0);
     InputError::require((1e-6..=1e6).contains(&voxel), "--voxel", "voxel", voxel, "a length in µm, from 1e-6 to 1e6")?;
-    if let Some(WantedScale::Length(length)) = args.length_scale {
+    if let Some(LengthScale::Given(length)) = args.length_scale {
         let allowed = "a length from 1e-6 to 1e6, in the cube root of the tables' unit, or fit";
         InputError::require((1e-6..=1e6).contains(&length), "--length-scale", "length_scale", length, allowed)?;
     }
     check_bins(args.bins.as_deref())
 }
 
-fn read(args: &VolumesArgs, cells: &Names) -> Result<Measured, CliError> {
-    let mut volumes = Volumes::default();
+fn read(args: &VolumesArgs, cells: &Names) -> Result<MeasuredVolumes, InputError> {
     if args.files.is_empty() {
-        let (source, groups) = match args.published {
-            Published::Jankele2021 => (SOURCE, jankele2021()?),
-            Published::Villoutreix2016 => (SEA_URCHIN_SOURCE, villoutreix2016()?),
-        };
-        return Ok(Measured { source: Some(source), volumes, found: Divisions::default(), groups });
+        return Ok(match args.published {
+            Published::Jankele2021 => MeasuredVolumes::published(SOURCE, jankele2021()?),
+            Published::Villoutreix2016 => MeasuredVolumes::published(SEA_URCHIN_SOURCE, villoutreix2016()?),
+        });
     }
+    let mut volumes = Volumes::default();
     // If the tables have no groups, the two conditions become two groups.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
@@ -290,16 +220,11 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<Measured, CliError> {
     if volumes.of_nuclei {
         messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
     }
-    let mut found = divisions(&volumes);
-    if let Some(wanted) = &args.population {
-        found.keep_populations("--population", wanted)?;
-    }
-    let groups = summaries(&found.divisions);
-    Ok(Measured { source: None, volumes, found, groups })
+    MeasuredVolumes::of(volumes, ("--population", args.population.as_deref()))
 }
 
 /// The regressions asked for: of named groups, or of two conditions.
-fn regressions(args: &VolumesArgs, groups: &[GroupBeside]) -> Result<Vec<Regression>, InputError> {
+fn regressions(args: &VolumesArgs, groups: &[GroupComparison]) -> Result<Vec<Regression>, InputError> {
     let names = match &args.regress {
         Some(text) => text.split_once(',').map(|(x, y)| (x.trim(), y.trim())),
         None => Some(("measured", "against")),
@@ -330,21 +255,20 @@ fn scale_text(unit: Option<Unit>, scale: Option<Scale>) -> String {
 }
 
 /// The number of used volumes, and of unused ones.
-fn used_text(Measured { source, volumes, found, .. }: &Measured) -> String {
-    let (Volumes { used, skipped, skipped_count, .. }, mut out) = (volumes, String::new());
-    if source.is_none() {
-        let [both, one] = [found.divisions.len(), found.half_seen.len()];
-        out = match volumes.unit {
-            Some(Unit::OfMother) => format!("χ of {both} divisions used, {skipped_count} skipped\n"),
-            _ => format!(
-                "{used} volumes used, {skipped_count} skipped; {both} divisions with both daughters, {one} with one\n"
-            ),
-        };
-    }
-    out + &skipped_text(&[(skipped, *skipped_count)])
+fn used_text(found: &VolumesComparison) -> String {
+    let VolumesComparison { used, skipped, skipped_count, divisions, half_seen, .. } = found;
+    let used = match (found.source, found.unit) {
+        (Some(_), _) => String::new(),
+        (None, Some(Unit::OfMother)) => format!("χ of {divisions} divisions used, {skipped_count} skipped\n"),
+        (None, _) => format!(
+            "{used} volumes used, {skipped_count} skipped; {divisions} divisions with both daughters, {} with one\n",
+            half_seen.len()
+        ),
+    };
+    used + &skipped_text(&[(skipped, *skipped_count)])
 }
 
-fn group_text(group: &GroupBeside) -> String {
+fn group_text(group: &GroupComparison) -> String {
     let name = if group.group.is_empty() { "measured".to_owned() } else { format!("group {}", group.group) };
     let with_bands = group.events.iter().any(|event| event.band.is_some());
     let bands = if with_bands { "  over the constants: median, 90 %" } else { "" };
@@ -358,14 +282,11 @@ fn group_text(group: &GroupBeside) -> String {
         group.embryos, "mother"
     );
     for event in &group.events {
-        let Beside { measured, model, given_first, band, .. } = event;
-        let of = |modelled: &Option<Modelled>| match modelled {
-            Some(Modelled { chi: Some(chi), .. }) => {
-                let off = event.off(*chi).map_or(String::new(), |off| format!(" ({off:+.1})"));
-                format!("{chi:.3}{off}")
-            }
-            Some(Modelled { outcome: Some(outcome), .. }) => outcome.name().to_owned(),
-            _ => "-".to_owned(),
+        let MotherComparison { measured, model, given_first, band, .. } = event;
+        let of = |model: &Option<ModelDivision>| {
+            let (chi, outcome) = model.map_or((None, None), |model| (model.chi, model.outcome));
+            let off = chi.and_then(|chi| event.off(chi)).map_or(String::new(), |off| format!(" ({off:+.1})"));
+            ended(chi, outcome) + &off
         };
         let chi = format!("{:.3}{}", measured.mean, plus_minus(measured.sd, measured.n));
         let model = if is_modelled { format!(" {:>16}", of(model)) } else { String::new() };

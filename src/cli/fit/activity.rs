@@ -3,15 +3,14 @@
 use clap::Args;
 use serde_json::json;
 
-use super::{Fit, LineageArgs, at_limit_text, or_dash, show};
+use super::{Fit, LineageArgs, at_limit_text, or_dash};
 use crate::cli::cell::one_of;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
-use crate::cli::output::{number, print_as};
+use crate::cli::output::{merged, number, print_as};
 use crate::cli::picture::PlotArgs;
-use crate::cli::progress::ProgressLine;
-use furrow_analysis::fit::{FounderActivity, Reading, activities, activities_at_limit};
+use furrow_analysis::fit::{FitRun, FittedActivities, FounderActivity, Reading, activities};
 use furrow_figures::plot;
 use furrow_input::InputError;
 use furrow_lineage::TreeSettings;
@@ -43,7 +42,6 @@ pub struct ActivityArgs {
 
 pub fn run(args: &ActivityArgs, context: &Context) -> Result<(), CliError> {
     let fit = Fit::new(&args.lineage, context)?;
-    let (lineage, settings, flag) = (&fit.lineage, &fit.settings, interrupt::flag());
     for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
         let mut one = context.settings.clone();
         one.cell.xi_s = value;
@@ -53,38 +51,37 @@ pub fn run(args: &ActivityArgs, context: &Context) -> Result<(), CliError> {
     let range = [args.xi_from, args.xi_to];
     let allowed = format!("above --xi-from = {}", range[0]);
     InputError::require(range[1] > range[0], "--xi-to", "xi_s", range[1], allowed)?;
-    let (memo, reading) = (context.memo()?, args.rounds);
+    let memo = context.memo()?;
     let picture = args.plot.file()?;
     // Divisions of trees go to the cache.
     interrupt::finish();
-    let line = ProgressLine::new(context.progress);
-    let progress = |progress| show(&line, "trees", progress);
-    let found = activities(lineage, settings, &memo, reading, range, context.threads, flag, Some(&progress));
-    drop(line);
-    let (found, trees) = found?;
-    picture.write(|| plot::fit::draw_activities(&found, settings.cell.xi_s))?;
+    let search = |run: &FitRun<'_>| activities(run, &memo, args.rounds, range);
+    let found = fit.search(context, "trees", search)?;
+    picture.write(|| plot::fit::draw_activities(&found.founders, fit.settings.cell.xi_s))?;
     let elapsed_s = fit.elapsed_s();
-    let document = json!({
-        "rounds": reading, "founders": found, "at_limit": activities_at_limit(&found), "trees": trees, "elapsed_s": elapsed_s,
-    });
-    print_as(context.json, &document, || {
-        format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings))
+    print_as(context.json, &merged(json!(found), json!({ "elapsed_s": elapsed_s })), || {
+        format!("{}\n{} trees, {elapsed_s:.0} s\n", activity_text(&found, &fit.settings), found.trees)
     })
 }
 
-fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSettings) -> String {
-    let which = match reading {
+fn activity_text(found: &FittedActivities, settings: &TreeSettings) -> String {
+    let which = match found.rounds {
         Reading::Min => "fewest",
         Reading::Mean => "mean, to half a round",
         Reading::Max => "most",
     };
     let of_run = settings.cell.xi_s;
-    let own = if found.iter().any(|founder| founder.run_xi_s != of_run) { " or as the lineage file says" } else { "" };
+    let own = if found.founders.iter().any(|founder| founder.run_xi_s != of_run) {
+        " or as the lineage file says"
+    } else {
+        ""
+    };
     let mut out = format!(
         "Activity that a founder and its descendants would need for the observed rounds ({which}), all else at xi_s = {of_run}{own}\n\n\
          founder  observed    model  at xi_s   xi_s needed            nearest\n"
     );
-    for FounderActivity { name, observed, run_xi_s, rounds, xi_s, intervals, nearest, searched, .. } in found {
+    for FounderActivity { name, observed, run_xi_s, rounds, xi_s, intervals, nearest, searched, .. } in &found.founders
+    {
         let model = or_dash(rounds.map(|rounds| format!("{rounds:.2}")));
         let interval = |[from, to]: [f64; 2]| {
             let below = if from <= searched[0] { "≤ " } else { "" };
@@ -98,5 +95,5 @@ fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSet
         };
         let _ = writeln!(out, "{name:<8} {observed:>8.2} {model:>8} {run_xi_s:>8}   {needed:<22} {nearest}{others}");
     }
-    out + &at_limit_text(&activities_at_limit(found), "change --xi-from or --xi-to")
+    out + &at_limit_text(&found.at_limit, "change --xi-from or --xi-to")
 }

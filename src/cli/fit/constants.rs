@@ -3,14 +3,13 @@
 use clap::Args;
 use serde_json::json;
 
-use super::{Fit, LineageArgs, SearchArgs, TargetsArgs, at_limit_text, or_dash, show};
+use super::{Fit, LineageArgs, SearchArgs, TargetsArgs, at_limit_text, or_dash};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{merged, print_as, writable_file};
 use crate::cli::picture::PlotArgs;
-use crate::cli::progress::ProgressLine;
-use furrow_analysis::fit::{Evaluated, FittedConstants, Targets, fit_constants};
+use furrow_analysis::fit::{Evaluated, FitRun, FittedConstants, Targets, fit_constants};
 use furrow_cell::Parameter;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
@@ -41,12 +40,8 @@ pub fn run(args: &ConstantsArgs, context: &Context) -> Result<(), CliError> {
     let memo = context.memo()?;
     // Divisions of trees go to the cache.
     interrupt::finish();
-    let line = ProgressLine::new(context.progress);
-    let progress = |progress| show(&line, "sets of constants", progress);
-    let (budget, flag) = (args.search.budget(), interrupt::flag());
-    let found =
-        fit_constants(&fit.lineage, &targets, &fit.settings, &memo, budget, context.threads, flag, Some(&progress))?;
-    drop(line);
+    let search = |run: &FitRun<'_>| fit_constants(run, &targets, &memo, args.search.budget());
+    let found = fit.search(context, "sets of constants", search)?;
     if let Some(file) = &args.out {
         write_atomically(file, found.best.as_ron().as_bytes())?;
     }

@@ -10,8 +10,8 @@ use clap::{Args, Subcommand};
 use super::cell::load_lineage;
 use super::context::Context;
 use super::error::CliError;
-use super::progress::ProgressLine;
-use furrow_analysis::fit::{FitProgress, NumberAtLimit, SearchBudget, Targets};
+use super::interrupt;
+use furrow_analysis::fit::{FitProgress, FitRun, NumberAtLimit, SearchBudget, Targets};
 use furrow_analysis::tree_settings;
 use furrow_input::{parse_document, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
@@ -116,6 +116,18 @@ impl Fit {
         Ok(targets)
     }
 
+    /// Runs a search that shows how many of `what` it has tried.
+    fn search<T>(&self, context: &Context, what: &str, search: impl FnOnce(&FitRun<'_>) -> T) -> T {
+        context.shown(|line| {
+            let show = |FitProgress { done, of, least }| {
+                let least = least.map_or(String::new(), |least| format!(", least misfit {least:.3}"));
+                line.show_share(done, of, || format!("{what}{least}"));
+            };
+            let run = FitRun::new(&self.lineage, &self.settings, context.threads, interrupt::flag());
+            search(&FitRun { progress: Some(&show), ..run })
+        })
+    }
+
     fn elapsed_s(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }
@@ -126,12 +138,6 @@ impl SearchArgs {
         let SearchArgs { particles, moves, seed } = *self;
         SearchBudget { particles: particles as usize, moves: u64::from(moves), seed }
     }
-}
-
-/// Shows how far a fit has come.
-fn show(line: &ProgressLine, what: &str, FitProgress { done, of, least }: FitProgress) {
-    let least = least.map_or(String::new(), |least| format!(", least misfit {least:.3}"));
-    line.show_share(done, of, || format!("{what}{least}"));
 }
 
 /// A line for each number that ended at the edge of its range; `advice` says how the range is changed.

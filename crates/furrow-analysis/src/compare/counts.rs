@@ -137,7 +137,7 @@ const GERMLINE: u32 = 5;
 ///
 /// # Errors
 /// None of the lineage's founders was followed.
-pub fn counts_beside(tree: &Tree, measured: &TrackedLineage, source_name: &str) -> Result<Counts, InputError> {
+pub fn counts_of_embryo(tree: &Tree, measured: &TrackedLineage, source_name: &str) -> Result<Counts, InputError> {
     let names: Vec<&str> = tree.lineage.founders.iter().map(|founder| founder.name.as_str()).collect();
     let observed = |TrackedRounds { cell, terminal, min, mean, max }| {
         // As in the model: the first generation with a terminal cell is the first that does not double fully.

@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, HashMap};
 
 /// A measured cell beside the model's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CellBeside {
+pub struct CellComparison {
     /// What was measured.
     #[serde(flatten)]
     pub measured: Lifetime,
@@ -32,7 +32,7 @@ pub struct CellBeside {
     pub model_volume: Option<f64>,
 }
 
-impl CellBeside {
+impl CellComparison {
     /// (model − measured)/sd, of [`SPREAD_FROM`] embryos or more.
     pub fn off(&self) -> Option<f64> {
         let sd = self.measured.sd.filter(|sd| *sd > 0.0 && self.measured.n >= SPREAD_FROM as u64)?;
@@ -42,7 +42,7 @@ impl CellBeside {
 
 /// The measured cells of a founder beside the model's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FounderBeside {
+pub struct FounderComparison {
     /// The founder.
     pub founder: String,
     /// Measured cells.
@@ -63,7 +63,7 @@ pub struct FounderBeside {
 
 /// Two sisters beside the model's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SistersBeside {
+pub struct SistersComparison {
     /// What was measured.
     #[serde(flatten)]
     pub measured: Sisters,
@@ -77,7 +77,7 @@ pub struct SistersBeside {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Order {
     /// Pairs with measured lifetimes.
-    pub pairs: Vec<SistersBeside>,
+    pub pairs: Vec<SistersComparison>,
     /// How often the larger sister, by measured volume, divides first.
     pub larger_first: Agreement,
     /// How often the model's first is the measured one; `None` without a clock.
@@ -105,15 +105,15 @@ pub struct Deviation {
 
 /// A table of lifetimes beside a tree.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LifetimesBeside {
+pub struct LifetimesComparison {
     /// The tree's lineage.
     pub lineage: String,
     /// Whether it has a clock.
     pub has_clock: bool,
     /// By cell, in the order of the table.
-    pub cells: Vec<CellBeside>,
+    pub cells: Vec<CellComparison>,
     /// By founder, in the order of the table.
-    pub founders: Vec<FounderBeside>,
+    pub founders: Vec<FounderComparison>,
     /// ln lifetime over ln volume of all cells with a measured volume.
     pub slope: Option<Trend>,
     /// The same over all cells of the model that divide.
@@ -131,19 +131,19 @@ pub struct LifetimesBeside {
 }
 
 /// The model's cells by name.
-type Modelled<'t> = HashMap<&'t str, CellId>;
+type CellsByName<'t> = HashMap<&'t str, CellId>;
 
 /// A tree beside measured lifetimes and the mean volumes of measured cells.
-pub fn lifetimes_beside(tree: &Tree, lifetimes: &Lifetimes, volumes: &BTreeMap<String, f64>) -> LifetimesBeside {
+pub fn compare_lifetimes(tree: &Tree, lifetimes: &Lifetimes, volumes: &BTreeMap<String, f64>) -> LifetimesComparison {
     let times = tree.times();
-    let modelled: Modelled<'_> = tree.cells().map(|id| (tree.cell(id).name.as_str(), id)).collect();
-    let cells: Vec<CellBeside> =
+    let modelled: CellsByName<'_> = tree.cells().map(|id| (tree.cell(id).name.as_str(), id)).collect();
+    let cells: Vec<CellComparison> =
         lifetimes.cells.iter().map(|cell| cell_beside(cell, tree, (&modelled, times.as_deref()), volumes)).collect();
     let measured =
         slopes(cells.iter().filter_map(|cell| Some((&*cell.measured.founder, cell.volume?, cell.measured.mean))));
     let model = times.as_deref().map(|times| model_slopes(tree, times));
     let over_time = over_time(tree, &modelled, times.as_deref(), lifetimes);
-    LifetimesBeside {
+    LifetimesComparison {
         lineage: tree.lineage.name.clone(),
         has_clock: times.is_some(),
         founders: founders_beside(&cells, &measured, model.as_ref()),
@@ -160,7 +160,7 @@ pub fn lifetimes_beside(tree: &Tree, lifetimes: &Lifetimes, volumes: &BTreeMap<S
 
 /// The comparison as JSON, with what was read; `published` says whether the lifetimes and the volumes are the published ones.
 pub fn document(
-    found: &LifetimesBeside,
+    found: &LifetimesComparison,
     lifetimes: &Lifetimes,
     volumes: &Volumes,
     [of_lifetimes, of_volumes]: [bool; 2],
@@ -186,11 +186,11 @@ fn lifetime(times: &[CellTimes], id: CellId) -> Option<f64> {
 fn cell_beside(
     measured: &Lifetime,
     tree: &Tree,
-    (modelled, times): (&Modelled<'_>, Option<&[CellTimes]>),
+    (modelled, times): (&CellsByName<'_>, Option<&[CellTimes]>),
     volumes: &BTreeMap<String, f64>,
-) -> CellBeside {
+) -> CellComparison {
     let id = modelled.get(measured.cell.as_str()).copied();
-    CellBeside {
+    CellComparison {
         volume: volumes.get(&measured.cell).copied(),
         model: id.zip(times).and_then(|(id, times)| lifetime(times, id)),
         model_divides: id.map(|id| tree.daughter_count(id) > 0),
@@ -207,7 +207,7 @@ fn model_slopes(tree: &Tree, times: &[CellTimes]) -> Slopes {
     )
 }
 
-fn founders_beside(cells: &[CellBeside], measured: &Slopes, model: Option<&Slopes>) -> Vec<FounderBeside> {
+fn founders_beside(cells: &[CellComparison], measured: &Slopes, model: Option<&Slopes>) -> Vec<FounderComparison> {
     let mut names: Vec<&str> = Vec::new();
     for cell in cells {
         if !names.contains(&cell.measured.founder.as_str()) {
@@ -218,7 +218,7 @@ fn founders_beside(cells: &[CellBeside], measured: &Slopes, model: Option<&Slope
         let own = || cells.iter().filter(|cell| cell.measured.founder == founder);
         let means: Vec<f64> = own().map(|cell| cell.measured.mean).collect();
         let modelled: Vec<f64> = own().filter_map(|cell| cell.model).collect();
-        FounderBeside {
+        FounderComparison {
             founder: founder.to_owned(),
             n: means.len(),
             mean: mean(&means),
@@ -232,10 +232,10 @@ fn founders_beside(cells: &[CellBeside], measured: &Slopes, model: Option<&Slope
     names.into_iter().map(of).collect()
 }
 
-fn deviation(cells: &[CellBeside], of: fn(&CellBeside) -> bool) -> Option<Deviation> {
+fn deviation(cells: &[CellComparison], of: fn(&CellComparison) -> bool) -> Option<Deviation> {
     let chosen = || cells.iter().filter(|cell| of(cell));
     let ratios: Vec<f64> = chosen().filter_map(|cell| Some((cell.model? / cell.measured.mean).ln())).collect();
-    let off: Vec<f64> = chosen().filter_map(CellBeside::off).collect();
+    let off: Vec<f64> = chosen().filter_map(CellComparison::off).collect();
     let within_two_sd = off.iter().filter(|off| off.abs() <= 2.0).count();
     (!ratios.is_empty()).then(|| Deviation {
         cells: ratios.len(),
@@ -251,9 +251,10 @@ fn deviation(cells: &[CellBeside], of: fn(&CellBeside) -> bool) -> Option<Deviat
 /// Lifetimes of the model that differ by less, relatively, are one: sisters of equal size differ by rounding alone.
 const SAME: f64 = 1e-9;
 
-fn order(lifetimes: &Lifetimes, cells: &[CellBeside], has_clock: bool) -> Order {
-    let by_name: HashMap<&str, &CellBeside> = cells.iter().map(|cell| (cell.measured.cell.as_str(), cell)).collect();
-    let both = |pair: &Sisters, of: fn(&CellBeside) -> Option<f64>| {
+fn order(lifetimes: &Lifetimes, cells: &[CellComparison], has_clock: bool) -> Order {
+    let by_name: HashMap<&str, &CellComparison> =
+        cells.iter().map(|cell| (cell.measured.cell.as_str(), cell)).collect();
+    let both = |pair: &Sisters, of: fn(&CellComparison) -> Option<f64>| {
         let value = |k: usize| by_name.get(pair.daughters[k].as_str()).and_then(|cell| of(cell));
         Some([value(0)?, value(1)?])
     };
@@ -268,7 +269,7 @@ fn order(lifetimes: &Lifetimes, cells: &[CellBeside], has_clock: bool) -> Order 
     let (larger_first, model) = (agreement(&measured, larger), agreement(&measured, model_first));
     let pairs = measured.into_iter().map(|pair| {
         let (larger, model_first) = (larger(&pair), model_first(&pair));
-        SistersBeside { measured: pair, larger, model_first }
+        SistersComparison { measured: pair, larger, model_first }
     });
     Order { pairs: pairs.collect(), larger_first, model: has_clock.then_some(model) }
 }

@@ -3,6 +3,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`volumes`] | χ of measured divisions and of the tree, free or with the measured first division |
+//! | [`volumes_comparison`] | the whole comparison of measured volumes |
 //! | [`lifetimes`] | lifetimes of cells, over volume and by which sister divides first |
 //! | [`departure`] | when a tree with a clock leaves the embryo's |
 //! | [`dose`] | asymmetry over the dose of a protein, beside the model's over the strength of its cue |
@@ -15,6 +16,7 @@ pub mod dose;
 pub mod lifetimes;
 pub mod noise;
 pub mod volumes;
+pub mod volumes_comparison;
 
 use furrow_lineage::Lineage;
 use furrow_measured::names::{NamedFounder, Names};

@@ -12,14 +12,14 @@ use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
 use furrow_measured::statistics::{BoxPlot, Line, SPREAD_FROM, box_plot, line, line_through_origin, mean};
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+use furrow_mechanics::division::{Division as Computed, DivisionInput, Outcome, divide};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicBool;
 
 /// The model's division of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Modelled {
+pub struct ModelDivision {
     /// Its radius R0, in L_h.
     pub r0: f64,
     /// How its division ends; `None` if it is not known.
@@ -30,14 +30,14 @@ pub struct Modelled {
 
 /// Divisions of a mother in the embryos of a group, beside the model's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Beside {
+pub struct MotherComparison {
     /// What was measured.
     #[serde(flatten)]
     pub measured: MotherSummary,
     /// The tree grown from the zygote.
-    pub model: Option<Modelled>,
+    pub model: Option<ModelDivision>,
     /// The tree with AB and P1 as large as this group measures them; `None` for P0, and where P0 was not measured.
-    pub given_first: Option<Modelled>,
+    pub given_first: Option<ModelDivision>,
     /// The tree grown from the zygote, over sets of constants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<Band>,
@@ -46,7 +46,7 @@ pub struct Beside {
     pub box_plot: Option<BoxPlot>,
 }
 
-impl Beside {
+impl MotherComparison {
     /// (model − measured)/sd of a χ, of [`SPREAD_FROM`] embryos or more.
     pub fn off(&self, chi: f64) -> Option<f64> {
         self.measured
@@ -67,20 +67,20 @@ pub struct Band {
 
 /// A group beside the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GroupBeside {
+pub struct GroupComparison {
     /// Its name; empty if the table has no groups.
     pub group: String,
     /// Its embryos with a division.
     pub embryos: usize,
     /// By mother.
-    pub events: Vec<Beside>,
+    pub events: Vec<MotherComparison>,
     /// |χ| by decades of the mother's volume.
     pub bins: Vec<VolumeBin>,
     /// Each bin beside the next one of larger cells.
     pub tests: Vec<AdjacentTest>,
 }
 
-impl GroupBeside {
+impl GroupComparison {
     /// Leaves out what needs sizes: of a table of χ they are not known.
     pub fn without_sizes(&mut self) {
         (self.bins, self.tests) = (Vec::new(), Vec::new());
@@ -111,7 +111,7 @@ pub struct Regression {
 pub fn modelled(tree: &Tree) -> Cells {
     let of = |id| {
         let cell = tree.cell(id);
-        let modelled = Modelled { r0: cell.r0, outcome: cell.fate.outcome(), chi: cell.fate.chi() };
+        let modelled = ModelDivision { r0: cell.r0, outcome: cell.fate.outcome(), chi: cell.fate.chi() };
         (cell.name.clone(), modelled)
     };
     tree.cells().map(of).collect()
@@ -133,7 +133,7 @@ pub fn with_first_division_of(lineage: &Lineage, group: &GroupSummary, r0: f64) 
 const MOST_GROUPS: usize = 50;
 
 /// χ of every cell of a tree by its name.
-pub type Cells = BTreeMap<String, Modelled>;
+pub type Cells = BTreeMap<String, ModelDivision>;
 
 /// The model's cells for groups of embryos: of the tree grown from a zygote of radius `r0`, and for each of the first fifty
 /// groups that measure P0, of the tree [with its first division](with_first_division_of). `grow` grows the trees of lineages.
@@ -156,13 +156,13 @@ pub fn model<E>(
 
 /// Measured groups beside the model: `free` is the tree grown from the zygote, `given` those with each group's first division.
 /// Of groups that are known by their means alone there are no `divisions`, and no bins.
-pub fn beside(
+pub fn compare_groups(
     groups: Vec<GroupSummary>,
     divisions: &[Division],
     free: &Cells,
     given: &BTreeMap<String, Cells>,
     edges: Option<&[f64]>,
-) -> Vec<GroupBeside> {
+) -> Vec<GroupComparison> {
     let mut own_of: HashMap<&str, Vec<&Division>> = by_group(divisions).into_iter().collect();
     let of = |group: GroupSummary| {
         let first = given.get(&group.group);
@@ -171,7 +171,7 @@ pub fn beside(
         for division in &own {
             chi_of.entry(&division.mother).or_default().push(division.chi());
         }
-        let event = |measured: MotherSummary| Beside {
+        let event = |measured: MotherSummary| MotherComparison {
             band: None,
             box_plot: chi_of.get(measured.mother.as_str()).and_then(|chi| box_plot(chi)),
             model: free.get(&measured.mother).copied(),
@@ -182,7 +182,7 @@ pub fn beside(
             measured,
         };
         let bins = volume_bins(&own, edges);
-        GroupBeside {
+        GroupComparison {
             group: group.group,
             embryos: group.embryos,
             events: group.events.into_iter().map(event).collect(),
@@ -194,14 +194,14 @@ pub fn beside(
 }
 
 /// Mean |χ| of one group over the other's, by the mothers measured in both.
-fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
-    let of = |group: &GroupBeside, mother: &str| {
+fn regression(x: &GroupComparison, y: &GroupComparison) -> Regression {
+    let of = |group: &GroupComparison, mother: &str| {
         group.events.iter().find(|event| event.measured.mother == mother).map(|event| event.measured.mean)
     };
     let names = x.events.iter().map(|event| event.measured.mother.clone());
     let matched: Vec<(String, [f64; 2])> =
         names.filter_map(|name| Some((name.clone(), [of(x, &name)?, of(y, &name)?]))).collect();
-    let without = |these: &GroupBeside, others: &GroupBeside| {
+    let without = |these: &GroupComparison, others: &GroupComparison| {
         let names = these.events.iter().map(|event| event.measured.mother.clone());
         names.filter(|name| of(others, name).is_none()).collect()
     };
@@ -218,7 +218,7 @@ fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
 }
 
 /// The regression of two groups, given by their names; `None` unless both are there.
-pub fn regression_of(groups: &[GroupBeside], x: &str, y: &str) -> Option<Regression> {
+pub fn regression_of(groups: &[GroupComparison], x: &str, y: &str) -> Option<Regression> {
     let find = |name: &str| groups.iter().find(|group| group.group == name);
     Some(regression(find(x)?, find(y)?))
 }
@@ -228,7 +228,7 @@ pub fn regression_of(groups: &[GroupBeside], x: &str, y: &str) -> Option<Regress
 /// # Errors
 /// [`GrowError`] of the first set without a tree.
 pub fn add_bands(
-    groups: &mut [GroupBeside],
+    groups: &mut [GroupComparison],
     free: &Cells,
     lineage: &Lineage,
     settings: &TreeSettings,
@@ -299,7 +299,7 @@ pub struct BinModel {
     /// Mean volume of its mothers, in the unit of the table.
     pub volume: f64,
     /// A cell of this volume.
-    pub model: Modelled,
+    pub model: ModelDivision,
 }
 
 /// Cells of the model, one for the mean size of the mothers of each bin: without a cue, which has no name, and then with each of
@@ -315,22 +315,36 @@ pub fn model_by_bin(
     memo: &Memo,
     options: &SchedulerOptions<'_>,
 ) -> Result<Vec<(String, Vec<BinModel>)>, SchedulerError> {
-    let mut all = vec![(String::new(), Cue::none())];
-    all.extend(cues.cloned().into_iter().flatten().filter(|(_, cue)| !cue.is_none()));
     let radius = |bin: &VolumeBin| (0.75 / std::f64::consts::PI * bin.mother_volume).cbrt() / length;
-    let input = |cue: &Cue, bin: &VolumeBin| {
-        let cell = Cell { r0: radius(bin), ..settings.cell.clone().with_cue(cue.clone()) };
+    let cues = cues.into_iter().flatten().map(|(name, cue)| (name.clone(), cue.clone()));
+    let found = divide_by_cue(settings, cues, &bins.iter().map(radius).collect::<Vec<_>>(), memo, options)?;
+    let row = |(bin, found): (&VolumeBin, Option<Computed>)| {
+        let (outcome, chi) = (found.as_ref().map(Computed::outcome), found.as_ref().and_then(Computed::chi));
+        BinModel { bin: bin.name(), volume: bin.mother_volume, model: ModelDivision { r0: radius(bin), outcome, chi } }
+    };
+    Ok(found.into_iter().map(|(cue, found)| (cue, bins.iter().zip(found).map(row).collect())).collect())
+}
+
+/// The name of a cue, and divisions with it.
+type ByCue = (String, Vec<Option<Computed>>);
+
+/// Divisions of cells of these radii, without a cue and with each of the others; each list with the name of its cue.
+fn divide_by_cue(
+    settings: &TreeSettings,
+    cues: impl Iterator<Item = (String, Cue)>,
+    radii: &[f64],
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Vec<ByCue>, SchedulerError> {
+    let mut all = vec![(String::new(), Cue::none())];
+    all.extend(cues.filter(|(_, cue)| !cue.is_none()));
+    let input = |cue: &Cue, r0: &f64| {
+        let cell = Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
         DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
     };
-    let inputs = all.iter().flat_map(|(_, cue)| bins.iter().map(move |bin| input(cue, bin)));
-    let found = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
-    let of = |(bin, found): (&VolumeBin, &Option<furrow_mechanics::division::Division>)| {
-        let (outcome, chi) =
-            (found.as_ref().map(|found| found.outcome()), found.as_ref().and_then(|found| found.chi()));
-        BinModel { bin: bin.name(), volume: bin.mother_volume, model: Modelled { r0: radius(bin), outcome, chi } }
-    };
-    let rows = |k: usize| bins.iter().zip(&found[k * bins.len()..]).map(of).collect();
-    Ok(all.into_iter().enumerate().map(|(k, (name, _))| (name, rows(k))).collect())
+    let inputs = all.iter().flat_map(|(_, cue)| radii.iter().map(move |r0| input(cue, r0)));
+    let mut found = scheduler::solve_all(inputs, memo, options, divide)?.divisions.into_iter();
+    Ok(all.into_iter().map(|(name, _)| (name, found.by_ref().take(radii.len()).collect())).collect())
 }
 
 /// χ over the size of a cell.
@@ -358,15 +372,10 @@ pub fn size_curves(
     options: &SchedulerOptions<'_>,
 ) -> Result<Vec<SizeCurve>, SchedulerError> {
     let radii: Vec<f64> = phase::spaced(from.ln(), to.ln(), POINTS).into_iter().map(f64::exp).collect();
-    let mut cues = vec![(String::new(), Cue::none())];
-    cues.extend(lineage.cues.clone().into_iter().filter(|(_, cue)| !cue.is_none()));
-    let input = |cue: &Cue, r0: &f64| {
-        let cell = Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
-        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
+    let found = divide_by_cue(settings, lineage.cues.clone().into_iter(), &radii, memo, options)?;
+    let curve = |(cue, found): ByCue| SizeCurve {
+        cue,
+        points: radii.iter().copied().zip(found.iter().map(|found| found.as_ref()?.chi())).collect(),
     };
-    let inputs = cues.iter().flat_map(|(_, cue)| radii.iter().map(move |r0| input(cue, r0)));
-    let divisions = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
-    let chi = |found: &Option<furrow_mechanics::division::Division>| found.as_ref()?.chi();
-    let points = |k: usize| radii.iter().copied().zip(divisions[k * radii.len()..].iter().map(chi)).collect();
-    Ok(cues.into_iter().enumerate().map(|(k, (cue, _))| SizeCurve { cue, points: points(k) }).collect())
+    Ok(found.into_iter().map(curve).collect())
 }

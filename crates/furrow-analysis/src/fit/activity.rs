@@ -6,14 +6,14 @@
 //! lineage file.
 
 use super::error::{FitError, check_cancelled};
-use super::search::{FitProgress, Limit, ShowProgress};
+use super::search::{FitProgress, FitRun, Limit, NumberAtLimit};
 use crate::ranges::{Reading, grow_alone};
 use furrow_lineage::batch::{Memo, scheduler};
-use furrow_lineage::{EndRule, FounderRounds, GrowError, Lineage, Scope, Thresholds, TreeSettings, founder_rounds};
+use furrow_lineage::{EndRule, FounderRounds, GrowError, Scope, Thresholds, founder_rounds};
 use furrow_mechanics::critical::CriticalRadii;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The activity that a founder would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -55,10 +55,8 @@ const MOST: usize = TRIED + 2 * HALVINGS;
 
 /// One founder's rounds over its activity.
 struct Search<'a> {
-    lineage: &'a Lineage,
-    settings: &'a TreeSettings,
+    run: &'a FitRun<'a>,
     memo: &'a Memo,
-    cancel: &'a AtomicBool,
     reading: Reading,
     founder: usize,
     /// The critical radii that are stored.
@@ -74,26 +72,31 @@ struct Search<'a> {
 impl Search<'_> {
     /// Whether founder `k` is this one or descends from it.
     fn is_below(&self, k: usize) -> bool {
-        k == self.founder || self.lineage.mother(k).is_some_and(|mother| self.is_below(mother))
+        k == self.founder || self.run.lineage.mother(k).is_some_and(|mother| self.is_below(mother))
     }
 
     /// Rounds at an activity; `None` if the founder is never born, or the tree could not be grown.
     fn rounds(&self, xi_s: f64) -> Result<Option<f64>, GrowError> {
         self.trees.fetch_add(1, Ordering::Relaxed);
         (self.grown)();
-        let mut lineage = self.lineage.clone();
+        let mut lineage = self.run.lineage.clone();
         for k in 0..lineage.founders.len() {
             if self.is_below(k) {
                 lineage.founders[k].physics.xi_s = Some(xi_s);
             }
         }
-        if let Some(most) = self.lineage.founders[self.founder].observed.and_then(|o| o.max) {
+        if let Some(most) = self.run.lineage.founders[self.founder].observed.and_then(|o| o.max) {
             let deeper = DEEPER[usize::from(self.reading == Reading::Mean)];
-            let depth = self.lineage.generation(self.founder) + most + deeper;
+            let depth = self.run.lineage.generation(self.founder) + most + deeper;
             lineage.limits.max_depth = lineage.limits.max_depth.min(depth);
         }
-        let (tree, _) =
-            grow_alone(&lineage, self.settings.clone(), EndRule::Thresholds(&self.ends), self.memo, self.cancel)?;
+        let (tree, _) = grow_alone(
+            &lineage,
+            self.run.settings.clone(),
+            EndRule::Thresholds(&self.ends),
+            self.memo,
+            self.run.cancel,
+        )?;
         let row = founder_rounds(&tree).into_iter().find(|row| row.founder == self.founder);
         Ok(row.and_then(|row| row.rounds).map(|rounds| self.reading.of(&rounds)))
     }
@@ -153,12 +156,12 @@ impl Search<'_> {
             let ends = [(Limit::Lower, from <= range[0]), (Limit::Upper, to >= xi_at(TRIED - 1))];
             ends.into_iter().filter(|(_, reached)| *reached).map(|(limit, _)| limit).collect()
         };
-        let founder = &self.lineage.founders[self.founder];
+        let founder = &self.run.lineage.founders[self.founder];
         let nearest = points.iter().filter_map(|&(xi_s, rounds)| Some((xi_s, rounds?)));
         Ok(FounderActivity {
             name: founder.name.clone(),
             observed,
-            run_xi_s: founder.physics.xi_s.unwrap_or(self.settings.cell.xi_s),
+            run_xi_s: founder.physics.xi_s.unwrap_or(self.run.settings.cell.xi_s),
             rounds: self.own,
             at_limit: xi_s.map_or(Vec::new(), reached),
             xi_s,
@@ -185,21 +188,30 @@ impl Search<'_> {
     }
 }
 
-/// The activity that every founder with observed rounds would need, searched between two activities, and the number of trees
-/// grown; in parallel over founders.
+/// The activities that all founders with observed rounds would need.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedActivities {
+    /// What is compared.
+    pub rounds: Reading,
+    /// Each founder's.
+    pub founders: Vec<FounderActivity>,
+    /// The activities at a limit of the search.
+    pub at_limit: Vec<NumberAtLimit>,
+    /// Trees grown.
+    pub trees: usize,
+}
+
+/// The activity that every founder with observed rounds would need, searched between two activities; in parallel over founders.
 ///
 /// # Errors
 /// [`FitError`].
 pub fn activities(
-    lineage: &Lineage,
-    settings: &TreeSettings,
+    run: &FitRun<'_>,
     memo: &Memo,
     reading: Reading,
     range: [f64; 2],
-    threads: usize,
-    cancel: &AtomicBool,
-    progress: Option<ShowProgress<'_>>,
-) -> Result<(Vec<FounderActivity>, usize), FitError> {
+) -> Result<FittedActivities, FitError> {
+    let FitRun { lineage, settings, threads, cancel, progress } = *run;
     let observed = |founder: usize| lineage.founders[founder].observed.and_then(|o| reading.observed(&o));
     let sought: Vec<(usize, f64)> = (0..lineage.founders.len()).filter_map(|k| Some((k, observed(k)?))).collect();
     // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
@@ -224,8 +236,7 @@ pub fn activities(
                 advance(1);
             }
         };
-        let search =
-            Search { lineage, settings, memo, cancel, reading, founder, ends: ends(), trees, own, grown: &grown };
+        let search = Search { run, memo, reading, founder, ends: ends(), trees, own, grown: &grown };
         let found = search.run(observed, range);
         advance(MOST.saturating_sub(mine.load(Ordering::Relaxed)));
         found
@@ -239,5 +250,14 @@ pub fn activities(
     });
     let trees = trees.load(Ordering::Relaxed);
     check_cancelled(cancel, trees, "trees")?;
-    Ok((found?, trees))
+    let founders = found?;
+    Ok(FittedActivities { rounds: reading, at_limit: founders.iter().flat_map(at_limit).collect(), founders, trees })
+}
+
+/// The ends of the widest interval that are limits of the search.
+fn at_limit(founder: &FounderActivity) -> impl Iterator<Item = NumberAtLimit> {
+    founder.at_limit.iter().filter_map(|&limit| {
+        let (name, searched) = (format!("xi_s of {}", founder.name), founder.searched);
+        Some(NumberAtLimit { name, value: limit.of(founder.xi_s?), limit, searched })
+    })
 }

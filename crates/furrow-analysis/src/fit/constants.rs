@@ -15,7 +15,7 @@
 //! zero, and the activity follows. Swarms minimise M + λT at several λ; the Pareto front comes from all evaluated sets.
 
 use super::error::{FitError, check_cancelled};
-use super::search::{FitProgress, Limit, NumberAtLimit, Region, SearchBudget, ShowProgress, moved, swarm};
+use super::search::{FitProgress, FitRun, Limit, NumberAtLimit, Region, SearchBudget, moved, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
 use crate::ranges::grow_alone;
 use furrow_cell::{Cell, Parameter};
@@ -32,7 +32,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// λ of the swarms, in misfit per unit of the thresholds' rms deviation. The first, which looks for the counts alone, has the
 /// whole region; the others what lies between its best and the constants of the start.
@@ -163,55 +163,54 @@ pub struct FittedConstants {
 
 /// The objective of the fit, and all sets of constants evaluated so far.
 struct Objective<'a> {
-    lineage: &'a Lineage,
+    run: FitRun<'a>,
     targets: &'a Targets,
-    settings: &'a TreeSettings,
     memo: &'a Memo,
-    cancel: &'a AtomicBool,
     /// How often a set is asked for, and how often it will be at most.
     asked: AtomicUsize,
     of: usize,
-    progress: Option<ShowProgress<'a>>,
     /// All evaluated places by their bits, so that their order does not depend on threads.
     seen: Mutex<BTreeMap<Vec<u64>, Option<Evaluated>>>,
 }
 
 impl Objective<'_> {
     fn check_cancelled(&self) -> Result<(), FitError> {
-        check_cancelled(self.cancel, self.known().len(), SETS)
+        check_cancelled(self.run.cancel, self.evaluated().len(), SETS)
     }
 
     /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
     fn at(&self, place: &[f64]) -> Option<Evaluated> {
         let key: Vec<u64> = place.iter().map(|x| x.to_bits()).collect();
         let asked = self.asked.fetch_add(1, Ordering::Relaxed) + 1;
-        if let Some(known) = self.known().get(&key) {
+        if let Some(known) = self.evaluated().get(&key) {
             return known.clone();
         }
         self.check_cancelled().ok()?;
-        let found = self.evaluate(&self.targets.cell_at(&self.settings.cell, place));
+        let found = self.evaluate(&self.targets.cell_at(&self.run.settings.cell, place));
         self.check_cancelled().ok()?;
-        let mut seen = self.known();
+        let mut seen = self.evaluated();
         seen.insert(key, found.clone());
-        if let Some(progress) = self.progress {
+        if let Some(progress) = self.run.progress {
             let least = seen.values().flatten().map(|e| e.misfit).fold(f64::INFINITY, f64::min);
             progress(FitProgress { done: asked.min(self.of), of: self.of, least: Some(least) });
         }
         found
     }
 
-    fn known(&self) -> std::sync::MutexGuard<'_, BTreeMap<Vec<u64>, Option<Evaluated>>> {
+    fn evaluated(&self) -> std::sync::MutexGuard<'_, BTreeMap<Vec<u64>, Option<Evaluated>>> {
         // The map stays valid if a thread panics: entries are complete before they are inserted.
         self.seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     fn evaluate(&self, cell: &Cell) -> Option<Evaluated> {
-        let settings = TreeSettings { cell: cell.clone(), ..self.settings.clone() };
+        let settings = TreeSettings { cell: cell.clone(), ..self.run.settings.clone() };
         let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
-        let (tree, _) = grow_alone(self.lineage, settings, EndRule::Thresholds(&ends), self.memo, self.cancel).ok()?;
+        let (tree, _) =
+            grow_alone(self.run.lineage, settings, EndRule::Thresholds(&ends), self.memo, self.run.cancel).ok()?;
         let founders = self.founders(&tree);
         let (cell, thresholds, reversed) = self.thresholds(cell);
-        let contradicted = self.targets.contradicted(&cell, self.settings.numerics, self.memo, self.cancel).ok()?;
+        let contradicted =
+            self.targets.contradicted(&cell, self.run.settings.numerics, self.memo, self.run.cancel).ok()?;
         let parts = Parts { reversed, contradicted, ..self.parts(&founders) };
         let weights = self.targets.weights;
         let misfit = weights.rounds * parts.rounds
@@ -229,7 +228,7 @@ impl Objective<'_> {
 
     fn founders(&self, tree: &Tree) -> Vec<FounderFit> {
         let row = |FounderRounds { founder, rounds }: FounderRounds| {
-            let Founder { name, observed, .. } = &self.lineage.founders[founder];
+            let Founder { name, observed, .. } = &self.run.lineage.founders[founder];
             let fate = tree.founder_cell(founder).map(|id| &tree.cell(id).fate);
             FounderFit {
                 name: name.clone(),
@@ -272,8 +271,9 @@ impl Objective<'_> {
     /// found. The last is the number of pitchforks of another kind than the given one; it does not depend on the gain.
     fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>, usize) {
         let Targets { thresholds: given, criticalities, .. } = self.targets;
-        let threshold =
-            |given: &Threshold| pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default());
+        let threshold = |given: &Threshold| {
+            pitchfork::first(&given.cell(cell), &self.run.settings.numerics, &BranchOptions::default())
+        };
         let found: Vec<Pitchfork> = match given.iter().map(threshold).collect() {
             Ok(found) if !given.is_empty() => found,
             _ => return (cell.clone(), vec![], criticalities.len()),
@@ -317,7 +317,7 @@ impl Objective<'_> {
 
     /// The constants with their best value at an end of the range searched.
     fn at_limit(&self, place: &[f64]) -> Vec<NumberAtLimit> {
-        let cell = self.targets.cell_at(&self.settings.cell, place);
+        let cell = self.targets.cell_at(&self.run.settings.cell, place);
         let of = |(unknown, &share): (&Searched, &f64)| {
             let Searched { parameter, from, to } = *unknown;
             let (name, value) = (parameter.to_string(), parameter.get(&cell));
@@ -358,7 +358,7 @@ impl Objective<'_> {
         let of = |(index, unknown): (usize, &Searched)| {
             let ends = [-1.0, 1.0].map(|way| self.reach(place, index, way, best.misfit));
             let value = |share: f64| {
-                let cell = self.targets.cell_at(&self.settings.cell, &moved(place, index, share));
+                let cell = self.targets.cell_at(&self.run.settings.cell, &moved(place, index, share));
                 at_gain_of(best, unknown.parameter, &cell)
             };
             let ([from, to], reaches_limit) = (ends.map(value), ends[0] <= 0.0 || ends[1] >= 1.0);
@@ -386,21 +386,17 @@ fn bounded(lineage: &Lineage) -> Lineage {
 /// # Errors
 /// [`FitError`].
 pub fn fit_constants(
-    lineage: &Lineage,
+    run: &FitRun<'_>,
     targets: &Targets,
-    settings: &TreeSettings,
     memo: &Memo,
     effort: SearchBudget,
-    threads: usize,
-    cancel: &AtomicBool,
-    progress: Option<ShowProgress<'_>>,
 ) -> Result<FittedConstants, FitError> {
-    let lineage = &bounded(lineage);
+    let (lineage, settings) = (&bounded(run.lineage), run.settings);
     let (asked, seen) = (AtomicUsize::new(0), Mutex::default());
-    let mut objective = Objective { lineage, targets, settings, memo, cancel, asked, of: 0, progress, seen };
+    let mut objective = Objective { run: FitRun { lineage, ..*run }, targets, memo, asked, of: 0, seen };
     objective.of = objective.most(effort);
     let objective = objective;
-    scheduler::pool(threads)?.install(|| {
+    scheduler::pool(run.threads)?.install(|| {
         let start = targets.place_of(&settings.cell);
         let first = objective.evaluate(&settings.cell);
         let mut best: Option<(Vec<f64>, f64)> = None;
@@ -417,7 +413,7 @@ pub fn fit_constants(
         let found = first.and_then(|first| complete(&objective, first, &start));
         objective.check_cancelled()?;
         let advice = "widen the limits, or start from other constants";
-        found.ok_or_else(|| FitError::Nothing { tried: objective.known().len(), what: SETS, advice })
+        found.ok_or_else(|| FitError::Nothing { tried: objective.evaluated().len(), what: SETS, advice })
     })
 }
 
@@ -453,7 +449,7 @@ fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option
     }
     let (place, best) = least(objective)?;
     let at_limit = objective.at_limit(&place);
-    let seen = objective.known();
+    let seen = objective.evaluated();
     let near = || seen.values().flatten().filter(|e| e.misfit <= best.misfit + WORSE);
     let range = |unknown: &Searched| {
         let fold = near()
@@ -476,7 +472,7 @@ fn at_gain_of(best: &Evaluated, parameter: Parameter, cell: &Cell) -> f64 {
 
 /// The place of the least misfit so far; of equal ones that with the better thresholds.
 fn least(objective: &Objective<'_>) -> Option<(Vec<f64>, Evaluated)> {
-    let seen = objective.known();
+    let seen = objective.evaluated();
     let all = seen.iter().filter_map(|(key, found)| Some((key, found.as_ref()?)));
     let (key, found) = all.min_by(|a, b| by_misfit(a.1, b.1))?;
     Some((key.iter().map(|bits| f64::from_bits(*bits)).collect(), found.clone()))
@@ -513,9 +509,9 @@ mod tests {
     #[test]
     fn a_constant_at_the_edge_of_its_range_is_named() {
         let (lineage, targets) = (&Lineage::c_elegans().unwrap(), &Targets::embryo().unwrap());
-        let (settings, memo, cancel) = (&TreeSettings::default(), &Memo::new(Quantisation::DEFAULT), &false.into());
-        let (asked, of, progress, seen) = (AtomicUsize::new(0), 0, None, Mutex::default());
-        let objective = Objective { lineage, targets, settings, memo, cancel, asked, of, progress, seen };
+        let (settings, memo, cancel) = (TreeSettings::default(), &Memo::new(Quantisation::DEFAULT), false.into());
+        let run = FitRun::new(lineage, &settings, 1, &cancel);
+        let objective = Objective { run, targets, memo, asked: AtomicUsize::new(0), of: 0, seen: Mutex::default() };
         let mut place = vec![0.5; targets.unknowns.len()];
         assert_eq!(objective.at_limit(&place), []);
         place[0] = 1.0;

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Evaluated, FittedConstants, FounderActivity, Limit, NumberAtLimit, Targets};
+use super::{Evaluated, FittedConstants, Targets};
 
 impl FittedConstants {
     /// As `furrow fit constants --json` prints it.
@@ -53,13 +53,4 @@ impl Evaluated {
         let lines: String = self.constants.iter().map(|(p, value)| format!("        {p}: {value},\n")).collect();
         format!("// Found by furrow fit constants.\nConfig(\n    physics: (\n{lines}    ),\n)\n")
     }
-}
-
-/// The activities that reach an end of the range asked for.
-pub fn activities_at_limit(found: &[FounderActivity]) -> Vec<NumberAtLimit> {
-    let of = |founder: &FounderActivity, limit: Limit| {
-        let (name, searched) = (format!("xi_s of {}", founder.name), founder.searched);
-        Some(NumberAtLimit { name, value: limit.of(founder.xi_s?), limit, searched })
-    };
-    found.iter().flat_map(|founder| founder.at_limit.iter().filter_map(move |limit| of(founder, *limit))).collect()
 }

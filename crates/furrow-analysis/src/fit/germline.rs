@@ -13,19 +13,19 @@
 use super::error::{FitError, check_cancelled};
 use super::goodness::Goodness;
 use super::jumps::{Jump, jumps};
-use super::search::{FitProgress, Limit, NumberAtLimit, SearchBudget, ShowProgress, descend, swarm};
+use super::search::{FitProgress, FitRun, Limit, NumberAtLimit, SearchBudget, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
 use super::unknowns::{Unknown, unknowns};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
-use furrow_lineage::{Daughter, Lineage, Mother, Place, TreeSettings};
+use furrow_lineage::{Daughter, Mother, Place};
 use furrow_mechanics::calibration::Combination;
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide, divide_with};
 use furrow_spectra::Svd;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Misfit, in standard deviations, of a cell that does not divide.
 const UNDIVIDED: f64 = 10.0;
@@ -111,7 +111,7 @@ struct Chain<'a> {
 impl Chain<'_> {
     /// The radius of a founder; `None` if it is never born.
     fn r0(&mut self, founder: usize) -> Option<f64> {
-        let Objective { lineage, settings, .. } = self.objective;
+        let FitRun { lineage, settings, .. } = self.objective.run;
         if let Some(share) = self.volumes.get(&lineage.founders[founder].name) {
             return Some(self.r0(lineage.first())? * share.cbrt());
         }
@@ -134,7 +134,7 @@ impl Chain<'_> {
 
     /// The division of a founder of that radius; `None` if rules give it a value that is not allowed.
     fn input(&mut self, founder: usize, r0: f64) -> Option<DivisionInput> {
-        let Objective { lineage, settings, .. } = self.objective;
+        let FitRun { lineage, settings, .. } = self.objective.run;
         let place = Place { founder, round: 0, generation: lineage.generation(founder), r0 };
         let own = lineage.cue_at(place);
         let cue = if own.is_none() { own } else { self.cue.clone() };
@@ -160,7 +160,7 @@ impl Chain<'_> {
     }
 
     fn follow(&mut self, founder: usize) -> Option<Slopes> {
-        let Objective { lineage, unknowns, .. } = self.objective;
+        let Objective { run: FitRun { lineage, .. }, unknowns, .. } = self.objective;
         let r0 = self.r0(founder)?;
         let mut input = self.input(founder, r0)?;
         input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
@@ -186,23 +186,20 @@ impl Chain<'_> {
 
 /// The objective of the fit.
 pub(super) struct Objective<'a> {
-    lineage: &'a Lineage,
+    run: FitRun<'a>,
     pub targets: &'a Targets,
-    settings: &'a TreeSettings,
     template: &'a Cue,
     pub unknowns: Vec<Unknown>,
-    cancel: &'a AtomicBool,
     tried: AtomicUsize,
     /// Most cues that are tried.
     of: usize,
     /// The least misfit so far.
     least: Mutex<f64>,
-    progress: Option<ShowProgress<'a>>,
 }
 
 impl Objective<'_> {
     pub fn check_cancelled(&self) -> Result<(), FitError> {
-        check_cancelled(self.cancel, self.tried.load(Ordering::Relaxed), CUES)
+        check_cancelled(self.run.cancel, self.tried.load(Ordering::Relaxed), CUES)
     }
 
     fn cue(&self, place: &[f64]) -> Cue {
@@ -253,7 +250,7 @@ impl Objective<'_> {
     }
 
     fn show(&self, tried: usize, misfit: f64) {
-        let Some(show) = self.progress else { return };
+        let Some(show) = self.run.progress else { return };
         // The number stays valid if a thread panics.
         let mut least = self.least.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         *least = least.min(misfit);
@@ -265,7 +262,7 @@ impl Objective<'_> {
     }
 
     fn founder(&self, name: &str) -> Option<usize> {
-        self.lineage.founders.iter().position(|founder| founder.name == name)
+        self.run.lineage.founders.iter().position(|founder| founder.name == name)
     }
 
     /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
@@ -312,15 +309,12 @@ impl Slopes {
 /// # Errors
 /// [`FitError`].
 pub fn fit_cue(
-    lineage: &Lineage,
+    run: &FitRun<'_>,
     targets: &Targets,
-    settings: &TreeSettings,
     template: &Cue,
     effort: SearchBudget,
-    threads: usize,
-    cancel: &AtomicBool,
-    progress: Option<ShowProgress<'_>>,
 ) -> Result<FittedCue, FitError> {
+    let lineage = run.lineage;
     let by_rules = lineage.cue_rules.iter().any(|rule| rule.cue != "none");
     if !by_rules && !(0..lineage.founders.len()).any(|founder| lineage.gives_cue(founder)) {
         return Err(FitError::NoCue);
@@ -328,8 +322,8 @@ pub fn fit_cue(
     let (unknowns, tried, least) = (unknowns(template), AtomicUsize::new(0), Mutex::new(f64::INFINITY));
     // A simplex asks for its corners and, in most steps, for one or two places.
     let of = effort.evaluations() + unknowns.len() + 1 + 2 * DESCENT as usize;
-    let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried, of, least, progress };
-    scheduler::pool(threads)?.install(|| {
+    let objective = Objective { run: *run, targets, template, unknowns, tried, of, least };
+    scheduler::pool(run.threads)?.install(|| {
         let region = vec![[0.0, 1.0]; objective.unknowns.len()];
         let found = swarm(&region, effort, &|place| objective.chi_squared(place));
         objective.check_cancelled()?;
@@ -407,6 +401,7 @@ fn held(rows: &[Vec<f64>], measured: &[MeasuredChi], goodness: Goodness) -> Resu
 #[cfg(test)]
 mod tests {
     use furrow_cell::Numerics;
+    use furrow_lineage::{Lineage, TreeSettings};
 
     use super::super::unknowns::AMPLITUDES;
     use super::*;
@@ -422,10 +417,9 @@ mod tests {
             if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
         };
         let place = unknowns.iter().map(share).collect();
-        let (tried, cancel) = (AtomicUsize::new(0), &AtomicBool::new(false));
-        let (lineage, targets, settings, template) = (&lineage, &targets, &settings, &template);
-        let (of, least, progress) = (0, Mutex::new(f64::INFINITY), None);
-        then(&Objective { lineage, targets, settings, template, unknowns, cancel, tried, of, least, progress }, place)
+        let (tried, least, cancel) = (AtomicUsize::new(0), Mutex::new(f64::INFINITY), false.into());
+        let run = FitRun::new(&lineage, &settings, 1, &cancel);
+        then(&Objective { run, targets: &targets, template: &template, unknowns, tried, of: 0, least }, place)
     }
 
     #[test]

@@ -1,8 +1,11 @@
 //! How well a fit meets measurements of known errors.
 
+use crate::constraints::{Exclusion, Extent, check_constraints};
+use furrow_cell::Settings;
 use furrow_measured::significance::chi_squared_tail;
-use furrow_mechanics::calibration::{Calibration, Targets, Threshold, ThresholdResidual};
-use serde::Serialize;
+use furrow_mechanics::calibration::{CalibrateError, Calibration, Targets, Threshold, ThresholdResidual, calibrate};
+use serde::{Serialize, Serializer};
+use serde_json::{Map, json};
 
 /// χ² of a fit, with what follows from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -44,7 +47,7 @@ impl Goodness {
     }
 
     /// The goodness of constants fitted to thresholds, with the tolerances as errors.
-    pub fn of_thresholds(targets: &Targets, found: &Calibration) -> Goodness {
+    fn of_thresholds(targets: &Targets, found: &Calibration) -> Goodness {
         let of = |(given, residual): (&Threshold, &ThresholdResidual)| (residual.relative / given.tolerance).powi(2);
         let chi_squared = targets.thresholds.iter().zip(&found.residuals).map(of).sum();
         Goodness::of(chi_squared, found.residuals.len(), found.parameters.len())
@@ -56,5 +59,46 @@ impl std::fmt::Display for Goodness {
         let Goodness { chi_squared, degrees_of_freedom, p, .. } = self;
         write!(f, "χ² = {chi_squared:.2}, degrees of freedom {degrees_of_freedom}")?;
         p.map_or(Ok(()), |p| write!(f, ", p = {p:.1e}"))
+    }
+}
+
+/// Constants calibrated to thresholds, and what speaks against them.
+#[derive(Clone, Debug)]
+pub struct CalibrationStudy {
+    /// The constants.
+    pub found: Calibration,
+    /// How well they meet the thresholds, by their tolerances.
+    pub goodness: Goodness,
+    /// The statements of the targets that they contradict.
+    pub excluded: Vec<Exclusion>,
+}
+
+impl CalibrationStudy {
+    /// Calibrates the unknowns of the targets, from the given constants.
+    ///
+    /// # Errors
+    /// As [`calibrate`].
+    pub fn of(targets: &Targets, Settings { cell, numerics }: &Settings) -> Result<CalibrationStudy, CalibrateError> {
+        let found = calibrate(targets, cell, numerics)?;
+        let excluded = check_constraints(targets, &found.cell, numerics, Extent::Within(f64::INFINITY)).excluded;
+        Ok(CalibrationStudy { goodness: Goodness::of_thresholds(targets, &found), found, excluded })
+    }
+}
+
+impl Serialize for CalibrationStudy {
+    /// The components of `combinations` are in the order of the parameters.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let CalibrationStudy { found, goodness, excluded } = self;
+        let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), json!(value)));
+        json!({
+            "parameters": parameters.collect::<Map<_, _>>(),
+            "residuals": found.residuals,
+            "rms": found.rms,
+            "goodness": goodness,
+            "combinations": found.combinations,
+            "iterations": found.iterations,
+            "excluded": excluded,
+        })
+        .serialize(serializer)
     }
 }

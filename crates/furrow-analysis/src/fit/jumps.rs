@@ -17,8 +17,8 @@ const STEPS: usize = 4;
 /// A change of χ as large as this within [`WITHIN`] of the value is a jump.
 const JUMP: f64 = 0.1;
 const WITHIN: f64 = 1e-3;
-/// A jump ends where χ changes by less than `SETTLED`, at the latest after `LONGER` steps, each twice as long as the one before.
-const SETTLED: f64 = 0.01;
+/// A jump ends where χ changes by less than `LEVEL`, at the latest after `LONGER` steps, each twice as long as the one before.
+const LEVEL: f64 = 0.01;
 const LONGER: usize = 4;
 
 /// A division that jumps.
@@ -132,7 +132,7 @@ fn to_its_end(
     for _ in 0..LONGER {
         let next = 2.0 * between[1] - between[0];
         let beyond = at(next);
-        if change([chi[1], beyond]) < SETTLED {
+        if change([chi[1], beyond]) < LEVEL {
             break;
         }
         (between[1], chi[1]) = (next, beyond);

@@ -27,13 +27,12 @@ pub mod targets;
 mod unknowns;
 
 pub use crate::ranges::Reading;
-pub use activity::{FounderActivity, activities};
+pub use activity::{FittedActivities, FounderActivity, activities};
 pub use clock::{FewCells, FittedClock, FittedLaw, Unused, fit_clock};
 pub use constants::{Evaluated, FittedConstants, fit_constants};
-pub use document::activities_at_limit;
 pub use error::FitError;
 pub use germline::{ChiResidual, FittedCue, fit_cue};
-pub use goodness::Goodness;
+pub use goodness::{CalibrationStudy, Goodness};
 pub use jumps::Jump;
-pub use search::{FitProgress, Limit, NumberAtLimit, SearchBudget};
+pub use search::{FitProgress, FitRun, Limit, NumberAtLimit, SearchBudget};
 pub use targets::Targets;

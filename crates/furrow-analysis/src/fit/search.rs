@@ -6,9 +6,11 @@
 use argmin::core::{CostFunction, Error, Executor};
 use argmin::solver::neldermead::NelderMead;
 use argmin::solver::particleswarm::ParticleSwarm;
+use furrow_lineage::{Lineage, TreeSettings};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 use serde::Serialize;
+use std::sync::atomic::AtomicBool;
 
 /// The misfit to minimise over the unit cube; infinite where it is undefined.
 type Misfit<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
@@ -82,6 +84,28 @@ pub struct FitProgress {
 
 /// Called with the progress of a fit, from any thread.
 pub type ShowProgress<'a> = &'a (dyn Fn(FitProgress) + Sync);
+
+/// What all fits need: a lineage with the parameters of its divisions, and how they run.
+#[derive(Clone, Copy)]
+pub struct FitRun<'a> {
+    /// The lineage.
+    pub lineage: &'a Lineage,
+    /// The parameters of its divisions.
+    pub settings: &'a TreeSettings,
+    /// Threads; 0 is one for each core.
+    pub threads: usize,
+    /// Stops the fit.
+    pub cancel: &'a AtomicBool,
+    /// Shows how far it is.
+    pub progress: Option<ShowProgress<'a>>,
+}
+
+impl<'a> FitRun<'a> {
+    /// A fit that shows no progress.
+    pub fn new(lineage: &'a Lineage, settings: &'a TreeSettings, threads: usize, cancel: &'a AtomicBool) -> FitRun<'a> {
+        FitRun { lineage, settings, threads, cancel, progress: None }
+    }
+}
 
 impl SearchBudget {
     /// How often a swarm asks for the misfit: at its first positions and after each move.

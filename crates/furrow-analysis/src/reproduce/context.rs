@@ -1,6 +1,7 @@
 //! The context of all figures, and their results: findings and artifacts.
 
 use super::paper::Statement;
+use crate::boundary::edges;
 use crate::diagram::Edges;
 use crate::{Row, Run, Sweep};
 use furrow_cell::settings::{Overrides, Settings};
@@ -12,7 +13,6 @@ use furrow_lineage::batch::{
 use furrow_lineage::{GrowError, Tree};
 use furrow_mechanics::division::{Division, DivisionInput, Trajectory, divide};
 use furrow_mechanics::equilibria::Branch;
-use furrow_mechanics::equilibria::curves;
 use furrow_mechanics::perturbation::Perturbation;
 use serde_json::Value;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -199,6 +199,14 @@ impl<'a> Figure<'a> {
         self.findings.push(Finding::judged(id, (holds, computed)));
     }
 
+    /// The same, or why it is not computed.
+    pub fn judge_found(&mut self, id: &str, found: Result<(bool, String), impl std::fmt::Display>) {
+        self.findings.push(match found {
+            Ok(judged) => Finding::judged(id, judged),
+            Err(why) => Finding::not_computed(id, why),
+        });
+    }
+
     /// Adds a number, or why it is missing.
     pub fn number(&mut self, id: &str, computed: Result<f64, impl std::fmt::Display>) {
         self.findings.push(match computed {
@@ -257,11 +265,7 @@ impl<'a> Figure<'a> {
             return Err(ReproduceError::Interrupted);
         }
         // Without the curves the picture has the edges at each value across.
-        let (cell, numerics) = (&plane.cell, &plane.numerics);
-        let ends = plane.across.first().zip(plane.across.last());
-        let range = ends.map_or([0.0; 2], |(first, last)| [*first, *last]);
-        let found = curves::boundary_and_folds(cell, numerics, plane.parameter, range, None).unwrap_or_default();
-        let edges = Edges { pitchforks: Vec::from_iter(found.pitchfork), folds: found.folds, ..Edges::default() };
+        let (edges, _) = edges(&plane, 0);
         self.show(self.name(), Artifact::Map(Box::new(Map { plane, diagram, edges })));
         Ok(())
     }

@@ -158,14 +158,12 @@ pub fn balance(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     type Judge = fn(&[Snapshot]) -> (bool, String);
     let judges: [(&str, f64, Judge); 2] = [("balance", EQUAL, concentrated), ("balance_unequal", UNEQUAL, lopsided)];
     for (id, r0, judge) in judges {
-        let finding = match Trajectory::compute(&figure.context.input(figure.context.cell(r0, 0.87))) {
-            Ok(film) => {
-                let stills: Option<Vec<Snapshot>> = STAGES.iter().map(|part| narrowed(&film, *part)).collect();
-                Finding::judged(id, stills.map_or((false, OPEN_NECK.to_owned()), |stills| judge(&stills)))
-            }
-            Err(error) => Finding::not_computed(id, error),
-        };
-        figure.findings.push(finding);
+        let film = Trajectory::compute(&figure.context.input(figure.context.cell(r0, 0.87)));
+        let judged = film.map(|film| {
+            let stills: Option<Vec<Snapshot>> = STAGES.iter().map(|part| narrowed(&film, *part)).collect();
+            stills.map_or((false, OPEN_NECK.to_owned()), |stills| judge(&stills))
+        });
+        figure.judge_found(id, judged);
     }
     Ok(())
 }

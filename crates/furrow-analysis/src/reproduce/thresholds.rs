@@ -76,15 +76,13 @@ fn past_threshold(
 pub fn cued_boundary(figure: &mut Figure<'_>) {
     let (cell, numerics) = (figure.context.cell(1.0, 0.87), figure.context.converged());
     let radius = |cue: Cue| critical_radius(&cell.clone().with_cue(cue), &numerics).map(|critical| critical.r0);
-    let finding = match radius(Cue::none()).and_then(|plain| Ok([plain, radius(Cue::published())?])) {
-        Ok([plain, cued]) => {
-            let shift = cued / plain - 1.0;
-            let text = format!("R0 = {plain:.3} without, {cued:.3} with the cue, {:+.1} %", 100.0 * shift);
-            Finding::judged("cued_boundary", (shift != 0.0 && shift.abs() < SLIGHT, text))
-        }
-        Err(error) => Finding::not_computed("cued_boundary", error),
-    };
-    figure.findings.push(finding);
+    let both = radius(Cue::none()).and_then(|plain| Ok([plain, radius(Cue::published())?]));
+    let judged = both.map(|[plain, cued]| {
+        let shift = cued / plain - 1.0;
+        let text = format!("R0 = {plain:.3} without, {cued:.3} with the cue, {:+.1} %", 100.0 * shift);
+        (shift != 0.0 && shift.abs() < SLIGHT, text)
+    });
+    figure.judge_found("cued_boundary", judged);
 }
 
 /// Whether ξ_s* goes one way along the curve of pitchforks.
@@ -96,16 +94,13 @@ fn thresholds(
     range: [f64; 2],
     in_order: Compares,
 ) {
-    let finding = match curves::pitchfork_curve(cell, &figure.context.converged(), parameter, range) {
-        Ok(curve) => {
-            let mut points = curve.points;
-            points.sort_by(|a, b| a.value.total_cmp(&b.value));
-            let xi: Vec<f64> = points.iter().map(|point| point.xi_s).collect();
-            let ends = [xi.first(), xi.last()].map(|xi| xi.copied().unwrap_or(f64::NAN));
-            let holds = xi.len() > 1 && xi.windows(2).all(|pair| in_order(pair[0], pair[1]));
-            Finding::judged(id, (holds, format!("ξ_s* = {:.2} to {:.2}", ends[0], ends[1])))
-        }
-        Err(error) => Finding::not_computed(id, error),
-    };
-    figure.findings.push(finding);
+    let judged = curves::pitchfork_curve(cell, &figure.context.converged(), parameter, range).map(|curve| {
+        let mut points = curve.points;
+        points.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let xi: Vec<f64> = points.iter().map(|point| point.xi_s).collect();
+        let ends = [xi.first(), xi.last()].map(|xi| xi.copied().unwrap_or(f64::NAN));
+        let holds = xi.len() > 1 && xi.windows(2).all(|pair| in_order(pair[0], pair[1]));
+        (holds, format!("ξ_s* = {:.2} to {:.2}", ends[0], ends[1]))
+    });
+    figure.judge_found(id, judged);
 }

@@ -9,7 +9,7 @@ use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Stroke, font};
 use furrow_analysis::compare::noise::{Interval, NoiseBin};
-use furrow_analysis::compare::volumes::{Band, Beside, GroupBeside, Modelled, SizeCurve};
+use furrow_analysis::compare::volumes::{Band, GroupComparison, ModelDivision, MotherComparison, SizeCurve};
 
 /// Heights of the chart by mother and the chart over volume.
 const CHARTS: [f64; 2] = [440.0, 400.0];
@@ -23,7 +23,7 @@ const FEWEST: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Comparison<'a> {
     /// Groups of measured divisions beside the model.
-    pub groups: &'a [GroupBeside],
+    pub groups: &'a [GroupComparison],
     /// Single divisions; empty if only means are known.
     pub divisions: &'a [Division],
     /// |χ| by the mother's volume, of all groups.
@@ -90,9 +90,9 @@ fn legend(comparison: &Comparison<'_>) -> Legend {
         let how = if boxes { "boxes, whiskers within 3 IQR" } else { "mean ± sd" };
         (Key::Point(colour(k), Marker::Disc), format!("{name}, {how}, {} embryos", group.embryos))
     };
-    let any = |is: fn(&Beside) -> bool| comparison.groups.iter().flat_map(|group| &group.events).any(is);
-    let model = any(|event| event.model.is_some_and(|model| model.chi.is_some()));
-    let given_first = any(|event| event.given_first.is_some_and(|model| model.chi.is_some()));
+    let any = |is: fn(&MotherComparison) -> bool| comparison.groups.iter().flat_map(|group| &group.events).any(is);
+    let model = any(|event| event.model.as_ref().is_some_and(|model| model.chi.is_some()));
+    let given_first = any(|event| event.given_first.as_ref().is_some_and(|model| model.chi.is_some()));
     let noise = Key::Point(NOISE, Marker::Square);
     let over_size = |(k, curve): (usize, &SizeCurve)| {
         let what = if curve.cue.is_empty() { "no cue".to_owned() } else { format!("cue {}", curve.cue) };
@@ -120,17 +120,17 @@ fn dash(curve: usize) -> Option<[f64; 2]> {
 }
 
 /// The box of a mother's embryos, if there are enough of them.
-fn boxed(event: &Beside) -> Option<&BoxPlot> {
+fn boxed(event: &MotherComparison) -> Option<&BoxPlot> {
     event.box_plot.as_ref().filter(|_| event.measured.n >= FEWEST)
 }
 
 /// The largest χ drawn for a division.
-fn highest(event: &Beside) -> f64 {
+fn highest(event: &MotherComparison) -> f64 {
     let measured = match boxed(event) {
         Some(found) => found.outliers.iter().copied().fold(found.whiskers[1], f64::max),
         None => event.measured.mean + event.measured.sd.unwrap_or(0.0),
     };
-    let of = |modelled: &Option<Modelled>| modelled.and_then(|modelled| modelled.chi).unwrap_or(0.0);
+    let of = |modelled: &Option<ModelDivision>| modelled.and_then(|modelled| modelled.chi).unwrap_or(0.0);
     let band = event.band.and_then(|band| band.chi).map_or(0.0, |chi| chi.p95);
     measured.max(of(&event.model)).max(of(&event.given_first)).max(band)
 }
@@ -141,8 +141,8 @@ fn colour(group: usize) -> Colour {
 }
 
 /// A measured division at `x`, and the model's to the right of it in steps of `apart`, the distance between two groups.
-fn beside(chart: &mut Chart<'_>, [x, apart]: [f64; 2], event: &Beside, colour: Colour) {
-    let Beside { measured, model, given_first, band, .. } = event;
+fn beside(chart: &mut Chart<'_>, [x, apart]: [f64; 2], event: &MotherComparison, colour: Colour) {
+    let MotherComparison { measured, model, given_first, band, .. } = event;
     if let Some(Band { chi: Some(range), .. }) = band {
         chart.area([x + 0.2 * apart, range.p5], [x + 0.4 * apart, range.p95], 2.0, BAND, 1.0);
     }
@@ -157,7 +157,7 @@ fn beside(chart: &mut Chart<'_>, [x, apart]: [f64; 2], event: &Beside, colour: C
         }
     }
     for (of, marker, aside) in [(model, Marker::Diamond, 0.3), (given_first, Marker::Ring, 0.6)] {
-        if let Some(Modelled { chi: Some(chi), .. }) = of {
+        if let Some(ModelDivision { chi: Some(chi), .. }) = of {
             chart.point([x + aside * apart, *chi], 5.5, marker, style::MODEL);
         }
     }

@@ -6,7 +6,7 @@ use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke, font};
 use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
-use furrow_analysis::compare::lifetimes::{CellBeside, LifetimesBeside};
+use furrow_analysis::compare::lifetimes::{CellComparison, LifetimesComparison};
 use furrow_measured::lifetimes::CellsOverTime;
 use furrow_measured::volumes::Unit;
 
@@ -17,7 +17,7 @@ const CHARTS: [f64; 2] = [430.0, 470.0];
 const BEYOND: f64 = 2.5;
 
 /// Draws a table of lifetimes beside a tree; `unit` is the unit of volume.
-pub fn draw(found: &LifetimesBeside, unit: Option<Unit>) -> Canvas {
+pub fn draw(found: &LifetimesComparison, unit: Option<Unit>) -> Canvas {
     let founders = founders(&found.cells);
     let entry = |(name, colour): &(String, Colour)| (Key::Point(*colour, Marker::Disc), format!("{name}, measured"));
     let (alive, any_birth) = (found.over_time.as_ref(), found.over_time.is_some());
@@ -46,7 +46,7 @@ pub fn draw(found: &LifetimesBeside, unit: Option<Unit>) -> Canvas {
 }
 
 /// The measured founders with their colours; the germline is grey, as in drawings of trees.
-fn founders(cells: &[CellBeside]) -> Vec<(String, Colour)> {
+fn founders(cells: &[CellComparison]) -> Vec<(String, Colour)> {
     let mut names: Vec<&str> = Vec::new();
     for cell in cells {
         if !names.contains(&cell.measured.founder.as_str()) {
@@ -69,7 +69,7 @@ fn founders(cells: &[CellBeside]) -> Vec<(String, Colour)> {
     names.into_iter().map(str::to_owned).zip(colours).collect()
 }
 
-fn colour_of(founders: &[(String, Colour)], cell: &CellBeside) -> Colour {
+fn colour_of(founders: &[(String, Colour)], cell: &CellComparison) -> Colour {
     founders.iter().find(|(name, _)| *name == cell.measured.founder).map_or(style::INK, |(_, colour)| *colour)
 }
 
@@ -84,10 +84,10 @@ fn over_volume(
     canvas: &mut Canvas,
     at: [f64; 2],
     size: [f64; 2],
-    (found, unit): (&LifetimesBeside, Option<Unit>),
+    (found, unit): (&LifetimesComparison, Option<Unit>),
     founders: &[(String, Colour)],
 ) {
-    let with_volume: Vec<(&CellBeside, f64)> =
+    let with_volume: Vec<(&CellComparison, f64)> =
         found.cells.iter().filter_map(|cell| Some((cell, cell.volume?))).collect();
     let lifetimes = with_volume.iter().flat_map(|(cell, _)| [Some(cell.measured.mean), cell.model]).flatten();
     let label = format!("measured volume of the cell ({})", unit.map_or("unit of the table", Unit::symbol));
@@ -111,10 +111,10 @@ fn over_birth(
     canvas: &mut Canvas,
     at: [f64; 2],
     size: [f64; 2],
-    found: &LifetimesBeside,
+    found: &LifetimesComparison,
     founders: &[(String, Colour)],
 ) {
-    let born: Vec<(&CellBeside, f64)> =
+    let born: Vec<(&CellComparison, f64)> =
         found.cells.iter().filter_map(|cell| Some((cell, cell.measured.birth?))).collect();
     let lifetimes = born.iter().flat_map(|(cell, _)| [Some(cell.measured.mean), cell.model]).flatten();
     let x = Axis::over("measured birth (min)", born.iter().map(|(_, birth)| *birth));
