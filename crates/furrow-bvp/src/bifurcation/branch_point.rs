@@ -10,6 +10,7 @@
 
 use crate::continuation::{Continuation, Passed, Unfolding, belongs, distances};
 use crate::direction::{Direction, Residual};
+use crate::invalid::InvalidInput;
 use crate::mesh::error_of_change;
 use crate::problem::Directional;
 use crate::problem::derivatives::{power_residuals, second_residual};
@@ -125,15 +126,17 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     if solved.is_none() {
         return Err(SingularError::Stalled { iterations: spent.iterations, correction: f64::NAN });
     }
-    unfolding.derive(problem, &y);
+    unfolding.derive(problem, &y)?;
     let (step, place) = (state.arclength - before, distances(metric, from, &y, &state.tangent));
     if !belongs(place, step) {
         return Err(SingularError::Elsewhere { distance: (place[0] / step - 1.0).abs().max(place[1] / step) });
     }
     let (tangents, mixed) = unfolding.crossing(&y.mesh, &state.tangent).ok_or(singular)?;
     let [first, second] = &tangents;
-    let curvatures =
-        [[first, second], [second, first]].map(|tangents| curvature(unfolding, problem, &y, tangents, mixed));
+    let curvatures = [
+        curvature(unfolding, problem, &y, [first, second], mixed)?,
+        curvature(unfolding, problem, &y, [second, first], mixed)?,
+    ];
     if curvatures.iter().any(|c| !c.is_finite()) {
         problem.prepare(&state.solution.scalars);
         return Err(singular);
@@ -158,19 +161,19 @@ fn curvature<P: Directional>(
     y: &Solution,
     [along, other]: [&Direction; 2],
     mixed: f64,
-) -> f64 {
+) -> Result<f64, InvalidInput> {
     let [mut square, mut cube, mut rest] = [(); 3].map(|()| Residual::default());
     let (mut response, gauss) = (Direction::default(), unfolding.system.gauss.clone());
     power_residuals(&gauss, problem, y, along, CONDITIONS, [&mut square, &mut cube]);
-    unfolding.respond(&square, &mut response);
+    unfolding.respond(&square, &mut response)?;
     response.scale(0.5);
     second_residual(&gauss, problem, y, [along, &response], CONDITIONS, &mut rest);
     rest.add(1.0 / 6.0, &cube);
-    response.add(-unfolding.project(&rest) / mixed, other);
+    response.add(-unfolding.project(&rest)? / mixed, other);
     // An arclength has its curvature across the tangent.
     let rest = unfolding.metric.dot(&y.mesh, along, &response);
     response.add(-rest, along);
-    response.scalars[y.scalars.len() - 1]
+    Ok(response.scalars[y.scalars.len() - 1])
 }
 
 /// Linear conditions that border the unfolded problem.

@@ -191,12 +191,10 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             let last = y.scalars.len() - 1;
             metric::scalar_condition(y, last, y.scalars[last], &mut conditions[1]);
         }
-        system.evaluate(problem, y, conditions, true);
-        system.condense()?;
-        system.factor_blocks(conditions)?;
-        system.solve_own(step);
+        system.factorise(problem, y, conditions)?;
+        system.solve_own(step)?;
         for (k, direction) in basis.iter_mut().enumerate().take(conditions.len()) {
-            system.null_direction(k, direction);
+            system.null_direction(k, direction)?;
         }
         reference.clone_from(&basis[0]);
         metric.normalise(&y.mesh, reference);
@@ -207,8 +205,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
         let MinimallyAugmented { problem, singularity, system, metric, reference, conditions, .. } = self;
         system.check(problem, y)?;
-        let missing = usize::try_from(system.dimensions().missing_conditions()).unwrap_or(0);
-        length("free parameters of the problem", missing, conditions.len())?;
+        length("free parameters of the problem", system.dimensions().linear_conditions(), conditions.len())?;
         length("scalars of the direction", reference.scalars.len(), y.scalars.len())?;
         length("node values of the direction", reference.nodes.len(), y.nodes.len())?;
         metric.check(y)?;
@@ -216,7 +213,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     }
 
     /// g′ along null direction `k`, or along δ₀.
-    fn slope(&mut self, y: &Solution, k: Option<usize>) -> f64 {
+    fn slope(&mut self, y: &Solution, k: Option<usize>) -> Result<f64, InvalidInput> {
         let MinimallyAugmented { problem, singularity, system, basis, step, .. } = self;
         singularity.derivative(system, problem, y, &basis[0], k.map_or(step, |k| &basis[k]))
     }
@@ -260,17 +257,17 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             _ => SingularError::Singular { iterations: report.iterations },
         })?;
         if let Some(closing) = closing {
-            closing.check(y)?;
+            closing.check(y.nodes.len(), y.scalars.len())?;
         }
         length("closing conditions", usize::from(closing.is_some()), self.conditions.len() - 1)?;
         report.iterations += 1;
-        let constant = g + self.slope(y, None);
-        self.slopes[0] = self.slope(y, Some(0));
+        let constant = g + self.slope(y, None)?;
+        self.slopes[0] = self.slope(y, Some(0))?;
         report.distance = (g / self.slopes[0]).abs();
         let shares = match closing {
             None => [-constant / self.slopes[0], 0.0],
             Some(closing) => {
-                self.slopes[1] = self.slope(y, Some(1));
+                self.slopes[1] = self.slope(y, Some(1))?;
                 self.closed_by(closing, y, constant)
             }
         };
@@ -316,7 +313,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// [`SingularError`] if a pivot vanishes.
     pub fn refresh(&mut self, y: &Solution) -> Result<(), SingularError> {
         self.linearise(y)?;
-        self.slopes[0] = self.slope(y, Some(0));
+        self.slopes[0] = self.slope(y, Some(0))?;
         Ok(())
     }
 

@@ -59,7 +59,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let determinant = self.system.determinant();
         (self.state.orientation, self.log_determinant) = (determinant.sign, determinant.log_abs);
         if self.settings.tolerance.is_some() {
-            self.null = passing::nearly_null(&mut self.system);
+            self.null = passing::nearly_null(&mut self.system).unwrap_or_default();
         }
     }
 
@@ -71,7 +71,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         loop {
             let saved = self.state.clone();
             let advance = self.step()?;
-            self.null = passing::nearly_null(&mut self.system);
+            self.null = passing::nearly_null(&mut self.system).unwrap_or_default();
             let error = match self.refine(tolerance, Held::Arclength) {
                 Ok(defect) => return Ok(Advance { defect: Some(defect), ..advance }),
                 Err(error) => error,

@@ -7,10 +7,10 @@
 //! # References
 //! Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (pseudo-arclength).
 
-use crate::dense::{Determinant, PivotFailure};
+use crate::dense::Determinant;
 use crate::direction::{Direction, LinearCondition};
 use crate::invalid::InvalidInput;
-use crate::linear::System;
+use crate::linear::{FactorisationError, System};
 use crate::mesh;
 use crate::metric::{self, Metric};
 use crate::newton::{Meter, Newton, NewtonError, NewtonReport, NewtonScratch, Work};
@@ -147,7 +147,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             .solve(&mut system, &mut scratch, &mut problem, &mut solution, &conditions, false)
             .map_err(|source| ContinuationError::Start { parameter, source })?;
         let mut tangent = Direction::default();
-        system.null_direction(0, &mut tangent);
+        system.null_direction(0, &mut tangent)?;
         metric.normalise(&solution.mesh, &mut tangent);
         if !upwards {
             tangent.scale(-1.0);
@@ -294,10 +294,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     }
 
     /// The tangent at the newest point with the factors of the point itself, which are then those of its own plane.
-    pub(super) fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
+    pub(super) fn exact_tangent(&mut self) -> Result<(), FactorisationError> {
         self.factorise_newest()?;
         let Continuation { system, metric, state, tangent, .. } = self;
-        system.null_direction(0, tangent);
+        system.null_direction(0, tangent)?;
         metric.normalise(&state.solution.mesh, tangent);
         std::mem::swap(&mut state.tangent, tangent);
         Ok(())
@@ -309,15 +309,13 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     ///
     /// # Errors
     /// If a pivot vanishes.
-    pub fn factorise_newest(&mut self) -> Result<(), PivotFailure> {
+    pub fn factorise_newest(&mut self) -> Result<(), FactorisationError> {
         if self.exact {
             return Ok(());
         }
         let Continuation { problem, system, metric, state, conditions, .. } = self;
         metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
-        system.evaluate(problem, &state.solution, conditions, true);
-        system.condense()?;
-        system.factor_blocks(conditions)?;
+        system.factorise(problem, &state.solution, conditions)?;
         self.exact = true;
         Ok(())
     }
@@ -350,9 +348,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let reused = if reuse { chord.solve_with_factors(system, scratch, problem, trial, conditions) } else { None };
         let report = match reused {
             Some(report) => {
-                system.evaluate(problem, trial, conditions, true);
-                system.condense()?;
-                system.factor_blocks(conditions)?;
+                system.factorise(problem, trial, conditions)?;
                 NewtonReport { factorisations: 1, ..report }
             }
             None => settings.newton.solve(system, scratch, problem, trial, conditions, false)?,
@@ -365,7 +361,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             (false, _) => self.reach * REACH_GROWTH,
         };
         let Continuation { system, settings, metric, state, trial, tangent, .. } = self;
-        system.null_direction(0, tangent);
+        system.null_direction(0, tangent)?;
         metric.normalise(&trial.mesh, tangent);
         let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
         if cosine < settings.min_cosine {
@@ -386,17 +382,16 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
         let Continuation { problem, system, metric, state, work, trial, tangent, log_determinant, unfolding, .. } =
             self;
-        let null = passing::nearly_null(system);
+        let null = passing::nearly_null(system).unwrap_or_default();
         // By the determinants at both ends. Not known at the first of them, they are NaN, and the point may be anywhere.
         let ratio = (system.determinant().log_abs - *log_determinant).exp();
         let share = if ratio.is_finite() { 1.0 / (1.0 + ratio) } else { 0.5 };
         let (ends, along) = ([&state.solution, &*trial], &state.tangent);
         let passage = Passage { ends, share, tangent: along, null: &null, step };
         self.passed = passing::branch_point(problem, metric, &passage, unfolding, work);
-        self.elsewhere = self.passed.is_none();
+        // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.
+        self.elsewhere = self.passed.is_none() || system.null_direction(0, tangent).is_err();
         if !self.elsewhere {
-            // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.
-            system.null_direction(0, tangent);
             metric.normalise(&trial.mesh, tangent);
         }
         !self.elsewhere
@@ -424,11 +419,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             return determinant;
         }
         // The corrector's factors belong to a prediction: what counts is the point itself.
-        system.evaluate(problem, trial, conditions, true);
-        match system.condense().and_then(|()| system.factor_blocks(conditions)) {
-            Ok(()) => system.determinant(),
-            Err(_) => determinant,
-        }
+        system.factorise(problem, trial, conditions).map_or(determinant, |()| system.determinant())
     }
 
     /// Moves the mesh if it no longer fits.

@@ -1,6 +1,7 @@
 //! Whether a step has passed a branch point, or jumped to another branch.
 
 use crate::direction::{Direction, Residual};
+use crate::invalid::InvalidInput;
 use crate::linear::System;
 use crate::metric::Metric;
 use crate::newton::Work;
@@ -29,14 +30,14 @@ pub(crate) struct Passed {
 }
 
 /// The direction that belongs to the smallest singular value, nearly, from factors near a branch point: a second null direction.
-pub(super) fn nearly_null(system: &mut System) -> Direction {
+pub(super) fn nearly_null(system: &mut System) -> Result<Direction, InvalidInput> {
     let (mut residual, mut direction, integrals) =
         (system.zero_residual(), Direction::default(), system.dimensions().integrals);
     let Residual { left, right, border, .. } = &mut residual;
     let conditions = right.iter_mut().chain(&mut border[..integrals]).chain(left);
     conditions.zip(uneven()).for_each(|(row, weight)| *row = weight);
-    system.solve(&residual, &mut direction);
-    direction
+    system.solve(&residual, &mut direction)?;
+    Ok(direction)
 }
 
 /// The step from one point to the next, which may have passed a branch point.
@@ -76,7 +77,7 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
     let found = found.and_then(|solution| {
         // The form may belong to an iterate farther away.
         if unfolding.roots().is_none() {
-            unfolding.derive(problem, &solution);
+            unfolding.derive(problem, &solution).ok()?;
             unfolding.roots()?;
         }
         let basis = unfolding.basis.clone();

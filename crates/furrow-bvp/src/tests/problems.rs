@@ -289,9 +289,7 @@ pub fn random_conditions(dims: Dimensions, intervals: usize, random: &mut Random
 /// The workspace with the factors of `problem` at `y`.
 pub fn factored<P: BoundaryValueProblem>(problem: &mut P, y: &Solution, conditions: &[LinearCondition]) -> System {
     let mut system = System::new(problem.dimensions(), y.m);
-    system.evaluate(problem, y, conditions, true);
-    system.condense().unwrap();
-    system.factor_blocks(conditions).unwrap();
+    system.factorise(problem, y, conditions).unwrap();
     system
 }
 
