@@ -44,7 +44,7 @@ impl Step {
     }
 }
 
-/// A name, and what is timed.
+/// A name and the code to time.
 type Part = (&'static str, fn(&mut Step));
 
 /// Parts of a Newton step. A chord step is a further one with the same factors.

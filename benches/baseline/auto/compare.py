@@ -28,7 +28,7 @@ AUTO = os.environ.get("AUTO_DIR", "/usr/lib/auto-07p")
 REFERENCE = os.path.join(ROOT, "../shared/reference/folds.csv")
 MISSING = "{}; on Debian: apt-get install auto-07p gfortran (elsewhere set AUTO_DIR to AUTO's directory)"
 POINTS = 69
-# Meshes of furrow: that of AUTO, one whose fold is as close as AUTO's on that, and one whose fold counts as exact.
+# Meshes of furrow: AUTO's mesh, one with a fold as accurate as AUTO's, and one with a fold that counts as exact.
 SAME, AS_CLOSE, FINE = "40 x 3", "20 x 4", "80 x 5"
 
 EIGHT = {"NDIM": 8, "NBC": 10, "NINT": 0}

@@ -64,6 +64,6 @@ pub use newton::{Interrupt, Newton, NewtonError, NewtonReport, Settings, SolveEr
 pub use problem::{
     BoundaryJacobian, BoundaryValueProblem, CheckError, CollocationPoint, CollocationPoints, Directional,
     EndDerivatives, EndValues, MirrorSymmetric, Mismatch, PointDirection, PointJacobian, PointValues,
-    check_derivatives, check_directional, derivatives,
+    check_derivatives, check_directional,
 };
 pub use solution::{Solution, Transfer};

@@ -120,10 +120,10 @@ const ELSEWHERE: f64 = 1e-3;
 
 impl Krylov {
     /// Iterates `apply` (from, to) in the inner product Σ w a b until `enough` returns a result; `None` if it never does. It gets
-    /// the Ritz values at some dimensions and at the last, which is `limit` or that of an invariant subspace.
+    /// the Ritz values at some dimensions and at the last, the `limit` or the dimension of an invariant subspace.
     ///
     /// # Errors
-    /// [`NoEigenvalues`] if those of the small projected matrix cannot be computed; an error of `apply`.
+    /// [`NoEigenvalues`] if the eigenvalues of the projected matrix cannot be computed; an error of `apply`.
     ///
     /// # Examples
     /// The largest real eigenvalue of a rotation combined with a decay by 0.9, to 1e-10:
@@ -216,7 +216,7 @@ impl Krylov {
         if near.is_some() { NEAR_LOOKS } else { LOOKS }
     }
 
-    /// The Ritz values of the first k vectors, of which the next one would have length `rest`. Their vectors are kept.
+    /// The Ritz values of the first k vectors; `rest` is the length of the next one before normalisation. Their vectors are kept.
     fn ritz(&mut self, k: usize, stride: usize, rest: f64) -> Result<Vec<RitzValue>, NoEigenvalues> {
         let failed = NoEigenvalues { dimension: k };
         let projected = DMatrix::<f64>::from_fn(k, k, |i, j| self.hessenberg[i * stride + j]);
@@ -254,8 +254,8 @@ fn width_from(t: &DMatrix<f64>, i: usize) -> usize {
     1 + usize::from(i + 1 < t.nrows() && t[(i + 1, i)] != 0.0)
 }
 
-/// The eigenvalue of the diagonal block of a real Schur form T that ends before `end`, with Im λ ≥ 0, and its eigenvector, whose entries
-/// from `end` on are zero: (T − λ) x = 0, solved upwards block by block.
+/// The eigenvalue of the diagonal block of a real Schur form T that ends before `end`, with Im λ ≥ 0, and its eigenvector without the
+/// zeros from `end` on: (T − λ) x = 0, solved upwards block by block.
 fn eigenpair(t: &DMatrix<f64>, end: usize) -> (Complex<f64>, Vec<Complex<f64>>) {
     let real = |value: f64| Complex::new(value, 0.0);
     let last = end - 1;

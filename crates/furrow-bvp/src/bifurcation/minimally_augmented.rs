@@ -63,12 +63,10 @@ pub struct MinimallyAugmented<P, S> {
     pub slopes: [f64; 2],
     /// Iterations stop when a correction is below this.
     pub tolerance: f64,
-    /// Iterations also stop when, from the convergence seen so far, the next correction would be below the tolerance:
-    /// one iteration less, with directions and slopes that are less exact than the point. They give up where corrections
-    /// shrink slowly.
-    pub trusting: bool,
-    /// Ratio of a correction to the square of the one before, as seen last, or half of what it was before if that is larger; 0 if none
-    /// was seen.
+    /// Iterations also stop when the next correction, predicted from the observed convergence, is below the tolerance. That saves one
+    /// iteration; directions and slopes are then less accurate than the point. Iterations fail if corrections shrink slowly.
+    pub predict_convergence: bool,
+    /// The last ratio of a correction to the square of the correction before, or half of its value before if that is larger; 0 at first.
     contraction: f64,
     conditions: Vec<LinearCondition>,
     reference: Direction,
@@ -96,8 +94,8 @@ impl AddAssign<AugmentedReport> for Work {
     }
 }
 
-/// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
-/// follows from them, are those of the iterate before it.
+/// Convergence is predicted only after corrections below this: directions and slopes, and with them the normal form, belong to the
+/// iterate before the last correction.
 const SMALL: f64 = 1e-6;
 
 /// An estimate of the error needs no further iteration after a correction below this: the next is about its square.
@@ -119,8 +117,8 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// For a problem near a point with the given tangent of its branch.
     ///
     /// # Errors
-    /// [`SingularError::Invalid`] if the problem does not lack one condition for every free parameter, or if the singularity is
-    /// none of such a problem.
+    /// [`SingularError::Invalid`] if the problem does not lack one condition for every free parameter, or cannot have such a
+    /// singularity.
     pub fn new(
         problem: P,
         singularity: S,
@@ -151,7 +149,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             basis: Default::default(),
             slopes: [0.0; 2],
             tolerance: 1e-11,
-            trusting: false,
+            predict_convergence: false,
             contraction: 0.0,
             conditions: vec![LinearCondition::default(); missing],
             reference,
@@ -238,7 +236,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
                 return Ok(report);
             }
             // A curve can take a shorter step.
-            if self.trusting && report.correction > CONTRACTION * before {
+            if self.predict_convergence && report.correction > CONTRACTION * before {
                 break;
             }
         }
@@ -302,12 +300,15 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             self.contraction = (0.5 * self.contraction).max(size / (before * before));
         }
         // Quadratic convergence: the error after a step of size δ is of order δ².
-        let expected =
-            if self.trusting && self.contraction > 0.0 { 4.0 * self.contraction * size * size } else { f64::INFINITY };
+        let expected = if self.predict_convergence && self.contraction > 0.0 {
+            4.0 * self.contraction * size * size
+        } else {
+            f64::INFINITY
+        };
         size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance
     }
 
-    /// Recomputes factors, null directions and g′ along the branch at a point that a trusting iteration converged to.
+    /// Recomputes factors, null directions and g′ along the branch at a point found by [predicted convergence](Self::predict_convergence).
     ///
     /// # Errors
     /// [`SingularError`] if a pivot vanishes.

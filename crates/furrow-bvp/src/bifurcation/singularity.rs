@@ -56,7 +56,7 @@ pub trait Singularity<P> {
         Ok(())
     }
 
-    /// g at the point whose factors `system` holds; `w` is the null direction of F with all but the first free parameter
+    /// g at the point where `system` was factorised; `w` is the null direction of F with all but the first free parameter
     /// fixed, normalised by the first linear condition of `system`.
     ///
     /// # Errors

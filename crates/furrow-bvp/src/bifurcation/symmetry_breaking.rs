@@ -63,8 +63,8 @@ impl SymmetryBreaking {
         Ok((det.sign, det.log_abs))
     }
 
-    /// Component of J_a⁻¹-like projection: what the solution for −`residual` leaves of the condition replaced. Zero for
-    /// every residual in the range of J_a at g = 0.
+    /// Solves the replaced problem for −`residual` and returns the residual of the replaced condition. At g = 0 it is zero for every
+    /// `residual` in the range of J_a.
     ///
     /// # Errors
     /// If there are no factors, or the residual has other sizes.

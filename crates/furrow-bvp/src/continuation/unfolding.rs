@@ -67,7 +67,7 @@ pub(super) const CONVERGED: f64 = 3e-9;
 
 /// Weights w of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
 /// the symmetries of a problem do not make them useless.
-pub(super) fn uneven() -> impl Iterator<Item = f64> {
+pub(super) fn unfolding_weights() -> impl Iterator<Item = f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     std::iter::repeat_with(move || {
         state ^= state << 13;
@@ -78,7 +78,7 @@ pub(super) fn uneven() -> impl Iterator<Item = f64> {
 }
 
 /// Smaller corrections reuse the form of the previous iterate.
-const SETTLED: f64 = 1e-6;
+const REUSE_FORM: f64 = 1e-6;
 
 /// How g changes along a correction smaller than this is neglected.
 const NEGLIGIBLE: f64 = 1e-2 * CONVERGED;
@@ -95,9 +95,9 @@ fn split(direction: &mut Direction) -> f64 {
 }
 
 impl<P: BoundaryValueProblem> Unfolding<P> {
-    /// The workspace in `kept`, made anew where it does not fit the problem. None if the kernels cannot take another scalar unknown, or if
-    /// the problem is not one condition short of square.
-    pub fn renewed<'a>(
+    /// Returns the workspace in `kept`, or a new one if it has other sizes than the problem; `None` if the kernels cannot take another
+    /// scalar unknown, or if the problem is not one condition short of square.
+    pub fn reuse_or_new<'a>(
         kept: &'a mut Option<Self>,
         dims: Dimensions,
         stages: usize,
@@ -118,7 +118,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             beta: 0.0,
             work: Work::default(),
             second,
-            weights: uneven().take(dims.right + dims.integrals + dims.left).collect(),
+            weights: unfolding_weights().take(dims.right + dims.integrals + dims.left).collect(),
             conditions: Default::default(),
             residual: Residual::default(),
             step: Direction::default(),
@@ -126,14 +126,14 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         })))
     }
 
-    /// Moves `y` onto the branch point near it, on a branch with the given tangent. None if that does not converge. The system,
-    /// the basis and the form are then those of the iterate before, from which the last correction was too small to matter.
+    /// Moves `y` onto the branch point near it, on a branch with the given tangent; `None` if Newton does not converge. System, basis
+    /// and form belong to the iterate before the last correction, which is negligible.
     pub fn solve(&mut self, problem: &mut P, y: &mut Solution, tangent: &Direction) -> Option<()> {
         let [first, second] = &mut self.conditions;
         self.metric.plane_through(y, tangent, first);
         // Any row does that the second null direction is not orthogonal to.
-        second.nodes = uneven().take(y.nodes.len()).collect();
-        second.scalars = uneven().take(y.scalars.len()).collect();
+        second.nodes = unfolding_weights().take(y.nodes.len()).collect();
+        second.scalars = unfolding_weights().take(y.scalars.len()).collect();
         self.beta = 0.0;
         self.linearise(problem, y).ok()?;
         self.basis[0].clone_from(tangent);
@@ -252,8 +252,8 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         let (change, left) = (split(&mut step), step.norm(y));
         let mut shares = shares(self.form, g);
         // Not a number in the first iteration.
-        let settled = left + shares[0].abs() + shares[1].abs() < SETTLED;
-        if !settled {
+        let reuse = left + shares[0].abs() + shares[1].abs() < REUSE_FORM;
+        if !reuse {
             self.derive(problem, y)?;
             let mut there = g;
             if left >= NEGLIGIBLE {

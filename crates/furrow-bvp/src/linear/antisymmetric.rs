@@ -74,7 +74,7 @@ impl System {
     /// correction with older factors that is the remaining residual.
     ///
     /// # Errors
-    /// [`InvalidInput`] without derivatives, or if the sizes are not those of the system.
+    /// [`InvalidInput`] without derivatives, or for other sizes than the system has.
     pub fn apply_antisymmetric(
         &mut self,
         end: &AntisymmetricEnd,
@@ -130,7 +130,7 @@ impl System {
     ///
     /// # Errors
     /// As [`solve_antisymmetric`](Self::solve_antisymmetric).
-    pub fn solve_antisymmetric_last_node(
+    pub(crate) fn solve_antisymmetric_last_node(
         &mut self,
         end: &AntisymmetricEnd,
         residual: &Residual,
@@ -145,7 +145,7 @@ impl System {
     ///
     /// # Errors
     /// As [`solve_antisymmetric`](Self::solve_antisymmetric).
-    pub fn solve_antisymmetric_unit(
+    pub(crate) fn solve_antisymmetric_unit(
         &mut self,
         end: &AntisymmetricEnd,
         right: &[f64],

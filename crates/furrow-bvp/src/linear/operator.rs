@@ -73,8 +73,8 @@ impl SolutionOperator {
     }
 
     /// Computes the readings `to`, points × readings, and the scalar unknowns that belong to the forces `from`, points × forces. With an
-    /// `end` they are those of the antisymmetric problem, which has no scalar unknowns. The factors are those of the
-    /// [assembled](Self::assemble) system.
+    /// `end` the antisymmetric problem is solved, which has no scalar unknowns. The system has to be the
+    /// [assembled](Self::assemble) one.
     ///
     /// # Errors
     /// [`InvalidInput`] if the system has other sizes or no factors, or lengths do not fit.

@@ -173,7 +173,7 @@ impl System {
         derivatives: bool,
     ) {
         problem.prepare(&y.scalars);
-        self.kernels = problem.kernels(self.gauss.m).suited_to(self.condensed.dims, self.gauss.m);
+        self.kernels = problem.kernels(self.gauss.m).matching(self.condensed.dims, self.gauss.m);
         if derivatives {
             // Older factors may go on serving on as many intervals.
             if self.condensed.intervals() != y.intervals() {
@@ -303,7 +303,7 @@ impl System {
         invalid::ready(self.progress >= step, name)
     }
 
-    /// Checks that the factors of the problem are complete, or those of the antisymmetric one with the given end.
+    /// Checks that the factors of the problem, or of the antisymmetric problem with the given end, are complete.
     pub(super) fn require_factors(&self, end: Option<&AntisymmetricEnd>) -> Result<(), InvalidInput> {
         let Some(end) = end else { return self.require(Progress::Factored) };
         self.require(Progress::Eliminated)?;

@@ -16,7 +16,7 @@ use crate::linear::{FactorisationError, Place, System};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
-use super::limits::{Meter, Stop};
+use super::limits::{Stop, WorkLimit};
 
 /// Settings of the iteration.
 ///
@@ -148,13 +148,13 @@ pub struct NewtonScratch {
     trial_step: Direction,
     trial: Option<Solution>,
     /// Ends the iteration once its work is spent.
-    pub(crate) meter: Meter,
+    pub(crate) limit: WorkLimit,
 }
 
 impl NewtonScratch {
-    /// For iterations that end once the work of the meter is spent.
-    pub(crate) fn metered(meter: Meter) -> NewtonScratch {
-        NewtonScratch { meter, ..NewtonScratch::default() }
+    /// For iterations that end once the work of the limit is spent.
+    pub(crate) fn limited(limit: WorkLimit) -> NewtonScratch {
+        NewtonScratch { limit, ..NewtonScratch::default() }
     }
 }
 
@@ -197,7 +197,7 @@ impl Newton {
     }
 
     /// Chord steps alone, with the factors already in `system`. None if they do not converge, with `y` as it was.
-    pub fn solve_with_factors<P: BoundaryValueProblem>(
+    pub(crate) fn solve_with_factors<P: BoundaryValueProblem>(
         &self,
         system: &mut System,
         scratch: &mut NewtonScratch,
@@ -242,8 +242,8 @@ fn chord_correction<P: BoundaryValueProblem>(
 /// Chord steps go on from a correction at most this fraction of the one before.
 const LEAST_CONTRACTION: f64 = 0.5;
 
-/// A correction whose square is at most this part of the tolerance is the last if its contraction says so: what it leaves is of
-/// second order in it.
+/// A correction is the last if its square is at most this part of the tolerance and its contraction is small enough: the remaining
+/// error is of second order in it.
 const SQUARED: f64 = 0.1;
 
 /// A correction below this changes no scaling by more than a hundredth.
@@ -292,7 +292,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
     fn factorise(&mut self) -> Result<(), NewtonError> {
         let Iteration { system, scratch, problem, y, conditions, report, .. } = self;
         let iterations = report.iterations;
-        scratch.meter.charge(y.intervals()).map_err(|reason| NewtonError::Stopped { reason, iterations })?;
+        scratch.limit.spend(y.intervals()).map_err(|reason| NewtonError::Stopped { reason, iterations })?;
         report.factorisations += 1;
         match system.factorise(*problem, y, conditions) {
             Err(FactorisationError::Pivot(failure)) if failure.non_finite => Err(self.non_finite()),

@@ -57,8 +57,7 @@ fn antisymmetric_residual(case: &Case, right: &[f64], random: &mut Random) -> Re
     Residual { right: random.vector(right.len() / case.y.components), border: Vec::new(), ..r }
 }
 
-/// Against the dense problem; J applied to the solution leaves nothing of the residual, and the last node alone is that of
-/// the whole.
+/// Compares with the dense problem, J times the solution with the residual, and the last node alone with the full solution.
 #[test]
 fn antisymmetric_problems_are_solved_as_the_dense_ones() {
     for_every_antisymmetric(|case, right, dense, end, _, random| {

@@ -101,7 +101,7 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
     let regulated = Dimensions { trailing_quadratures: 1, ..dims(9, 3, 2, 5, 5, 1) };
     for dims in [dims(7, 3, 3, 4, 4, 1), regulated] {
         let mut case = Case::new(dims, 4, 3, &mut Random(47));
-        assert!(case.problem.kernels(4).suited_to(dims, 4).is_sized());
+        assert!(case.problem.kernels(4).matching(dims, 4).is_sized());
         let restricted = Restricted::new(&case, [1, 1], &mut Random(53));
         let sized = restricted.applied(&mut case, None).unwrap();
         case.problem.sized = false;

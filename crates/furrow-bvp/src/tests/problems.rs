@@ -160,8 +160,7 @@ pub fn layer(epsilon: f64, [a, b, c]: [f64; 3], ends: [f64; 2]) -> SecondOrder {
     SecondOrder { force: Box::new(force), ends }
 }
 
-/// y′ = rate · y with one nonlinear condition on y at the left end: in truth one equation for one number, whose Newton
-/// iterates are known.
+/// y′ = rate · y with one nonlinear condition on y at the left end: one equation for one number, with known Newton iterates.
 pub struct Initial {
     pub rate: f64,
     /// The condition and its derivative.

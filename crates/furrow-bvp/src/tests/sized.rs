@@ -6,8 +6,8 @@ use super::problems::factored;
 use super::{Random, distance, largest};
 use crate::{BoundaryValueProblem, Dimensions, Direction, Kernels};
 
-/// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components of which 3 are quadratures, or 9 of which the first
-/// 3 and the last are, 3 or 4 stages, and 1 or 2 lanes of columns.
+/// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components with 3 quadratures, or 9 with the first 3 and the
+/// last as quadratures; 3 or 4 stages; 1 or 2 lanes of columns.
 fn unrolled() -> impl Iterator<Item = (Dimensions, usize)> {
     let cell = dims(7, 3, 2, 4, 4, 1);
     let regulated = Dimensions { trailing_quadratures: 1, ..dims(9, 3, 2, 5, 5, 1) };
@@ -21,7 +21,7 @@ fn unrolled() -> impl Iterator<Item = (Dimensions, usize)> {
 fn sized_kernels_give_the_bits_of_the_general_ones() {
     for (dims, m) in unrolled() {
         let mut case = Case::new(dims, m, 3, &mut Random(41 + m as u64));
-        assert!(case.problem.kernels(m).suited_to(dims, m).is_sized());
+        assert!(case.problem.kernels(m).matching(dims, m).is_sized());
         let r = random_residual(&case.system.residual, &mut Random(43));
         let (mut sized, mut general) = (Direction::default(), Direction::default());
         case.system.solve(&r, &mut sized).unwrap();
@@ -36,7 +36,7 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
 #[test]
 fn kernels_for_other_sizes_are_not_used() {
     let kernels = Kernels::sized::<7, 3, 0, 4, 4, 3, 1>();
-    let sized = |dims: Dimensions, m: usize| kernels.suited_to(dims, m).is_sized();
+    let sized = |dims: Dimensions, m: usize| kernels.matching(dims, m).is_sized();
     assert_eq!(unrolled().filter(|(dims, m)| sized(*dims, *m)).count(), 1);
     assert!(!SHAPES.into_iter().filter(|d| (d.components, d.scalars) != (7, 3)).any(|dims| sized(dims, 4)));
 }

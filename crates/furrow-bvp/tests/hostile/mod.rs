@@ -2,12 +2,11 @@
 
 use furrow_bvp::continuation::State;
 use furrow_bvp::continuation::predictor::History;
-use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
     AntisymmetricEnd, BoundaryJacobian, BoundaryValueProblem, Codim2Curve, CollocationPoint, Continuation,
     ContinuationSettings, CurveSettings, Dimensions, Direction, Directional, Fold, Gauss, LinearCondition, Metric,
-    MinimallyAugmented, MirrorSymmetric, Newton, PointJacobian, Settings, Singularity, Solution, SolutionOperator,
-    SymmetryBreaking, System, locate, mesh, solve,
+    MinimallyAugmented, MirrorSymmetric, Newton, PointDirection, PointJacobian, PointValues, Settings, Singularity,
+    Solution, SolutionOperator, SymmetryBreaking, System, locate, mesh, solve,
 };
 
 /// Numbers read from bytes; zeros behind the last.
