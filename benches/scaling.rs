@@ -4,8 +4,8 @@
 //! cargo bench --bench scaling
 //! ```
 //!
-//! The built-in tree is grown without a cache to increasing depth. CPU time is that of the divisions on their threads, which is
-//! valid on a busy machine too. The longest chain of divisions, each of which waits for its mother's, limits the gain: on two
+//! The built-in tree is grown without a cache to increasing depth. CPU time is measured for the divisions on their threads, which is
+//! valid on a busy machine too. The longest chain of divisions, from mother to daughter, limits the gain: on two
 //! threads the ratio is at most total / max(total / 2, chain).
 
 use furrow_formats::tree_to_json;

@@ -3,7 +3,7 @@
 //! `cargo bench --bench steady`; `cargo bench --bench steady -- branch` for the first lines alone. These follow one
 //! branch on the half domain, 40 intervals of 3 Gauss points, tolerance 1e-8, R0 = 2.00, from ξ_s = 0 past the fold: with
 //! steps of any length, and with the steps of `benches/baseline/auto/compare.py`, which runs AUTO-07p too; the latter also on 20
-//! intervals of 4 points, whose fold is as accurate as AUTO's.
+//! intervals of 4 points, with a fold as accurate as AUTO's.
 
 use furrow_bvp::{Continuation, SymmetryBreaking, Work};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
@@ -34,9 +34,9 @@ type Mesh = [usize; 2];
 
 /// The mesh of the comparison with AUTO.
 const SAME: Mesh = [40, 3];
-/// A mesh whose fold is as accurate as AUTO's.
+/// A mesh with a fold as accurate as AUTO's.
 const AS_CLOSE: Mesh = [20, 4];
-/// A mesh whose fold has ten digits.
+/// A mesh that gives ten digits of the fold.
 const FINE: Mesh = [80, 5];
 
 /// Tolerance 1e-8.

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Processor time of this thread in seconds; wall time if the system has none.
+/// Processor time of this thread in seconds; wall time if the system does not measure it.
 pub fn now() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     let start = START.get_or_init(Instant::now);

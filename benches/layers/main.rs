@@ -1,5 +1,5 @@
 //! Benchmarks, one module per layer of the crate. `cargo bench --bench layers` runs all of them,
-//! `cargo bench --bench layers -- division` those of one layer.
+//! `cargo bench --bench layers -- division` one layer.
 //!
 //! The work of each (Newton iterations, factorisations) is printed first, since it does not depend on the machine and its load.
 

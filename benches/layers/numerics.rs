@@ -25,28 +25,26 @@ fn step() -> Step {
     positions(&y, &mut cortex.past);
     cortex.rate = 100.0;
     let mut system = System::new(cortex.dimensions(), numerics.stages);
-    system.evaluate(&mut cortex, &y, &[], true);
-    system.condense().unwrap();
-    system.factor_blocks(&[]).unwrap();
+    system.factorise(&mut cortex, &y, &[]).unwrap();
     let mut update = Direction::default();
-    system.solve_own(&mut update);
+    system.solve_own(&mut update).unwrap();
     Step { system, cortex, y, update }
 }
 
 impl Step {
     fn evaluate(&mut self, with_derivatives: bool) {
-        self.system.evaluate(&mut self.cortex, black_box(&self.y), &[], with_derivatives);
+        self.system.evaluate(&mut self.cortex, black_box(&self.y), &[], with_derivatives).unwrap();
     }
 
     /// The linear algebra of a factorisation.
     fn solve_blocks(&mut self) {
         self.system.condense().unwrap();
         self.system.factor_blocks(&[]).unwrap();
-        self.system.solve_own(&mut self.update);
+        self.system.solve_own(&mut self.update).unwrap();
     }
 }
 
-/// A name, and what is timed.
+/// A name and the code to time.
 type Part = (&'static str, fn(&mut Step));
 
 /// Parts of a Newton step. A chord step is a further one with the same factors.
@@ -55,7 +53,7 @@ const PARTS: [Part; 8] = [
     ("residual and Jacobian", |step| step.evaluate(true)),
     ("condense", |step| step.system.condense().unwrap()),
     ("factor blocks", |step| step.system.factor_blocks(&[]).unwrap()),
-    ("solve", |step| step.system.solve_own(&mut step.update)),
+    ("solve", |step| step.system.solve_own(&mut step.update).unwrap()),
     ("condense, factor and solve", Step::solve_blocks),
     ("Newton step", |step| {
         step.evaluate(true);
@@ -63,7 +61,7 @@ const PARTS: [Part; 8] = [
     }),
     ("chord step", |step| {
         step.evaluate(false);
-        step.system.solve_own(&mut step.update);
+        step.system.solve_own(&mut step.update).unwrap();
     }),
 ];
 

@@ -1,5 +1,5 @@
 //! Gelfand's problem in the unit ball, u″ + 2u′/r + λeᵘ = 0, u′(0) = u(1) = 0: its branch has
-//! infinitely many folds, which close in on λ = 2 as u(0) rises. Finds the first five, on meshes that follow the peak. The exact values are those of
+//! infinitely many folds, which close in on λ = 2 as u(0) rises. Finds the first five, on meshes that follow the peak. The exact values follow from
 //! the isothermal sphere φ″ + 2φ′/ξ = e^−φ: λ = ξ²e^−φ, with folds where ξφ′ = 2.
 
 use furrow_bvp::{

@@ -1,6 +1,6 @@
 //! The Swift–Hohenberg equation 0 = ru − (1 + ∂²)²u + 1.8u² − u³ on [0, 20π], even about both ends. The branch of patterns that
 //! fill part of the domain snakes between two values of r: every pair of folds adds a wave at the front. Compares the folds with
-//! those of an expansion in 384 cosines.
+//! an expansion in 384 cosines.
 
 use std::f64::consts::PI;
 

@@ -157,7 +157,7 @@ pub struct Codim2Curve<P, S> {
     /// Length and first correction of the newest step.
     last: Option<[f64; 2]>,
     /// Largest first correction that a shorter step did not reduce.
-    roundings: f64,
+    rounding: f64,
     closing: LinearCondition,
     trial: Solution,
     weight: Vec<f64>,
@@ -202,7 +202,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
             work: Work::default(),
             history: History::of_order(ORDER),
             last: None,
-            roundings: 0.0,
+            rounding: 0.0,
             closing: LinearCondition::default(),
             weight: Vec::new(),
         };
@@ -296,9 +296,9 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
 
     /// Corrects the prediction in the plane; the tangent at the point found.
     fn correct(&mut self) -> Result<(AugmentedReport, Direction), SingularError> {
-        (self.augmented.tolerance, self.augmented.trusting) = (self.settings.tolerance, true);
+        (self.augmented.tolerance, self.augmented.predict_convergence) = (self.settings.tolerance, true);
         let solved = self.augmented.solve(&mut self.trial, Some(&self.closing));
-        (self.augmented.tolerance, self.augmented.trusting) = (ROUNDING, false);
+        (self.augmented.tolerance, self.augmented.predict_convergence) = (ROUNDING, false);
         let report = solved?;
         self.work += report;
         let (tangent, cosine) = self.tangent_at(&self.trial);
@@ -330,9 +330,9 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         self.work.steps += 1;
     }
 
-    /// The step after one with a first correction of size `correction`, whose order is that of the prediction: as many
-    /// points as are known. Accuracy shortens no step below a quarter of the first: what is left of a correction there is
-    /// roundings, which do not shrink with the step, and only longer ones leave them behind.
+    /// The next step length. The first correction of a step is of the order of the predictor, the number of known points, in the
+    /// step length. No step becomes shorter than a quarter of the first for accuracy: corrections there are rounding errors, which do not
+    /// shrink with the step.
     fn step_after(&mut self, step: f64, correction: f64) -> f64 {
         let order = self.history.len() as f64;
         if let Some([longer, before]) = self.last
@@ -341,10 +341,10 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
             && correction < 100.0 * self.settings.target_correction
         {
             // A shorter step with the same correction: only rounding is left.
-            self.roundings = self.roundings.max(correction);
+            self.rounding = self.rounding.max(correction);
         }
         self.last = Some([step, correction]);
-        let target = self.settings.target_correction.max(self.roundings);
+        let target = self.settings.target_correction.max(self.rounding);
         let shortest = 0.25 * self.settings.first_step;
         let ratio = (target / correction.max(1e-300)).powf(1.0 / order).clamp(0.3, 3.0);
         let next = step * if correction < 10.0 * target { ratio.max(1.0) } else { ratio };

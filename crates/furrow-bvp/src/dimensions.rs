@@ -82,6 +82,11 @@ impl Dimensions {
         signed(self.components.saturating_add(self.scalars)).saturating_sub(signed(conditions))
     }
 
+    /// [`missing_conditions`](Self::missing_conditions) of a problem that has no more conditions than unknowns, 0 otherwise.
+    pub(crate) fn linear_conditions(&self) -> usize {
+        usize::try_from(self.missing_conditions()).unwrap_or(0)
+    }
+
     /// Quadrature components, leading and trailing.
     pub fn all_quadratures(&self) -> usize {
         self.quadratures.saturating_add(self.trailing_quadratures)

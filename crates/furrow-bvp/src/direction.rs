@@ -16,10 +16,10 @@ pub struct LinearCondition {
 }
 
 impl LinearCondition {
-    /// Checks the lengths for a solution.
-    pub(crate) fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
-        length("node weights in a linear condition", self.nodes.len(), y.nodes.len())?;
-        length("scalar weights in a linear condition", self.scalars.len(), y.scalars.len())
+    /// Checks the numbers of node values and of scalar unknowns.
+    pub(crate) fn check(&self, nodes: usize, scalars: usize) -> Result<(), InvalidInput> {
+        length("node weights in a linear condition", self.nodes.len(), nodes)?;
+        length("scalar weights in a linear condition", self.scalars.len(), scalars)
     }
 
     /// Σ w_i·y_i + w_p·p.

@@ -51,6 +51,22 @@ pub enum InvalidInput {
         /// How many are needed.
         expected: usize,
     },
+    /// More values than the kernels take.
+    #[error("{length} {name}, {limit} allowed")]
+    TooMany {
+        /// The counted objects.
+        name: &'static str,
+        /// How many there are.
+        length: usize,
+        /// Most of them.
+        limit: usize,
+    },
+    /// A step that has to come first is missing, or it failed.
+    #[error("the system is not {step} yet")]
+    NotReady {
+        /// The step.
+        step: &'static str,
+    },
     /// An index beyond the end.
     #[error("{name} {index} does not exist: there are {count}, counted from 0")]
     Index {
@@ -76,6 +92,16 @@ pub enum InvalidInput {
 /// Refuses a number of values other than the one needed.
 pub(crate) fn length(name: &'static str, length: usize, expected: usize) -> Result<(), InvalidInput> {
     if length == expected { Ok(()) } else { Err(InvalidInput::Length { name, length, expected }) }
+}
+
+/// Refuses more values than `limit`.
+pub(crate) fn at_most(name: &'static str, length: usize, limit: usize) -> Result<(), InvalidInput> {
+    if length <= limit { Ok(()) } else { Err(InvalidInput::TooMany { name, length, limit }) }
+}
+
+/// Refuses a system for which an earlier step is missing.
+pub(crate) fn ready(is_done: bool, step: &'static str) -> Result<(), InvalidInput> {
+    if is_done { Ok(()) } else { Err(InvalidInput::NotReady { step }) }
 }
 
 /// Refuses an index beyond the end.

@@ -58,12 +58,12 @@ pub use direction::{Direction, LinearCondition, Residual};
 pub use gauss::Gauss;
 pub use invalid::InvalidInput;
 pub use kernels::{AntisymmetricEnd, Kernels};
-pub use linear::{Place, SolutionOperator, System};
+pub use linear::{FactorisationError, Place, SolutionOperator, System};
 pub use metric::Metric;
 pub use newton::{Interrupt, Newton, NewtonError, NewtonReport, Settings, SolveError, Solved, Stop, Work, solve};
 pub use problem::{
     BoundaryJacobian, BoundaryValueProblem, CheckError, CollocationPoint, CollocationPoints, Directional,
     EndDerivatives, EndValues, MirrorSymmetric, Mismatch, PointDirection, PointJacobian, PointValues,
-    check_derivatives, check_directional, derivatives,
+    check_derivatives, check_directional,
 };
 pub use solution::{Solution, Transfer};

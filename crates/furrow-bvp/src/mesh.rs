@@ -200,8 +200,7 @@ pub(crate) fn redistributed(mesh: &[f64], defects: &[f64], m: usize, intervals: 
 /// fraction.
 const PROGRESS: f64 = 0.5;
 
-/// Most intervals from one mesh to the next, in those of the first: what a coarse mesh says of a finer one is a rough
-/// guess.
+/// Largest growth of the number of intervals from one mesh to the next: a coarse mesh gives a rough estimate only.
 const GROWTH: usize = 2;
 
 /// Numbers of intervals from mesh to mesh, until the defect is below a tolerance.
@@ -221,11 +220,11 @@ impl Refinement {
     pub fn next(&mut self, defects: &[f64], m: usize) -> Option<usize> {
         let (intervals, defect) = (defects.len(), defects.iter().copied().fold(0.0, f64::max));
         // A defect that is infinite twice is no progress either.
-        let settled = self.before.is_some_and(|before| defect > PROGRESS * before || !defect.is_finite());
-        if intervals >= self.limit && settled {
+        let stagnates = self.before.is_some_and(|before| defect > PROGRESS * before || !defect.is_finite());
+        if intervals >= self.limit && stagnates {
             return None;
         }
-        let needed = if settled { usize::MAX } else { intervals_for(defects, m, self.tolerance) };
+        let needed = if stagnates { usize::MAX } else { intervals_for(defects, m, self.tolerance) };
         let next = needed.clamp(intervals, GROWTH * intervals).min(self.limit.max(intervals));
         // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
         self.before = (next == intervals).then_some(defect);

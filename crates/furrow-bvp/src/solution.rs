@@ -95,8 +95,8 @@ impl Solution {
         Gauss::nearest(self.m)
     }
 
-    /// Checks what the fields, which are public, have to agree on: stages that are offered, a mesh, and values as many as
-    /// belong to it. Solvers check it of every solution they are given.
+    /// Checks the public fields: the number of stages, the mesh, and the numbers of node and stage values. Solvers check every
+    /// solution they are given.
     ///
     /// # Errors
     /// [`InvalidInput`] names the field.

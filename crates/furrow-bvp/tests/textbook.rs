@@ -207,7 +207,7 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
     }
 }
 
-/// Its sign tells the two sides of an antisymmetric eigenvalue apart, and those of a symmetric one not.
+/// Its sign changes at antisymmetric eigenvalues and does not change at symmetric ones.
 #[test]
 fn the_symmetry_breaking_sign_changes_at_antisymmetric_eigenvalues_alone() {
     let at = |lambda: f64| linear().zero(0.5, 12, 4, lambda);

@@ -38,9 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut fixed = vec![LinearCondition::default()];
     metric::scalar_condition(&y, 0, 0.0, &mut fixed[0]);
     let mut system = System::new(problem.dimensions(), y.m);
-    system.evaluate(&mut problem, &y, &fixed, true);
-    system.condense()?;
-    system.factor_blocks(&fixed)?;
+    system.factorise(&mut problem, &y, &fixed)?;
     // A vector holds v at the collocation points; −u″ = v adds h v to the residual of the second component.
     let points = y.intervals() * y.m;
     let width = |k: usize| y.mesh[k / y.m + 1] - y.mesh[k / y.m];
@@ -50,10 +48,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for (k, v) in from.iter().enumerate() {
             right.stages[2 * k + 1] = width(k) * v;
         }
-        system.solve(&right, &mut u);
+        system.solve(&right, &mut u)?;
         for (k, v) in to.iter_mut().enumerate() {
             *v = u.stages[2 * k];
         }
+        Ok::<(), Box<dyn std::error::Error>>(())
     };
     let settings = Arnoldi { wanted: 4, tolerance: 1e-12, ..Arnoldi::default() };
     let found = settings.largest(&mut Krylov::default(), &weights, inverse)?;

@@ -44,27 +44,28 @@ impl Arnoldi {
     /// `weights`; the largest first, complex pairs with both signs. The map may have fewer than wanted.
     ///
     /// # Errors
-    /// [`EigenError::NotConverged`] if a residual is above the tolerance in the largest space allowed.
+    /// [`EigenError::NotConverged`] if a residual is above the tolerance in the largest space allowed; an error of `apply`.
     ///
     /// # Examples
     /// ```
-    /// use furrow_spectra::{Arnoldi, Krylov};
+    /// use furrow_spectra::{Arnoldi, EigenError, Krylov};
     /// // Eigenvalues 1, 1/2, 1/4, …
     /// let apply = |from: &[f64], to: &mut [f64]| {
     ///     to.iter_mut().zip(from).enumerate().for_each(|(k, (to, from))| *to = 0.5f64.powi(k as i32) * from);
+    ///     Ok::<(), EigenError>(())
     /// };
     /// let found = Arnoldi::default().largest(&mut Krylov::default(), &[1.0; 40], apply)?;
     /// for (value, exact) in found.iter().zip([1.0, 0.5, 0.25]) {
     ///     assert!((value.re - exact).abs() < 1e-9 && value.im == 0.0);
     /// }
-    /// # Ok::<(), furrow_spectra::EigenError>(())
+    /// # Ok::<(), EigenError>(())
     /// ```
-    pub fn largest(
+    pub fn largest<E: From<NoEigenvalues> + From<EigenError>>(
         &self,
         krylov: &mut Krylov,
         weights: &[f64],
-        apply: impl FnMut(&[f64], &mut [f64]),
-    ) -> Result<Vec<RitzValue>, EigenError> {
+        apply: impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
+    ) -> Result<Vec<RitzValue>, E> {
         let limit = self.max_dimension.min(weights.len());
         let mut worst = f64::INFINITY;
         let found = krylov.run(weights, limit, apply, |values, dimension| {
@@ -75,7 +76,7 @@ impl Arnoldi {
             worst = values.iter().map(|v| v.residual).fold(0.0, f64::max);
             (worst <= self.tolerance && (values.len() == self.wanted || dimension == limit)).then_some(values)
         })?;
-        found.ok_or(EigenError::NotConverged { dimension: limit, residual: worst })
+        found.ok_or_else(|| EigenError::NotConverged { dimension: limit, residual: worst }.into())
     }
 }
 
@@ -119,30 +120,30 @@ const ELSEWHERE: f64 = 1e-3;
 
 impl Krylov {
     /// Iterates `apply` (from, to) in the inner product Σ w a b until `enough` returns a result; `None` if it never does. It gets
-    /// the Ritz values at some dimensions and at the last, which is `limit` or that of an invariant subspace.
+    /// the Ritz values at some dimensions and at the last, the `limit` or the dimension of an invariant subspace.
     ///
     /// # Errors
-    /// [`NoEigenvalues`] if those of the small projected matrix cannot be computed.
+    /// [`NoEigenvalues`] if the eigenvalues of the projected matrix cannot be computed; an error of `apply`.
     ///
     /// # Examples
     /// The largest real eigenvalue of a rotation combined with a decay by 0.9, to 1e-10:
     ///
     /// ```
-    /// use furrow_spectra::Krylov;
-    /// let apply = |from: &[f64], to: &mut [f64]| to.copy_from_slice(&[-from[1], from[0], 0.9 * from[2]]);
+    /// use furrow_spectra::{Krylov, NoEigenvalues};
+    /// let apply = |from: &[f64], to: &mut [f64]| Ok::<(), NoEigenvalues>(to.copy_from_slice(&[-from[1], from[0], 0.9 * from[2]]));
     /// let found = Krylov::default().run(&[1.0; 3], 3, apply, |values, _| {
     ///     values.iter().find(|v| v.im == 0.0 && v.residual < 1e-10).map(|v| v.re)
     /// })?;
     /// assert!((found.unwrap() - 0.9).abs() < 1e-12);
-    /// # Ok::<(), furrow_spectra::NoEigenvalues>(())
+    /// # Ok::<(), NoEigenvalues>(())
     /// ```
-    pub fn run<T>(
+    pub fn run<T, E: From<NoEigenvalues>>(
         &mut self,
         weights: &[f64],
         limit: usize,
-        mut apply: impl FnMut(&[f64], &mut [f64]),
+        mut apply: impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
         mut enough: impl FnMut(&[RitzValue], usize) -> Option<T>,
-    ) -> Result<Option<T>, NoEigenvalues> {
+    ) -> Result<Option<T>, E> {
         let points = weights.len();
         let stride = limit + 1;
         self.basis.resize(self.basis.len().max(stride), Vec::new());
@@ -153,7 +154,7 @@ impl Krylov {
         for k in 0..limit {
             let (known, new) = self.basis.split_at_mut(k + 1);
             let new = &mut new[0];
-            apply(&known[k], new);
+            apply(&known[k], new)?;
             let before = weighted_dot(weights, new, new).sqrt();
             // Twice is enough (Kahan).
             for _ in 0..2 {
@@ -215,7 +216,7 @@ impl Krylov {
         if near.is_some() { NEAR_LOOKS } else { LOOKS }
     }
 
-    /// The Ritz values of the first k vectors, of which the next one would have length `rest`. Their vectors are kept.
+    /// The Ritz values of the first k vectors; `rest` is the length of the next one before normalisation. Their vectors are kept.
     fn ritz(&mut self, k: usize, stride: usize, rest: f64) -> Result<Vec<RitzValue>, NoEigenvalues> {
         let failed = NoEigenvalues { dimension: k };
         let projected = DMatrix::<f64>::from_fn(k, k, |i, j| self.hessenberg[i * stride + j]);
@@ -253,8 +254,8 @@ fn width_from(t: &DMatrix<f64>, i: usize) -> usize {
     1 + usize::from(i + 1 < t.nrows() && t[(i + 1, i)] != 0.0)
 }
 
-/// The eigenvalue of the diagonal block of a real Schur form T that ends before `end`, with Im λ ≥ 0, and its eigenvector, whose entries
-/// from `end` on are zero: (T − λ) x = 0, solved upwards block by block.
+/// The eigenvalue of the diagonal block of a real Schur form T that ends before `end`, with Im λ ≥ 0, and its eigenvector without the
+/// zeros from `end` on: (T − λ) x = 0, solved upwards block by block.
 fn eigenpair(t: &DMatrix<f64>, end: usize) -> (Complex<f64>, Vec<Complex<f64>>) {
     let real = |value: f64| Complex::new(value, 0.0);
     let last = end - 1;
@@ -317,6 +318,7 @@ mod tests {
             for k in 2..size {
                 to[k] = 0.7 / (k * k) as f64 * from[k];
             }
+            Ok::<(), NoEigenvalues>(())
         };
         let found = Krylov::default()
             .run(&vec![0.5; size], 40, apply, |values, _| {
@@ -337,6 +339,7 @@ mod tests {
         let apply = |from: &[f64], to: &mut [f64]| {
             applied += 1;
             to.copy_from_slice(from);
+            Ok::<(), NoEigenvalues>(())
         };
         let values = Krylov::default().run(&[1.0; 8], 6, apply, |values, _| Some(values.to_vec())).unwrap().unwrap();
         assert_eq!((applied, values.len()), (1, 1));

@@ -46,7 +46,7 @@ impl Svd {
         if rows.iter().flatten().any(|x| !x.is_finite()) {
             return Err(NoSingularValues);
         }
-        // Rows of zeros make it at least square: what is thin otherwise then has all right vectors.
+        // Rows of zeros make it at least square, so that all right vectors are computed.
         let (count, height) = (rows.len().min(columns), rows.len().max(columns));
         let filled = DMatrix::from_fn(height, columns, |i, j| rows.get(i).map_or(0.0, |row| row[j]));
         let svd = filled.try_svd(true, true, f64::EPSILON, MOST_ITERATIONS * height).ok_or(NoSingularValues)?;

@@ -1,9 +1,8 @@
 // u″ + (λπ)²u − u² = 0, the demo `bvp` of AUTO. Shared by examples and tests.
 
-use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, Gauss, PointJacobian, Solution,
-    mesh,
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, Gauss, PointDirection,
+    PointJacobian, PointValues, Solution, mesh,
 };
 
 /// v″ + (λπ)²v − v² = 0 for v = u − q, u = 0 at both ends, as y = (u, u′). The branch v = 0 is crossed at λ = 1, 2, 3 …

@@ -153,7 +153,7 @@ fn erf(x: f64) -> f64 {
     value.copysign(x)
 }
 
-/// Problems whose solution oscillates have ε at the next 1/(odd number): at 1e-1 … 1e-4 itself the sixteenth has a
+/// Problems with oscillating solutions have ε at the next 1/(odd number): at 1e-1 … 1e-4 itself the sixteenth has a
 /// one-parameter family of solutions.
 fn next_odd(epsilon: f64) -> f64 {
     1.0 / ((1.0 / epsilon).round() + 1.0)

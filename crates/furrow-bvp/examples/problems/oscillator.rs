@@ -1,9 +1,8 @@
 // u″ + λ w(u) = 0: with w = eᵘ Bratu's problem, with w = sin u the elastica. Shared by examples and tests.
 
-use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, Gauss, MirrorSymmetric,
-    PointJacobian, Solution, mesh,
+    PointDirection, PointJacobian, PointValues, Solution, mesh,
 };
 
 /// u″ + λ w = 0 with y = (u, u′): u(0) = 0 and at the right end either u = 0 or, on a mirror-symmetric half, u′ = 0.

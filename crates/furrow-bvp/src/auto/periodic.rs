@@ -16,7 +16,7 @@ pub trait VectorField {
     /// Parameters p.
     fn parameters(&self) -> usize;
 
-    /// The velocities of so many first components depend on the other components and on p only, never on one another: see
+    /// Number of leading components with velocities that depend on the other components and on p only, see
     /// [`Dimensions::quadratures`].
     fn quadratures(&self) -> usize {
         0
@@ -32,8 +32,8 @@ pub trait VectorField {
 /// periodicity such a pair: y(0) − c = 0 and y(1) − c = 0. An orbit may be shifted in time; the phase condition
 /// ∫ y · y₀′ dx = 0 selects the shift that is nearest to a reference orbit y₀, which in a continuation is the newest point. Scalar
 /// unknowns are c, T and p, in this order.
-/// With one parameter the problem lacks one condition, and [`Continuation`](crate::Continuation) follows the orbit in it. With
-/// none the problem is square, for [`solve`](crate::solve).
+/// With one parameter the problem lacks one condition, and [`Continuation`](crate::Continuation) follows the orbit in it. Without
+/// parameters the problem is square, for [`solve`](crate::solve).
 ///
 /// # Examples
 /// The limit cycle of van der Pol's equation u″ − μ(1 − u²)u′ + u = 0, with the period 6.6632868593 at μ = 1:

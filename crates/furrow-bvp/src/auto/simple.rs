@@ -9,8 +9,8 @@ use super::{Auto, Equations};
 
 /// A problem made of closures, with exact derivatives: no trait to implement.
 ///
-/// Closures take and give [`Jet`]s. That costs more for every evaluation than an implementation of [`Equations`], whose
-/// values are plain numbers where no derivatives are needed.
+/// Closures compute with [`Jet`]s. An implementation of [`Equations`] is cheaper, as it computes with plain numbers where no
+/// derivatives are needed.
 ///
 /// # Examples
 /// u″ = 3/2 u² with u(0) = 4, u(1) = 1 is solved by 4/(1 + x)²:
@@ -98,14 +98,14 @@ impl SimpleProblem {
         self
     }
 
-    /// The derivatives of so many first components depend on the other components and on p only, never on one another: see
+    /// Sets the number of leading components with derivatives that depend on the other components and on p only, see
     /// [`Dimensions::quadratures`]. Newton's steps are then cheaper, and more components fit.
     pub fn quadratures(mut self, count: usize) -> SimpleProblem {
         self.0.dimensions.quadratures = count;
         self
     }
 
-    /// Sets the number of conditions at the left end: `residuals` takes y there and p and writes what is to be zero.
+    /// Sets the number of conditions at the left end: `residuals` takes y there and p and writes the residuals.
     pub fn left_conditions(
         mut self,
         count: usize,

@@ -3,13 +3,14 @@
 //! A direction α₁b₁ + α₂b₂ of a branch fulfils the algebraic bifurcation equation Σ ψD²F\[b_j, b_k\] α_jα_k = 0 (N.20) with
 //! the left null vector ψ. Along the branch with tangent τ, x = x* + aτ + a²η + O(a³):
 //!
-//! * O(a²): Jη = −½ D²F\[τ, τ\], up to multiples of the tangents; η = η₀ + sσ with that of the other branch, σ
+//! * O(a²): Jη = −½ D²F\[τ, τ\], up to multiples of the tangents; η = η₀ + sσ with the tangent σ of the other branch
 //! * O(a³): ψ(D²F\[τ, η\] + ⅙ D³F\[τ, τ, τ\]) = 0, which gives s (as N.11)
 //!
 //! The parameter's component of η tells to which side a pitchfork opens.
 
-use crate::continuation::{Continuation, Passed, Unfolding, belongs, distances};
+use crate::continuation::{Continuation, PassedBranchPoint, Unfolding, distances, is_within_step};
 use crate::direction::{Direction, Residual};
+use crate::invalid::InvalidInput;
 use crate::mesh::error_of_change;
 use crate::problem::Directional;
 use crate::problem::derivatives::{power_residuals, second_residual};
@@ -113,10 +114,10 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     let Continuation { problem, metric, state, work, passed, unfolding, .. } = branch;
     let (before, from) = state.history.back(1).ok_or(singular)?;
     let dims = problem.dimensions();
-    let unfolding = Unfolding::renewed(unfolding, dims, from.m, metric, second_residual).ok_or(singular)?;
+    let unfolding = Unfolding::reuse_or_new(unfolding, dims, from.m, metric, second_residual).ok_or(singular)?;
     let mut y = passed.as_ref().map_or(&state.solution, |passed| &passed.solution).clone();
     let solved = match passed {
-        Some(Passed { unfolded: true, .. }) => Some(()),
+        Some(PassedBranchPoint { unfolded: true, .. }) => Some(()),
         Some(passed) => unfolding.solve_from(problem, &mut y, passed.basis.clone()),
         None => unfolding.solve(problem, &mut y, &state.tangent),
     };
@@ -125,15 +126,17 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     if solved.is_none() {
         return Err(SingularError::Stalled { iterations: spent.iterations, correction: f64::NAN });
     }
-    unfolding.derive(problem, &y);
+    unfolding.derive(problem, &y)?;
     let (step, place) = (state.arclength - before, distances(metric, from, &y, &state.tangent));
-    if !belongs(place, step) {
+    if !is_within_step(place, step) {
         return Err(SingularError::Elsewhere { distance: (place[0] / step - 1.0).abs().max(place[1] / step) });
     }
     let (tangents, mixed) = unfolding.crossing(&y.mesh, &state.tangent).ok_or(singular)?;
     let [first, second] = &tangents;
-    let curvatures =
-        [[first, second], [second, first]].map(|tangents| curvature(unfolding, problem, &y, tangents, mixed));
+    let curvatures = [
+        curvature(unfolding, problem, &y, [first, second], mixed)?,
+        curvature(unfolding, problem, &y, [second, first], mixed)?,
+    ];
     if curvatures.iter().any(|c| !c.is_finite()) {
         problem.prepare(&state.solution.scalars);
         return Err(singular);
@@ -158,19 +161,19 @@ fn curvature<P: Directional>(
     y: &Solution,
     [along, other]: [&Direction; 2],
     mixed: f64,
-) -> f64 {
+) -> Result<f64, InvalidInput> {
     let [mut square, mut cube, mut rest] = [(); 3].map(|()| Residual::default());
     let (mut response, gauss) = (Direction::default(), unfolding.system.gauss.clone());
     power_residuals(&gauss, problem, y, along, CONDITIONS, [&mut square, &mut cube]);
-    unfolding.respond(&square, &mut response);
+    unfolding.respond(&square, &mut response)?;
     response.scale(0.5);
     second_residual(&gauss, problem, y, [along, &response], CONDITIONS, &mut rest);
     rest.add(1.0 / 6.0, &cube);
-    response.add(-unfolding.project(&rest) / mixed, other);
+    response.add(-unfolding.project(&rest)? / mixed, other);
     // An arclength has its curvature across the tangent.
     let rest = unfolding.metric.dot(&y.mesh, along, &response);
     response.add(-rest, along);
-    response.scalars[y.scalars.len() - 1]
+    Ok(response.scalars[y.scalars.len() - 1])
 }
 
 /// Linear conditions that border the unfolded problem.

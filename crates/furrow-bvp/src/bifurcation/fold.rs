@@ -1,10 +1,9 @@
 //! Turning points of a parameter along a branch.
 
-use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
 use crate::direction::{Direction, Residual};
 use crate::invalid::{self, InvalidInput};
-use crate::linear::System;
+use crate::linear::{FactorisationError, System};
 use crate::problem::Directional;
 use crate::problem::derivatives::second_residual;
 use crate::solution::Solution;
@@ -34,19 +33,22 @@ impl<P: Directional> Singularity<P> for Fold {
         invalid::index("scalar unknown", self.parameter, dims.scalars)
     }
 
-    fn evaluate(&mut self, _: &mut System, _: &P, w: &Direction) -> Result<f64, PivotFailure> {
+    fn evaluate(&mut self, _: &mut System, _: &P, w: &Direction) -> Result<f64, FactorisationError> {
         Ok(w.scalars.get(self.parameter).copied().unwrap_or(f64::NAN))
     }
 
     /// J w = 0 along x + d: J w′ = −D²F\[d, w\].
-    fn derivative(&mut self, system: &mut System, problem: &mut P, y: &Solution, w: &Direction, d: &Direction) -> f64 {
-        let conditions = free_parameters(system);
+    fn derivative(
+        &mut self,
+        system: &mut System,
+        problem: &mut P,
+        y: &Solution,
+        w: &Direction,
+        d: &Direction,
+    ) -> Result<f64, InvalidInput> {
+        let conditions = system.dimensions().linear_conditions();
         second_residual(&system.gauss, problem, y, [d, w], conditions, &mut self.residual);
-        system.solve(&self.residual, &mut self.change);
-        self.change.scalars.get(self.parameter).copied().unwrap_or(f64::NAN)
+        system.solve(&self.residual, &mut self.change)?;
+        Ok(self.change.scalars.get(self.parameter).copied().unwrap_or(f64::NAN))
     }
-}
-
-fn free_parameters(system: &System) -> usize {
-    system.dimensions().missing_conditions().max(0) as usize
 }

@@ -63,12 +63,10 @@ pub struct MinimallyAugmented<P, S> {
     pub slopes: [f64; 2],
     /// Iterations stop when a correction is below this.
     pub tolerance: f64,
-    /// Iterations also stop when, from the convergence seen so far, the next correction would be below the tolerance:
-    /// one iteration less, with directions and slopes that are less exact than the point. They give up where corrections
-    /// shrink slowly.
-    pub trusting: bool,
-    /// Ratio of a correction to the square of the one before, as seen last, or half of what it was before if that is larger; 0 if none
-    /// was seen.
+    /// Iterations also stop when the next correction, predicted from the observed convergence, is below the tolerance. That saves one
+    /// iteration; directions and slopes are then less accurate than the point. Iterations fail if corrections shrink slowly.
+    pub predict_convergence: bool,
+    /// The last ratio of a correction to the square of the correction before, or half of its value before if that is larger; 0 at first.
     contraction: f64,
     conditions: Vec<LinearCondition>,
     reference: Direction,
@@ -96,8 +94,8 @@ impl AddAssign<AugmentedReport> for Work {
     }
 }
 
-/// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
-/// follows from them, are those of the iterate before it.
+/// Convergence is predicted only after corrections below this: directions and slopes, and with them the normal form, belong to the
+/// iterate before the last correction.
 const SMALL: f64 = 1e-6;
 
 /// An estimate of the error needs no further iteration after a correction below this: the next is about its square.
@@ -119,8 +117,8 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// For a problem near a point with the given tangent of its branch.
     ///
     /// # Errors
-    /// [`SingularError::Invalid`] if the problem does not lack one condition for every free parameter, or if the singularity is
-    /// none of such a problem.
+    /// [`SingularError::Invalid`] if the problem does not lack one condition for every free parameter, or cannot have such a
+    /// singularity.
     pub fn new(
         problem: P,
         singularity: S,
@@ -151,7 +149,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             basis: Default::default(),
             slopes: [0.0; 2],
             tolerance: 1e-11,
-            trusting: false,
+            predict_convergence: false,
             contraction: 0.0,
             conditions: vec![LinearCondition::default(); missing],
             reference,
@@ -191,12 +189,10 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             let last = y.scalars.len() - 1;
             metric::scalar_condition(y, last, y.scalars[last], &mut conditions[1]);
         }
-        system.evaluate(problem, y, conditions, true);
-        system.condense()?;
-        system.factor_blocks(conditions)?;
-        system.solve_own(step);
+        system.factorise(problem, y, conditions)?;
+        system.solve_own(step)?;
         for (k, direction) in basis.iter_mut().enumerate().take(conditions.len()) {
-            system.null_direction(k, direction);
+            system.null_direction(k, direction)?;
         }
         reference.clone_from(&basis[0]);
         metric.normalise(&y.mesh, reference);
@@ -207,8 +203,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     fn check(&self, y: &Solution) -> Result<(), InvalidInput> {
         let MinimallyAugmented { problem, singularity, system, metric, reference, conditions, .. } = self;
         system.check(problem, y)?;
-        let missing = usize::try_from(system.dimensions().missing_conditions()).unwrap_or(0);
-        length("free parameters of the problem", missing, conditions.len())?;
+        length("free parameters of the problem", system.dimensions().linear_conditions(), conditions.len())?;
         length("scalars of the direction", reference.scalars.len(), y.scalars.len())?;
         length("node values of the direction", reference.nodes.len(), y.nodes.len())?;
         metric.check(y)?;
@@ -216,7 +211,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     }
 
     /// g′ along null direction `k`, or along δ₀.
-    fn slope(&mut self, y: &Solution, k: Option<usize>) -> f64 {
+    fn slope(&mut self, y: &Solution, k: Option<usize>) -> Result<f64, InvalidInput> {
         let MinimallyAugmented { problem, singularity, system, basis, step, .. } = self;
         singularity.derivative(system, problem, y, &basis[0], k.map_or(step, |k| &basis[k]))
     }
@@ -241,7 +236,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
                 return Ok(report);
             }
             // A curve can take a shorter step.
-            if self.trusting && report.correction > CONTRACTION * before {
+            if self.predict_convergence && report.correction > CONTRACTION * before {
                 break;
             }
         }
@@ -260,17 +255,17 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             _ => SingularError::Singular { iterations: report.iterations },
         })?;
         if let Some(closing) = closing {
-            closing.check(y)?;
+            closing.check(y.nodes.len(), y.scalars.len())?;
         }
         length("closing conditions", usize::from(closing.is_some()), self.conditions.len() - 1)?;
         report.iterations += 1;
-        let constant = g + self.slope(y, None);
-        self.slopes[0] = self.slope(y, Some(0));
+        let constant = g + self.slope(y, None)?;
+        self.slopes[0] = self.slope(y, Some(0))?;
         report.distance = (g / self.slopes[0]).abs();
         let shares = match closing {
             None => [-constant / self.slopes[0], 0.0],
             Some(closing) => {
-                self.slopes[1] = self.slope(y, Some(1));
+                self.slopes[1] = self.slope(y, Some(1))?;
                 self.closed_by(closing, y, constant)
             }
         };
@@ -305,18 +300,21 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
             self.contraction = (0.5 * self.contraction).max(size / (before * before));
         }
         // Quadratic convergence: the error after a step of size δ is of order δ².
-        let expected =
-            if self.trusting && self.contraction > 0.0 { 4.0 * self.contraction * size * size } else { f64::INFINITY };
+        let expected = if self.predict_convergence && self.contraction > 0.0 {
+            4.0 * self.contraction * size * size
+        } else {
+            f64::INFINITY
+        };
         size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance
     }
 
-    /// Recomputes factors, null directions and g′ along the branch at a point that a trusting iteration converged to.
+    /// Recomputes factors, null directions and g′ along the branch at a point found by [predicted convergence](Self::predict_convergence).
     ///
     /// # Errors
     /// [`SingularError`] if a pivot vanishes.
     pub fn refresh(&mut self, y: &Solution) -> Result<(), SingularError> {
         self.linearise(y)?;
-        self.slopes[0] = self.slope(y, Some(0));
+        self.slopes[0] = self.slope(y, Some(0))?;
         Ok(())
     }
 

@@ -38,12 +38,12 @@ pub fn pitchfork_normal_form<P: Directional + MirrorSymmetric>(
     let dims = system.dimensions();
     singularity.null.check(y)?;
     system.check(problem, y)?;
-    let conditions = dims.missing_conditions().max(0) as usize;
+    let conditions = dims.linear_conditions();
     let (mut square, mut cube, mut mixed) = (Residual::default(), Residual::default(), Residual::default());
     let gauss = system.gauss.clone();
     power_residuals(&gauss, problem, y, &singularity.null, conditions, [&mut square, &mut cube]);
     let mut response = Direction::default();
-    system.solve(&square, &mut response);
+    system.solve(&square, &mut response)?;
     response.scale(0.5);
     second_residual(&gauss, problem, y, [&singularity.null, &response], conditions, &mut mixed);
     // The antisymmetric problem has no other equations: at the mirror its conditions are linear.
@@ -52,7 +52,7 @@ pub fn pitchfork_normal_form<P: Directional + MirrorSymmetric>(
     }
     mixed.right.clear();
     mixed.right.resize(problem.vanishing_at_mirror().len(), 0.0);
-    let s = -singularity.project(system, &mixed) / slopes[0];
+    let s = -singularity.project(system, &mixed)? / slopes[0];
     response.add(s, &basis[0]);
     let parameters = response.scalars[dims.scalars - conditions..].to_vec();
     if parameters.iter().all(|c| c.is_finite()) {

@@ -1,10 +1,9 @@
 //! Test functions of singular points: scalars that vanish there.
 
-use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
 use crate::direction::Direction;
 use crate::invalid::InvalidInput;
-use crate::linear::System;
+use crate::linear::{FactorisationError, System};
 use crate::solution::Solution;
 
 /// Why a singular point was not found.
@@ -38,9 +37,12 @@ pub enum SingularError {
     },
 }
 
-impl From<PivotFailure> for SingularError {
-    fn from(_: PivotFailure) -> Self {
-        SingularError::Singular { iterations: 0 }
+impl From<FactorisationError> for SingularError {
+    fn from(error: FactorisationError) -> Self {
+        match error {
+            FactorisationError::Invalid(input) => SingularError::Invalid(input),
+            FactorisationError::Pivot(_) => SingularError::Singular { iterations: 0 },
+        }
     }
 }
 
@@ -54,12 +56,12 @@ pub trait Singularity<P> {
         Ok(())
     }
 
-    /// g at the point whose factors `system` holds; `w` is the null direction of F with all but the first free parameter
+    /// g at the point where `system` was factorised; `w` is the null direction of F with all but the first free parameter
     /// fixed, normalised by the first linear condition of `system`.
     ///
     /// # Errors
     /// If g cannot be computed for a vanishing pivot.
-    fn evaluate(&mut self, system: &mut System, problem: &P, w: &Direction) -> Result<f64, PivotFailure>;
+    fn evaluate(&mut self, system: &mut System, problem: &P, w: &Direction) -> Result<f64, FactorisationError>;
 
     /// Sign that changes at the singularity and nowhere else, for the value of g just computed.
     fn sign(&self, g: f64) -> f64 {
@@ -67,5 +69,15 @@ pub trait Singularity<P> {
     }
 
     /// Derivative of g along `d`, after [`evaluate`](Self::evaluate) at the same place.
-    fn derivative(&mut self, system: &mut System, problem: &mut P, y: &Solution, w: &Direction, d: &Direction) -> f64;
+    ///
+    /// # Errors
+    /// If the system has no factors or other sizes.
+    fn derivative(
+        &mut self,
+        system: &mut System,
+        problem: &mut P,
+        y: &Solution,
+        w: &Direction,
+        d: &Direction,
+    ) -> Result<f64, InvalidInput>;
 }

@@ -60,11 +60,9 @@ impl BranchPoint {
         problem.prepare(&state.solution.scalars);
         *work += report?;
         let mut tangent = Direction::default();
-        system.evaluate(problem, &y, &conditions, true);
-        system.condense()?;
-        system.factor_blocks(&conditions)?;
+        system.factorise(problem, &y, &conditions)?;
         work.factorisations += 1;
-        system.null_direction(0, &mut tangent);
+        system.null_direction(0, &mut tangent)?;
         problem.prepare(&state.solution.scalars);
         metric.normalise(&y.mesh, &mut tangent);
         let [cosine, other] = [along, &self.tangents[0]].map(|d| metric.dot(&y.mesh, &tangent, d));

@@ -5,7 +5,7 @@ use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
 use crate::direction::{Direction, Residual};
 use crate::invalid::{self, InvalidInput};
 use crate::kernels::AntisymmetricEnd;
-use crate::linear::System;
+use crate::linear::{FactorisationError, System};
 use crate::problem::derivatives::second_residual;
 use crate::problem::{Directional, MirrorSymmetric};
 use crate::solution::Solution;
@@ -58,29 +58,31 @@ impl SymmetryBreaking {
     ///
     /// # Errors
     /// If a pivot is not finite.
-    pub fn test<P: MirrorSymmetric>(&mut self, system: &System, problem: &P) -> Result<(f64, f64), PivotFailure> {
+    pub fn test<P: MirrorSymmetric>(&mut self, system: &System, problem: &P) -> Result<(f64, f64), FactorisationError> {
         let det = system.factor_antisymmetric(problem.vanishing_at_mirror(), &mut self.end)?;
         Ok((det.sign, det.log_abs))
     }
 
-    /// Component of J_a⁻¹-like projection: what the solution for −`residual` leaves of the condition replaced. Zero for
-    /// every residual in the range of J_a at g = 0.
-    pub fn project(&mut self, system: &mut System, residual: &Residual) -> f64 {
-        system.solve_antisymmetric_last_node(&self.end, residual, &mut self.change);
-        self.remainder(system, &self.change)
+    /// Solves the replaced problem for −`residual` and returns the residual of the replaced condition. At g = 0 it is zero for every
+    /// `residual` in the range of J_a.
+    ///
+    /// # Errors
+    /// If there are no factors, or the residual has other sizes.
+    pub fn project(&mut self, system: &mut System, residual: &Residual) -> Result<f64, InvalidInput> {
+        system.solve_antisymmetric_last_node(&self.end, residual, &mut self.change)?;
+        Ok(self.remainder(system, &self.change))
     }
-}
 
-impl SymmetryBreaking {
     /// Factorises the problem with the last of the components that vanish replaced by `normaliser`.
     fn replace(
         &mut self,
         system: &System,
         vanishing: &[usize],
         normaliser: usize,
-    ) -> Result<Determinant, PivotFailure> {
+    ) -> Result<Determinant, FactorisationError> {
         let Some((&replaced, others)) = vanishing.split_last() else {
-            return Err(PivotFailure { column: 0, non_finite: true });
+            let (name, length) = ("components that vanish at the mirror", 0);
+            return Err(InvalidInput::Length { name, length, expected: 1 }.into());
         };
         self.rows.clear();
         self.rows.extend_from_slice(others);
@@ -91,15 +93,15 @@ impl SymmetryBreaking {
     }
 
     /// Solves the replaced problem for φ with its normalising component 1; returns g.
-    fn solve_replaced(&mut self, system: &mut System) -> f64 {
+    fn solve_replaced(&mut self, system: &mut System) -> Result<f64, InvalidInput> {
         let count = self.rows.len();
         let mut right = [0.0; MAX_UNKNOWNS];
         let right = &mut right[..count.min(MAX_UNKNOWNS)];
         if let Some(normalising) = right.last_mut() {
             *normalising = 1.0;
         }
-        system.solve_antisymmetric_unit(&self.end, right, &mut self.null);
-        self.remainder(system, &self.null)
+        system.solve_antisymmetric_unit(&self.end, right, &mut self.null)?;
+        Ok(self.remainder(system, &self.null))
     }
 
     /// The component at the mirror that the condition replaced would make vanish.
@@ -122,8 +124,8 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
         vanishing.iter().chain(free).try_for_each(|&c| invalid::index("component", c, dims.components))
     }
 
-    fn evaluate(&mut self, system: &mut System, problem: &P, _w: &Direction) -> Result<f64, PivotFailure> {
-        let mut failure = PivotFailure { column: 0, non_finite: false };
+    fn evaluate(&mut self, system: &mut System, problem: &P, _w: &Direction) -> Result<f64, FactorisationError> {
+        let mut failure = PivotFailure { column: 0, non_finite: false }.into();
         let normalisers = problem.free_at_mirror();
         for (attempt, &normaliser) in normalisers.iter().enumerate() {
             let det = match self.replace(system, problem.vanishing_at_mirror(), normaliser) {
@@ -134,7 +136,7 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
                     continue;
                 }
             };
-            let g = self.solve_replaced(system);
+            let g = self.solve_replaced(system)?;
             let largest = self.null.nodes.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             if largest < LARGE || attempt + 1 == normalisers.len() {
                 self.determinant = (det.sign * g.signum(), det.log_abs + g.abs().ln());
@@ -150,7 +152,14 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
     }
 
     /// The replaced problem K φ = const along x + d: K φ′ = −D²F\[d, φ\].
-    fn derivative(&mut self, system: &mut System, problem: &mut P, y: &Solution, _w: &Direction, d: &Direction) -> f64 {
+    fn derivative(
+        &mut self,
+        system: &mut System,
+        problem: &mut P,
+        y: &Solution,
+        _w: &Direction,
+        d: &Direction,
+    ) -> Result<f64, InvalidInput> {
         let mut residual = std::mem::take(&mut self.residual);
         second_residual(&system.gauss, problem, y, [d, &self.null], 0, &mut residual);
         residual.right.clear();

@@ -9,7 +9,7 @@ use crate::metric;
 use crate::newton::NEWTON_SHARE;
 use crate::problem::BoundaryValueProblem;
 
-use super::branch::{Continuation, SHORTER, patient};
+use super::branch::{Continuation, SHORTER, with_more_iterations};
 use super::passing;
 use super::settings::ContinuationError;
 use super::state::Advance;
@@ -20,10 +20,10 @@ const TOO_MANY: f64 = 0.6;
 /// Fewest intervals of a coarsened mesh.
 const FEWEST: usize = 8;
 
-/// What else is held while a point is moved to another mesh.
+/// The quantity that stays fixed while a point is moved to another mesh.
 #[derive(Clone, Copy)]
-pub(super) enum Held {
-    /// The position along the branch.
+pub(super) enum Fixed {
+    /// The plane across the tangent.
     Arclength,
     /// The value of λ.
     Parameter(f64),
@@ -54,25 +54,24 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         (own, defects)
     }
 
-    /// Determinant and nearly null direction by the factors at the newest point.
-    pub(super) fn take_over_factors(&mut self) {
+    /// Stores the determinant and the approximate null vector of the factors at the newest point.
+    pub(super) fn update_test_values(&mut self) {
         let determinant = self.system.determinant();
         (self.state.orientation, self.log_determinant) = (determinant.sign, determinant.log_abs);
         if self.settings.tolerance.is_some() {
-            self.null = passing::nearly_null(&mut self.system);
+            self.null = passing::approximate_null_vector(&mut self.system).unwrap_or_default();
         }
     }
 
-    /// One step to a point with a defect below `tolerance`. A point whose mesh cannot be refined, since Newton fails on the
-    /// finer one, is tried again nearer by.
+    /// One step to a point with a defect below `tolerance`. If Newton fails on the refined mesh, a shorter step is tried.
     pub(super) fn advance_to(&mut self, tolerance: f64) -> Result<Advance, ContinuationError> {
         self.settings.newton.tolerance = newton_tolerance(self.settings.newton.tolerance, tolerance);
         self.coarsen(tolerance);
         loop {
             let saved = self.state.clone();
             let advance = self.step()?;
-            self.null = passing::nearly_null(&mut self.system);
-            let error = match self.refine(tolerance, Held::Arclength) {
+            self.null = passing::approximate_null_vector(&mut self.system).unwrap_or_default();
+            let error = match self.refine(tolerance, Fixed::Arclength) {
                 Ok(defect) => return Ok(Advance { defect: Some(defect), ..advance }),
                 Err(error) => error,
             };
@@ -88,7 +87,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     }
 
     /// Moves the newest point to finer meshes until its defect, which is returned, is below `tolerance`.
-    pub(super) fn refine(&mut self, tolerance: f64, held: Held) -> Result<f64, ContinuationError> {
+    pub(super) fn refine(&mut self, tolerance: f64, fixed: Fixed) -> Result<f64, ContinuationError> {
         let limit = self.settings.max_intervals;
         let mut refinement = mesh::Refinement::new(tolerance, limit);
         loop {
@@ -107,14 +106,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 return Err(ContinuationError::MeshLimit { limit, parameter, defect, tolerance });
             };
             self.move_to(&grid);
-            self.correct_newest(held)?;
+            self.correct_newest(fixed)?;
         }
     }
 
     /// Moves to a mesh of fewer intervals where they do.
     fn coarsen(&mut self, tolerance: f64) {
         if self.null.check(&self.state.solution).is_err() && self.factorise_newest().is_ok() {
-            self.take_over_factors();
+            self.update_test_values();
         }
         let (_, defects) = self.defects(tolerance);
         let y = &self.state.solution;
@@ -129,23 +128,23 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     }
 
     /// Solves for the newest point again, after a change of mesh.
-    fn correct_newest(&mut self, held: Held) -> Result<(), ContinuationError> {
+    fn correct_newest(&mut self, fixed: Fixed) -> Result<(), ContinuationError> {
         let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, .. } = self;
-        match held {
-            Held::Arclength => metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]),
-            Held::Parameter(value) => {
+        match fixed {
+            Fixed::Arclength => metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]),
+            Fixed::Parameter(value) => {
                 let last = state.solution.scalars.len().saturating_sub(1);
                 metric::scalar_condition(&state.solution, last, value, &mut conditions[0]);
             }
         }
         trial.clone_from(&state.solution);
-        let solved = patient(settings.newton).solve(system, scratch, problem, trial, conditions, false);
+        let solved = with_more_iterations(settings.newton).solve(system, scratch, problem, trial, conditions, false);
         let parameter = self.state.parameter();
         solved.map_err(|error| self.lost(parameter, error.into()))?;
         std::mem::swap(&mut self.state.solution, &mut self.trial);
         self.exact = false;
         self.exact_tangent().map_err(|failure| self.lost(parameter, failure.into()))?;
-        self.take_over_factors();
+        self.update_test_values();
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         Ok(())
     }

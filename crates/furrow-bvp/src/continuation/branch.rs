@@ -7,18 +7,18 @@
 //! # References
 //! Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (pseudo-arclength).
 
-use crate::dense::{Determinant, PivotFailure};
+use crate::dense::Determinant;
 use crate::direction::{Direction, LinearCondition};
 use crate::invalid::InvalidInput;
-use crate::linear::System;
+use crate::linear::{FactorisationError, System};
 use crate::mesh;
 use crate::metric::{self, Metric};
-use crate::newton::{Meter, Newton, NewtonError, NewtonReport, NewtonScratch, Work};
+use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work, WorkLimit};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
-use super::accuracy::{Held, newton_tolerance};
-use super::passing::{self, Passage, Passed};
+use super::accuracy::{Fixed, newton_tolerance};
+use super::passing::{self, PassedBranchPoint, StepPair};
 use super::predictor::History;
 use super::settings::{ContinuationError, ContinuationSettings, StepFailure, check_problem};
 use super::state::{Advance, State, Termination};
@@ -31,16 +31,16 @@ const CLOSED_GAP: f64 = 1e-6;
 /// A rejected step is repeated with this fraction of its length.
 pub(crate) const SHORTER: f64 = 0.4;
 
-/// Where the factors of the last point have served for a step, they are tried for steps longer by this factor; where they have
-/// not, for shorter ones alone.
-const REACH_GROWTH: f64 = 1.2;
-const REACH_LOSS: f64 = 0.5;
-/// Most corrections with them, and how much of one the next may be: all together they cost half a factorisation.
+/// After a step that converged with the factors of the last point, they are tried for steps longer by the first factor; after one that
+/// did not, only for steps shorter by the second.
+const CHORD_REACH_GROWTH: f64 = 1.2;
+const CHORD_REACH_LOSS: f64 = 0.5;
+/// Most corrections with them, and their largest contraction: together they cost half a factorisation.
 const CHORD_STEPS: usize = 7;
 const CHORD_CONTRACTION: f64 = 0.5;
 
 /// After this many rejections the tangent may be wrong.
-const DOUBTFUL: usize = 2;
+const REJECTIONS_BEFORE_EXACT_TANGENT: usize = 2;
 
 /// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.
 struct Attempt {
@@ -98,21 +98,21 @@ pub struct Continuation<P> {
     pub(super) conditions: Vec<LinearCondition>,
     pub(super) trial: Solution,
     tangent: Direction,
-    /// Nearly the null direction beside the tangent at the newest point, where a tolerance is set.
+    /// The approximate second null vector at the newest point, if a tolerance is set.
     pub(super) null: Direction,
     weight: Vec<f64>,
     /// The branch point that the last step has passed, from its detection.
-    pub(crate) passed: Option<Passed>,
+    pub(crate) passed: Option<PassedBranchPoint>,
     /// Workspace for branch points.
     pub(crate) unfolding: Option<Unfolding<P>>,
-    /// The flip of orientation in the step that is tried leads to another branch, however it is shortened.
-    elsewhere: bool,
+    /// The current step changes the orientation because it leads to another branch, however much it is shortened.
+    on_other_branch: bool,
     /// ln |bordered determinant| at the newest point, or at a prediction of it; NaN if not known.
     pub(super) log_determinant: f64,
     /// The factors in `system` belong to the newest point.
     pub(super) exact: bool,
-    /// Steps up to this length are corrected with the factors of the point that they start from.
-    reach: f64,
+    /// Steps up to this length are corrected with the factors of their first point.
+    chord_reach: f64,
 }
 
 impl<P: BoundaryValueProblem> Continuation<P> {
@@ -136,18 +136,18 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             settings.newton.tolerance = newton_tolerance(settings.newton.tolerance, tolerance);
         }
         let mut system = System::new(dims, guess.m);
-        let meter = Meter::new(settings.budget, settings.max_intervals, &settings.interrupt);
-        let mut scratch = NewtonScratch::metered(meter);
+        let limit = WorkLimit::new(settings.budget, settings.max_intervals, &settings.interrupt);
+        let mut scratch = NewtonScratch::limited(limit);
         let mut conditions = vec![LinearCondition::default()];
         let mut solution = guess;
         let last = dims.scalars - 1;
         let parameter = solution.scalars[last];
         metric::scalar_condition(&solution, last, parameter, &mut conditions[0]);
-        patient(settings.newton)
+        with_more_iterations(settings.newton)
             .solve(&mut system, &mut scratch, &mut problem, &mut solution, &conditions, false)
             .map_err(|source| ContinuationError::Start { parameter, source })?;
         let mut tangent = Direction::default();
-        system.null_direction(0, &mut tangent);
+        system.null_direction(0, &mut tangent)?;
         metric.normalise(&solution.mesh, &mut tangent);
         if !upwards {
             tangent.scale(-1.0);
@@ -159,7 +159,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, orientation: 0.0, history };
         let mut branch = Continuation::resume(problem, state, metric, settings);
         if let Some(tolerance) = tolerance {
-            branch.refine(tolerance, Held::Parameter(parameter))?;
+            branch.refine(tolerance, Fixed::Parameter(parameter))?;
         }
         Ok(branch)
     }
@@ -189,10 +189,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             weight: Vec::new(),
             passed: None,
             unfolding: None,
-            elsewhere: false,
+            on_other_branch: false,
             log_determinant: f64::NAN,
             exact: false,
-            reach: f64::INFINITY,
+            chord_reach: f64::INFINITY,
         }
     }
 
@@ -206,7 +206,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     fn renew_budget(&mut self) {
         let ContinuationSettings { budget, max_intervals, interrupt, .. } = &self.settings;
-        self.scratch.meter = Meter::new(*budget, *max_intervals, interrupt);
+        self.scratch.limit = WorkLimit::new(*budget, *max_intervals, interrupt);
     }
 
     /// Reverses the direction.
@@ -222,8 +222,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Takes one step.
     ///
     /// # Errors
-    /// [`ContinuationError::Lost`] or [`ContinuationError::MeshLimit`]; the state is left at the last point. [`ContinuationError::Invalid`] if public fields were
-    /// changed to what does not fit.
+    /// [`ContinuationError::Lost`] or [`ContinuationError::MeshLimit`]; the state is left at the last point.
+    /// [`ContinuationError::Invalid`] if public fields were changed to invalid values.
     pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
         self.check()?;
         self.renew_budget();
@@ -238,10 +238,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub(super) fn step(&mut self) -> Result<Advance, ContinuationError> {
         let mut step = self.state.step.min(self.settings.max_step);
         let mut rejected = 0;
-        (self.passed, self.elsewhere) = (None, false);
+        (self.passed, self.on_other_branch) = (None, false);
         if self.state.orientation == 0.0 && self.state.points > 1 && self.factorise_newest().is_ok() {
             // After a change of the number of intervals. A branch point in this step would not show.
-            self.take_over_factors();
+            self.update_test_values();
         }
         loop {
             let source = match self.attempt(step) {
@@ -253,9 +253,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             }
             rejected += 1;
             step *= SHORTER;
-            if rejected == DOUBTFUL {
-                // The tangent is of the corrector's factors, those of a prediction: if it is off by too much, no step is
-                // short enough. Without an exact one the next rejections go on as before.
+            if rejected == REJECTIONS_BEFORE_EXACT_TANGENT {
+                // The tangent was computed with the corrector's factors at a prediction. If it is too inaccurate, no step is short
+                // enough. Without an exact tangent the step is shortened further.
                 let _ = self.exact_tangent();
             }
             if step < self.settings.min_step.max(f64::MIN_POSITIVE) {
@@ -293,37 +293,34 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         Advance { passed_fold, passed_branch_point, report, rejected, defect: None }
     }
 
-    /// The tangent at the newest point with the factors of the point itself, which are then those of its own plane.
-    pub(super) fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
+    /// Computes the tangent at the newest point with factors at the point itself, in its own plane.
+    pub(super) fn exact_tangent(&mut self) -> Result<(), FactorisationError> {
         self.factorise_newest()?;
         let Continuation { system, metric, state, tangent, .. } = self;
-        system.null_direction(0, tangent);
+        system.null_direction(0, tangent)?;
         metric.normalise(&state.solution.mesh, tangent);
         std::mem::swap(&mut state.tangent, tangent);
         Ok(())
     }
 
-    /// Factorises the system at the newest point itself, unless the last step has. A corrector that needed factors of its own
-    /// leaves those of its prediction, close enough to converge with but, where a step changes the solution by a large part of
-    /// itself, not to judge by.
+    /// Factorises the system at the newest point itself, unless the last step has. A corrector that factorises leaves the factors at
+    /// its prediction, which suffice for its convergence but not for test functions where the solution changes much in a step.
     ///
     /// # Errors
     /// If a pivot vanishes.
-    pub fn factorise_newest(&mut self) -> Result<(), PivotFailure> {
+    pub fn factorise_newest(&mut self) -> Result<(), FactorisationError> {
         if self.exact {
             return Ok(());
         }
         let Continuation { problem, system, metric, state, conditions, .. } = self;
         metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
-        system.evaluate(problem, &state.solution, conditions, true);
-        system.condense()?;
-        system.factor_blocks(conditions)?;
+        system.factorise(problem, &state.solution, conditions)?;
         self.exact = true;
         Ok(())
     }
 
-    /// Whether dλ/ds has changed sign. The corrector's factors belong to a prediction, so a change is confirmed with
-    /// those of the point itself; so is one that the last step shows, by the distance λ has `moved`.
+    /// Whether dλ/ds has changed sign, by the tangent or by the distance λ has `moved` in the last step. The corrector's factors
+    /// belong to a prediction, so a change is confirmed with factors at the point itself.
     fn confirm_direction(&mut self, moved: f64) -> bool {
         let direction = self.state.direction;
         let goes_on = direction * self.state.parameter_slope() > 0.0 && direction * moved > 0.0;
@@ -337,11 +334,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// A corrected point at distance `step` in `trial`, and its tangent in `tangent`.
     ///
-    /// A short step is corrected with the factors of the point that it starts from. That leaves one factorisation for the point
-    /// found, whose tangent and determinants are then exact. A longer one needs factors of its own, which serve for its tangent.
+    /// A short step is corrected with the factors of its first point. One factorisation at the new point then gives its exact tangent and
+    /// determinants. A longer step factorises at the prediction, and computes the tangent with these factors.
     fn attempt(&mut self, step: f64) -> Result<Attempt, StepFailure> {
         self.predict(step);
-        let reuse = std::mem::take(&mut self.exact) && step <= self.reach;
+        let reuse = std::mem::take(&mut self.exact) && step <= self.chord_reach;
         let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, .. } = self;
         // The plane is set by the point and not by the prediction, or steps would drift with the extrapolation.
         metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
@@ -350,22 +347,20 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let reused = if reuse { chord.solve_with_factors(system, scratch, problem, trial, conditions) } else { None };
         let report = match reused {
             Some(report) => {
-                system.evaluate(problem, trial, conditions, true);
-                system.condense()?;
-                system.factor_blocks(conditions)?;
+                system.factorise(problem, trial, conditions)?;
                 NewtonReport { factorisations: 1, ..report }
             }
             None => settings.newton.solve(system, scratch, problem, trial, conditions, false)?,
         };
         let exact = reused.is_some();
-        self.reach = match (reuse, exact) {
-            (true, true) => self.reach.max(REACH_GROWTH * step),
-            (true, false) => REACH_LOSS * step,
+        self.chord_reach = match (reuse, exact) {
+            (true, true) => self.chord_reach.max(CHORD_REACH_GROWTH * step),
+            (true, false) => CHORD_REACH_LOSS * step,
             // Where the branch has become straighter they may serve again.
-            (false, _) => self.reach * REACH_GROWTH,
+            (false, _) => self.chord_reach * CHORD_REACH_GROWTH,
         };
         let Continuation { system, settings, metric, state, trial, tangent, .. } = self;
-        system.null_direction(0, tangent);
+        system.null_direction(0, tangent)?;
         metric.normalise(&trial.mesh, tangent);
         let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
         if cosine < settings.min_cosine {
@@ -381,25 +376,24 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Whether the step to the trial point, which turns the orientation, has passed a branch point on the same branch.
     fn passes_branch_point(&mut self, step: f64) -> bool {
-        if self.elsewhere {
+        if self.on_other_branch {
             return false;
         }
         let Continuation { problem, system, metric, state, work, trial, tangent, log_determinant, unfolding, .. } =
             self;
-        let null = passing::nearly_null(system);
+        let null = passing::approximate_null_vector(system).unwrap_or_default();
         // By the determinants at both ends. Not known at the first of them, they are NaN, and the point may be anywhere.
         let ratio = (system.determinant().log_abs - *log_determinant).exp();
         let share = if ratio.is_finite() { 1.0 / (1.0 + ratio) } else { 0.5 };
         let (ends, along) = ([&state.solution, &*trial], &state.tangent);
-        let passage = Passage { ends, share, tangent: along, null: &null, step };
-        self.passed = passing::branch_point(problem, metric, &passage, unfolding, work);
-        self.elsewhere = self.passed.is_none();
-        if !self.elsewhere {
-            // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.
-            system.null_direction(0, tangent);
+        let pair = StepPair { ends, share, tangent: along, null: &null, step };
+        self.passed = passing::branch_point(problem, metric, &pair, unfolding, work);
+        // Next to the point, the factors of a prediction do not give the tangent; those that `orientation` left do.
+        self.on_other_branch = self.passed.is_none() || system.null_direction(0, tangent).is_err();
+        if !self.on_other_branch {
             metric.normalise(&trial.mesh, tangent);
         }
-        !self.elsewhere
+        !self.on_other_branch
     }
 
     /// The point at distance `step` by extrapolation, in `trial`.
@@ -424,11 +418,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             return determinant;
         }
         // The corrector's factors belong to a prediction: what counts is the point itself.
-        system.evaluate(problem, trial, conditions, true);
-        match system.condense().and_then(|()| system.factor_blocks(conditions)) {
-            Ok(()) => system.determinant(),
-            Err(_) => determinant,
-        }
+        system.factorise(problem, trial, conditions).map_or(determinant, |()| system.determinant())
     }
 
     /// Moves the mesh if it no longer fits.
@@ -458,7 +448,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         if self.null.check(&self.state.solution).is_ok() {
             metric::transfer_direction(gauss, from, grid, &mut self.null);
         }
-        if let Some(Passed { solution, basis, unfolded }) = &mut self.passed {
+        if let Some(PassedBranchPoint { solution, basis, unfolded }) = &mut self.passed {
             basis.iter_mut().for_each(|direction| metric::transfer_direction(gauss, from, grid, direction));
             (*solution, *unfolded) = (solution.on_mesh(gauss, grid), false);
         }
@@ -491,10 +481,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 self.land_on(bound)?;
                 advance.defect = self.settings.tolerance.map(|_| self.defect());
                 // What was passed may lie beyond the bound.
-                advance.passed_branch_point &= self.passed.as_ref().is_none_or(|Passed { solution: y, .. }| {
-                    let passed = y.scalars[y.scalars.len() - 1];
-                    (range[0]..=range[1]).contains(&passed)
-                });
+                advance.passed_branch_point &=
+                    self.passed.as_ref().is_none_or(|PassedBranchPoint { solution: y, .. }| {
+                        let passed = y.scalars[y.scalars.len() - 1];
+                        (range[0]..=range[1]).contains(&passed)
+                    });
                 visit(self, advance);
                 return Ok(Termination::ParameterBound(bound));
             }
@@ -521,7 +512,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         self.problem.accepted(&self.state.solution);
         if let Some(tolerance) = self.settings.tolerance {
-            self.refine(tolerance, Held::Parameter(value))?;
+            self.refine(tolerance, Fixed::Parameter(value))?;
         }
         Ok(())
     }
@@ -560,15 +551,15 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
         let last = y.scalars.len() - 1;
         metric::scalar_condition(&y, last, value, &mut self.conditions[0]);
-        patient(self.settings.newton)
+        with_more_iterations(self.settings.newton)
             .solve(&mut self.system, &mut self.scratch, &mut self.problem, &mut y, &self.conditions, false)
             .map_err(|error| self.lost(value, error.into()))?;
         Ok(y)
     }
 }
 
-/// The corrector where no shorter step can help it.
-pub(super) fn patient(newton: Newton) -> Newton {
+/// The corrector for points that no shorter step can replace.
+pub(super) fn with_more_iterations(newton: Newton) -> Newton {
     Newton { max_factorisations: 20, max_iterations: 60, ..newton }
 }
 

@@ -11,7 +11,7 @@ mod unfolding;
 
 pub(crate) use branch::SHORTER;
 pub use branch::{Continuation, MeshMonitor};
-pub(crate) use passing::{Passed, belongs, distances};
+pub(crate) use passing::{PassedBranchPoint, distances, is_within_step};
 pub use settings::{ContinuationError, ContinuationSettings, StepFailure};
 pub use state::{Advance, State, Termination};
 pub(crate) use unfolding::Unfolding;

@@ -1,6 +1,7 @@
 //! Whether a step has passed a branch point, or jumped to another branch.
 
 use crate::direction::{Direction, Residual};
+use crate::invalid::InvalidInput;
 use crate::linear::System;
 use crate::metric::Metric;
 use crate::newton::Work;
@@ -8,7 +9,7 @@ use crate::problem::BoundaryValueProblem;
 use crate::problem::derivatives::second_differences;
 use crate::solution::Solution;
 
-use super::unfolding::{CONVERGED, Unfolding, uneven};
+use super::unfolding::{CONVERGED, Unfolding, unfolding_weights};
 
 /// Branches nearer to each other than this cross, as far as the rounding of β can tell.
 const CLOSED: f64 = 1e-5;
@@ -21,7 +22,7 @@ const SHRINKS: f64 = 0.5;
 const BEYOND: f64 = 0.05;
 
 /// A branch point that was passed, and the null directions there.
-pub(crate) struct Passed {
+pub(crate) struct PassedBranchPoint {
     pub solution: Solution,
     pub basis: [Direction; 2],
     /// Whether the unfolded system belongs to the point and its mesh.
@@ -29,18 +30,18 @@ pub(crate) struct Passed {
 }
 
 /// The direction that belongs to the smallest singular value, nearly, from factors near a branch point: a second null direction.
-pub(super) fn nearly_null(system: &mut System) -> Direction {
+pub(super) fn approximate_null_vector(system: &mut System) -> Result<Direction, InvalidInput> {
     let (mut residual, mut direction, integrals) =
         (system.zero_residual(), Direction::default(), system.dimensions().integrals);
     let Residual { left, right, border, .. } = &mut residual;
     let conditions = right.iter_mut().chain(&mut border[..integrals]).chain(left);
-    conditions.zip(uneven()).for_each(|(row, weight)| *row = weight);
-    system.solve(&residual, &mut direction);
-    direction
+    conditions.zip(unfolding_weights()).for_each(|(row, weight)| *row = weight);
+    system.solve(&residual, &mut direction)?;
+    Ok(direction)
 }
 
 /// The step from one point to the next, which may have passed a branch point.
-pub(super) struct Passage<'a> {
+pub(super) struct StepPair<'a> {
     pub ends: [&'a Solution; 2],
     /// Where between them the branch point is to be expected.
     pub share: f64,
@@ -56,19 +57,19 @@ pub(super) struct Passage<'a> {
 pub(super) fn branch_point<P: BoundaryValueProblem>(
     problem: &mut P,
     metric: &Metric,
-    passage: &Passage<'_>,
+    pair: &StepPair<'_>,
     kept: &mut Option<Unfolding<P>>,
     work: &mut Work,
-) -> Option<Passed> {
-    let [from, to] = passage.ends;
+) -> Option<PassedBranchPoint> {
+    let [from, to] = pair.ends;
     // Newton converges with differences as with the problem's own derivatives, to the same point.
-    let unfolding = Unfolding::renewed(kept, problem.dimensions(), from.m, metric, second_differences)?;
+    let unfolding = Unfolding::reuse_or_new(kept, problem.dimensions(), from.m, metric, second_differences)?;
     let mut found = None;
-    for share in [passage.share, 0.5] {
-        let mut y = between(passage.ends, share);
-        let basis = [passage.tangent, passage.null].map(Clone::clone);
+    for share in [pair.share, 0.5] {
+        let mut y = between(pair.ends, share);
+        let basis = [pair.tangent, pair.null].map(Clone::clone);
         let solved = unfolding.solve_from(problem, &mut y, basis);
-        if solved.is_some() && belongs(distances(metric, from, &y, passage.tangent), passage.step) {
+        if solved.is_some() && is_within_step(distances(metric, from, &y, pair.tangent), pair.step) {
             found = Some(y);
             break;
         }
@@ -76,12 +77,16 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
     let found = found.and_then(|solution| {
         // The form may belong to an iterate farther away.
         if unfolding.roots().is_none() {
-            unfolding.derive(problem, &solution);
+            unfolding.derive(problem, &solution).ok()?;
             unfolding.roots()?;
         }
         let basis = unfolding.basis.clone();
         let unfolded = unfolding.gap() < CLOSED;
-        (unfolded || is_closed(unfolding, problem, &solution)).then_some(Passed { solution, basis, unfolded })
+        (unfolded || is_closed(unfolding, problem, &solution)).then_some(PassedBranchPoint {
+            solution,
+            basis,
+            unfolded,
+        })
     });
     *work += std::mem::take(&mut unfolding.work);
     problem.prepare(&to.scalars);
@@ -118,6 +123,6 @@ pub(crate) fn distances(metric: &Metric, from: &Solution, y: &Solution, tangent:
 }
 
 /// Whether a point at these distances belongs to a step.
-pub(crate) fn belongs([along, across]: [f64; 2], step: f64) -> bool {
+pub(crate) fn is_within_step([along, across]: [f64; 2], step: f64) -> bool {
     (-BEYOND * step..=(1.0 + BEYOND) * step).contains(&along) && across <= step
 }

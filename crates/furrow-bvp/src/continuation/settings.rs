@@ -3,6 +3,7 @@
 use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
 use crate::invalid::{self, InvalidInput};
+use crate::linear::FactorisationError;
 use crate::metric::Metric;
 use crate::newton::{BUDGET, Interrupt, Newton, NewtonError, Stop};
 use crate::solution::Solution;
@@ -101,7 +102,22 @@ pub enum StepFailure {
     OtherBranch,
     /// There is no tangent: the system bordered by the plane condition is singular.
     #[error("the Jacobian is singular (pivot {})", .0.column)]
-    Singular(#[from] PivotFailure),
+    Singular(PivotFailure),
+}
+
+impl From<FactorisationError> for StepFailure {
+    fn from(error: FactorisationError) -> Self {
+        match error {
+            FactorisationError::Invalid(input) => input.into(),
+            FactorisationError::Pivot(failure) => StepFailure::Singular(failure),
+        }
+    }
+}
+
+impl From<InvalidInput> for StepFailure {
+    fn from(input: InvalidInput) -> Self {
+        NewtonError::Invalid(input).into()
+    }
 }
 
 /// Why a continuation failed.

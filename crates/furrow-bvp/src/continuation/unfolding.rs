@@ -15,11 +15,11 @@
 //! unfolded branch points). Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (algebraic bifurcation
 //! equation).
 
-use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::Gauss;
-use crate::linear::System;
+use crate::invalid::InvalidInput;
+use crate::linear::{FactorisationError, System};
 use crate::mesh;
 use crate::metric::{self, Metric};
 use crate::newton::Work;
@@ -67,7 +67,7 @@ pub(super) const CONVERGED: f64 = 3e-9;
 
 /// Weights w of β in the conditions, and of the row that the second null direction is first found with: no two alike, so that
 /// the symmetries of a problem do not make them useless.
-pub(super) fn uneven() -> impl Iterator<Item = f64> {
+pub(super) fn unfolding_weights() -> impl Iterator<Item = f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     std::iter::repeat_with(move || {
         state ^= state << 13;
@@ -78,7 +78,7 @@ pub(super) fn uneven() -> impl Iterator<Item = f64> {
 }
 
 /// Smaller corrections reuse the form of the previous iterate.
-const SETTLED: f64 = 1e-6;
+const REUSE_FORM: f64 = 1e-6;
 
 /// How g changes along a correction smaller than this is neglected.
 const NEGLIGIBLE: f64 = 1e-2 * CONVERGED;
@@ -95,9 +95,9 @@ fn split(direction: &mut Direction) -> f64 {
 }
 
 impl<P: BoundaryValueProblem> Unfolding<P> {
-    /// The workspace in `kept`, made anew where it does not fit the problem. None if the kernels cannot take another scalar unknown, or if
-    /// the problem is not one condition short of square.
-    pub fn renewed<'a>(
+    /// Returns the workspace in `kept`, or a new one if it has other sizes than the problem; `None` if the kernels cannot take another
+    /// scalar unknown, or if the problem is not one condition short of square.
+    pub fn reuse_or_new<'a>(
         kept: &'a mut Option<Self>,
         dims: Dimensions,
         stages: usize,
@@ -118,7 +118,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             beta: 0.0,
             work: Work::default(),
             second,
-            weights: uneven().take(dims.right + dims.integrals + dims.left).collect(),
+            weights: unfolding_weights().take(dims.right + dims.integrals + dims.left).collect(),
             conditions: Default::default(),
             residual: Residual::default(),
             step: Direction::default(),
@@ -126,14 +126,14 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         })))
     }
 
-    /// Moves `y` onto the branch point near it, on a branch with the given tangent. None if that does not converge. The system,
-    /// the basis and the form are then those of the iterate before, from which the last correction was too small to matter.
+    /// Moves `y` onto the branch point near it, on a branch with the given tangent; `None` if Newton does not converge. System, basis
+    /// and form belong to the iterate before the last correction, which is negligible.
     pub fn solve(&mut self, problem: &mut P, y: &mut Solution, tangent: &Direction) -> Option<()> {
         let [first, second] = &mut self.conditions;
         self.metric.plane_through(y, tangent, first);
         // Any row does that the second null direction is not orthogonal to.
-        second.nodes = uneven().take(y.nodes.len()).collect();
-        second.scalars = uneven().take(y.scalars.len()).collect();
+        second.nodes = unfolding_weights().take(y.nodes.len()).collect();
+        second.scalars = unfolding_weights().take(y.scalars.len()).collect();
         self.beta = 0.0;
         self.linearise(problem, y).ok()?;
         self.basis[0].clone_from(tangent);
@@ -178,19 +178,19 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// The solution x and the β of M (x, β) = −(`residual`, 0, 0).
-    pub fn respond(&mut self, residual: &Residual, out: &mut Direction) -> f64 {
-        self.system.solve(residual, out);
-        split(out)
+    pub fn respond(&mut self, residual: &Residual, out: &mut Direction) -> Result<f64, InvalidInput> {
+        self.system.solve(residual, out)?;
+        Ok(split(out))
     }
 
     /// That β alone: the product of the residual with −ψ, ψ the left null vector.
-    pub fn project(&mut self, residual: &Residual) -> f64 {
-        self.system.solve_last_node(residual, &mut self.change);
-        split(&mut self.change)
+    pub fn project(&mut self, residual: &Residual) -> Result<f64, InvalidInput> {
+        self.system.solve_last_node(residual, &mut self.change)?;
+        Ok(split(&mut self.change))
     }
 
     /// −ψ D²F\[a, b\].
-    fn product(&mut self, problem: &mut P, y: &Solution, along: [&Direction; 2]) -> f64 {
+    fn product(&mut self, problem: &mut P, y: &Solution, along: [&Direction; 2]) -> Result<f64, InvalidInput> {
         let mut residual = std::mem::take(&mut self.residual);
         (self.second)(&self.system.gauss, problem, y, along, self.conditions.len(), &mut residual);
         let product = self.project(&residual);
@@ -199,7 +199,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// Factors at `y` with the conditions as they are.
-    fn factorise(&mut self, problem: &mut P, y: &Solution) -> Result<(), PivotFailure> {
+    fn factorise(&mut self, problem: &mut P, y: &Solution) -> Result<(), FactorisationError> {
         let Unfolding { system, weights, beta, conditions, work, .. } = self;
         for condition in conditions.iter_mut() {
             condition.scalars.push(0.0);
@@ -225,38 +225,41 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// Factorises and puts the null directions into the basis. Returns their g.
-    fn linearise(&mut self, problem: &mut P, y: &Solution) -> Result<[f64; 2], PivotFailure> {
+    fn linearise(&mut self, problem: &mut P, y: &Solution) -> Result<[f64; 2], FactorisationError> {
         self.factorise(problem, y)?;
-        let Unfolding { system, basis, .. } = self;
-        Ok([0, 1].map(|k| {
-            system.null_direction(k, &mut basis[k]);
-            split(&mut basis[k])
-        }))
+        for (k, direction) in self.basis.iter_mut().enumerate() {
+            self.system.null_direction(k, direction)?;
+        }
+        Ok(self.basis.each_mut().map(split))
     }
 
     /// Computes the form at `y`, the coefficients g_k′\[b_j\].
-    pub fn derive(&mut self, problem: &mut P, y: &Solution) {
-        let basis = std::mem::take(&mut self.basis);
-        self.form = [[0, 0], [0, 1], [1, 1]].map(|along| self.product(problem, y, along.map(|k| &basis[k])));
-        self.basis = basis;
+    pub fn derive(&mut self, problem: &mut P, y: &Solution) -> Result<(), InvalidInput> {
+        let [a, b] = self.basis.clone();
+        self.form = [
+            self.product(problem, y, [&a, &a])?,
+            self.product(problem, y, [&a, &b])?,
+            self.product(problem, y, [&b, &b])?,
+        ];
+        Ok(())
     }
 
     /// The correction of one Newton iteration in `step`; returns the correction of β.
-    fn correction(&mut self, problem: &mut P, y: &Solution) -> Result<f64, PivotFailure> {
+    fn correction(&mut self, problem: &mut P, y: &Solution) -> Result<f64, FactorisationError> {
         let g = self.linearise(problem, y)?;
         let mut step = std::mem::take(&mut self.step);
-        self.system.solve_own(&mut step);
+        self.system.solve_own(&mut step)?;
         let (change, left) = (split(&mut step), step.norm(y));
         let mut shares = shares(self.form, g);
         // Not a number in the first iteration.
-        let settled = left + shares[0].abs() + shares[1].abs() < SETTLED;
-        if !settled {
-            self.derive(problem, y);
+        let reuse = left + shares[0].abs() + shares[1].abs() < REUSE_FORM;
+        if !reuse {
+            self.derive(problem, y)?;
             let mut there = g;
             if left >= NEGLIGIBLE {
-                let basis = std::mem::take(&mut self.basis);
-                there = [0, 1].map(|k| g[k] + self.product(problem, y, [&basis[k], &step]));
-                self.basis = basis;
+                for (k, direction) in self.basis.clone().iter().enumerate() {
+                    there[k] += self.product(problem, y, [direction, &step])?;
+                }
             }
             shares = self::shares(self.form, there);
         }

@@ -17,8 +17,8 @@ macro_rules! with_width {
 
 pub(super) use with_width;
 
-/// Subtracts the pivot row from others by their entries in its column, which become what is done to right-hand sides. A loop, since
-/// closures of iterators may be compiled apart, for another instruction set.
+/// Subtracts multiples of the pivot row from other rows. Their entries in its column become the coefficients for right-hand sides. A
+/// loop, since closures of iterators may be compiled separately, for another instruction set.
 #[inline(always)]
 fn eliminate_from<const L: usize>(rows: &mut [[Lane; L]], pivot: &[Lane; L], [lane, offset]: [usize; 2], scale: f64) {
     for row in rows {
@@ -60,7 +60,7 @@ fn eliminate_rows_in_place<const L: usize>(
 
 /// Gauss–Jordan elimination of the first `columns` columns of the row-major `matrix` (`lanes` lanes a row) from all other rows,
 /// choosing pivots among the first `candidates` rows (rows past them are never pivots: borders). The eliminated columns are
-/// replaced by what elimination does to right-hand sides b: exchange b_k with b_exchange(k) for every k in turn, take the first
+/// replaced by the operations on right-hand sides b: exchange b_k with b_exchange(k) for every k in turn, take the first
 /// `columns` of them by these columns, and keep the other rows' own. A square matrix so becomes its inverse, with columns
 /// exchanged.
 #[inline(always)]

@@ -44,7 +44,7 @@ pub struct Lanes {
 const BOUNDARY: usize = LANE * size_of::<f64>();
 
 impl Lanes {
-    /// Makes room for `len` lanes. What they hold is unspecified (but initialised) after a change of length, zero the
+    /// Makes room for `len` lanes. Their values are unspecified (but initialised) after a change of length, zero the
     /// first time.
     pub fn resize(&mut self, len: usize) {
         // Room for the lanes to start up to a lane behind the allocation.
@@ -210,8 +210,7 @@ fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane
     *sums = sum;
 }
 
-/// Largest |d| / (1 + |v|), NaN if any d is not a number. Quotients are compared by products, of which a processor makes ten in
-/// the time of a division.
+/// Largest |d| / (1 + |v|), NaN if any d is not a number. Quotients are compared by products, ten times as fast as a division.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
     let (mut above, mut below, mut poison) = ([0.0; SUMS], [1.0; SUMS], [0.0; SUMS]);

@@ -13,7 +13,7 @@ use crate::dimensions::{Dimensions, MAX_ROWS, MAX_UNKNOWN_LANES, MAX_UNKNOWNS};
 use crate::direction::LinearCondition;
 
 use super::condense::Condensed;
-use super::shape::{Any, Shape, Sizes};
+use super::shape::{RuntimeSizes, Shape, Sizes};
 
 /// Derivatives of the conditions at the ends and of the offsets of the integral conditions; row-major.
 #[derive(Clone, Debug, Default)]
@@ -56,8 +56,7 @@ pub struct BlockFactor {
 }
 
 /// Factors of the last block of the antisymmetric problem on a mirror-symmetric half, see
-/// [`System::factor_antisymmetric`](crate::System::factor_antisymmetric): up to there the elimination is that of the
-/// symmetric problem.
+/// [`System::factor_antisymmetric`](crate::System::factor_antisymmetric). The symmetric problem has the same other blocks.
 #[derive(Clone, Debug, Default)]
 pub struct AntisymmetricEnd {
     last: Lu,
@@ -83,7 +82,7 @@ impl AntisymmetricEnd {
 }
 
 /// Widths of the panel, the rows of one interval: carried, transition and border rows, as columns of δy_i, δy_{i+1} and δp.
-/// Those of δy_i become what elimination does to the rows.
+/// Elimination replaces the columns of δy_i by its row operations.
 #[derive(Clone, Copy)]
 struct Panel {
     /// Rows.
@@ -132,7 +131,7 @@ impl BlockFactor {
             dense::eliminate_in_place(&mut self.panel, lanes, n, nl + n, reciprocal, exchange)?;
             self.store_interval::<S>(i);
             if i + 1 < self.intervals {
-                self.carry_on::<S>();
+                self.shift_panel::<S>();
             }
         }
         Ok(())
@@ -154,7 +153,7 @@ impl BlockFactor {
     }
 
     fn panel_widths(&self) -> Panel {
-        self.panel::<Any>()
+        self.panel::<RuntimeSizes>()
     }
 
     fn reset(&mut self, condensed: &Condensed, conditions: usize) {
@@ -227,7 +226,7 @@ impl BlockFactor {
     /// Moves the remaining carried and border rows to the next interval: δy_{i+1} takes the place of δy_i.
     /// Carried rows follow the n pivot rows.
     #[inline(always)]
-    fn carry_on<S: Shape>(&mut self) {
+    fn shift_panel<S: Shape>(&mut self) {
         let [n, nl, _] = self.sizes::<S>();
         let lanes = self.panel::<S>().lanes;
         let panel = &mut self.panel[..];
@@ -303,8 +302,8 @@ impl BlockFactor {
         self.forward.fill([0.0; LANE]);
     }
 
-    /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
-    /// conditions and come out as those of the last block.
+    /// Eliminates the right-hand sides of all intervals. `carried` and `border` are right-hand sides of the left and border conditions
+    /// on entry, and of the last block on return.
     #[inline(always)]
     pub(crate) fn forward<S: Shape>(&mut self, nodes: &[f64], carried: &mut [f64], border: &mut [f64]) {
         let [n, nl, _] = self.sizes::<S>();

@@ -7,8 +7,8 @@
 //!   \[N.3 condensed\], σ_i = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
 //!
 //! with s_i = Σ_j D_ij and R the stage residual. S is inverted once. The columns of the map from (δy₀, δp) to δY_N, and the answer to a
-//! new residual, are products with the inverse. What the right node and the integrals take from the stages is YᵀδY_N, one column of Y for
-//! each of them, of these columns and answers as they are: where S is nearly singular, stages and nodes are off by the same.
+//! new residual, are products with the inverse. The stages contribute YᵀδY_N to the right node and the integrals, with one column of Y for
+//! each of them, computed from these columns and answers: where S is nearly singular, stages and nodes have the same error.
 //!
 //! Everything that a solve runs over is kept by columns padded to whole lanes, so that every product is a sum of scaled
 //! vectors, without reductions.
@@ -17,7 +17,7 @@ use crate::dense::{self, Determinant, LANE, Lane, Lanes, PivotFailure, add_scale
 use crate::dimensions::Dimensions;
 use crate::gauss::{Gauss, MAX_STAGES};
 
-use super::shape::{Any, Shape, Sizes};
+use super::shape::{RuntimeSizes, Shape, Sizes};
 
 /// Most lanes of the stage unknowns of one interval.
 pub const MAX_STAGE_LANES: usize = dense::MAX_LANES;
@@ -74,7 +74,7 @@ impl Condensed {
 
     /// Lanes of the outputs of an interval: the components of its right node, then the integrals.
     pub fn output_lanes(&self) -> usize {
-        self.sizes::<Any>().outputs
+        self.sizes::<RuntimeSizes>().outputs
     }
 
     /// Number of intervals.
@@ -84,7 +84,7 @@ impl Condensed {
 
     /// Sizes the storage for a mesh and zeroes the derivatives.
     pub fn reset(&mut self, mesh: &[f64]) {
-        let sizes = self.sizes::<Any>();
+        let sizes = self.sizes::<RuntimeSizes>();
         let Sizes { n, e, m, s, lanes, quads, np, ni, outputs, .. } = sizes;
         let intervals = mesh.len() - 1;
         let points = intervals * m;
@@ -112,13 +112,13 @@ impl Condensed {
 
     /// The transition of interval i and its integrals by columns of (δy₀, δp), each the lanes of outputs.
     pub fn transition(&self, i: usize) -> &[Lane] {
-        let sizes = self.sizes::<Any>();
+        let sizes = self.sizes::<RuntimeSizes>();
         part(&self.transition, i, sizes.columns() * sizes.outputs)
     }
 
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn multiply_into(&self, det: &mut Determinant) {
-        let s = self.sizes::<Any>().s;
+        let s = self.sizes::<RuntimeSizes>().s;
         for i in 0..self.intervals() {
             det.multiply(part(&self.reciprocal, i, s), part(&self.exchange, i, s));
         }
@@ -176,8 +176,8 @@ impl Condensed {
         }
     }
 
-    /// What the scalar unknowns of interval i bring into σ and into the quadrature components, and into its transition and integrals but
-    /// for what δY_N adds.
+    /// The contributions of the scalar unknowns of interval i to σ, to the quadrature components, to its transition and to the integrals,
+    /// without the contribution through δY_N.
     #[inline(always)]
     fn gather_scalars<S: Shape>(&mut self, gauss: &Gauss, i: usize) {
         let sizes = self.sizes::<S>();

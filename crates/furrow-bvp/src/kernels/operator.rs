@@ -1,12 +1,11 @@
-//! How stages respond to forces on them, interval by interval: what a solve needs of an interval if only few numbers per stage go in and
-//! come out.
+//! The responses of stages to forces on them, interval by interval, for solves with few forces and readings per stage.
 
 use crate::dense::{self, LANE, Lane, Lanes, add_scaled};
 use crate::dimensions::MAX_UNKNOWNS;
 use crate::gauss::Gauss;
 
 use super::condense::{Condensed, MAX_STAGE_LANES, QUAD, part, part_mut};
-use super::shape::{Any, Shape, Sizes};
+use super::shape::{RuntimeSizes, Shape, Sizes};
 
 /// Most readings of an interval.
 pub const MAX_READINGS: usize = MAX_STAGE_LANES * LANE;
@@ -39,10 +38,11 @@ impl Responses {
     }
 
     /// Computes them from condensed intervals. `force` has the forces of a point on the residuals of components that are not quadratures,
-    /// components × forces; `reading` what is read of all components, readings × components. With a known shape there is one of both.
+    /// components × forces; `reading` has the coefficients of the readings, readings × components. Static sizes have one force and one
+    /// reading.
     #[inline(always)]
     pub fn fill_responses<S: Shape>(&mut self, condensed: &Condensed, gauss: &Gauss, force: &[f64], reading: &[f64]) {
-        let [forces, readings] = if S::KNOWN { [1, 1] } else { [self.forces, self.readings] };
+        let [forces, readings] = if S::STATIC.is_some() { [1, 1] } else { [self.forces, self.readings] };
         self.fill::<S>(condensed, gauss, (force, forces), (reading, readings));
     }
 
@@ -98,7 +98,7 @@ impl Responses {
     /// Adds the forces' part of the right nodes of all intervals; their part of the integrals is subtracted from `borders`.
     #[inline(always)]
     pub fn onto_nodes(&self, condensed: &Condensed, from: &[f64], nodes: &mut [f64], borders: &mut [f64]) {
-        let Sizes { n, m, outputs, .. } = condensed.sizes::<Any>();
+        let Sizes { n, m, outputs, .. } = condensed.sizes::<RuntimeSizes>();
         let columns = m * self.forces;
         for i in 0..condensed.intervals() {
             let mut sums = [[0.0; LANE]; MAX_STAGE_LANES];
@@ -115,7 +115,7 @@ impl Responses {
     /// The readings that belong to forces, and to nodes and scalars.
     #[inline(always)]
     pub fn read(&self, condensed: &Condensed, from: &[f64], [nodes, scalars]: [&[f64]; 2], to: &mut [f64]) {
-        let Sizes { n, m, np, .. } = condensed.sizes::<Any>();
+        let Sizes { n, m, np, .. } = condensed.sizes::<RuntimeSizes>();
         let (columns, lanes) = (m * self.forces, self.lanes(m));
         let mut unknowns = [0.0; MAX_UNKNOWNS];
         unknowns[n..n + np].copy_from_slice(&scalars[..np]);

@@ -64,30 +64,29 @@ impl Sizes {
     }
 }
 
-/// Where kernels have their sizes from.
+/// The source of the sizes of a kernel.
 pub trait Shape {
-    /// Whether they are known at compile time.
-    const KNOWN: bool;
+    /// Sizes of the problem but for its right conditions, and stages, if they are known at compile time.
+    const STATIC: Option<(Dimensions, usize)>;
 
     /// The sizes of a problem.
-    fn sizes(dims: Dimensions, m: usize) -> Sizes;
-}
-
-/// Any sizes.
-pub struct Any;
-
-impl Shape for Any {
-    const KNOWN: bool = false;
-
     #[inline(always)]
     fn sizes(dims: Dimensions, m: usize) -> Sizes {
+        let (dims, m) = Self::STATIC.unwrap_or((dims, m));
         Sizes::of(dims, m)
     }
 }
 
-/// N components, of which E are quadratures, the last T of all among them, M stages, LEFT conditions at the left end, P scalar unknowns
-/// and I integral conditions.
-pub struct Known<
+/// Sizes known at run time.
+pub struct RuntimeSizes;
+
+impl Shape for RuntimeSizes {
+    const STATIC: Option<(Dimensions, usize)> = None;
+}
+
+/// Sizes known at compile time: N components with E quadratures, T of them the last components; M stages; LEFT conditions at the left
+/// end; P scalar unknowns; I integral conditions.
+pub struct StaticSizes<
     const N: usize,
     const E: usize,
     const T: usize,
@@ -98,27 +97,18 @@ pub struct Known<
 >;
 
 impl<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize, const P: usize, const I: usize>
-    Known<N, E, T, M, LEFT, P, I>
+    Shape for StaticSizes<N, E, T, M, LEFT, P, I>
 {
-    /// The sizes of a problem. Conditions at the right end do not matter.
-    pub const DIMENSIONS: Dimensions = Dimensions {
-        components: N,
-        quadratures: E - T,
-        trailing_quadratures: T,
-        scalars: P,
-        left: LEFT,
-        right: 0,
-        integrals: I,
-    };
-}
-
-impl<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize, const P: usize, const I: usize>
-    Shape for Known<N, E, T, M, LEFT, P, I>
-{
-    const KNOWN: bool = true;
-
-    #[inline(always)]
-    fn sizes(_dims: Dimensions, _m: usize) -> Sizes {
-        Sizes::of(Self::DIMENSIONS, M)
-    }
+    const STATIC: Option<(Dimensions, usize)> = Some((
+        Dimensions {
+            components: N,
+            quadratures: E - T,
+            trailing_quadratures: T,
+            scalars: P,
+            left: LEFT,
+            right: 0,
+            integrals: I,
+        },
+        M,
+    ));
 }

@@ -9,9 +9,9 @@ use super::condense::{Condensed, MAX_STAGE_LANES, QUAD, add_onto, integrated, of
 use super::shape::{Shape, Sizes};
 
 impl Condensed {
-    /// What a residual adds to the right nodes of all intervals (into the nodes), to the stage unknowns, and to the quadrature components
-    /// by itself (into the stages, where [`complete`](Self::complete) finds them); what it adds to the integrals is taken from `borders`,
-    /// of which there are as many as integrals or none.
+    /// Writes the contributions of a residual to the right nodes of all intervals, to the stage unknowns and to the quadrature components
+    /// into the nodes and stages of `out`, where [`complete`](Self::complete) uses them. Subtracts its contributions to the integrals from
+    /// `borders`, which is empty or has one entry for each integral.
     #[inline(always)]
     pub fn particular<S: Shape>(&self, gauss: &Gauss, residual: &Residual, out: &mut Direction, borders: &mut [f64]) {
         let sizes = self.sizes::<S>();
@@ -87,13 +87,13 @@ impl Condensed {
             }
             let map = part(&self.map, i, sizes.columns() * lanes);
             dense::add_columns(&mut solved[..lanes], &inputs[..n + np], map, lanes);
-            self.put_stages(sizes, gauss, i, (&inputs, solved.as_flattened()), stages);
+            self.write_stages(sizes, gauss, i, (&inputs, solved.as_flattened()), stages);
         }
     }
 
     /// Writes the stage values of interval i; its stage unknowns are `solved`.
     #[inline(always)]
-    fn put_stages(
+    fn write_stages(
         &self,
         sizes: Sizes,
         gauss: &Gauss,

@@ -14,7 +14,7 @@ use crate::gauss::Gauss;
 use super::block::BlockFactor;
 use super::condense::Condensed;
 use super::operator::Responses;
-use super::shape::{Any, Known, Shape};
+use super::shape::{RuntimeSizes, Shape, StaticSizes};
 use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
@@ -38,11 +38,11 @@ pub struct Kernels {
 impl Kernels {
     /// Kernels for any sizes.
     pub fn general() -> Kernels {
-        Kernels::of::<Any>(None)
+        Kernels::of::<RuntimeSizes>()
     }
 
-    /// Kernels for N components, of which E are quadratures, the last T of all among them, M stages, LEFT conditions at the left end, P
-    /// scalar unknowns and I integral conditions.
+    /// Kernels for N components with E quadratures, T of them the last components; M stages; LEFT conditions at the left end; P scalar
+    /// unknowns; I integral conditions.
     ///
     /// ```
     /// use furrow_bvp::Kernels;
@@ -58,12 +58,12 @@ impl Kernels {
         const I: usize,
     >() -> Kernels {
         const { assert!(N > 0 && E <= N && T <= E && M > 0, "a problem has components and stages") };
-        Kernels::of::<Known<N, E, T, M, LEFT, P, I>>(Some((Known::<N, E, T, M, LEFT, P, I>::DIMENSIONS, M)))
+        Kernels::of::<StaticSizes<N, E, T, M, LEFT, P, I>>()
     }
 
-    fn of<S: Shape>(sizes: Option<(Dimensions, usize)>) -> Kernels {
+    fn of<S: Shape>() -> Kernels {
         Kernels {
-            sizes,
+            sizes: S::STATIC,
             condense: condense::<S>,
             particular: particular::<S>,
             complete: complete::<S>,
@@ -76,12 +76,13 @@ impl Kernels {
     }
 
     /// Whether these are kernels for given sizes.
-    pub fn is_sized(&self) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_sized(&self) -> bool {
         self.sizes.is_some()
     }
 
     /// These kernels if they are for these sizes and m stages, the general ones otherwise.
-    pub(crate) fn suited_to(self, dims: Dimensions, m: usize) -> Kernels {
+    pub(crate) fn matching(self, dims: Dimensions, m: usize) -> Kernels {
         let sizes = (Dimensions { right: 0, ..dims }, m);
         if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
     }
@@ -92,8 +93,8 @@ macro_rules! in_shape {
     ($of:ident.$method:ident($($argument:ident),*)) => {
         match_target! {
             "x86_64+avx+avx2" => $of.$method::<S>($($argument),*),
-            _ => if S::KNOWN && cfg!(target_arch = "x86_64") {
-                $method::<Any>($of, $($argument),*)
+            _ => if S::STATIC.is_some() && cfg!(target_arch = "x86_64") {
+                $method::<RuntimeSizes>($of, $($argument),*)
             } else {
                 $of.$method::<S>($($argument),*)
             },
@@ -157,8 +158,8 @@ fn fill_responses<S: Shape>(
 ) {
     // Only one force with one reading has sized kernels, except in a web page, which they would enlarge by a hundred kilobytes.
     let general = cfg!(target_family = "wasm") || (responses.forces, responses.readings) != (1, 1);
-    if S::KNOWN && general {
-        fill_responses::<Any>(responses, condensed, gauss, force, reading)
+    if S::STATIC.is_some() && general {
+        fill_responses::<RuntimeSizes>(responses, condensed, gauss, force, reading)
     } else {
         in_shape!(responses.fill_responses(condensed, gauss, force, reading))
     }

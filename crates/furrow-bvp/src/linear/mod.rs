@@ -1,7 +1,10 @@
 //! The linearised collocation system.
 
+mod antisymmetric;
 mod operator;
+mod place;
 mod system;
 
 pub use operator::SolutionOperator;
-pub use system::{Place, System};
+pub use place::Place;
+pub use system::{FactorisationError, System};

@@ -3,8 +3,8 @@
 use crate::dense::{Determinant, PivotFailure, zeroed};
 use crate::dimensions::{Dimensions, MAX_CONDITIONS, MAX_UNKNOWNS};
 use crate::direction::{Direction, LinearCondition, Residual};
-use crate::gauss::{Gauss, MAX_STAGES};
-use crate::invalid::{InvalidInput, length};
+use crate::gauss::Gauss;
+use crate::invalid::{self, InvalidInput, length};
 use crate::kernels::{AntisymmetricEnd, BlockFactor, Condensed, EndJacobian, Interval, Kernels};
 use crate::metric;
 use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, PointJacobian};
@@ -13,8 +13,7 @@ use crate::solution::Solution;
 /// Workspace for one problem shape: derivatives, condensed intervals, block factors. Reused from call to call; nothing
 /// is allocated once it has seen the largest mesh.
 ///
-/// A use is [`evaluate`](Self::evaluate), [`condense`](Self::condense), [`factor_blocks`](Self::factor_blocks) and any
-/// number of solves.
+/// A use is [`factorise`](Self::factorise) and any number of solves.
 ///
 /// # Examples
 /// Newton's method by hand, on u″ + λeᵘ = 0 with λ held at 1 by a linear condition. `Oscillator` is in
@@ -31,14 +30,12 @@ use crate::solution::Solution;
 /// let mut system = System::new(problem.dimensions(), y.m);
 /// let mut step = Direction::default();
 /// for _ in 0..5 {
-///     system.evaluate(&mut problem, &y, &conditions, true);
-///     system.condense()?;
-///     system.factor_blocks(&conditions)?;
-///     system.solve_own(&mut step);
+///     system.factorise(&mut problem, &y, &conditions)?;
+///     system.solve_own(&mut step)?;
 ///     step.apply(1.0, &mut y);
 /// }
 /// assert!(step.norm(&y) < 1e-12);
-/// # Ok::<(), furrow_bvp::PivotFailure>(())
+/// # Ok::<(), furrow_bvp::FactorisationError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct System {
@@ -50,17 +47,28 @@ pub struct System {
     pub residual: Residual,
     pub(super) kernels: Kernels,
     pub(super) block: BlockFactor,
-    ends: EndJacobian,
+    pub(super) ends: EndJacobian,
     /// Collocation points of the last evaluation, and the integrands there.
-    places: Vec<f64>,
-    integrands: Vec<f64>,
-    /// Derivatives were evaluated at what fits.
+    pub(super) places: Vec<f64>,
+    pub(super) integrands: Vec<f64>,
+    /// The derivatives have been evaluated.
     evaluated: bool,
     /// How far the newest factorisation has come.
-    pub(super) stage: Progress,
+    progress: Progress,
 }
 
-/// Steps of a factorisation that are done. What needs more than is done gives no numbers.
+/// Why a linearised system has no factors.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum FactorisationError {
+    /// Sizes do not fit each other, or an earlier step is missing.
+    #[error(transparent)]
+    Invalid(#[from] InvalidInput),
+    /// The matrix is singular or not finite.
+    #[error(transparent)]
+    Pivot(#[from] PivotFailure),
+}
+
+/// Completed steps of a factorisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) enum Progress {
     #[default]
@@ -69,54 +77,6 @@ pub(super) enum Progress {
     /// The rows of all intervals are eliminated, though the last block may be singular.
     Eliminated,
     Factored,
-}
-
-/// A value of the equations, counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Place {
-    /// A component of the right-hand side.
-    #[error("component {component} of the right-hand side at x = {x}")]
-    Rhs {
-        /// The component.
-        component: usize,
-        /// Where.
-        x: f64,
-    },
-    /// A derivative of a component of the right-hand side.
-    #[error("a derivative of component {component} of the right-hand side at x = {x}")]
-    RhsDerivative {
-        /// The component.
-        component: usize,
-        /// Where.
-        x: f64,
-    },
-    /// A condition at the left end, or a derivative of it.
-    #[error("condition {index} at the left end")]
-    Left {
-        /// The condition.
-        index: usize,
-    },
-    /// A condition at the right end, or a derivative of it.
-    #[error("condition {index} at the right end")]
-    Right {
-        /// The condition.
-        index: usize,
-    },
-    /// An integrand, or a derivative of it.
-    #[error("integrand {index} at x = {x}")]
-    Integrand {
-        /// The integral condition.
-        index: usize,
-        /// Where.
-        x: f64,
-    },
-    /// The part of an integral condition that depends on the scalar unknowns alone, or a derivative of it.
-    #[error("integral condition {index}")]
-    Integral {
-        /// The condition.
-        index: usize,
-    },
 }
 
 /// Sizes of a problem as errors name them.
@@ -129,9 +89,6 @@ const SIZES: [&str; 7] = [
     "right conditions of the problem",
     "integral conditions of the problem",
 ];
-
-/// A missing pivot is not finite.
-const NO_MATRIX: PivotFailure = PivotFailure { column: 0, non_finite: true };
 
 impl System {
     /// Workspace for problems of the given sizes with m stages. Sizes that fail [`Dimensions::check`] are found where it is
@@ -148,7 +105,7 @@ impl System {
             places: Vec::new(),
             integrands: Vec::new(),
             evaluated: false,
-            stage: Progress::Nothing,
+            progress: Progress::Nothing,
         }
     }
 
@@ -176,19 +133,35 @@ impl System {
 
     /// Evaluates the residual of `problem` at `y`, and with `derivatives` also all derivatives.
     ///
-    /// What fails [`check`](Self::check) is not evaluated: factorisations then fail, and solves give NaN.
+    /// # Errors
+    /// As [`check`](Self::check), and for more than [`MAX_CONDITIONS`] linear conditions. Older factors are then dropped.
     pub fn evaluate<P: BoundaryValueProblem>(
         &mut self,
         problem: &mut P,
         y: &Solution,
         conditions: &[LinearCondition],
         derivatives: bool,
-    ) {
-        if self.check(problem, y).is_err() || conditions.len() > MAX_CONDITIONS {
-            (self.evaluated, self.stage) = (false, Progress::Nothing);
-            return;
-        }
+    ) -> Result<(), InvalidInput> {
+        (self.check(problem, y))
+            .and_then(|()| invalid::at_most("linear conditions", conditions.len(), MAX_CONDITIONS))
+            .inspect_err(|_| (self.evaluated, self.progress) = (false, Progress::Nothing))?;
         self.evaluate_checked(problem, y, conditions, derivatives);
+        Ok(())
+    }
+
+    /// Evaluates `problem` at `y` with derivatives, and factorises it together with the linear conditions.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate), [`condense`](Self::condense) and [`factor_blocks`](Self::factor_blocks).
+    pub fn factorise<P: BoundaryValueProblem>(
+        &mut self,
+        problem: &mut P,
+        y: &Solution,
+        conditions: &[LinearCondition],
+    ) -> Result<(), FactorisationError> {
+        self.evaluate(problem, y, conditions, true)?;
+        self.condense()?;
+        self.factor_blocks(conditions)
     }
 
     /// [`evaluate`](Self::evaluate) of sizes that are known to fit, but for scalar unknowns that the problem keeps to itself.
@@ -200,11 +173,11 @@ impl System {
         derivatives: bool,
     ) {
         problem.prepare(&y.scalars);
-        self.kernels = problem.kernels(self.gauss.m).suited_to(self.condensed.dims, self.gauss.m);
+        self.kernels = problem.kernels(self.gauss.m).matching(self.condensed.dims, self.gauss.m);
         if derivatives {
             // Older factors may go on serving on as many intervals.
             if self.condensed.intervals() != y.intervals() {
-                self.stage = Progress::Nothing;
+                self.progress = Progress::Nothing;
             }
             self.condensed.reset(&y.mesh);
             self.evaluated = true;
@@ -216,38 +189,6 @@ impl System {
         for (row, condition) in border.iter_mut().zip(conditions) {
             *row = metric::evaluate(condition, y) - condition.value;
         }
-    }
-
-    /// The first value of the last evaluation that is not finite.
-    pub(crate) fn undefined(&self) -> Option<Place> {
-        let Dimensions { components: n, scalars: np, integrals: ni, .. } = self.dimensions();
-        let first = |values: &[f64]| values.iter().position(|v| !v.is_finite());
-        let at = |equation: usize, width: usize, values: &[f64], part: fn(usize, f64) -> Place| {
-            let index = first(values)? / width.max(1);
-            let x = self.places.get(index / equation.max(1)).copied().unwrap_or(f64::NAN);
-            Some(part(index % equation.max(1), x))
-        };
-        let Residual { stages, left, right, border, .. } = &self.residual;
-        let Condensed { fy, fp, gy, gp, .. } = &self.condensed;
-        let ends = &self.ends;
-        let condition = |parts: [(&[f64], usize); 3], place: fn(usize) -> Place| {
-            parts.into_iter().find_map(|(values, width)| first(values).map(|index| place(index / width.max(1))))
-        };
-        at(n, 1, stages, |component, x| Place::Rhs { component, x })
-            .or_else(|| condition([(left, 1), (&ends.left[0], n), (&ends.left[1], np)], |index| Place::Left { index }))
-            .or_else(|| {
-                condition([(right, 1), (&ends.right[0], n), (&ends.right[1], np)], |index| Place::Right { index })
-            })
-            .or_else(|| at(ni, 1, &self.integrands, |index, x| Place::Integrand { index, x }))
-            .or_else(|| {
-                condition([(border.get(..ni).unwrap_or_default(), 1), (&ends.offsets, np), (&[], 1)], |index| {
-                    Place::Integral { index }
-                })
-            })
-            .or_else(|| at(n, n, fy, |component, x| Place::RhsDerivative { component, x }))
-            .or_else(|| at(n, np, fp, |component, x| Place::RhsDerivative { component, x }))
-            .or_else(|| at(ni, n, gy, |index, x| Place::Integrand { index, x }))
-            .or_else(|| at(ni, np, gp, |index, x| Place::Integrand { index, x }))
     }
 
     /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
@@ -322,126 +263,129 @@ impl System {
     /// Condenses all intervals from the derivatives of the last evaluation.
     ///
     /// # Errors
-    /// If a pivot of a stage matrix vanishes.
-    pub fn condense(&mut self) -> Result<(), PivotFailure> {
-        self.stage = Progress::Nothing;
-        if !self.evaluated {
-            return Err(NO_MATRIX);
-        }
+    /// If a pivot of a stage matrix vanishes, or no derivatives were evaluated.
+    pub fn condense(&mut self) -> Result<(), FactorisationError> {
+        self.progress = Progress::Nothing;
+        self.require_derivatives()?;
         (self.kernels.condense)(&mut self.condensed, &self.gauss)?;
-        self.stage = Progress::Condensed;
+        self.progress = Progress::Condensed;
         Ok(())
     }
 
     /// Factorises the block system of the problem with the linear conditions, after [`condense`](Self::condense).
     ///
     /// # Errors
-    /// If a pivot vanishes, or if there are not as many conditions as unknowns.
-    pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
-        let Dimensions { components: n, scalars, .. } = self.dimensions();
-        let nodes = (self.condensed.intervals() + 1) * n;
-        let fits = |c: &LinearCondition| c.nodes.len() == nodes && c.scalars.len() == scalars;
-        let square = isize::try_from(conditions.len()) == Ok(self.dimensions().missing_conditions());
-        if self.stage < Progress::Condensed || !square || !conditions.iter().all(fits) {
-            return Err(NO_MATRIX);
-        }
-        self.stage = Progress::Condensed;
+    /// If a pivot vanishes, if there are not as many conditions as unknowns, or if the intervals are not condensed.
+    pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), FactorisationError> {
+        self.require(Progress::Condensed)?;
+        let dims = self.dimensions();
+        length("linear conditions", conditions.len(), dims.linear_conditions())?;
+        let nodes = (self.condensed.intervals() + 1) * dims.components;
+        conditions.iter().try_for_each(|condition| condition.check(nodes, dims.scalars))?;
+        self.progress = Progress::Condensed;
         let System { block, condensed, kernels, ends, .. } = self;
         block.begin(condensed, ends, conditions);
         (kernels.eliminate)(block, condensed, conditions)?;
-        self.stage = Progress::Eliminated;
+        self.progress = Progress::Eliminated;
         block.factor_last(ends, conditions)?;
-        self.stage = Progress::Factored;
+        self.progress = Progress::Factored;
         Ok(())
     }
 
-    /// Whether the factors are there and what they are used for `fits` them; if not, `out` is NaN.
-    fn is_factored(&self, needed: Progress, fits: bool, out: &mut Direction) -> bool {
-        let Dimensions { components: n, scalars, .. } = self.dimensions();
-        let there = fits && self.stage >= needed;
-        if !there {
-            let intervals = self.condensed.intervals();
-            for (values, len) in [
-                (&mut out.nodes, (intervals + 1).saturating_mul(n.min(MAX_UNKNOWNS))),
-                (&mut out.stages, intervals * self.gauss.m * n.min(MAX_UNKNOWNS)),
-                (&mut out.scalars, scalars.min(MAX_UNKNOWNS)),
-            ] {
-                values.clear();
-                values.resize(len, f64::NAN);
-            }
-        }
-        there
+    /// Checks that derivatives were evaluated.
+    pub(super) fn require_derivatives(&self) -> Result<(), InvalidInput> {
+        invalid::ready(self.evaluated, "evaluated with derivatives")
     }
 
-    /// [`is_factored`](Self::is_factored) for a residual with `right` conditions at the right end.
-    fn can_solve(
-        &self,
-        end: Option<&AntisymmetricEnd>,
-        residual: &Residual,
-        right: usize,
-        out: &mut Direction,
-    ) -> bool {
-        let Dimensions { components: n, left, .. } = self.dimensions();
+    /// Checks that a step of the factorisation is completed.
+    pub(super) fn require(&self, step: Progress) -> Result<(), InvalidInput> {
+        let name = if step == Progress::Condensed { "condensed" } else { "factorised" };
+        invalid::ready(self.progress >= step, name)
+    }
+
+    /// Checks that the factors of the problem, or of the antisymmetric problem with the given end, are complete.
+    pub(super) fn require_factors(&self, end: Option<&AntisymmetricEnd>) -> Result<(), InvalidInput> {
+        let Some(end) = end else { return self.require(Progress::Factored) };
+        self.require(Progress::Eliminated)?;
+        length("components of the factorised antisymmetric end", end.size(), self.dimensions().components)
+    }
+
+    /// Checks that the factors are complete and that a residual has their sizes.
+    pub(super) fn check_residual(&self, end: Option<&AntisymmetricEnd>, r: &Residual) -> Result<(), InvalidInput> {
+        self.require_factors(end)?;
+        let Dimensions { components: n, left, right, .. } = self.dimensions();
         let intervals = self.condensed.intervals();
-        let Residual { stages, nodes, left: at_left, right: at_right, .. } = residual;
-        let lengths = [stages.len(), nodes.len(), at_left.len(), at_right.len()];
-        let fits = lengths == [intervals * self.gauss.m * n, intervals * n, left, right];
+        length("stage rows of the residual", r.stages.len(), intervals * self.gauss.m * n)?;
+        length("node rows of the residual", r.nodes.len(), intervals * n)?;
+        length("left rows of the residual", r.left.len(), left)?;
         match end {
-            None => self.is_factored(Progress::Factored, fits, out),
-            Some(end) => self.is_factored(Progress::Eliminated, fits && end.size() == n && left <= n, out),
+            Some(_) => length("right rows of the residual", r.right.len(), self.antisymmetric_conditions()),
+            None => (length("right rows of the residual", r.right.len(), right))
+                .and_then(|()| length("border rows of the residual", r.border.len(), self.block.borders())),
         }
-    }
-
-    /// Conditions at the mirror that make the antisymmetric problem square.
-    pub(super) fn antisymmetric_conditions(&self) -> usize {
-        let Dimensions { components, left, .. } = self.dimensions();
-        components.saturating_sub(left)
     }
 
     /// Solves J δ = −residual with the factors of the last factorisation.
-    pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
-        let right = self.dimensions().right;
-        if !self.can_solve(None, residual, right, out) {
-            return;
-        }
-        self.solve_nodes(None, residual, out, true);
-        (self.kernels.complete)(&self.condensed, &self.gauss, out);
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if there are no factors, or the residual has other sizes.
+    pub fn solve(&mut self, residual: &Residual, out: &mut Direction) -> Result<(), InvalidInput> {
+        self.check_residual(None, residual)?;
+        self.solve_everywhere(None, residual, out);
+        Ok(())
     }
 
     /// The last node and the scalar unknowns alone of [`solve`](Self::solve), in their places in `out`.
-    pub fn solve_last_node(&mut self, residual: &Residual, out: &mut Direction) {
-        let right = self.dimensions().right;
-        if self.can_solve(None, residual, right, out) {
-            self.solve_nodes(None, residual, out, false);
-        }
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_last_node(&mut self, residual: &Residual, out: &mut Direction) -> Result<(), InvalidInput> {
+        self.check_residual(None, residual)?;
+        self.solve_nodes(None, residual, out, false);
+        Ok(())
     }
 
     /// Solves with the residual of the last evaluation.
-    pub fn solve_own(&mut self, out: &mut Direction) {
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_own(&mut self, out: &mut Direction) -> Result<(), InvalidInput> {
         let residual = std::mem::take(&mut self.residual);
-        self.solve(&residual, out);
+        let solved = self.solve(&residual, out);
         self.residual = residual;
+        solved
     }
 
     /// Solves J δ = e with e one in row `which` of the border (integral conditions first) and zero elsewhere.
-    pub fn solve_unit(&mut self, which: usize, out: &mut Direction) {
-        if !self.is_factored(Progress::Factored, which < self.block.borders(), out) {
-            return;
-        }
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if there are no factors, or no such row.
+    pub fn solve_unit(&mut self, which: usize, out: &mut Direction) -> Result<(), InvalidInput> {
+        self.require_factors(None)?;
+        invalid::index("row of the border", which, self.block.borders())?;
         let mut border = [0.0; MAX_UNKNOWNS];
         border[which] = 1.0;
         let right = &[0.0; MAX_UNKNOWNS][..self.dimensions().right];
         self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
+        Ok(())
     }
 
     /// Solves J d = 0 with linear condition `which` raised by 1.
-    pub fn null_direction(&mut self, which: usize, out: &mut Direction) {
-        self.solve_unit(self.dimensions().integrals.saturating_add(which), out);
+    ///
+    /// # Errors
+    /// [`InvalidInput`] if there are no factors, or no such condition.
+    pub fn null_direction(&mut self, which: usize, out: &mut Direction) -> Result<(), InvalidInput> {
+        self.solve_unit(self.dimensions().integrals.saturating_add(which), out)
     }
 
     /// Solves for right-hand sides that are zero but for [right, border] conditions, of the antisymmetric problem if its end
     /// is given.
-    fn solve_from_last(&mut self, end: Option<&AntisymmetricEnd>, [right, border]: [&[f64]; 2], out: &mut Direction) {
+    pub(super) fn solve_from_last(
+        &mut self,
+        end: Option<&AntisymmetricEnd>,
+        [right, border]: [&[f64]; 2],
+        out: &mut Direction,
+    ) {
         let Dimensions { components: n, scalars, left, .. } = self.dimensions();
         zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * n);
         zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * n);
@@ -451,9 +395,20 @@ impl System {
         (self.kernels.complete)(&self.condensed, &self.gauss, out);
     }
 
-    /// Nodes (of which only the last if not `everywhere`), scalars and particular stage values for a residual, of the
-    /// antisymmetric problem if its end is given.
-    fn solve_nodes(
+    /// Solves for all unknowns, of the antisymmetric problem if its end is given.
+    pub(super) fn solve_everywhere(
+        &mut self,
+        end: Option<&AntisymmetricEnd>,
+        residual: &Residual,
+        out: &mut Direction,
+    ) {
+        self.solve_nodes(end, residual, out, true);
+        (self.kernels.complete)(&self.condensed, &self.gauss, out);
+    }
+
+    /// Nodes (only the last if not `everywhere`), scalars and particular stage values for a residual, of the antisymmetric
+    /// problem if its end is given.
+    pub(super) fn solve_nodes(
         &mut self,
         end: Option<&AntisymmetricEnd>,
         residual: &Residual,
@@ -496,124 +451,14 @@ impl System {
         }
     }
 
-    /// Factorises the antisymmetric problem that belongs to the factorised one on a mirror-symmetric half: the same
-    /// intervals and left conditions, the components in `vanishing` zero at the mirror in place of the right conditions, and
-    /// neither scalar unknowns nor integral conditions. The determinant includes the stages.
-    ///
-    /// # Errors
-    /// A pivot that is not finite, or components that do not make the problem square; a pivot that is zero makes the
-    /// determinant zero.
-    pub fn factor_antisymmetric(
-        &self,
-        vanishing: &[usize],
-        end: &mut AntisymmetricEnd,
-    ) -> Result<Determinant, PivotFailure> {
-        self.set_vanishing(vanishing, end)?;
-        self.factor_antisymmetric_rows(end)
-    }
-
-    /// [`factor_antisymmetric`](Self::factor_antisymmetric) with the right end rows of `end`.
-    pub(crate) fn factor_antisymmetric_rows(&self, end: &mut AntisymmetricEnd) -> Result<Determinant, PivotFailure> {
-        let Dimensions { components: n, left, .. } = self.dimensions();
-        let square = n.checked_sub(left).and_then(|open| open.checked_mul(n)) == Some(end.rows.len());
-        if self.stage < Progress::Eliminated || !square {
-            return Err(NO_MATRIX);
-        }
-        let factored = self.block.factor_antisymmetric(end);
-        match factored {
-            Ok(()) => Ok(self.determinant_with(Some(end))),
-            // Exactly singular in the last block: the zero itself.
-            Err(failure) if !failure.non_finite => Ok(Determinant { sign: 0.0, log_abs: f64::NEG_INFINITY }),
-            Err(failure) => Err(failure),
-        }
-    }
-
-    /// [`factor_antisymmetric`](Self::factor_antisymmetric) without the determinant, which takes a logarithm for every pivot.
-    ///
-    /// # Errors
-    /// A pivot that is zero or not finite, or components that do not make the problem square.
-    pub fn eliminate_antisymmetric(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
-        self.set_vanishing(vanishing, end)?;
-        self.block.factor_antisymmetric(end)
-    }
-
-    /// The end rows of an antisymmetric problem that is square.
-    fn set_vanishing(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
-        let Dimensions { components: n, left, .. } = self.dimensions();
-        let square = n.checked_sub(left) == Some(vanishing.len()) && vanishing.iter().all(|c| *c < n);
-        if self.stage < Progress::Eliminated || !square {
-            return Err(NO_MATRIX);
-        }
-        end.set_vanishing(vanishing, n);
-        Ok(())
-    }
-
-    /// Adds J δ to `out`, J being the antisymmetric problem where the system was evaluated last with derivatives: what is left
-    /// of a residual after a correction with older factors.
-    pub fn apply_antisymmetric(&mut self, end: &AntisymmetricEnd, direction: &Direction, out: &mut Residual) {
-        let (n, m) = (self.dimensions().components, self.gauss.m);
-        let intervals = self.condensed.intervals();
-        let [stages, nodes] = [intervals * m * n, intervals * n];
-        let fits = [direction.stages.len(), out.stages.len(), direction.nodes.len(), out.nodes.len()]
-            == [stages, stages, nodes + n, nodes];
-        if !self.evaluated || !fits {
-            out.stages.fill(f64::NAN);
-            return;
-        }
-        let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
-        let (rows, node) = scratch[..(m + 1) * n].split_at_mut(m * n);
-        for (i, h) in self.condensed.h.iter().enumerate() {
-            let stages = &direction.stages[i * m * n..(i + 1) * m * n];
-            for (j, (rows, y)) in rows.chunks_exact_mut(n).zip(stages.chunks_exact(n)).enumerate() {
-                let f = self.condensed.fy[(i * m + j) * n * n..(i * m + j + 1) * n * n].chunks_exact(n);
-                for (row, f) in rows.iter_mut().zip(f) {
-                    *row = -h * product(f, y);
-                }
-            }
-            let [left, right] = [i, i + 1].map(|k| &direction.nodes[k * n..(k + 1) * n]);
-            (self.kernels.differences)(&self.gauss, Interval { left, stages, right }, rows, node);
-            add(&mut out.stages[i * m * n..(i + 1) * m * n], rows);
-            add(&mut out.nodes[i * n..(i + 1) * n], node);
-        }
-        let (first, last) = (&direction.nodes[..n], &direction.nodes[direction.nodes.len() - n..]);
-        for (rows, y, out) in [(&self.ends.left[0], first, &mut out.left), (&end.rows, last, &mut out.right)] {
-            out.iter_mut().zip(rows.chunks_exact(n)).for_each(|(out, row)| *out += product(row, y));
-        }
-    }
-
-    /// Solves the antisymmetric problem factorised by [`factor_antisymmetric`](Self::factor_antisymmetric) for stage and
-    /// node residuals and right-hand sides of its end rows.
-    pub fn solve_antisymmetric(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
-        if !self.can_solve(Some(end), residual, self.antisymmetric_conditions(), out) {
-            return;
-        }
-        self.solve_nodes(Some(end), residual, out, true);
-        (self.kernels.complete)(&self.condensed, &self.gauss, out);
-    }
-
-    /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.
-    pub fn solve_antisymmetric_last_node(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
-        if self.can_solve(Some(end), residual, self.antisymmetric_conditions(), out) {
-            self.solve_nodes(Some(end), residual, out, false);
-        }
-    }
-
-    /// The solution of the antisymmetric problem for right-hand sides that are zero but for `right` of its right end rows.
-    pub fn solve_antisymmetric_unit(&mut self, end: &AntisymmetricEnd, right: &[f64], out: &mut Direction) {
-        let fits = right.len() == self.antisymmetric_conditions() && end.size() == self.dimensions().components;
-        if self.is_factored(Progress::Eliminated, fits, out) {
-            self.solve_from_last(Some(end), [right, &[]], out);
-        }
-    }
-
     /// Determinant of the full factorised system; one of sign 0 if there are no factors.
     pub fn determinant(&self) -> Determinant {
         self.determinant_with(None)
     }
 
-    fn determinant_with(&self, end: Option<&AntisymmetricEnd>) -> Determinant {
+    pub(super) fn determinant_with(&self, end: Option<&AntisymmetricEnd>) -> Determinant {
         let mut det = Determinant::default();
-        if self.stage < Progress::Eliminated {
+        if self.progress < Progress::Eliminated {
             return Determinant { sign: 0.0, log_abs: f64::NAN };
         }
         self.condensed.multiply_into(&mut det);
@@ -633,12 +478,4 @@ impl System {
         let Residual { stages, nodes, left, right, border } = &self.residual;
         zero.reset([stages, nodes, left, right, border].map(Vec::len));
     }
-}
-
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn add(to: &mut [f64], terms: &[f64]) {
-    to.iter_mut().zip(terms).for_each(|(to, term)| *to += term);
 }

@@ -18,8 +18,7 @@ pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
     }
     let estimates = (0..SOLVES).map(|k| {
         perturb(&mut residual, y, k);
-        system.solve(&residual, &mut change);
-        change.norm(y)
+        system.solve(&residual, &mut change).map_or(f64::INFINITY, |()| change.norm(y))
     });
     // A matrix that is singular to rounding gives NaN.
     estimates.fold(0.0, |largest: f64, size| if size.is_nan() { f64::INFINITY } else { largest.max(size) })

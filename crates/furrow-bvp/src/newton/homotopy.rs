@@ -54,7 +54,7 @@ const CORRECTOR: Newton = Newton {
 const EASY: usize = 6;
 
 /// The problem on the way from the guess `origin`.
-struct Deformed<'a, P> {
+struct HomotopyProblem<'a, P> {
     problem: &'a mut P,
     origin: &'a Solution,
     gauss: Gauss,
@@ -69,7 +69,7 @@ struct Deformed<'a, P> {
     offsets: Vec<f64>,
 }
 
-impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
+impl<'a, P: BoundaryValueProblem> HomotopyProblem<'a, P> {
     fn new(problem: &'a mut P, origin: &'a Solution) -> Self {
         let Dimensions { scalars: np, integrals, .. } = problem.dimensions();
         problem.prepare(&origin.scalars);
@@ -78,7 +78,7 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
         let [at_right, ..] = conditions_at(problem, End::Right, origin.node(origin.intervals()), p);
         let offsets = (0..integrals).map(|k| problem.integral_offset(k, p, &mut vec![0.0; np])).collect();
         let (gauss, x, f, g) = (origin.gauss(), Vec::new(), Vec::new(), Vec::new());
-        Deformed { problem, origin, gauss, rest: 1.0, x, f, g, left: at_left, right: at_right, offsets }
+        HomotopyProblem { problem, origin, gauss, rest: 1.0, x, f, g, left: at_left, right: at_right, offsets }
     }
 
     /// Residuals of the guess at the points x.
@@ -95,7 +95,7 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
             self.origin.eval_in(&self.gauss, i, theta, value);
             self.origin.slope_in(&self.gauss, i, theta, slope);
         }
-        let Deformed { problem, origin, f, g, .. } = self;
+        let HomotopyProblem { problem, origin, f, g, .. } = self;
         f.clear();
         f.resize(x.len() * n, 0.0);
         g.clear();
@@ -126,7 +126,7 @@ impl<'a, P: BoundaryValueProblem> Deformed<'a, P> {
     }
 }
 
-impl<P: BoundaryValueProblem> BoundaryValueProblem for Deformed<'_, P> {
+impl<P: BoundaryValueProblem> BoundaryValueProblem for HomotopyProblem<'_, P> {
     fn dimensions(&self) -> Dimensions {
         self.problem.dimensions()
     }
@@ -182,7 +182,7 @@ impl<P: BoundaryValueProblem> BoundaryValueProblem for Deformed<'_, P> {
 
 /// One homotopy.
 struct Path<'a, P> {
-    deformed: Deformed<'a, P>,
+    deformed: HomotopyProblem<'a, P>,
     system: &'a mut System,
     scratch: &'a mut NewtonScratch,
     work: &'a mut Work,
@@ -201,7 +201,7 @@ pub(super) fn solve<P: BoundaryValueProblem>(
     scratch: &mut NewtonScratch,
     work: &mut Work,
 ) -> Option<Solution> {
-    let deformed = Deformed::new(problem, origin);
+    let deformed = HomotopyProblem::new(problem, origin);
     Path { deformed, system, scratch, work, max_intervals, corrections }.run(origin.clone())
 }
 

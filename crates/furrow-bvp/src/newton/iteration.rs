@@ -10,14 +10,13 @@
 //! # References
 //! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, ch. 3.
 
-use crate::dense::PivotFailure;
 use crate::direction::{Direction, LinearCondition};
 use crate::invalid::{self, InvalidInput};
-use crate::linear::{Place, System};
+use crate::linear::{FactorisationError, Place, System};
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
-use super::limits::{Meter, Stop};
+use super::limits::{Stop, WorkLimit};
 
 /// Settings of the iteration.
 ///
@@ -133,10 +132,11 @@ pub enum NewtonError {
 
 impl NewtonError {
     /// A failed factorisation after the given number of linear solves.
-    pub fn of_pivot(failure: PivotFailure, iterations: usize) -> NewtonError {
-        match failure.non_finite {
-            true => NewtonError::NonFinite { iterations },
-            false => NewtonError::Singular { column: failure.column, iterations },
+    pub fn of_factorisation(error: FactorisationError, iterations: usize) -> NewtonError {
+        match error {
+            FactorisationError::Invalid(input) => NewtonError::Invalid(input),
+            FactorisationError::Pivot(failure) if failure.non_finite => NewtonError::NonFinite { iterations },
+            FactorisationError::Pivot(failure) => NewtonError::Singular { column: failure.column, iterations },
         }
     }
 }
@@ -148,13 +148,13 @@ pub struct NewtonScratch {
     trial_step: Direction,
     trial: Option<Solution>,
     /// Ends the iteration once its work is spent.
-    pub(crate) meter: Meter,
+    pub(crate) limit: WorkLimit,
 }
 
 impl NewtonScratch {
-    /// For iterations that end once the work of the meter is spent.
-    pub(crate) fn metered(meter: Meter) -> NewtonScratch {
-        NewtonScratch { meter, ..NewtonScratch::default() }
+    /// For iterations that end once the work of the limit is spent.
+    pub(crate) fn limited(limit: WorkLimit) -> NewtonScratch {
+        NewtonScratch { limit, ..NewtonScratch::default() }
     }
 }
 
@@ -189,10 +189,7 @@ impl Newton {
         conditions: &[LinearCondition],
         reuse: bool,
     ) -> Result<NewtonReport, NewtonError> {
-        self.check()?;
-        check_sizes(system, problem, y, conditions)?;
-        let report = NewtonReport::default();
-        let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
+        let mut iteration = self.iteration(system, scratch, problem, y, conditions)?;
         if reuse && iteration.chord() {
             return Ok(iteration.report);
         }
@@ -200,7 +197,7 @@ impl Newton {
     }
 
     /// Chord steps alone, with the factors already in `system`. None if they do not converge, with `y` as it was.
-    pub fn solve_with_factors<P: BoundaryValueProblem>(
+    pub(crate) fn solve_with_factors<P: BoundaryValueProblem>(
         &self,
         system: &mut System,
         scratch: &mut NewtonScratch,
@@ -208,31 +205,45 @@ impl Newton {
         y: &mut Solution,
         conditions: &[LinearCondition],
     ) -> Option<NewtonReport> {
-        self.check().and_then(|()| check_sizes(system, problem, y, conditions)).ok()?;
-        let report = NewtonReport::default();
-        let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
+        let mut iteration = self.iteration(system, scratch, problem, y, conditions).ok()?;
         iteration.chord().then_some(iteration.report)
+    }
+
+    /// Checks the settings, the sizes and that there are as many conditions as unknowns.
+    fn iteration<'a, P: BoundaryValueProblem>(
+        &'a self,
+        system: &'a mut System,
+        scratch: &'a mut NewtonScratch,
+        problem: &'a mut P,
+        y: &'a mut Solution,
+        conditions: &'a [LinearCondition],
+    ) -> Result<Iteration<'a, P>, InvalidInput> {
+        self.check()?;
+        system.check(problem, y)?;
+        invalid::length("linear conditions", conditions.len(), system.dimensions().linear_conditions())?;
+        conditions.iter().try_for_each(|condition| condition.check(y.nodes.len(), y.scalars.len()))?;
+        let report = NewtonReport::default();
+        Ok(Iteration { settings: self, system, scratch, problem, y, conditions, report })
     }
 }
 
-/// Checks that everything has the same sizes, and that there are as many conditions as unknowns.
-fn check_sizes<P: BoundaryValueProblem>(
-    system: &System,
-    problem: &P,
+/// Solves for the correction of the residual at `y` with the factors of an earlier iterate.
+fn chord_correction<P: BoundaryValueProblem>(
+    system: &mut System,
+    problem: &mut P,
     y: &Solution,
     conditions: &[LinearCondition],
+    correction: &mut Direction,
 ) -> Result<(), InvalidInput> {
-    system.check(problem, y)?;
-    let needed = usize::try_from(system.dimensions().missing_conditions()).unwrap_or(0);
-    invalid::length("linear conditions", conditions.len(), needed)?;
-    conditions.iter().try_for_each(|condition| condition.check(y))
+    system.evaluate(problem, y, conditions, false)?;
+    system.solve_own(correction)
 }
 
 /// Chord steps go on from a correction at most this fraction of the one before.
 const LEAST_CONTRACTION: f64 = 0.5;
 
-/// A correction whose square is at most this part of the tolerance is the last if its contraction says so: what it leaves is of
-/// second order in it.
+/// A correction is the last if its square is at most this part of the tolerance and its contraction is small enough: the remaining
+/// error is of second order in it.
 const SQUARED: f64 = 0.1;
 
 /// A correction below this changes no scaling by more than a hundredth.
@@ -257,7 +268,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             && self.report.iterations < settings.max_iterations
         {
             self.factorise()?;
-            self.system.solve_own(&mut self.scratch.step);
+            self.system.solve_own(&mut self.scratch.step)?;
             self.report.iterations += 1;
             let size = self.scratch.step.norm(self.y);
             if !size.is_finite() {
@@ -281,12 +292,11 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
     fn factorise(&mut self) -> Result<(), NewtonError> {
         let Iteration { system, scratch, problem, y, conditions, report, .. } = self;
         let iterations = report.iterations;
-        scratch.meter.charge(y.intervals()).map_err(|reason| NewtonError::Stopped { reason, iterations })?;
-        system.evaluate(*problem, y, conditions, true);
+        scratch.limit.spend(y.intervals()).map_err(|reason| NewtonError::Stopped { reason, iterations })?;
         report.factorisations += 1;
-        match system.condense().and_then(|()| system.factor_blocks(conditions)) {
-            Err(failure) if failure.non_finite => Err(self.non_finite()),
-            factored => factored.map_err(|failure| NewtonError::of_pivot(failure, iterations)),
+        match system.factorise(*problem, y, conditions) {
+            Err(FactorisationError::Pivot(failure)) if failure.non_finite => Err(self.non_finite()),
+            factored => factored.map_err(|error| NewtonError::of_factorisation(error, iterations)),
         }
     }
 
@@ -310,8 +320,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
         loop {
             trial.clone_from(y);
             step.apply(lambda, trial);
-            system.evaluate(*problem, trial, conditions, false);
-            system.solve_own(trial_step);
+            chord_correction(system, *problem, trial, conditions, trial_step)?;
             report.iterations += 1;
             // Scaled by y, as `size` is, however large the trial has become.
             let next = trial_step.norm(y);
@@ -355,9 +364,10 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             }
             // Small corrections leave the scaling as it is.
             let before = if size < SMALL { size } else { correction.norm(y) };
-            system.evaluate(*problem, y, conditions, false);
-            system.solve_own(correction);
             report.iterations += 1;
+            if chord_correction(system, *problem, y, conditions, correction).is_err() {
+                return false;
+            }
             let next = correction.norm(y);
             contraction = next / before;
             if next.is_nan() || contraction > LEAST_CONTRACTION && next > settings.tolerance {
@@ -374,11 +384,10 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
     /// Tries to converge with the existing factors. On failure `y` is restored.
     fn chord(&mut self) -> bool {
         let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
-        system.evaluate(*problem, y, conditions, false);
-        system.solve_own(&mut scratch.step);
         report.iterations += 1;
+        let solved = chord_correction(system, *problem, y, conditions, &mut scratch.step);
         let size = scratch.step.norm(y);
-        if !size.is_finite() {
+        if solved.is_err() || !size.is_finite() {
             return false;
         }
         let saved = scratch.trial.get_or_insert_with(|| y.clone());
@@ -388,13 +397,12 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
         if size <= settings.tolerance {
             return true;
         }
-        system.evaluate(*problem, y, conditions, false);
-        system.solve_own(&mut scratch.trial_step);
         report.iterations += 1;
+        let solved = chord_correction(system, *problem, y, conditions, &mut scratch.trial_step);
         report.last_correction = scratch.trial_step.norm(y);
         let in_the_same = if size < SMALL { report.last_correction } else { scratch.trial_step.norm(saved) };
         let contraction = in_the_same / size;
-        if contraction <= settings.chord_contraction && self.chord_from(contraction) {
+        if solved.is_ok() && contraction <= settings.chord_contraction && self.chord_from(contraction) {
             return true;
         }
         if let Some(saved) = &self.scratch.trial {

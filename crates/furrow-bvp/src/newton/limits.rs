@@ -53,25 +53,25 @@ pub enum Stop {
 
 /// The work that is left: factorised intervals, without end by default.
 #[derive(Clone, Debug)]
-pub(crate) struct Meter {
+pub(crate) struct WorkLimit {
     left: f64,
     interrupt: Interrupt,
 }
 
-impl Default for Meter {
+impl Default for WorkLimit {
     fn default() -> Self {
-        Meter { left: f64::INFINITY, interrupt: Interrupt::default() }
+        WorkLimit { left: f64::INFINITY, interrupt: Interrupt::default() }
     }
 }
 
-impl Meter {
+impl WorkLimit {
     /// The budget for the given number of factorisations on a mesh with the given number of intervals.
-    pub fn new(budget: f64, intervals: usize, interrupt: &Interrupt) -> Meter {
-        Meter { left: budget * intervals as f64, interrupt: interrupt.clone() }
+    pub fn new(budget: f64, intervals: usize, interrupt: &Interrupt) -> WorkLimit {
+        WorkLimit { left: budget * intervals as f64, interrupt: interrupt.clone() }
     }
 
     /// Takes the work of one factorisation off. An error if nothing was left for it.
-    pub fn charge(&mut self, intervals: usize) -> Result<(), Stop> {
+    pub fn spend(&mut self, intervals: usize) -> Result<(), Stop> {
         if self.interrupt.is_set() {
             return Err(Stop::Interrupted);
         }

@@ -8,7 +8,7 @@ mod solver;
 mod work;
 
 pub use iteration::{Newton, NewtonError, NewtonReport, NewtonScratch};
-pub(crate) use limits::Meter;
+pub(crate) use limits::WorkLimit;
 pub use limits::{Interrupt, Stop};
 pub(crate) use solver::{BUDGET, NEWTON_SHARE};
 pub use solver::{Settings, SolveError, Solved, solve};

@@ -14,7 +14,7 @@ use crate::solution::Solution;
 use super::condition;
 use super::homotopy;
 use super::iteration::{Newton, NewtonError, NewtonScratch};
-use super::limits::{Interrupt, Meter, Stop};
+use super::limits::{Interrupt, Stop, WorkLimit};
 use super::work::Work;
 
 /// Settings of [`solve`].
@@ -94,8 +94,8 @@ pub enum SolveError {
         /// The solution of smallest defect on the meshes before, if there is any.
         best: Option<Box<Solved>>,
     },
-    /// The equations hold for more than one solution nearby, or for none but one that grows without bound as the mesh is
-    /// refined: the condition grows with every halving of the intervals, or Newton meets a Jacobian without inverse.
+    /// The equations have more than one solution nearby, or a solution that grows without bound as the mesh is refined: the condition
+    /// grows with every halving of the intervals, or the Jacobian has no inverse.
     #[error("the problem is singular: its condition is {condition:.1e} on {intervals} intervals")]
     Singular {
         /// Condition on the last mesh, see [`Solved::condition`].
@@ -133,7 +133,7 @@ pub enum SolveError {
 const FAILURES: usize = 3;
 
 /// Where the condition times the defect is larger, the problem may be singular.
-const DOUBTFUL: f64 = 1e-2;
+const SUSPECT: f64 = 1e-2;
 
 /// The condition of a singular problem grows at least by this factor where the intervals are halved.
 const GROWN: f64 = 4.0;
@@ -224,11 +224,11 @@ pub fn solve<P: BoundaryValueProblem>(
         problem,
         settings,
         system: System::new(dims, guess.m),
-        scratch: NewtonScratch::metered(Meter::new(settings.budget, settings.max_intervals, &settings.interrupt)),
+        scratch: NewtonScratch::limited(WorkLimit::new(settings.budget, settings.max_intervals, &settings.interrupt)),
         work: Work::default(),
         best: None,
         guess,
-        deformed: false,
+        homotopy_tried: false,
     };
     run.solve(guess.clone())
 }
@@ -245,7 +245,7 @@ struct Run<'a, P> {
     /// The guess.
     guess: &'a Solution,
     /// Homotopy was tried.
-    deformed: bool,
+    homotopy_tried: bool,
 }
 
 impl<P: BoundaryValueProblem> Run<'_, P> {
@@ -253,24 +253,24 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         let Settings { tolerance, max_intervals: limit, .. } = *self.settings;
         let mut refinement = mesh::Refinement::new(tolerance, limit);
         loop {
-            y = self.on_this_mesh_or_a_finer(y)?;
+            y = self.solve_with_refinement(y)?;
             let defects = mesh::defect(&self.system.gauss, self.problem, &y);
             let defect = defects.iter().copied().fold(0.0, f64::max);
             let condition = condition::estimate(&mut self.system, &y);
             let halved = self.best.as_ref().is_some_and(|best| WASTEFUL * best.solution.intervals() <= y.intervals());
             if halved && defect <= ROUNDING && self.best.as_ref().is_some_and(|best| defect >= PROGRESS * best.defect) {
-                return Err(SolveError::Rounding { best: self.best_or(y, defect) });
+                return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
-            self.keep(&y, defect, condition);
+            self.keep_best(&y, defect, condition);
             if defect <= tolerance {
                 return self.accepted(y, &defects, condition);
             }
             let Some(intervals) = refinement.next(&defects, y.m) else {
-                return Err(SolveError::MeshLimit { limit, best: self.best_or(y, defect) });
+                return Err(SolveError::MeshLimit { limit, best: self.take_best_or(y, defect) });
             };
             let moved = self.moved(&y, &defects, intervals);
             if is_degenerate(&moved.mesh) {
-                return Err(SolveError::Rounding { best: self.best_or(y, defect) });
+                return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
             y = moved;
         }
@@ -280,7 +280,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     fn accepted(&mut self, mut y: Solution, defects: &[f64], mut condition: f64) -> Result<Solved, SolveError> {
         let mut defect = defects.iter().copied().fold(0.0, f64::max);
         let needed = mesh::intervals_for(defects, y.m, self.settings.tolerance);
-        if condition * defect > DOUBTFUL {
+        if condition * defect > SUSPECT {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
             let on_finer = match self.newton(&mut finer) {
                 Ok(()) => condition::estimate(&mut self.system, &finer),
@@ -328,7 +328,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     }
 
     /// Newton on the mesh of `y`; if it fails, on the mesh with halved intervals, and by a homotopy from the guess.
-    fn on_this_mesh_or_a_finer(&mut self, mut start: Solution) -> Result<Solution, SolveError> {
+    fn solve_with_refinement(&mut self, mut start: Solution) -> Result<Solution, SolveError> {
         let limit = self.settings.max_intervals;
         let mut failures = 0;
         loop {
@@ -340,7 +340,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 return Err(self.stopped(reason, intervals));
             }
             let last = 2 * intervals > limit;
-            if (failures == FAILURES || last) && !std::mem::replace(&mut self.deformed, true) {
+            if (failures == FAILURES || last) && !std::mem::replace(&mut self.homotopy_tried, true) {
                 let Run { problem, settings, system, scratch, work, guess, .. } = self;
                 let limits = [limit, settings.homotopy];
                 if let Some(y) = homotopy::solve(*problem, guess, limits, system, scratch, work) {
@@ -368,14 +368,14 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         y.on_mesh(&self.system.gauss, &mesh::redistributed(&y.mesh, defects, y.m, intervals))
     }
 
-    fn keep(&mut self, y: &Solution, defect: f64, condition: f64) {
+    fn keep_best(&mut self, y: &Solution, defect: f64, condition: f64) {
         if self.best.as_ref().is_none_or(|best| defect < best.defect) {
             self.best = Some(Box::new(Solved { solution: y.clone(), defect, condition, work: self.work }));
         }
     }
 
     /// The best solution; without another, the one on this mesh.
-    fn best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
+    fn take_best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
         let work = self.work;
         let this = || Box::new(Solved { solution, defect, condition: f64::INFINITY, work });
         let mut best = self.best.take().unwrap_or_else(this);

@@ -3,7 +3,7 @@
 use crate::dimensions::{Dimensions, TooLarge};
 use crate::solution::Solution;
 
-use super::differences::{slope, slopes_at_ends, slopes_beside};
+use super::differences::{slope, slopes_at_ends, slopes_displaced};
 use super::directional::{Directional, EndDerivatives, EndValues, PointDirection};
 use super::statement::{BoundaryValueProblem, CollocationPoints, End, PointJacobian, conditions_at};
 
@@ -407,7 +407,7 @@ fn check_ends_along<P: Directional>(problem: &mut P, places: &Places) -> Vec<Mis
     };
     let names = places.end_names();
     let named = |k: usize| names[k].clone();
-    let expected = Estimate::of(step, |t| slopes_beside(problem, at, [a, b], t));
+    let expected = Estimate::of(step, |t| slopes_displaced(problem, at, [a, b], t));
     problem.prepare(at.p);
     let mut found = compare_along("D²", &derivative(problem, at, Some(b)), &expected, named);
     let expected = Estimate::of(step, |t| {

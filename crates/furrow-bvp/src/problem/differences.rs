@@ -28,7 +28,7 @@ fn moved(values: &[f64], t: f64, along: &[f64]) -> Vec<f64> {
 }
 
 /// Whether a direction changes the scalar unknowns, and with them what `prepare` computes.
-fn moves(along: &[f64]) -> bool {
+fn changes_scalars(along: &[f64]) -> bool {
     along.iter().any(|d| *d != 0.0)
 }
 
@@ -58,14 +58,14 @@ pub(super) fn second<P: BoundaryValueProblem + ?Sized>(
     for [i, j] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
         let both = |values: &[f64], a: &[f64], b: &[f64]| moved(&moved(values, i * s, a), j * t, b);
         let (y, p) = (both(points.y, a.y, b.y), both(p, a.p, b.p));
-        if moves(a.p) || moves(b.p) {
+        if changes_scalars(a.p) || changes_scalars(b.p) {
             problem.prepare(&p);
         }
         problem.rhs_many(CollocationPoints { y: &y, ..points }, &p, &mut f, &mut g);
         let weight = i * j / (4.0 * s * t);
         f2.iter_mut().chain(&mut *g2).zip(f.iter().chain(&g)).for_each(|(out, value)| *out += weight * value);
     }
-    if moves(a.p) || moves(b.p) {
+    if changes_scalars(a.p) || changes_scalars(b.p) {
         problem.prepare(p);
     }
 }
@@ -85,7 +85,7 @@ pub(super) fn third<P: Directional + ?Sized>(
     let Some(t) = step(FIRST, [(points.y, along.y), (p, along.p)].into_iter()) else { return };
     let slopes = slope(t, |t| {
         let (y, p) = (moved(points.y, t, along.y), moved(p, t, along.p));
-        if moves(along.p) {
+        if changes_scalars(along.p) {
             problem.prepare(&p);
         }
         let mut values = vec![0.0; f2.len() + g2.len()];
@@ -94,7 +94,7 @@ pub(super) fn third<P: Directional + ?Sized>(
         values
     });
     f3.iter_mut().chain(g3).zip(slopes).for_each(|(out, slope)| *out = slope);
-    if moves(along.p) {
+    if changes_scalars(along.p) {
         problem.prepare(p);
     }
 }
@@ -119,7 +119,7 @@ pub(super) fn slopes_at_ends<P: BoundaryValueProblem + ?Sized>(problem: &P, at: 
 }
 
 /// The same at `at` + t · `a`.
-pub(super) fn slopes_beside<P: BoundaryValueProblem + ?Sized>(
+pub(super) fn slopes_displaced<P: BoundaryValueProblem + ?Sized>(
     problem: &mut P,
     at: EndValues,
     [a, b]: [EndValues; 2],
@@ -127,7 +127,7 @@ pub(super) fn slopes_beside<P: BoundaryValueProblem + ?Sized>(
 ) -> Vec<f64> {
     let [left, right, p] =
         [(at.left, a.left), (at.right, a.right), (at.p, a.p)].map(|(values, along)| moved(values, t, along));
-    if moves(a.p) {
+    if changes_scalars(a.p) {
         problem.prepare(&p);
     }
     slopes_at_ends(problem, EndValues { left: &left, right: &right, p: &p }, b)
@@ -152,9 +152,9 @@ pub(super) fn second_at_ends<P: BoundaryValueProblem + ?Sized>(
     mut out: EndDerivatives<'_>,
 ) {
     let Some(t) = step_at_ends(FIRST, at, a) else { return };
-    let slopes = slope(t, |t| slopes_beside(problem, at, [a, b], t));
+    let slopes = slope(t, |t| slopes_displaced(problem, at, [a, b], t));
     add(&mut out, slopes.into_iter());
-    if moves(a.p) {
+    if changes_scalars(a.p) {
         problem.prepare(at.p);
     }
 }
@@ -169,10 +169,10 @@ pub(super) fn third_at_ends<P: BoundaryValueProblem + ?Sized>(
     let Some(t) = step_at_ends(SECOND, at, a) else { return };
     let centre = slopes_at_ends(problem, at, a);
     for (place, weight) in [(1.0, 16.0), (-1.0, 16.0), (2.0, -1.0), (-2.0, -1.0)] {
-        let slopes = slopes_beside(problem, at, [a, a], place * t);
+        let slopes = slopes_displaced(problem, at, [a, a], place * t);
         add(&mut out, slopes.iter().zip(&centre).map(|(s, c)| weight * (s - c) / (12.0 * t * t)));
     }
-    if moves(a.p) {
+    if changes_scalars(a.p) {
         problem.prepare(at.p);
     }
 }

@@ -1,7 +1,7 @@
 //! The statement of a boundary-value problem, its higher derivatives, a check of both, and its mirror symmetry.
 
 mod check;
-pub mod derivatives;
+pub(crate) mod derivatives;
 mod differences;
 mod directional;
 mod statement;

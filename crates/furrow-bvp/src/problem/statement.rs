@@ -9,8 +9,8 @@ use crate::solution::Solution;
 pub struct CollocationPoint {
     /// Independent variable.
     pub x: f64,
-    /// Running index interval · m + stage of the collocation point, for data tabulated at the stages. Where a defect is
-    /// sampled, between the stages, it is that of a stage of the same interval.
+    /// Running index interval · m + stage of the collocation point, for data tabulated at the stages. Between the stages, where
+    /// defects are sampled, it is the index of a stage of the same interval.
     pub index: usize,
 }
 
@@ -149,8 +149,8 @@ pub trait BoundaryValueProblem {
     /// f, g and their derivatives.
     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>);
 
-    /// [`rhs`](Self::rhs) at many points: f into `f` (points × n), the integrands into `g` (points × integrals). A problem whose
-    /// evaluation is worth it may run over them side by side.
+    /// [`rhs`](Self::rhs) at many points: f into `f` (points × n), the integrands into `g` (points × integrals). A problem may
+    /// evaluate several points at once.
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
         let Dimensions { components: n, integrals: ni, .. } = self.dimensions();
         for (i, (&x, y)) in points.x.iter().zip(points.y.chunks_exact(n)).enumerate() {

@@ -46,7 +46,7 @@ impl Factorised {
         self.lu.solve(&DVector::from_column_slice(b)).unwrap().as_slice().to_vec()
     }
 
-    /// Relative error allowed to a solution: two eliminations, each with a backward error of 3 n ε (Higham 2002,
+    /// Relative error allowed to a solution: the backward errors of two eliminations, 3 n ε for one (Higham 2002,
     /// theorem 9.4, with growth that row pivoting keeps small), amplified by the condition number. A tolerance that
     /// would hide errors is refused.
     pub fn tolerance(&self) -> f64 {

@@ -3,7 +3,7 @@
 use super::linear::{Case, dims, for_every_shape};
 use super::problems::factored;
 use super::{Random, distance, largest};
-use crate::{AntisymmetricEnd, BoundaryValueProblem, Dimensions, Direction, SolutionOperator};
+use crate::{AntisymmetricEnd, BoundaryValueProblem, Dimensions, Direction, InvalidInput, SolutionOperator};
 
 /// Random forces and readings of a case, and the vector to apply its operator to.
 struct Restricted {
@@ -38,10 +38,10 @@ impl Restricted {
         }
         let mut update = Direction::default();
         match end {
-            None => case.system.solve(&residual, &mut update),
+            None => case.system.solve(&residual, &mut update).unwrap(),
             Some(end) => {
                 residual.right = vec![0.0; n - dims.left];
-                case.system.solve_antisymmetric(end, &residual, &mut update);
+                case.system.solve_antisymmetric(end, &residual, &mut update).unwrap();
             }
         }
         let rows = self.reading.chunks_exact(n).enumerate();
@@ -50,13 +50,13 @@ impl Restricted {
     }
 
     /// The same by the operator.
-    fn applied(&self, case: &mut Case, end: Option<&AntisymmetricEnd>) -> (Vec<f64>, Vec<f64>) {
+    fn applied(&self, case: &mut Case, end: Option<&AntisymmetricEnd>) -> Result<(Vec<f64>, Vec<f64>), InvalidInput> {
         let mut operator = SolutionOperator::default();
-        operator.assemble(&case.system, self.per_point, &self.force, &self.reading);
+        operator.assemble(&case.system, self.per_point, &self.force, &self.reading)?;
         let mut read = vec![f64::NAN; self.from.len() / self.per_point[0] * self.per_point[1]];
         let mut scalars = vec![f64::NAN; case.problem.dims.scalars];
-        operator.apply(&mut case.system, end, &self.from, &mut read, &mut scalars);
-        (read, scalars)
+        operator.apply(&mut case.system, end, &self.from, &mut read, &mut scalars)?;
+        Ok((read, scalars))
     }
 }
 
@@ -65,7 +65,7 @@ fn operators_give_what_solves_give() {
     for_every_shape(|mut case, random| {
         let restricted = Restricted::new(&case, [2, 3], random);
         let (read, scalars) = restricted.solved(&mut case, None);
-        let (applied, same) = restricted.applied(&mut case, None);
+        let (applied, same) = restricted.applied(&mut case, None).unwrap();
         let allowed = case.dense.tolerance() * largest(&read).max(largest(&scalars)).max(1.0);
         assert!(
             distance(&read, &applied) <= allowed && distance(&scalars, &same) <= allowed,
@@ -86,7 +86,7 @@ fn operators_of_antisymmetric_problems_give_what_their_solves_give() {
         if case.system.factor_antisymmetric(&vanishing, &mut end).is_ok_and(|det| det.sign != 0.0) {
             let restricted = Restricted::new(&case, [2, 3], random);
             let (read, _) = restricted.solved(&mut case, Some(&end));
-            let (applied, scalars) = restricted.applied(&mut case, Some(&end));
+            let (applied, scalars) = restricted.applied(&mut case, Some(&end)).unwrap();
             let allowed = 100.0 * case.dense.tolerance() * largest(&read).max(1.0);
             assert!(distance(&read, &applied) <= allowed, "{dims:?}: {}", distance(&read, &applied));
             assert!(scalars.iter().all(|p| *p == 0.0));
@@ -101,36 +101,34 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
     let regulated = Dimensions { trailing_quadratures: 1, ..dims(9, 3, 2, 5, 5, 1) };
     for dims in [dims(7, 3, 3, 4, 4, 1), regulated] {
         let mut case = Case::new(dims, 4, 3, &mut Random(47));
-        assert!(case.problem.kernels(4).suited_to(dims, 4).is_sized());
+        assert!(case.problem.kernels(4).matching(dims, 4).is_sized());
         let restricted = Restricted::new(&case, [1, 1], &mut Random(53));
-        let sized = restricted.applied(&mut case, None);
+        let sized = restricted.applied(&mut case, None).unwrap();
         case.problem.sized = false;
         case.system = factored(&mut case.problem, &case.y, &case.conditions);
-        assert_eq!(sized, restricted.applied(&mut case, None));
+        assert_eq!(sized, restricted.applied(&mut case, None).unwrap());
     }
 }
 
 #[test]
-fn what_does_not_fit_gives_no_numbers() {
+fn sizes_that_do_not_fit_are_named() {
     let mut case = Case::new(dims(4, 2, 2, 2, 2, 1), 3, 2, &mut Random(59));
-    let fitting = Restricted::new(&case, [2, 3], &mut Random(61));
-    assert!(fitting.applied(&mut case, None).0.iter().all(|x| x.is_finite()));
-    let Restricted { per_point, force, reading, from } = fitting;
+    let fitting = || Restricted::new(&case, [2, 3], &mut Random(61));
     let misfits = [
-        Restricted { per_point, force: vec![1.0; 3], reading: reading.clone(), from: from.clone() },
-        Restricted { per_point, force: force.clone(), reading: vec![1.0; 3], from: from.clone() },
-        Restricted { per_point, force, reading, from: vec![1.0; 4] },
+        ("coefficients of forces", 24, Restricted { force: vec![1.0; 3], ..fitting() }),
+        ("coefficients of readings", 72, Restricted { reading: vec![1.0; 3], ..fitting() }),
+        ("forces", 12, Restricted { from: vec![1.0; 3], ..fitting() }),
     ];
-    for misfit in misfits {
-        let (read, scalars) = misfit.applied(&mut case, None);
-        assert!(read.iter().chain(&scalars).all(|x| x.is_nan()));
+    for (name, expected, misfit) in misfits {
+        let refused = InvalidInput::Length { name, length: 3, expected };
+        assert_eq!(misfit.applied(&mut case, None), Err(refused));
     }
     // Of a system that has another mesh since.
     let mut finer = Case::new(case.problem.dims, 3, 4, &mut Random(67));
     let (mut operator, others) = (SolutionOperator::default(), Restricted::new(&finer, [1, 1], &mut Random(71)));
     let fewer = Restricted::new(&case, [1, 1], &mut Random(73));
-    operator.assemble(&case.system, [1, 1], &fewer.force, &fewer.reading);
+    operator.assemble(&case.system, [1, 1], &fewer.force, &fewer.reading).unwrap();
     let (mut read, mut scalars) = (others.from.clone(), vec![0.0; case.problem.dims.scalars]);
-    operator.apply(&mut finer.system, None, &others.from, &mut read, &mut scalars);
-    assert!(read.iter().chain(&scalars).all(|x| x.is_nan()));
+    let applied = operator.apply(&mut finer.system, None, &others.from, &mut read, &mut scalars);
+    assert_eq!(applied, Err(InvalidInput::NotReady { step: "assembled into the operator" }));
 }

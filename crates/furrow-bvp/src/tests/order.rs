@@ -41,7 +41,7 @@ fn errors(gauss: &Gauss, y: &Solution) -> [f64; 2] {
 /// order to show, coarse enough for the error to stay above rounding.
 const COARSE: [usize; MAX_STAGES] = [32, 16, 8, 4, 4];
 
-/// Orders seen are told from their neighbours, which are a whole order or more away.
+/// Half the distance between neighbouring orders.
 const HALF: f64 = 0.5;
 
 /// Order of one of the [`errors`] from one mesh to the mesh with halved intervals.

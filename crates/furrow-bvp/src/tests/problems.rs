@@ -160,8 +160,7 @@ pub fn layer(epsilon: f64, [a, b, c]: [f64; 3], ends: [f64; 2]) -> SecondOrder {
     SecondOrder { force: Box::new(force), ends }
 }
 
-/// y′ = rate · y with one nonlinear condition on y at the left end: in truth one equation for one number, whose Newton
-/// iterates are known.
+/// y′ = rate · y with one nonlinear condition on y at the left end: one equation for one number, with known Newton iterates.
 pub struct Initial {
     pub rate: f64,
     /// The condition and its derivative.
@@ -289,9 +288,7 @@ pub fn random_conditions(dims: Dimensions, intervals: usize, random: &mut Random
 /// The workspace with the factors of `problem` at `y`.
 pub fn factored<P: BoundaryValueProblem>(problem: &mut P, y: &Solution, conditions: &[LinearCondition]) -> System {
     let mut system = System::new(problem.dimensions(), y.m);
-    system.evaluate(problem, y, conditions, true);
-    system.condense().unwrap();
-    system.factor_blocks(conditions).unwrap();
+    system.factorise(problem, y, conditions).unwrap();
     system
 }
 

@@ -6,8 +6,8 @@ use super::problems::factored;
 use super::{Random, distance, largest};
 use crate::{BoundaryValueProblem, Dimensions, Direction, Kernels};
 
-/// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components of which 3 are quadratures, or 9 of which the first
-/// 3 and the last are, 3 or 4 stages, and 1 or 2 lanes of columns.
+/// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components with 3 quadratures, or 9 with the first 3 and the
+/// last as quadratures; 3 or 4 stages; 1 or 2 lanes of columns.
 fn unrolled() -> impl Iterator<Item = (Dimensions, usize)> {
     let cell = dims(7, 3, 2, 4, 4, 1);
     let regulated = Dimensions { trailing_quadratures: 1, ..dims(9, 3, 2, 5, 5, 1) };
@@ -21,13 +21,13 @@ fn unrolled() -> impl Iterator<Item = (Dimensions, usize)> {
 fn sized_kernels_give_the_bits_of_the_general_ones() {
     for (dims, m) in unrolled() {
         let mut case = Case::new(dims, m, 3, &mut Random(41 + m as u64));
-        assert!(case.problem.kernels(m).suited_to(dims, m).is_sized());
+        assert!(case.problem.kernels(m).matching(dims, m).is_sized());
         let r = random_residual(&case.system.residual, &mut Random(43));
         let (mut sized, mut general) = (Direction::default(), Direction::default());
-        case.system.solve(&r, &mut sized);
+        case.system.solve(&r, &mut sized).unwrap();
         case.problem.sized = false;
         let mut system = factored(&mut case.problem, &case.y, &case.conditions);
-        system.solve(&r, &mut general);
+        system.solve(&r, &mut general).unwrap();
         assert_eq!((&system.residual, general), (&case.system.residual, sized));
         assert_eq!(system.determinant(), case.system.determinant());
     }
@@ -36,7 +36,7 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
 #[test]
 fn kernels_for_other_sizes_are_not_used() {
     let kernels = Kernels::sized::<7, 3, 0, 4, 4, 3, 1>();
-    let sized = |dims: Dimensions, m: usize| kernels.suited_to(dims, m).is_sized();
+    let sized = |dims: Dimensions, m: usize| kernels.matching(dims, m).is_sized();
     assert_eq!(unrolled().filter(|(dims, m)| sized(*dims, *m)).count(), 1);
     assert!(!SHAPES.into_iter().filter(|d| (d.components, d.scalars) != (7, 3)).any(|dims| sized(dims, 4)));
 }
@@ -49,14 +49,14 @@ fn eliminating_quadratures_changes_no_solution() {
             let mut case = Case::new(dims, m, 3, &mut random);
             let r = random_residual(&case.system.residual, &mut random);
             let (mut eliminated, mut plain) = (Direction::default(), Direction::default());
-            case.system.solve(&r, &mut eliminated);
+            case.system.solve(&r, &mut eliminated).unwrap();
             let leading = (0..dims.quadratures).map(|fewer| (fewer, dims.trailing_quadratures));
             let trailing = (0..dims.trailing_quadratures).map(|fewer| (dims.quadratures, fewer));
             for fewer in leading.chain(trailing) {
                 (case.problem.dims.quadratures, case.problem.dims.trailing_quadratures) = fewer;
                 let mut system = factored(&mut case.problem, &case.y, &case.conditions);
                 assert_eq!(system.residual, case.system.residual);
-                system.solve(&r, &mut plain);
+                system.solve(&r, &mut plain).unwrap();
                 let (a, b) = (unknowns_of_direction(&eliminated), unknowns_of_direction(&plain));
                 assert!(distance(&a, &b) <= case.dense.tolerance() * largest(&a), "{dims:?} m={m} {fewer:?}");
                 case.assert_determinant(&case.dense, system.determinant());

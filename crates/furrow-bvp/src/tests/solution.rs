@@ -232,8 +232,7 @@ fn mirrored(y: &Solution) -> Solution {
     }
 }
 
-/// A problem that is its own mirror image must not find out from a change of mesh which of its ends is the left one, even
-/// for values that are no collocation solution.
+/// A change of mesh keeps the mirror symmetry of a problem, even for values that are no collocation solution.
 #[test]
 fn transfers_do_not_know_left_from_right() {
     for (m, gauss, mut random) in every_stage_count(80) {

@@ -2,12 +2,11 @@
 
 use furrow_bvp::continuation::State;
 use furrow_bvp::continuation::predictor::History;
-use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
     AntisymmetricEnd, BoundaryJacobian, BoundaryValueProblem, Codim2Curve, CollocationPoint, Continuation,
     ContinuationSettings, CurveSettings, Dimensions, Direction, Directional, Fold, Gauss, LinearCondition, Metric,
-    MinimallyAugmented, MirrorSymmetric, Newton, PointJacobian, Settings, Singularity, Solution, SolutionOperator,
-    SymmetryBreaking, System, locate, mesh, solve,
+    MinimallyAugmented, MirrorSymmetric, Newton, PointDirection, PointJacobian, PointValues, Settings, Singularity,
+    Solution, SolutionOperator, SymmetryBreaking, System, locate, mesh, solve,
 };
 
 /// Numbers read from bytes; zeros behind the last.
@@ -312,27 +311,24 @@ fn linearised(from: &mut Bytes, problem: &mut Hostile, y: &Solution) {
         value: 0.0,
     }];
     let conditions = &conditions[..usize::from(from.rarely(2))];
-    system.evaluate(problem, y, conditions, true);
-    let _ = (system.condense(), system.factor_blocks(conditions));
+    let _ = system.factorise(problem, y, conditions);
     let (mut out, residual, mut end) = (Direction::default(), system.zero_residual(), AntisymmetricEnd::default());
-    system.solve(&residual, &mut out);
-    system.solve_last_node(&residual, &mut out);
+    let _ = (system.solve(&residual, &mut out), system.solve_last_node(&residual, &mut out));
     let vanishing: Vec<usize> = (0..from.byte() % 3).map(|_| from.byte() % 3).collect();
     let _ = system.factor_antisymmetric(&vanishing, &mut end);
-    system.solve_antisymmetric(&end, &residual, &mut out);
+    let _ = system.solve_antisymmetric(&end, &residual, &mut out);
     let (points, per_point) = (y.intervals() * y.m, [from.byte() % 3, from.byte() % 3]);
     let own = y.components - problem.dims.all_quadratures().min(y.components);
     let [force, reading] = [own * per_point[0], y.components * per_point[1]].map(|k| vec![1.0; from.near(points * k)]);
     let mut operator = SolutionOperator::default();
-    operator.assemble(&system, per_point, &force, &reading);
+    let _ = operator.assemble(&system, per_point, &force, &reading);
     if from.rarely(3) {
         let other = guess(from, problem.dims);
-        system.evaluate(problem, &other, conditions, true);
-        let _ = (system.condense(), system.factor_blocks(conditions));
+        let _ = system.factorise(problem, &other, conditions);
     }
     let [forces, mut read] = per_point.map(|k| vec![1.0; from.near(points * k)]);
     let mut scalars = vec![0.0; from.near(y.scalars.len())];
-    operator.apply(&mut system, from.rarely(2).then_some(&end), &forces, &mut read, &mut scalars);
+    let _ = operator.apply(&mut system, from.rarely(2).then_some(&end), &forces, &mut read, &mut scalars);
 }
 
 /// A branch started, followed, stored and resumed, also from states that do not fit.

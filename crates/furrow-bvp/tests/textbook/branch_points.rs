@@ -159,8 +159,8 @@ fn a_pitchfork_is_passed_along_the_branch_that_bends_too() {
     assert!(points[0].slopes()[0].abs() < 1e-8 && points[0].slopes()[1].abs() > 0.99, "{:?}", points[0].slopes());
 }
 
-/// u = q stays a solution for all λ, but polynomials know q only nearly: on a mesh the branches do not meet. That gap shrinks as
-/// the mesh is refined, and the branch goes on; that of an imperfect problem stays, and the branch does not.
+/// u = q is a solution for all λ, but polynomials approximate q: on a mesh the branches do not meet. This gap shrinks as the mesh is
+/// refined, and the branch goes on; the gap of an imperfect problem stays, and the branch does not go on.
 #[test]
 fn a_gap_of_the_mesh_is_passed_and_one_of_the_problem_is_not() {
     let profile = |x: f64| {

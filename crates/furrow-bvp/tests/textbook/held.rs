@@ -1,9 +1,8 @@
 //! A rod that is held in place on average.
 
-use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, Gauss, PointJacobian, Solution,
-    mesh,
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, Gauss, PointDirection,
+    PointJacobian, PointValues, Solution, mesh,
 };
 
 /// u″ + λ sin u + μ = 0, u = 0 at both ends, ∫ u = 0, with y = (u, u′) and p = (μ, λ). The integral condition is

@@ -163,7 +163,7 @@ impl Azimuthal {
         let mut mode: Vec<f64> = (0..self.weights.len()).map(|k| 1.0 + k as f64).collect();
         let (mut next, mut rate) = (mode.clone(), rate);
         for _ in 0..MODE_STEPS {
-            self.apply(points, &mode, &mut next);
+            self.apply(points, &mode, &mut next)?;
             // The step magnifies the mode by μ = s/(s − σ).
             let largest = largest(&next);
             let weighed = |other: &[f64]| -> f64 {
@@ -211,9 +211,7 @@ impl Azimuthal {
     fn factorise(&mut self, shift: f64) -> Result<()> {
         let failed = StabilityError::at(shift);
         self.problem.rate = shift;
-        self.system.evaluate(&mut self.problem, &self.zero, &[], true);
-        self.system.condense().map_err(&failed)?;
-        self.system.factor_blocks(&[]).map_err(&failed)?;
+        self.system.factorise(&mut self.problem, &self.zero, &[]).map_err(failed)?;
         self.right_hand_side = self.system.zero_residual();
         let per_interval = self.zero.m * self.problem.components();
         let widths = self.zero.mesh.windows(2).flat_map(|pair| std::iter::repeat_n(pair[1] - pair[0], per_interval));
@@ -225,16 +223,16 @@ impl Azimuthal {
 
     /// Near the poles terms in 1/r² nearly cancel, above all for m = 1, and elimination loses digits. Iterative
     /// refinement: the remaining residual is solved for once more.
-    fn refine(&mut self) {
+    fn refine(&mut self) -> Result<()> {
         let Azimuthal { problem, system, right_hand_side, update, found, .. } = self;
         std::mem::swap(&mut found.nodes, &mut update.nodes);
         std::mem::swap(&mut found.stages, &mut update.stages);
         std::mem::swap(&mut found.scalars, &mut update.scalars);
         // The problem is linear: its residual there is J times the update.
-        system.evaluate(problem, found, &[], false);
+        system.evaluate(problem, found, &[], false)?;
         let rows = system.residual.stages.iter_mut().zip(&right_hand_side.stages);
         rows.for_each(|(left, right)| *left += right);
-        system.solve_own(update);
+        system.solve_own(update)?;
         for (a, b) in [
             (&mut update.nodes, &found.nodes),
             (&mut update.stages, &found.stages),
@@ -242,10 +240,11 @@ impl Azimuthal {
         ] {
             a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         }
+        Ok(())
     }
 
     /// w ↦ P_s w.
-    fn apply(&mut self, points: usize, from: &[f64], to: &mut [f64]) {
+    fn apply(&mut self, points: usize, from: &[f64], to: &mut [f64]) -> Result<()> {
         let n = self.problem.components();
         let (displaced, changed) = from.split_at(points);
         let rows = self.right_hand_side.stages.chunks_exact_mut(n).zip(self.response.chunks_exact(n));
@@ -255,8 +254,8 @@ impl Azimuthal {
                 *row = displaced[i] * by[0] + changed * by[1];
             }
         }
-        self.system.solve(&self.right_hand_side, &mut self.update);
-        self.refine();
+        self.system.solve(&self.right_hand_side, &mut self.update)?;
+        self.refine()?;
         let (displaced, changed) = to.split_at_mut(points);
         for (i, x) in self.update.stages.chunks_exact(n).enumerate() {
             displaced[i] = x[W];
@@ -266,6 +265,7 @@ impl Azimuthal {
         }
         let excess = self.amount.excess(displaced.iter().zip(&*changed).map(|(w, phi)| [*w, *phi]));
         changed.iter_mut().for_each(|phi| *phi -= excess);
+        Ok(())
     }
 }
 
@@ -296,7 +296,7 @@ mod tests {
         let points = disturbances.points();
         let before: Vec<f64> = (0..2 * points).map(|k| (0.1 * k as f64).sin()).collect();
         let mut after = before.clone();
-        disturbances.apply(points, &before, &mut after);
+        disturbances.apply(points, &before, &mut after).unwrap();
         let length = y.scalars[LENGTH];
         // ∫ of δφ + c C w over the surface, and of δφ + φ C w, on which turnover acts.
         let totals = |of: &[f64]| {

@@ -1,7 +1,6 @@
 //! Second and third directional derivatives of the equations, for singular points and their normal forms.
 
-use furrow_bvp::CollocationPoints;
-use furrow_bvp::derivatives::{Directional, EndDerivatives, EndValues, PointDirection, PointValues};
+use furrow_bvp::{CollocationPoints, Directional, EndDerivatives, EndValues, PointDirection, PointValues};
 use num_dual::{Dual3_64, HyperDual64};
 
 use super::Cortex;

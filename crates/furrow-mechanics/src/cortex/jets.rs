@@ -4,8 +4,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use furrow_bvp::CollocationPoints;
-use furrow_bvp::derivatives::PointDirection;
+use furrow_bvp::{CollocationPoints, PointDirection};
 use multiversion::multiversion;
 use num_dual::{Dual3_64, HyperDual64};
 

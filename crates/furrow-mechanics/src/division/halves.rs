@@ -12,8 +12,8 @@
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{
-    AntisymmetricEnd, BoundaryValueProblem, CollocationPoint, Direction, Newton, NewtonError, NewtonReport,
-    PivotFailure, Residual, Solution, System,
+    AntisymmetricEnd, BoundaryValueProblem, CollocationPoint, Direction, FactorisationError, InvalidInput, Newton,
+    NewtonError, NewtonReport, Residual, Solution, System,
 };
 
 use crate::cortex::equations::{Carried, J, LENGTH, PSI};
@@ -81,17 +81,17 @@ impl Halves {
         self.fold_past(cortex);
         let Halves { system, cortex, scratch, even, end, .. } = self;
         let mut report = newton.solve(system, scratch, cortex, even, &[], reuse)?;
-        let singular = |failure| NewtonError::of_pivot(failure, report.iterations);
+        let singular = |error| NewtonError::of_factorisation(error, report.iterations);
         if report.factorisations > 0 {
             system.eliminate_antisymmetric(symmetry::even(y.components), end).map_err(singular)?;
         }
-        system.evaluate(cortex, even, &[], true);
+        system.evaluate(cortex, even, &[], true)?;
         self.find_source();
-        match self.correct_repeatedly() {
+        match self.correct_repeatedly()? {
             Some(corrections) => report.iterations += corrections,
             None => {
                 self.factorise().map_err(singular)?;
-                self.correct();
+                self.correct()?;
                 report.factorisations += 1;
                 report.iterations += 1;
             }
@@ -148,39 +148,40 @@ impl Halves {
     }
 
     /// Factorises both problems where the system was evaluated.
-    fn factorise(&mut self) -> Result<(), PivotFailure> {
+    fn factorise(&mut self) -> Result<(), FactorisationError> {
         self.system.condense()?;
         self.system.factor_blocks(&[])?;
         self.system.eliminate_antisymmetric(symmetry::even(self.even.components), &mut self.end)
     }
 
     /// Corrects the antisymmetric part with the existing factors.
-    fn correct(&mut self) {
+    fn correct(&mut self) -> Result<(), InvalidInput> {
         let Halves { system, end, odd, residual, source, correction, .. } = self;
         residual.clone_from(source);
-        system.apply_antisymmetric(end, odd, residual);
-        system.solve_antisymmetric(end, residual, correction);
+        system.apply_antisymmetric(end, odd, residual)?;
+        system.solve_antisymmetric(end, residual, correction)?;
         let values = odd.nodes.iter_mut().chain(&mut odd.stages);
         values.zip(correction.nodes.iter().chain(&correction.stages)).for_each(|(y, d)| *y += d);
+        Ok(())
     }
 
     /// Corrects the antisymmetric part until it is accurate enough, and returns the number of corrections; `None` if
     /// they do not contract.
-    fn correct_repeatedly(&mut self) -> Option<usize> {
+    fn correct_repeatedly(&mut self) -> Result<Option<usize>, InvalidInput> {
         let mut before = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {
-            self.correct();
+            self.correct()?;
             let size = largest(&self.correction.nodes);
             let contraction = if corrections == 1 { LEAST_CONTRACTION } else { size / before };
             if !(contraction <= LEAST_CONTRACTION && size.is_finite()) {
-                return None;
+                return Ok(None);
             }
             if size * contraction / (1.0 - contraction) <= EXACT * largest(&self.odd.nodes) {
-                return Some(corrections);
+                return Ok(Some(corrections));
             }
             before = size;
         }
-        None
+        Ok(None)
     }
 }
 

@@ -15,7 +15,9 @@
 //! # References
 //! Maly & Petzold, *Appl. Numer. Math.* 20, 57 (1996), staggered direct method.
 
-use furrow_bvp::{BoundaryValueProblem, CollocationPoint, Direction, LinearCondition, Solution, System, metric};
+use furrow_bvp::{
+    BoundaryValueProblem, CollocationPoint, Direction, InvalidInput, LinearCondition, Solution, System, metric,
+};
 use serde::{Deserialize, Serialize};
 
 use super::stepper::{MAX_ORDER, Stepper};
@@ -129,23 +131,23 @@ impl Tangent {
         for (k, condition) in self.held.iter_mut().enumerate() {
             metric::scalar_condition(&y, SHAPE_SCALARS + k, y.scalars[SHAPE_SCALARS + k], condition);
         }
-        self.system.evaluate(&mut self.cortex, &y, &self.held, true);
-        let factored = self.system.condense().and_then(|()| self.system.factor_blocks(&self.held));
-        self.sound &= factored.is_ok();
+        self.sound &= self.system.factorise(&mut self.cortex, &y, &self.held).is_ok();
         if !self.sound {
             return Vec::new();
         }
         let integrals = self.system.dimensions().integrals;
-        let one = |(k, past): (usize, &Vec<PastChange>)| {
+        let one = |(k, past): (usize, &Vec<PastChange>)| -> Result<Solution, InvalidInput> {
             let (mut residual, mut direction) = (self.system.zero_residual(), Direction::default());
             self.add_past(&y, past, &mut residual.stages);
             // The system solves J δ = −residual: the parameter moves by one.
             residual.border[integrals + k] = -1.0;
-            self.system.solve(&residual, &mut direction);
+            self.system.solve(&residual, &mut direction)?;
             let Direction { nodes, stages, scalars } = direction;
-            Solution { mesh: y.mesh.clone(), nodes, stages, scalars, ..y }
+            Ok(Solution { mesh: y.mesh.clone(), nodes, stages, scalars, ..y })
         };
-        pasts.iter().enumerate().map(one).collect()
+        let solved: Result<Vec<Solution>, InvalidInput> = pasts.iter().enumerate().map(one).collect();
+        self.sound &= solved.is_ok();
+        solved.unwrap_or_default()
     }
 
     /// Adds ∂F/∂past · `past` to the residuals at the stages. The equations are linear in the velocities, and these in

@@ -7,8 +7,10 @@
 //! * \[P.2 stationary\] a′ = −(r′/r) a + (L²/D_A) \[ℓ²(k_offA A + k_AP P A − k_onA ρ_A) + ℓ²ψ(ℓ) k_onA Ā\], and p′ likewise,
 //! * ∫ (A − Ā) r du = 0, ∫ (P − P̄) r du = 0, and a = p = 0 at both poles.
 
-use furrow_bvp::derivatives::{EndDerivatives, EndValues, PointDirection, PointValues};
-use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, PointJacobian};
+use furrow_bvp::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, EndDerivatives, EndValues,
+    PointDirection, PointJacobian, PointValues,
+};
 
 use super::constants::{ParConstants, SurfaceToVolume};
 use super::membrane::Membrane;

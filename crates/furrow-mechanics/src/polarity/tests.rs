@@ -2,8 +2,10 @@ use super::branch::follow;
 use super::problem::{A, A_U, COMPONENTS, MEAN_A, P, P_U, Polarity, SCALE};
 use super::states::{Evolution, is_polarised, polarity};
 use super::*;
-use furrow_bvp::derivatives::{PointDirection, PointValues};
-use furrow_bvp::{BoundaryValueProblem, CollocationPoint, Directional, Gauss, PointJacobian, Solution, mesh};
+use furrow_bvp::{
+    BoundaryValueProblem, CollocationPoint, Directional, Gauss, PointDirection, PointJacobian, PointValues, Solution,
+    mesh,
+};
 use furrow_cell::ZYGOTE;
 use std::f64::consts::PI;
 

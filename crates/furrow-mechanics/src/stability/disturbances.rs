@@ -1,6 +1,6 @@
 //! Perturbations described at every collocation point: by their normal displacement w and, for a regulator, δφ − j δw.
 
-use furrow_bvp::{CollocationPoint, Direction, Gauss, Residual, Solution, SolutionOperator, System};
+use furrow_bvp::{CollocationPoint, Direction, Gauss, InvalidInput, Residual, Solution, SolutionOperator, System};
 
 use crate::cortex::Cortex;
 use crate::cortex::amount::AmountOf;
@@ -53,7 +53,7 @@ impl Disturbances {
     }
 
     /// The map from a perturbation of the past to the present one, for a condensed system.
-    pub(super) fn assemble(&mut self, system: &System, operator: &mut SolutionOperator) {
+    pub(super) fn assemble(&mut self, system: &System, operator: &mut SolutionOperator) -> Result<(), InvalidInput> {
         self.force.clear();
         self.reading.clear();
         let (components, forced) =
@@ -70,7 +70,7 @@ impl Disturbances {
             (rows[1][PHI], rows[1][R], rows[1][Z]) = (1.0, -gradient * cos, gradient * sin);
             rows[..self.per_point].iter().for_each(|row| self.reading.extend(&row[..components]));
         }
-        operator.assemble(system, [self.per_point; 2], &self.force, &self.reading);
+        operator.assemble(system, [self.per_point; 2], &self.force, &self.reading)
     }
 
     /// Removes the part of a perturbation that changes the amount of a conserved regulator.

@@ -11,6 +11,7 @@ use furrow_cell::Parameter;
 use furrow_spectra::{Krylov, RitzValue};
 
 use super::shifts::{REACH, shift_scale};
+use super::spectrum::Result;
 use super::{Parity, Stability, end_of, parities};
 use crate::cortex::Cortex;
 use crate::cortex::problem::SHAPE_SCALARS;
@@ -79,16 +80,16 @@ impl FollowedRates {
     fn near_zero(&mut self, y: &Solution, growing: [usize; 2]) -> Option<f64> {
         let FollowedRates { cortex, stability, krylov, .. } = self;
         let Stability { arnoldi, system, antisymmetric, disturbances, operator, .. } = stability;
-        system.evaluate(cortex, y, &[], true);
-        system.condense().ok()?;
-        system.factor_blocks(&[]).ok()?;
+        system.factorise(cortex, y, &[]).ok()?;
         let scale = shift_scale(cortex);
         disturbances.set(cortex, y, &system.gauss, 1.0);
-        disturbances.assemble(system, operator);
+        disturbances.assemble(system, operator).ok()?;
         let (mut largest, mut scalars) = (f64::NEG_INFINITY, [0.0; SHAPE_SCALARS]);
         for (krylov, (&parity, growing)) in krylov.iter_mut().zip(parities(cortex.domain).iter().zip(growing)) {
             let end = end_of(parity, system, antisymmetric, y.components).ok()?;
-            let step = |from: &[f64], to: &mut [f64]| operator.apply(system, end, from, to, &mut scalars);
+            let step = |from: &[f64], to: &mut [f64]| -> Result<()> {
+                Ok(operator.apply(system, end, from, to, &mut scalars)?)
+            };
             let tolerance = arnoldi.tolerance;
             let found = krylov.run(&disturbances.weights, MOST_DIMENSIONS, step, |values, _| {
                 let modes = Modes::of(values, scale, tolerance);

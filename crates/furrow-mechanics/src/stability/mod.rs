@@ -28,7 +28,7 @@ mod shifts;
 pub(crate) mod spectrum;
 
 use furrow_bvp::{
-    AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, SolutionOperator, System,
+    AntisymmetricEnd, BoundaryValueProblem, Direction, FactorisationError, Residual, Solution, SolutionOperator, System,
 };
 use furrow_cell::Cell;
 use furrow_spectra::{Arnoldi, Krylov};
@@ -122,13 +122,12 @@ impl Stability {
         let shift = 1.5 * growth;
         let failed = StabilityError::at(shift);
         self.linearise(&mut fixed, &state, shift).map_err(&failed)?;
-        self.system.factor_blocks(&[]).map_err(&failed)?;
         self.right_hand_side = self.system.zero_residual();
         let mut mode: Vec<f64> = (0..self.disturbances.weights.len()).map(|k| 1.0 + k as f64).collect();
         let mut next = mode.clone();
         for _ in 0..DIRECTION_STEPS {
             self.disturbances.load(&mode, &mut self.right_hand_side);
-            self.system.solve(&self.right_hand_side, &mut self.update);
+            self.system.solve(&self.right_hand_side, &mut self.update)?;
             self.disturbances.read(&self.update, &mut next);
             self.disturbances.conserve(&mut next);
             let largest = next.iter().fold(0.0f64, |most, w| most.max(w.abs()));
@@ -152,18 +151,18 @@ impl Stability {
     fn at_shift(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64, wanted: usize) -> Result<Spectrum> {
         let failed = StabilityError::at(shift);
         self.linearise(cortex, y, shift).map_err(&failed)?;
-        self.system.factor_blocks(&[]).map_err(&failed)?;
         let Stability { arnoldi, system, antisymmetric, disturbances, operator, krylov, .. } = self;
-        disturbances.assemble(system, operator);
+        disturbances.assemble(system, operator)?;
         let (mut out, mut scalars) = (Spectrum::default(), [0.0; SHAPE_SCALARS]);
         for &parity in parities(cortex.domain) {
             let end = end_of(parity, system, antisymmetric, y.components).map_err(&failed)?;
             let step = |from: &[f64], to: &mut [f64]| {
-                operator.apply(system, end, from, to, &mut scalars);
+                operator.apply(system, end, from, to, &mut scalars)?;
                 // Odd perturbations do not change the amount of a regulator.
                 if parity != Parity::Odd {
                     disturbances.conserve(to);
                 }
+                Ok(())
             };
             out.values.extend(rightmost(arnoldi, krylov, &disturbances.weights, step, (parity, shift, wanted))?);
         }
@@ -171,8 +170,8 @@ impl Stability {
         Ok(out)
     }
 
-    /// Factors of the stages at rate `shift` with the state as its own past, and how the stages respond to w.
-    fn linearise(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64) -> Result<(), PivotFailure> {
+    /// Factors of the system at rate `shift` with the state as its own past, and the responses to w.
+    fn linearise(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64) -> Result<(), FactorisationError> {
         cortex.rate = shift;
         positions(y, &mut cortex.past);
         let mut past = std::mem::take(&mut cortex.carried_past);
@@ -181,8 +180,7 @@ impl Stability {
         if self.system.dimensions() != cortex.dimensions() {
             self.system = System::new(cortex.dimensions(), y.m);
         }
-        self.system.evaluate(cortex, y, &[], true);
-        self.system.condense()?;
+        self.system.factorise(cortex, y, &[])?;
         self.disturbances.set(cortex, y, &self.system.gauss, shift);
         Ok(())
     }
@@ -202,7 +200,7 @@ fn end_of<'a>(
     system: &System,
     end: &'a mut AntisymmetricEnd,
     components: usize,
-) -> Result<Option<&'a AntisymmetricEnd>, PivotFailure> {
+) -> Result<Option<&'a AntisymmetricEnd>, FactorisationError> {
     if parity != Parity::Odd {
         return Ok(None);
     }
@@ -257,7 +255,7 @@ mod tests {
                 let mut moved = y.clone();
                 let mut values = moved.nodes.iter_mut().chain(&mut moved.stages).chain(&mut moved.scalars);
                 *values.nth(k).unwrap() += step;
-                system.evaluate(cortex, &moved, &[], false);
+                system.evaluate(cortex, &moved, &[], false).unwrap();
                 let r = &system.residual;
                 [&r.stages, &r.nodes, &r.left, &r.right, &r.border].into_iter().flatten().copied().collect::<Vec<_>>()
             };
@@ -321,7 +319,7 @@ mod tests {
             let before: Vec<f64> = (0..stability.disturbances.weights.len()).map(|k| (k as f64).sin()).collect();
             let mut after = before.clone();
             stability.disturbances.load(&before, &mut stability.right_hand_side);
-            stability.system.solve(&stability.right_hand_side, &mut stability.update);
+            stability.system.solve(&stability.right_hand_side, &mut stability.update).unwrap();
             stability.disturbances.read(&stability.update, &mut after);
             let [before, after] = [before, after].map(|of| amount.excess(of.as_chunks::<2>().0.iter().copied()));
             assert!(before.abs() > 1e-3 && (after / before - 1.0).abs() < 1e-5, "{strength}: {before} {after}");

@@ -1,6 +1,6 @@
 //! Growth rates, and their computation from one implicit step.
 
-use furrow_bvp::PivotFailure;
+use furrow_bvp::{FactorisationError, InvalidInput};
 use furrow_spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
 
 use super::shifts::REACH;
@@ -72,9 +72,12 @@ pub enum StabilityError {
     /// The shifted system could not be factorised.
     #[error("the system shifted by {shift} is singular or not finite (pivot {column})")]
     Factorisation { shift: f64, column: usize },
+    /// The state has other sizes than the system.
+    #[error(transparent)]
+    Invalid(#[from] InvalidInput),
     /// The eigenvalues of the projected matrix could not be computed.
-    #[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
-    Projected { dimension: usize },
+    #[error(transparent)]
+    Projected(#[from] NoEigenvalues),
     /// The rightmost growth rate did not converge.
     #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
     NotConverged { value: f64, error: f64, dimension: usize },
@@ -84,8 +87,11 @@ pub(crate) type Result<T, E = StabilityError> = std::result::Result<T, E>;
 
 impl StabilityError {
     /// The failure of a factorisation at a shift.
-    pub(crate) fn at(shift: f64) -> impl Fn(PivotFailure) -> StabilityError {
-        move |failure| StabilityError::Factorisation { shift, column: failure.column }
+    pub(crate) fn at(shift: f64) -> impl Fn(FactorisationError) -> StabilityError {
+        move |error| match error {
+            FactorisationError::Pivot(failure) => StabilityError::Factorisation { shift, column: failure.column },
+            FactorisationError::Invalid(input) => StabilityError::Invalid(input),
+        }
     }
 }
 
@@ -95,7 +101,7 @@ pub(crate) fn rightmost(
     arnoldi: &Arnoldi,
     krylov: &mut Krylov,
     weights: &[f64],
-    step: impl FnMut(&[f64], &mut [f64]),
+    step: impl FnMut(&[f64], &mut [f64]) -> Result<()>,
     (parity, shift, wanted): (Parity, f64, usize),
 ) -> Result<Vec<GrowthRate>> {
     let limit = arnoldi.max_dimension.min(weights.len() - 1);
@@ -117,8 +123,7 @@ pub(crate) fn rightmost(
             _ => None,
         }
     });
-    let projected = |NoEigenvalues { dimension }| StabilityError::Projected { dimension };
-    result.map_err(projected)?.unwrap_or_else(|| Ok(Vec::new()))
+    result?.unwrap_or_else(|| Ok(Vec::new()))
 }
 
 /// Whether all modes are out of reach of the shift: the largest Ritz value is too small even with ten times its
@@ -161,6 +166,7 @@ mod tests {
                 applied += 1;
                 let mode = |k: usize| 1.0 / (1.0 + slowest * 3f64.powi(k as i32));
                 to.iter_mut().zip(from).enumerate().for_each(|(k, (to, from))| *to = mode(k) * from);
+                Ok(())
             };
             let (arnoldi, mut krylov) = (Arnoldi::default(), Krylov::default());
             let found = rightmost(&arnoldi, &mut krylov, &[1.0; 60], step, (Parity::Mixed, 1.0, 1)).unwrap();

@@ -1,9 +1,9 @@
 //! Derivatives of the equations by hand, by dual numbers and by differences; invariance under mirror images and units. On
 //! random states, for every field and profile of a cue.
 
-use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Directional, PointJacobian,
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Directional, PointDirection,
+    PointJacobian, PointValues,
 };
 use furrow_cell::cue::{Field, Profile, Quantity, RegulatorQuantity, Source, Width};
 use furrow_cell::{Cell, Parameter};
