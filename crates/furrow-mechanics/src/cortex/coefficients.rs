@@ -34,38 +34,38 @@ pub struct LocalCoefficients<D> {
     pub source: D,
 }
 
+/// Number of coefficients.
+pub(super) const COEFFICIENTS: usize = 10;
+
+impl<D> From<[D; COEFFICIENTS]> for LocalCoefficients<D> {
+    #[inline(always)]
+    fn from(values: [D; COEFFICIENTS]) -> LocalCoefficients<D> {
+        let [kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source] = values;
+        LocalCoefficients { kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source }
+    }
+}
+
 impl<D> LocalCoefficients<D> {
+    /// All coefficients, in the order of the fields.
+    #[inline(always)]
+    pub(super) fn to_array(self) -> [D; COEFFICIENTS] {
+        let LocalCoefficients { kappa, kappa_u, eta_sum, eta_difference, friction, .. } = self;
+        let LocalCoefficients { tension, tension_u, xi_s, xi_b, source, .. } = self;
+        [kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source]
+    }
+
     /// The same with numbers of another kind.
     #[inline(always)]
     pub fn map<E>(self, number: impl Fn(D) -> E) -> LocalCoefficients<E> {
-        LocalCoefficients {
-            kappa: number(self.kappa),
-            kappa_u: number(self.kappa_u),
-            eta_sum: number(self.eta_sum),
-            eta_difference: number(self.eta_difference),
-            friction: number(self.friction),
-            tension: number(self.tension),
-            tension_u: number(self.tension_u),
-            xi_s: number(self.xi_s),
-            xi_b: number(self.xi_b),
-            source: number(self.source),
-        }
+        self.to_array().map(number).into()
     }
 }
 
 impl LocalCoefficients<f64> {
     /// Adds `factor` times other coefficients.
     pub fn add(&mut self, factor: f64, other: &LocalCoefficients<f64>) {
-        self.kappa += factor * other.kappa;
-        self.kappa_u += factor * other.kappa_u;
-        self.eta_sum += factor * other.eta_sum;
-        self.eta_difference += factor * other.eta_difference;
-        self.friction += factor * other.friction;
-        self.tension += factor * other.tension;
-        self.tension_u += factor * other.tension_u;
-        self.xi_s += factor * other.xi_s;
-        self.xi_b += factor * other.xi_b;
-        self.source += factor * other.source;
+        let (own, other) = (self.to_array(), other.to_array());
+        *self = std::array::from_fn(|k| own[k] + factor * other[k]).into();
     }
 }
 

@@ -323,7 +323,7 @@ impl Constants<f64> {
 }
 
 /// The transport constants of the regulator.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Transport<D> {
     /// Turnover k.
     pub turnover: D,

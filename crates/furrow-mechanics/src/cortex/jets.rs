@@ -9,7 +9,7 @@ use multiversion::multiversion;
 use num_dual::{Dual3_64, HyperDual64};
 
 use super::equations::{Balance, BdfTerm, COMPONENTS, Constants, LocalCoefficients, ShellCoefficients, balances};
-use super::lanes::{Arithmetic, Each};
+use super::lanes::{Arithmetic, Lane};
 
 /// A number with its derivative along a direction. Nested jets hold higher derivatives: the compiler drops unused ones,
 /// and a derivative along equal directions is computed once.
@@ -19,7 +19,7 @@ struct Jet<T> {
     slope: T,
 }
 
-type First = Jet<Each>;
+type First = Jet<Lane>;
 type Second = Jet<First>;
 type Third = Jet<Second>;
 
@@ -116,13 +116,13 @@ impl<T: Arithmetic> Arithmetic for Jet<T> {
 
 #[inline(always)]
 fn second_order(number: HyperDual64) -> Second {
-    let jet = |value, slope| Jet { value: Each(value), slope: Each(slope) };
+    let jet = |value, slope| Jet { value: Lane(value), slope: Lane(slope) };
     Jet { value: jet(number.re, number.eps1), slope: jet(number.eps2, number.eps1eps2) }
 }
 
 #[inline(always)]
 fn third_order(number: Dual3_64) -> Third {
-    let jet = |value, slope| Jet { value: Each(value), slope: Each(slope) };
+    let jet = |value, slope| Jet { value: Lane(value), slope: Lane(slope) };
     let Dual3_64 { re, v1, v2, v3, .. } = number;
     let rise = jet(v1, v2);
     Jet { value: Jet { value: jet(re, v1), slope: rise }, slope: Jet { value: rise, slope: jet(v2, v3) } }

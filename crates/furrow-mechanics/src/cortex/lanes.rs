@@ -49,32 +49,32 @@ impl<D: Number> Arithmetic for D {
 
 /// One of the numbers that a loop runs over.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Each(pub f64);
+pub struct Lane(pub f64);
 
-impl From<f64> for Each {
+impl From<f64> for Lane {
     #[inline(always)]
-    fn from(value: f64) -> Each {
-        Each(value)
+    fn from(value: f64) -> Lane {
+        Lane(value)
     }
 }
 
 macro_rules! operation {
     ($trait:ident, $method:ident, $operator:tt) => {
-        impl $trait for Each {
-            type Output = Each;
+        impl $trait for Lane {
+            type Output = Lane;
 
             #[inline(always)]
-            fn $method(self, other: Each) -> Each {
-                Each(self.0 $operator other.0)
+            fn $method(self, other: Lane) -> Lane {
+                Lane(self.0 $operator other.0)
             }
         }
 
-        impl $trait<f64> for Each {
-            type Output = Each;
+        impl $trait<f64> for Lane {
+            type Output = Lane;
 
             #[inline(always)]
-            fn $method(self, other: f64) -> Each {
-                Each(self.0 $operator other)
+            fn $method(self, other: f64) -> Lane {
+                Lane(self.0 $operator other)
             }
         }
     };
@@ -85,30 +85,30 @@ operation!(Sub, sub, -);
 operation!(Mul, mul, *);
 operation!(Div, div, /);
 
-impl Neg for Each {
-    type Output = Each;
+impl Neg for Lane {
+    type Output = Lane;
 
     #[inline(always)]
-    fn neg(self) -> Each {
-        Each(-self.0)
+    fn neg(self) -> Lane {
+        Lane(-self.0)
     }
 }
 
-impl Arithmetic for Each {
+impl Arithmetic for Lane {
     #[inline(always)]
-    fn sin_cos(self) -> (Each, Each) {
+    fn sin_cos(self) -> (Lane, Lane) {
         let (sin, cos) = sin_cos(self.0);
-        (Each(sin), Each(cos))
+        (Lane(sin), Lane(cos))
     }
 
     #[inline(always)]
-    fn exp(self) -> Each {
-        Each(exp(self.0))
+    fn exp(self) -> Lane {
+        Lane(exp(self.0))
     }
 
     #[inline(always)]
-    fn recip(self) -> Each {
-        Each(1.0 / self.0)
+    fn recip(self) -> Lane {
+        Lane(1.0 / self.0)
     }
 }
 

@@ -335,9 +335,9 @@ impl BoundaryValueProblem for Cortex {
         let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
         let sweep = self.sweep(&coefficients, profiles);
         if self.is_regulated() {
-            sweep::rhs_many_regulated(&sweep, points, p, f, g);
+            sweep::rhs_many::<REGULATED>(&sweep, points, p, f, g);
         } else {
-            sweep::rhs_many(&sweep, points, p, f, g);
+            sweep::rhs_many::<COMPONENTS>(&sweep, points, p, f, g);
         }
     }
 
@@ -345,9 +345,9 @@ impl BoundaryValueProblem for Cortex {
         let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
         let (sweep, columns) = (self.sweep(&coefficients, profiles), self.columns(p[LENGTH]));
         if self.is_regulated() {
-            sweep::jacobian_many_regulated(&sweep, points, p, columns, out);
+            sweep::jacobian_many::<REGULATED>(&sweep, points, p, columns, out);
         } else {
-            sweep::jacobian_many(&sweep, points, p, columns, out);
+            sweep::jacobian_many::<COMPONENTS>(&sweep, points, p, columns, out);
         }
     }
 
