@@ -84,7 +84,7 @@ pub fn draw(comparison: &Comparison<'_>) -> Canvas {
 }
 
 fn legend(comparison: &Comparison<'_>) -> Legend {
-    let measured = |(k, group): (usize, &GroupBeside)| {
+    let measured = |(k, group): (usize, &GroupComparison)| {
         let name = if group.group.is_empty() { "measured" } else { &group.group };
         let boxes = group.events.iter().any(|event| boxed(event).is_some());
         let how = if boxes { "boxes, whiskers within 3 IQR" } else { "mean ± sd" };

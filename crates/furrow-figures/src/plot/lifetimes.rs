@@ -126,7 +126,7 @@ fn over_birth(
 /// Draws the measured lifetimes of cells, and above them the model's, in discs and diamonds of these sizes.
 fn draw_cells(
     chart: &mut Chart<'_>,
-    cells: &[(&CellBeside, f64)],
+    cells: &[(&CellComparison, f64)],
     founders: &[(String, Colour)],
     [disc, diamond]: [f64; 2],
 ) {
