@@ -11,7 +11,7 @@ mod auto_bvp;
 mod oscillator;
 
 use auto_bvp::AutoBvp;
-use oscillator::{Force, Oscillator};
+use oscillator::Oscillator;
 
 /// The work on branch points: each level includes the ones before it.
 const EFFORTS: [&str; 4] = ["ignored", "found", "located", "switched at"];
@@ -74,6 +74,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for max_step in [0.5, 0.2, 0.1] {
         table("AUTO's bvp", &AutoBvp::PERFECT, &AutoBvp::PERFECT.guess(40, 0.5), [max_step, 5.5])?;
     }
-    let rod = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 0 };
+    let rod = Oscillator::elastica(0);
     table("the elastica", &rod, &rod.zero(1.0, 48, 4, 5.0), [12.0, 260.0])
 }

@@ -9,10 +9,10 @@ use furrow_bvp::{Continuation, ContinuationSettings, Metric, MinimallyAugmented,
 #[path = "problems/oscillator.rs"]
 mod oscillator;
 
-use oscillator::{Force, Oscillator};
+use oscillator::Oscillator;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 1 };
+    let problem = Oscillator::elastica(1);
     let guess = problem.zero(0.5, 12, 4, 20.0);
     let settings = ContinuationSettings { max_step: 3.0, ..Default::default() };
     let mut branch = Continuation::start(problem.clone(), guess, Metric::unit(2, 1), settings, true)?;

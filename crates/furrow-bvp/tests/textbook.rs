@@ -32,11 +32,6 @@ use proptest::test_runner::RngSeed;
 
 use oscillator::{Force, Oscillator, gelfand};
 
-/// u″ + λeᵘ = 0 on [0, 1].
-fn bratu() -> Oscillator {
-    Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 }
-}
-
 /// u″ + λu = 0 on [0, ½] with a mirror at ½.
 fn linear() -> Oscillator {
     Oscillator { force: Force::Of(|u| [u, 1.0, 0.0, 0.0]), right: 1 }
@@ -53,7 +48,7 @@ fn start(
 
 /// The branch of Bratu's problem from λ = 0.
 fn bratu_branch(upwards: bool) -> Continuation<Oscillator> {
-    start(&bratu(), &bratu().zero(1.0, 24, 4, 0.0), ContinuationSettings::default(), upwards)
+    start(&Oscillator::bratu(), &Oscillator::bratu().zero(1.0, 24, 4, 0.0), ContinuationSettings::default(), upwards)
 }
 
 /// The pitchfork next to `y`, which is moved onto it.
@@ -89,7 +84,8 @@ fn bratu_folds_where_it_must() {
             if advance.passed_fold {
                 let mut y = branch.state.solution.clone();
                 let (metric, tangent) = (branch.metric.clone(), &branch.state.tangent);
-                let mut point = MinimallyAugmented::new(bratu(), Fold::new(0), y.m, metric, tangent).unwrap();
+                let mut point =
+                    MinimallyAugmented::new(Oscillator::bratu(), Fold::new(0), y.m, metric, tangent).unwrap();
                 let report = point.solve(&mut y, None).unwrap();
                 assert!(report.iterations <= 8, "{report:?}");
                 folds.push(y.scalars[0]);
@@ -133,13 +129,14 @@ fn a_fold_is_located_between_two_points_with_its_arclength() {
 
 #[test]
 fn a_run_resumed_from_its_stored_state_goes_on_bit_for_bit() {
-    let mut whole = start(&bratu(), &bratu().zero(1.0, 8, 3, 0.0), ContinuationSettings::default(), true);
+    let mut whole =
+        start(&Oscillator::bratu(), &Oscillator::bratu().zero(1.0, 8, 3, 0.0), ContinuationSettings::default(), true);
     for _ in 0..4 {
         whole.advance().unwrap();
     }
     let stored = serde_json::to_string(&whole.state).unwrap();
     let state: State = serde_json::from_str(&stored).unwrap();
-    let mut resumed = Continuation::resume(bratu(), state, whole.metric.clone(), whole.settings.clone());
+    let mut resumed = Continuation::resume(Oscillator::bratu(), state, whole.metric.clone(), whole.settings.clone());
     for _ in 0..6 {
         whole.advance().unwrap();
         resumed.advance().unwrap();

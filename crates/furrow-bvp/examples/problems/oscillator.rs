@@ -34,7 +34,18 @@ pub fn gelfand(u: f64, mu: f64) -> [f64; 7] {
     [w, w * hu, w * (hu * hu + huu), w * third, w * hm, w * (hu * hm + hum), w * (hm * hm + hmm)]
 }
 
+#[allow(dead_code, reason = "not every example has both problems")]
 impl Oscillator {
+    /// Bratu's problem on the whole interval.
+    pub fn bratu() -> Oscillator {
+        Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 }
+    }
+
+    /// The elastica, with this component zero at the right end.
+    pub fn elastica(right: usize) -> Oscillator {
+        Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right }
+    }
+
     /// u = 0 on `intervals` of [0, end], which solves where w(0) = 0 or λ = 0.
     pub fn zero(&self, end: f64, intervals: usize, stages: usize, lambda: f64) -> Solution {
         Solution::from_fn(

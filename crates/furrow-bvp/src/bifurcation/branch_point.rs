@@ -36,9 +36,9 @@ pub enum BranchPointKind {
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::{Force, Oscillator};
+/// # use oscillator::Oscillator;
 /// use furrow_bvp::{BranchPointKind, Continuation, ContinuationSettings, Metric, locate};
-/// let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 0 };
+/// let problem = Oscillator::elastica(0);
 /// let (guess, metric) = (problem.zero(1.0, 20, 4, 5.0), Metric::unit(2, 1));
 /// let settings = ContinuationSettings::default();
 /// let mut straight = Continuation::start(problem.clone(), guess, metric.clone(), settings.clone(), true)?;

@@ -34,9 +34,9 @@ use super::singularity::{SingularError, Singularity};
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::{Force, Oscillator};
+/// # use oscillator::Oscillator;
 /// use furrow_bvp::{Continuation, ContinuationSettings, Fold, Metric, MinimallyAugmented};
-/// let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
+/// let problem = Oscillator::bratu();
 /// let (guess, metric) = (problem.zero(1.0, 20, 4, 0.0), Metric::unit(2, 1));
 /// let settings = ContinuationSettings::default();
 /// let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true)?;

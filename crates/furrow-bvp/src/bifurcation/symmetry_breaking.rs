@@ -24,9 +24,9 @@ use super::singularity::Singularity;
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::{Force, Oscillator};
+/// # use oscillator::Oscillator;
 /// use furrow_bvp::{Continuation, ContinuationSettings, Metric, MinimallyAugmented, SymmetryBreaking};
-/// let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 1 };
+/// let problem = Oscillator::elastica(1);
 /// let (mut y, metric) = (problem.zero(0.5, 10, 4, 38.0), Metric::unit(2, 1));
 /// let settings = ContinuationSettings::default();
 /// let branch = Continuation::start(problem.clone(), y.clone(), metric.clone(), settings, true)?;

@@ -65,9 +65,9 @@ pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::{Force, Oscillator};
+/// # use oscillator::Oscillator;
 /// use furrow_bvp::{Continuation, ContinuationSettings, Termination, Metric};
-/// let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
+/// let problem = Oscillator::bratu();
 /// let guess = problem.zero(1.0, 20, 4, 0.0);
 /// let settings = ContinuationSettings::default();
 /// let mut branch = Continuation::start(problem, guess, Metric::unit(2, 1), settings, true)?;

@@ -21,9 +21,9 @@ use crate::solution::Solution;
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::{Force, Oscillator};
+/// # use oscillator::Oscillator;
 /// use furrow_bvp::{BoundaryValueProblem, Direction, LinearCondition, System, metric};
-/// let mut problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
+/// let mut problem = Oscillator::bratu();
 /// let mut y = problem.zero(1.0, 10, 4, 1.0);
 /// let mut conditions = vec![LinearCondition::default()];
 /// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);

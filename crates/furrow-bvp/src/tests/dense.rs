@@ -5,8 +5,8 @@
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use crate::dense::Determinant;
-use crate::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Gauss, Solution};
-use crate::{Direction, LinearCondition, Residual};
+use crate::problem::{End, conditions_at};
+use crate::{BoundaryValueProblem, CollocationPoint, Direction, Gauss, LinearCondition, Residual, Solution};
 
 use super::largest;
 
@@ -112,13 +112,8 @@ pub fn residual<P: BoundaryValueProblem>(problem: &P, y: &Solution, conditions: 
             nodes.push(y0[c] + end - y.node(i + 1)[c]);
         }
     }
-    let end = |count: usize, at: &dyn Fn(&mut BoundaryJacobian<'_>)| -> Vec<f64> {
-        let (mut r, mut ry, mut rp) = (vec![0.0; count], vec![0.0; count * n], vec![0.0; count * np]);
-        at(&mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp });
-        r
-    };
-    let left = end(dims.left, &|out| problem.left(y.node(0), p, out));
-    let right = end(dims.right, &|out| problem.right(y.node(y.intervals()), p, out));
+    let [left, ..] = conditions_at(problem, End::Left, y.node(0), p);
+    let [right, ..] = conditions_at(problem, End::Right, y.node(y.intervals()), p);
     for condition in conditions {
         let products = condition.nodes.iter().zip(&y.nodes).chain(condition.scalars.iter().zip(p));
         border.push(products.map(|(w, v)| w * v).sum::<f64>() - condition.value);

@@ -5,7 +5,7 @@ use super::problems::{Counted, Initial, bratu, factored, solved};
 use super::{distance, largest};
 use crate::Direction;
 use crate::newton::NewtonScratch;
-use crate::{BoundaryValueProblem, Gauss, Newton, NewtonError, NewtonReport, Place, Solution, System, mesh};
+use crate::{BoundaryValueProblem, Newton, NewtonError, NewtonReport, Place, Solution, System, mesh};
 
 const M: usize = 3;
 
@@ -21,10 +21,7 @@ fn solve<P: BoundaryValueProblem>(
 
 /// The constant `value` on a uniform mesh of `intervals` on [0, 1].
 fn constant(components: usize, intervals: usize, m: usize, value: f64) -> Solution {
-    Solution::from_fn(&Gauss::new(m).unwrap(), &mesh::uniform(0.0, 1.0, intervals), components, &[], |_, v| {
-        v.fill(value)
-    })
-    .unwrap()
+    Solution::constant(m, &mesh::uniform(0.0, 1.0, intervals), &vec![value; components], &[])
 }
 
 /// y(x) = 0 by atan(1000 y(0)) = 0. Far from its root undamped Newton steps overshoot ever more, and with values this

@@ -1,8 +1,9 @@
 //! Solutions as functions: values, slopes, and transfers between meshes.
 
+use super::problems::random_solution;
 use super::{Random, distance};
 use crate::gauss::MAX_STAGES;
-use crate::{Gauss, Solution, mesh};
+use crate::{Dimensions, Gauss, Solution, mesh};
 
 /// All numbers of stages, with random numbers of their own.
 fn every_stage_count(seed: u64) -> impl Iterator<Item = (usize, Gauss, Random)> {
@@ -81,14 +82,7 @@ fn transfers_carry_polynomials_of_degree_m_exactly() {
 
 /// Values that belong to no smooth function, so that an exact copy can come from the right place only.
 fn rough(m: usize, mesh: Vec<f64>, random: &mut Random) -> Solution {
-    Solution {
-        components: 3,
-        m,
-        nodes: random.vector(mesh.len() * 3),
-        stages: random.vector((mesh.len() - 1) * m * 3),
-        scalars: random.vector(2),
-        mesh,
-    }
+    random_solution(Dimensions { components: 3, scalars: 2, ..Dimensions::default() }, m, mesh, random)
 }
 
 #[test]

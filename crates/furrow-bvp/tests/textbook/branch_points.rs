@@ -8,7 +8,7 @@ use furrow_bvp::{
     locate,
 };
 
-use super::oscillator::{Force, Oscillator};
+use super::oscillator::Oscillator;
 
 #[path = "../../examples/problems/auto_bvp.rs"]
 mod auto_bvp;
@@ -97,7 +97,7 @@ fn the_branch_points_of_autos_bvp_are_transcritical_and_pitchforks_in_turn() {
 /// λ = (2nK(k))² with 2k√λ = |u′(0)|. Every step of the straight rod needs a factorisation; branch points may double that.
 #[test]
 fn the_whole_elastica_buckles_in_five_pitchforks_that_are_switched_at() {
-    let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 0 };
+    let problem = Oscillator::elastica(0);
     let mut branch = start(problem.clone(), problem.zero(1.0, 48, 4, 5.0), 12.0);
     let points = points_up_to(&mut branch, 260.0);
     let work = branch.work;
@@ -145,7 +145,7 @@ fn branch_points_are_found_with_integral_conditions_and_further_unknowns() {
 /// The branch that crosses a pitchfork goes through it as well: there λ has an extremum on the branch followed.
 #[test]
 fn a_pitchfork_is_passed_along_the_branch_that_bends_too() {
-    let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 0 };
+    let problem = Oscillator::elastica(0);
     let mut straight = start(problem.clone(), problem.zero(1.0, 24, 4, 5.0), 4.0);
     let point = points_up_to(&mut straight, 14.0).remove(0);
     let state = point.switch(&mut straight, true).unwrap();

@@ -67,7 +67,7 @@ fn a_coarse_guess_loses_no_branch_point_where_a_tolerance_is_set() {
 /// The first fold of Bratu's problem, which is followed from λ = 0.
 #[test]
 fn a_fold_has_an_estimate_of_its_error() {
-    let bratu = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
+    let bratu = Oscillator::bratu();
     for (stages, intervals, tolerance) in [(1, 40, None), (2, 10, None), (3, 6, None), (2, 10, Some(1e-5))] {
         let guess = bratu.zero(1.0, intervals, stages, 0.0);
         let settings = ContinuationSettings { tolerance, ..Default::default() };
