@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod branch;
+mod following;
 mod passing;
 pub mod predictor;
 mod settings;
