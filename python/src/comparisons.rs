@@ -127,7 +127,7 @@ impl VolumesAsked {
         }
     }
 
-    /// What one L_h is chosen by.
+    /// Choice of one L_h.
     fn scale(&self) -> Result<LengthScale, Error> {
         Ok(match &self.length_scale {
             Some(Length::Given(length)) => {

@@ -23,7 +23,7 @@ pub fn files_below(folder: &Path, extension: &str) -> Vec<PathBuf> {
     found
 }
 
-/// The pages at the root, and those of `docs`, which has the book.
+/// The pages at the root and in `docs`, which has the book.
 fn pages() -> Vec<PathBuf> {
     let names = ["README.md", "CONTRIBUTING.md"].map(|name| root().join(name));
     names.into_iter().chain(files_below(&root().join("docs"), "md")).collect()

@@ -125,7 +125,7 @@ fn boundary_ends_branches_without_solving() {
     }
 }
 
-/// The four granddaughters of one size that cannot be solved end their branches, and say why; the rest of the tree stands,
+/// The four granddaughters of one size that cannot be solved end their branches, and say why; the rest of the tree is complete,
 /// at any number of threads, and its file can be read back.
 #[test]
 fn cells_that_cannot_be_computed_are_undecided() {

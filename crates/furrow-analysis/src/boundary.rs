@@ -236,7 +236,7 @@ impl BoundaryStudy {
         self.pitchfork.degenerate.iter().map(|p| CurvePoint { coefficient: None, ..*p }).collect()
     }
 
-    /// All points, each with its curve's name.
+    /// All points with the names of their curves.
     pub fn named(&self) -> Vec<(String, CurvePoint)> {
         let folds = self.folds.iter().enumerate().map(|(k, fold)| (format!("fold {k}"), fold.points.clone()));
         let before =

@@ -180,7 +180,7 @@ impl Draw {
 /// A search among sets of constants: about which ones, how many, and how it runs.
 #[derive(Clone, Copy)]
 pub struct ConstantsSearch<'a> {
-    /// What the constants are to agree with, and which of them vary.
+    /// The targets of the constants, and the constants that vary.
     pub targets: &'a Targets,
     /// The starting values, and the constants that do not vary.
     pub cell: &'a Cell,

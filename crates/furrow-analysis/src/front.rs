@@ -38,7 +38,7 @@ pub struct FrontMember {
     pub worst: f64,
     /// Statements met.
     pub met: usize,
-    /// Unmet statements, by their place among the targets, each with the computed result.
+    /// Unmet statements with their computed results, by their index among the targets.
     pub missed: Vec<String>,
 }
 

@@ -171,7 +171,7 @@ fn what_differs(there: &Value, now: &Value) -> String {
     format!("{}{more}", found.join("; "))
 }
 
-/// Lists the fields in which two values differ, each with both of its values if they are short.
+/// Lists the fields in which two values differ, with both values of a field if they are short.
 fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
     match (there, now) {
         _ if there == now => {}

@@ -22,9 +22,9 @@ use std::sync::atomic::AtomicBool;
 pub struct MeasuredVolumes {
     /// What published means are from.
     pub source: Option<&'static str>,
-    /// The volumes; none of published means.
+    /// The volumes; empty for published means.
     pub volumes: Volumes,
-    /// The divisions; none of published means.
+    /// The divisions; empty for published means.
     pub divisions: Divisions,
     /// Their means.
     pub groups: Vec<GroupSummary>,
@@ -53,7 +53,7 @@ impl MeasuredVolumes {
         Ok(MeasuredVolumes { source: None, volumes, divisions, groups })
     }
 
-    /// The divisions whose mothers have sizes: χ alone has none.
+    /// The divisions with sizes of their mothers, which a table of χ lacks.
     pub fn sized(&self) -> &[Division] {
         if self.has_sizes() { &self.divisions.divisions } else { &[] }
     }
@@ -63,7 +63,7 @@ impl MeasuredVolumes {
     }
 }
 
-/// What one L_h is chosen by.
+/// Choice of one L_h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LengthScale {
     /// By the lineage's units if volumes are in µm³, else by P0, else by all mothers.
@@ -131,7 +131,7 @@ pub struct VolumesComparison {
     pub model_by_bin: Vec<BinModel>,
     /// The same with the cues of the lineage, by their names.
     pub model_by_bin_with_cues: BTreeMap<String, Vec<BinModel>>,
-    /// χ of one group over that of another.
+    /// Regressions between the χ of two groups.
     pub regressions: Vec<Regression>,
 }
 
@@ -139,7 +139,7 @@ impl VolumesComparison {
     /// Compares measured volumes, in bins with these edges, with trees that `grow` grows. `regress` chooses groups for a regression.
     ///
     /// # Errors
-    /// Those of `grow` and of `regress`; a division or a tree that cannot be computed.
+    /// Errors of `grow` and `regress`; a division or a tree that cannot be computed.
     pub fn of<E: From<GrowError> + From<SchedulerError>>(
         measured: &MeasuredVolumes,
         edges: Option<&[f64]>,

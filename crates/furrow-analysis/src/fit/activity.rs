@@ -191,7 +191,7 @@ impl Search<'_> {
 /// The activities that all founders with observed rounds would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FittedActivities {
-    /// What is compared.
+    /// The compared quantities.
     pub rounds: Reading,
     /// Each founder's.
     pub founders: Vec<FounderActivity>,

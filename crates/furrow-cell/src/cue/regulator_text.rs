@@ -32,7 +32,7 @@ impl fmt::Display for Regulator {
     }
 }
 
-/// What is given for a regulator, before it is known whether all of it is there.
+/// The keys given for a regulator, before missing ones are reported.
 #[derive(Default)]
 struct Given {
     source: Numbers,

@@ -256,7 +256,7 @@ impl WrittenCue {
                     1 => error,
                     // A regulator is the only one.
                     _ if error.field.starts_with(REGULATOR) => error,
-                    // Which of several is told by its place, as in complaints about the sum.
+                    // Messages about one of several terms give its position in the sum.
                     _ => CueError { field: format!("cue[{}].{}", written.terms(), error.field), ..error },
                 })?,
             };

@@ -1,4 +1,4 @@
-//! A cue as it is written: parts are put together, and numbers in µm and seconds turned into those of the model.
+//! The text of a cue: joins its parts and converts numbers in µm and seconds to the model's units.
 
 use super::{Cue, CueError, Quantity, Regulator, RegulatorQuantity, Term};
 use crate::{Cell, Parameter};
