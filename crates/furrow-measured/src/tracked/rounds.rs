@@ -69,7 +69,7 @@ impl TrackedLineage {
         while let Some(cell) = waiting.pop() {
             let Some((mother, sister, _)) = names.birth(&cell) else { continue };
             if let (None, Some(a), Some(b)) = (known.get(mother), known.get(&cell), known.get(&sister)) {
-                let both = a.merged(*b).from_mother();
+                let both = a.merged(*b).of_mother();
                 known.insert(mother.to_owned(), both);
                 waiting.push(mother.to_owned());
             }
@@ -98,7 +98,7 @@ impl TrackedLineage {
         for (index, cell) in self.cells.iter().enumerate().rev() {
             let daughters = cell.daughters.iter().map(|daughter| below[*daughter]);
             let Some(both) = daughters.reduce(DivisionCounts::merged) else { continue };
-            below[index] = both.from_mother();
+            below[index] = both.of_mother();
         }
         below
     }
@@ -125,7 +125,7 @@ impl DivisionCounts {
     }
 
     /// The counts from their mother.
-    fn from_mother(self) -> DivisionCounts {
+    fn of_mother(self) -> DivisionCounts {
         let DivisionCounts { terminal, sum, min, max } = self;
         DivisionCounts { terminal, sum: sum + u64::from(terminal), min: min + 1, max: max + 1 }
     }

@@ -48,7 +48,7 @@ impl<D> From<[D; COEFFICIENTS]> for LocalCoefficients<D> {
 impl<D> LocalCoefficients<D> {
     /// All coefficients, in the order of the fields.
     #[inline(always)]
-    pub(super) fn to_array(self) -> [D; COEFFICIENTS] {
+    pub(super) fn into_array(self) -> [D; COEFFICIENTS] {
         let LocalCoefficients { kappa, kappa_u, eta_sum, eta_difference, friction, .. } = self;
         let LocalCoefficients { tension, tension_u, xi_s, xi_b, source, .. } = self;
         [kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source]
@@ -57,14 +57,14 @@ impl<D> LocalCoefficients<D> {
     /// The same with numbers of another kind.
     #[inline(always)]
     pub fn map<E>(self, number: impl Fn(D) -> E) -> LocalCoefficients<E> {
-        self.to_array().map(number).into()
+        self.into_array().map(number).into()
     }
 }
 
 impl LocalCoefficients<f64> {
     /// Adds `factor` times other coefficients.
     pub fn add(&mut self, factor: f64, other: &LocalCoefficients<f64>) {
-        let (own, other) = (self.to_array(), other.to_array());
+        let (own, other) = (self.into_array(), other.into_array());
         *self = std::array::from_fn(|k| own[k] + factor * other[k]).into();
     }
 }

@@ -38,7 +38,7 @@ impl<'a> Varied<'a> {
         let transport = regulator.as_ref().map(|regulator| Transport::of(regulator).map(|value| value.eps));
         Varied {
             column,
-            local: uniform.to_array().map(|value| [value.eps; GROUP]),
+            local: uniform.into_array().map(|value| [value.eps; GROUP]),
             shell: shell.map(|value| value.eps),
             transport: transport.unwrap_or_default(),
         }
@@ -58,7 +58,7 @@ impl<'a> Varied<'a> {
                 let y = &points.y[(from + i) * N..][..N];
                 here = constants.regulated(here, y[PHI].into(), (y[J] * length.re).into());
             }
-            put(&mut self.local, i, here.map(|value| value.eps).to_array());
+            put(&mut self.local, i, here.map(|value| value.eps).into_array());
         }
     }
 

@@ -85,7 +85,7 @@ impl<const N: usize> Group<N> {
     fn of(sweep: &Sweep<'_>) -> Group<N> {
         Group {
             y: [[0.0; GROUP]; N],
-            local: sweep.constants.uniform.to_array().map(|value| [value; GROUP]),
+            local: sweep.constants.uniform.into_array().map(|value| [value; GROUP]),
             by_phi: [[0.0; GROUP]; COEFFICIENTS],
             past: [[0.0; GROUP]; 2],
             carried_past: [[0.0; GROUP]; 3],
@@ -115,10 +115,10 @@ impl<const N: usize> Group<N> {
                 }
                 let painted = *sweep.local.get(point).unwrap_or(&sweep.constants.uniform);
                 let (here, by_phi) = sweep.constants.regulated_by_phi(painted, y[PHI], y[J] * length);
-                put(&mut self.local, i, here.to_array());
-                put(&mut self.by_phi, i, by_phi.to_array());
+                put(&mut self.local, i, here.into_array());
+                put(&mut self.by_phi, i, by_phi.into_array());
             } else if let Some(here) = sweep.local.get(point) {
-                put(&mut self.local, i, here.to_array());
+                put(&mut self.local, i, here.into_array());
             }
         }
     }
