@@ -21,6 +21,10 @@ done
 RUSTFLAGS="$flags" cargo build --locked --quiet --package furrow-page --lib --profile page --target "$target"
 
 built=${CARGO_TARGET_DIR:-target}/$target/page/furrow_page.wasm
+if grep -aq __wbindgen "$built"; then
+    echo "the module needs wasm-bindgen, which the page does not have: see cargo tree --target $target -i wasm-bindgen" >&2
+    exit 1
+fi
 solver=$(sed -n 's/^pub const SOLVER_VERSION: u32 = \([0-9]*\);$/\1/p' crates/furrow-lineage/src/batch/key.rs)
 {
     echo "solver ${solver:?not found}"

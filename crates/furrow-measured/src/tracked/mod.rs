@@ -16,6 +16,7 @@
 //! (TrackMate); <https://live-image-tracking-tools.github.io/geff> (GEFF).
 
 mod acetree;
+#[cfg_attr(target_arch = "wasm32", path = "archive_without_files.rs")]
 mod archive;
 mod cd;
 mod container;
