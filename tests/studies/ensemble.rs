@@ -113,7 +113,7 @@ fn statements_exclude_what_they_are_about() {
 
 /// Draws have seeds of their own: the sample is the same at any number of threads, and each of it agrees with the targets.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes of every core"]
 fn the_sample_does_not_depend_on_threads() {
     let targets = targets();
     let sample = |threads: usize| {

@@ -71,7 +71,7 @@ fn no_radius_ends_a_branch_that_divides() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes of every core"]
 fn no_radius_ends_a_branch_that_divides_under_400_cues() {
     assert_radii_agree_with_divisions(397);
 }
