@@ -1,0 +1,209 @@
+//! Derivatives of the residual: forward differentiation at every point, then summed up around each ring and along the
+//! meridian.
+
+use multiversion::multiversion;
+
+use crate::law::{BALANCES, Flow, Place, Shape, Vector, balance};
+use crate::linear::Bordered;
+use crate::number::Gradient;
+use crate::problem::{Problem, State, mesh_entries, mesh_row};
+use crate::space::{Meridian, Space, Station};
+use crate::splines::LOCAL;
+
+/// Derivatives that a point carries: by X and its five derivatives, by v and its two, and by p.
+const INPUTS: usize = 28;
+/// Number of entries of a balance.
+const OUTPUTS: usize = 3 * BALANCES;
+/// Functions of u behind each harmonic: f, f′, f″ of X, then f and f′ of v.
+const TRIALS: usize = 5;
+/// Tests by each harmonic: by f, f′, f″ in the virtual power, and by f for the mesh.
+const TESTS: usize = 4;
+
+type Dual = Gradient<INPUTS>;
+
+/// Derivatives of the balance at a point, by input.
+type Local = [[f64; OUTPUTS]; INPUTS];
+
+#[inline(always)]
+fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, pressure: f64, out: &mut Local) {
+    let number =
+        |of: &Vector<f64>, first: usize| -> Vector<Dual> { std::array::from_fn(|k| Dual::variable(of[k], first + k)) };
+    let x: Shape<Dual> = std::array::from_fn(|k| number(&x[k], 3 * k));
+    let v: Flow<Dual> = std::array::from_fn(|k| number(&v[k], 18 + 3 * k));
+    let balance = balance(place, &x, &v, Dual::variable(pressure, INPUTS - 1));
+    for (k, value) in balance.as_flattened().iter().enumerate() {
+        for input in 0..INPUTS {
+            out[input][k] = value.by[input];
+        }
+    }
+}
+
+/// Sums over a ring.
+struct Ring {
+    /// Number of harmonics.
+    count: usize,
+    /// Derivatives at a point by each function: outputs × (trial × harmonic, and p).
+    columns: Vec<f64>,
+    /// The same, transposed, without p.
+    gathered: Vec<f64>,
+    /// Tested: (test × harmonic) × (trial × harmonic, and p).
+    tested: Vec<f64>,
+}
+
+impl Ring {
+    fn new(count: usize) -> Ring {
+        let width = TRIALS * count + 1;
+        Ring {
+            count,
+            columns: vec![0.0; OUTPUTS * width],
+            gathered: vec![0.0; OUTPUTS * width],
+            tested: vec![0.0; TESTS * count * width],
+        }
+    }
+
+    /// Adds a point.
+    fn add(&mut self, space: &Space, meridian: &Meridian, derivatives: &Local, weight: f64) {
+        let count = self.count;
+        let width = TRIALS * count + 1;
+        self.gathered.fill(0.0);
+        for harmonic in 0..count {
+            let entries = space.entries(harmonic, meridian);
+            for (trial, (d, first, limit)) in
+                [(0, 0, 18), (1, 0, 18), (2, 0, 18), (0, 18, 9), (1, 18, 6)].into_iter().enumerate()
+            {
+                let column = &mut self.gathered[(trial * count + harmonic) * OUTPUTS..][..OUTPUTS];
+                // A flow has no second derivatives: only v, v_u and v_φ.
+                for (k, factor) in entries[d].list().iter().filter(|(k, _)| *k < limit) {
+                    let row = &derivatives[first + k];
+                    column.iter_mut().zip(row).for_each(|(c, r)| *c += factor * weight * r);
+                }
+            }
+        }
+        let pressure = &mut self.gathered[(width - 1) * OUTPUTS..][..OUTPUTS];
+        pressure.iter_mut().zip(&derivatives[INPUTS - 1]).for_each(|(c, r)| *c = weight * r);
+        for column in 0..width {
+            for output in 0..OUTPUTS {
+                self.columns[output * width + column] = self.gathered[column * OUTPUTS + output];
+            }
+        }
+        for harmonic in 0..count {
+            let entries = space.entries(harmonic, meridian);
+            let tests = (0..3).flat_map(|d| entries[d].list().iter().map(move |(k, factor)| (d, *k, *factor)));
+            let row = mesh_row(space, harmonic);
+            let mesh = mesh_entries(&entries[0]).map(|(k, factor)| (3, row + k, factor));
+            for (test, output, factor) in tests.chain(mesh) {
+                let from = &self.columns[output * width..][..width];
+                let to = &mut self.tested[(test * count + harmonic) * width..][..width];
+                to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+            }
+        }
+    }
+}
+
+/// Sums over an element: rows (spline, mesh or flow, harmonic), columns (spline, X or v, harmonic), and p.
+struct Element {
+    count: usize,
+    matrix: Vec<f64>,
+    pressure: Vec<f64>,
+    /// One ring with the splines of the columns put in.
+    trial: Vec<f64>,
+}
+
+impl Element {
+    fn new(count: usize) -> Element {
+        let size = LOCAL * 2 * count;
+        Element {
+            count,
+            matrix: vec![0.0; size * size],
+            pressure: vec![0.0; size],
+            trial: vec![0.0; TESTS * count * LOCAL * 2 * count],
+        }
+    }
+
+    /// Adds a ring.
+    fn add(&mut self, station: &Station, tested: &[f64]) {
+        let count = self.count;
+        let (width, size) = (TRIALS * count + 1, LOCAL * 2 * count);
+        for (row, trial) in tested.chunks_exact(width).zip(self.trial.chunks_exact_mut(size)) {
+            for (basis, to) in station.basis.iter().zip(trial.chunks_exact_mut(2 * count)) {
+                let (surface, flow) = to.split_at_mut(count);
+                for k in 0..count {
+                    surface[k] = basis[0] * row[k] + basis[1] * row[count + k] + basis[2] * row[2 * count + k];
+                    flow[k] = basis[0] * row[3 * count + k] + basis[1] * row[4 * count + k];
+                }
+            }
+        }
+        for (r, basis) in station.basis.iter().enumerate() {
+            for harmonic in 0..count {
+                let (mesh, flow) = ((2 * r) * count + harmonic, (2 * r + 1) * count + harmonic);
+                for d in 0..3 {
+                    let from = &self.trial[(d * count + harmonic) * size..][..size];
+                    let to = &mut self.matrix[flow * size..][..size];
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to += basis[d] * from);
+                    self.pressure[flow] += basis[d] * tested[(d * count + harmonic) * width + width - 1];
+                }
+                let from = &self.trial[(3 * count + harmonic) * size..][..size];
+                let to = &mut self.matrix[mesh * size..][..size];
+                to.iter_mut().zip(from).for_each(|(to, from)| *to += basis[0] * from);
+            }
+        }
+    }
+
+    /// Adds the element to the matrix of all unknowns, and clears it.
+    fn scatter(&mut self, space: &Space, first: usize, into: &mut Bordered) {
+        let count = self.count;
+        let size = LOCAL * 2 * count;
+        let unknown = |k: usize| space.unknown(first + k / (2 * count), k / count % 2, k % count);
+        let unknowns: Vec<Option<usize>> = (0..size).map(unknown).collect();
+        for (row, values) in unknowns.iter().zip(self.matrix.chunks_exact(size)) {
+            let Some(row) = row else { continue };
+            for (column, value) in unknowns.iter().zip(values) {
+                if let Some(column) = column {
+                    into.add(*row, *column, *value);
+                }
+            }
+        }
+        for k in (0..size).filter(|k| k / count % 2 == 1) {
+            if let Some(row) = unknowns[k] {
+                into.column[row] += self.pressure[k];
+            }
+            // The volume grows by ∫ n·δX dA, which is what p multiplies with the sign changed.
+            if let Some(column) = unknowns[k - count] {
+                into.row[column] -= self.pressure[k];
+            }
+        }
+        self.matrix.fill(0.0);
+        self.pressure.fill(0.0);
+    }
+}
+
+impl Problem {
+    /// Derivatives of the residual at a state: balances by unknowns, the pressure last, and the volume in the last row. How
+    /// the cue's place moves with the surface is left out.
+    pub fn jacobian(&self, state: &State) -> Bordered {
+        let mut out = Bordered::zeros(&self.space.blocks);
+        assemble(self, state, &mut out);
+        out
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2+fma", "aarch64+neon"))]
+fn assemble(problem: &Problem, state: &State, out: &mut Bordered) {
+    let space = &problem.space;
+    let count = space.harmonics.len();
+    let (mut ring, mut element) = (Ring::new(count), Element::new(count));
+    let mut derivatives = [[0.0; OUTPUTS]; INPUTS];
+    let last = space.meridians.len() - 1;
+    problem.for_each_point(state, |q, j, place, x, v| {
+        let station = &space.stations[q];
+        local(place, x, v, state.pressure, &mut derivatives);
+        ring.add(space, &space.meridians[j], &derivatives, station.weight * space.meridian_weight());
+        if j == last {
+            element.add(station, &ring.tested);
+            ring.tested.fill(0.0);
+            if space.stations.get(q + 1).is_none_or(|next| next.element != station.element) {
+                element.scatter(space, station.element, out);
+            }
+        }
+    });
+}

@@ -1,0 +1,226 @@
+//! The force balance of the cortex at a point of a general surface, stated once for any number type.
+//!
+//! The surface is X(u, φ) with the outward normal n = X_u × X_φ/J, J = |X_u × X_φ|, the metric g_ij = ∂_iX·∂_jX and the
+//! curvatures C_ij = −n·∂_i∂_jX, C = g^ij C_ij. For every test field W the virtual power vanishes:
+//!
+//! * \[S.1 virtual power\] ∫ [T^ij ∂_iX·∂_jW + Γ v_t·W − (p + f_c) n·W] dA + δ_W ∫ (½κC² + γ) dA = 0,
+//! * \[S.2 stress\] T^ij = (η_b − η_s) S^k_k g^ij + 2η_s S^ij + X_s (C^ij − ½C g^ij) + X_b C g^ij,
+//!   S_ij = ½(∂_iX·∂_jv + ∂_jX·∂_iv), X_s = gξ_s and X_b = gξ_b,
+//! * \[S.3 energy\] δ_W ∫ (½κC² + γ) dA = ∫ {κC [−g^ij n·(∂_i∂_jW − Γ^k_ij ∂_kW) − 2C^ij ∂_iX·∂_jW] + (½κC² + γ) g^ij ∂_iX·∂_jW} dA
+//!   with the Christoffel symbols Γ^k_ij, where κ and γ move with the material.
+//!
+//! The velocity v is the material's. The mesh only shares its normal part, \[S.4 surface\] (∂_tX − v)·n = 0, and is spread
+//! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b X_φφ = c (X − X₀): the harmonic map from a plane of the poles and meridians, which
+//! alone would leave the poles free to move along the surface, and so is held near the surface X₀ before.
+
+use crate::number::Number;
+use furrow_mechanics::cortex::equations::{LocalCoefficients, ShellCoefficients};
+
+/// A vector (x, y, z).
+pub type Vector<D> = [D; 3];
+
+/// Derivatives of the surface at a point, in the order X, X_u, X_φ, X_uu, X_uφ, X_φφ.
+pub type Shape<D> = [Vector<D>; 6];
+
+/// The velocity of the material at a point and its derivatives: v, v_u, v_φ.
+pub type Flow<D> = [Vector<D>; 3];
+
+/// What multiplies W, W_u, W_φ, W_uu, W_uφ, W_φφ in the virtual power, per du dφ; and, at the end, what multiplies a
+/// test field of the mesh in S.4 and S.5, an axisymmetric one and any other.
+pub type Balance<D> = [Vector<D>; BALANCES];
+
+/// Number of vectors in a [`Balance`].
+pub const BALANCES: usize = 8;
+
+/// Everything at a point that does not depend on the unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Coefficients of the equations, with the cue.
+    pub local: LocalCoefficients<f64>,
+    /// Constants of the shell.
+    pub shell: ShellCoefficients<f64>,
+    /// Factor of the activity: noise.
+    pub noise: f64,
+    /// 1/Δt of the implicit step, its leading coefficient.
+    pub rate: f64,
+    /// Rest of the implicit step: ∂_tX = rate·X + past.
+    pub past: Vector<f64>,
+    /// The mesh's a, ∂_ua, b and c, for axisymmetric test fields and for others.
+    pub mesh: [[f64; 4]; 2],
+    /// X₀ of S.5, where the point was before.
+    pub anchor: Vector<f64>,
+    /// The wall that this point may touch.
+    pub contact: Contact,
+}
+
+/// The repulsion of a wall opposite to a point: the pressure f exp((n·(X − X₀) − d)/λ) at distance d from it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Contact {
+    /// Pressure at distance 0; 0 without a wall.
+    pub pressure: f64,
+    /// 1/λ.
+    pub decay: f64,
+    /// Where the distance was measured.
+    pub origin: Vector<f64>,
+    /// Normal along which it was measured.
+    pub normal: Vector<f64>,
+    /// The distance.
+    pub distance: f64,
+}
+
+#[inline(always)]
+fn dot<D: Number>(a: &Vector<D>, b: &Vector<D>) -> D {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross<D: Number>(a: &Vector<D>, b: &Vector<D>) -> Vector<D> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// s·a, added to `to`.
+#[inline(always)]
+fn add<D: Number>(to: &mut Vector<D>, s: D, a: &Vector<D>) {
+    for (to, a) in to.iter_mut().zip(a) {
+        *to += s * *a;
+    }
+}
+
+/// A symmetric tensor by its components uu, uφ, φφ.
+type Symmetric<D> = [D; 3];
+
+/// The trace a^ij b_ij.
+#[inline(always)]
+fn trace<D: Number>(a: &Symmetric<D>, b: &Symmetric<D>) -> D {
+    a[0] * b[0] + a[2] * b[2] + a[1] * b[1] * 2.0
+}
+
+/// g^ik g^jl a_kl.
+#[inline(always)]
+fn raise<D: Number>(g: &Symmetric<D>, a: &Symmetric<D>) -> Symmetric<D> {
+    let [g_uu, g_up, g_pp] = *g;
+    let [uu, up, pp] = *a;
+    // a^i_l with the first index raised.
+    let (u_u, u_p) = (g_uu * uu + g_up * up, g_uu * up + g_up * pp);
+    let (p_u, p_p) = (g_up * uu + g_pp * up, g_up * up + g_pp * pp);
+    [u_u * g_uu + u_p * g_up, u_u * g_up + u_p * g_pp, p_u * g_up + p_p * g_pp]
+}
+
+/// The geometry of the surface at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<D> {
+    /// Area per du dφ.
+    pub area: D,
+    /// Outward normal.
+    pub normal: Vector<D>,
+    /// g^ij.
+    pub inverse_metric: Symmetric<D>,
+    /// C_ij.
+    pub curvature: Symmetric<D>,
+    /// C.
+    pub mean: D,
+}
+
+impl<D: Number> Geometry<D> {
+    /// The geometry of a surface with these derivatives.
+    #[inline(always)]
+    pub fn new(x: &Shape<D>) -> Geometry<D> {
+        let across = cross(&x[1], &x[2]);
+        let area = dot(&across, &across).sqrt();
+        let normal = across.map(|n| n / area);
+        let over = (area * area).recip();
+        let inverse_metric = [dot(&x[2], &x[2]) * over, -dot(&x[1], &x[2]) * over, dot(&x[1], &x[1]) * over];
+        let curvature = [3, 4, 5].map(|k| -dot(&normal, &x[k]));
+        let mean = trace(&inverse_metric, &curvature);
+        Geometry { area, normal, inverse_metric, curvature, mean }
+    }
+
+    /// Γ^k_ij for each k.
+    #[inline(always)]
+    fn christoffel(&self, x: &Shape<D>) -> [Symmetric<D>; 2] {
+        let g = &self.inverse_metric;
+        let along = |k: usize| [dot(&x[k], &x[3]), dot(&x[k], &x[4]), dot(&x[k], &x[5])];
+        let (u, p) = (along(1), along(2));
+        [std::array::from_fn(|ij| g[0] * u[ij] + g[1] * p[ij]), std::array::from_fn(|ij| g[1] * u[ij] + g[2] * p[ij])]
+    }
+}
+
+/// T^ij of S.2.
+#[inline(always)]
+pub fn stress<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v: &Flow<D>) -> Symmetric<D> {
+    let Geometry { inverse_metric: g, curvature, mean, .. } = geometry;
+    let local = &place.local;
+    let strain = [dot(&x[1], &v[1]), (dot(&x[1], &v[2]) + dot(&x[2], &v[1])) * 0.5, dot(&x[2], &v[2])];
+    let (xi_s, xi_b) = (local.xi_s * place.noise, local.xi_b * place.noise);
+    let isotropic = trace(g, &strain) * local.eta_difference + *mean * (xi_b - 0.5 * xi_s);
+    // η_b + η_s less η_b − η_s is 2η_s.
+    let shear = local.eta_sum - local.eta_difference;
+    let raised = raise(g, &std::array::from_fn(|ij| strain[ij] * shear + curvature[ij] * xi_s));
+    std::array::from_fn(|ij| raised[ij] + g[ij] * isotropic)
+}
+
+/// The normal force f_c of the shell, M.9, and of a wall that the point touches.
+#[inline(always)]
+pub fn wall_force<D: Number>(place: &Place, normal: &Vector<D>, x: &Vector<D>) -> D {
+    let ShellCoefficients { inverse_a2, inverse_b2, shell_force, inverse_w2, .. } = place.shell;
+    let scaled = [x[0] * inverse_b2, x[1] * inverse_b2, x[2] * inverse_a2];
+    let reach = ((dot(&scaled, x) - 1.0) * inverse_w2).exp();
+    let shell = -(reach * dot(&scaled, normal)) * shell_force;
+    let Contact { pressure, decay, origin, normal, distance } = place.contact;
+    if pressure == 0.0 {
+        return shell;
+    }
+    let moved = (0..3).fold(D::from(-distance), |sum, k| sum + (x[k] - origin[k]) * normal[k]);
+    shell - (moved * decay).exp() * pressure
+}
+
+/// The balance at a point: see [`Balance`].
+#[inline(always)]
+pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D) -> Balance<D> {
+    let geometry = Geometry::new(x);
+    let Geometry { area, normal, inverse_metric: g, curvature, mean } = &geometry;
+    let local = &place.local;
+    let mut out = [[D::from(0.0); 3]; BALANCES];
+    let moment = *mean * local.kappa;
+    let energy = moment * *mean * 0.5 + local.tension;
+    let stress = stress(place, &geometry, x, v);
+    let raised = raise(g, curvature);
+    // Tension along the surface, with the share of the bending energy.
+    let tension: Symmetric<D> =
+        std::array::from_fn(|ij| (stress[ij] + g[ij] * energy - raised[ij] * moment * 2.0) * *area);
+    let bending = moment * *area;
+    let christoffel = geometry.christoffel(x);
+    let across = [trace(g, &christoffel[0]), trace(g, &christoffel[1])].map(|s| s * bending);
+    let v_n = dot(&v[0], normal);
+    add(&mut out[0], *area * local.friction, &v[0]);
+    add(&mut out[0], -*area * (v_n * local.friction + pressure + wall_force(place, normal, &x[0])), normal);
+    for (k, [along_u, along_p]) in [[0, 1], [1, 2]].into_iter().enumerate() {
+        add(&mut out[1 + k], across[k], normal);
+        add(&mut out[1 + k], tension[along_u], &x[1]);
+        add(&mut out[1 + k], tension[along_p], &x[2]);
+    }
+    for (ij, factor) in [1.0, 2.0, 1.0].into_iter().enumerate() {
+        add(&mut out[3 + ij], -bending * g[ij] * factor, normal);
+    }
+    if !place.shell.rigidity_gradient {
+        // The paper's reading lacks ½C²∇κ, which the energy brings.
+        let slope = *mean * *mean * *area * (0.5 * local.kappa_u);
+        add(&mut out[0], slope * g[0], &x[1]);
+        add(&mut out[0], slope * g[1], &x[2]);
+    }
+    let moved = (0..3).fold(-v_n, |sum, k| sum + (x[0][k] * place.rate + place.past[k]) * normal[k]) * *area;
+    for (out, mesh) in out[6..].iter_mut().zip(&place.mesh) {
+        *out = mesh_balance(mesh, &place.anchor, normal, x, moved);
+    }
+    out
+}
+
+/// The normal part is S.4, `moved` = J (∂_tX − v)·n; the tangential part is S.5.
+#[inline(always)]
+fn mesh_balance<D: Number>(mesh: &[f64; 4], anchor: &Vector<f64>, normal: &Vector<D>, x: &Shape<D>, moved: D) -> Vector<D> {
+    let [a, a_u, b, c] = *mesh;
+    let spread: Vector<D> =
+        std::array::from_fn(|k| x[3][k] * a + x[1][k] * a_u + x[5][k] * b - (x[0][k] - anchor[k]) * c);
+    let along = moved + dot(&spread, normal);
+    std::array::from_fn(|k| along * normal[k] - spread[k])
+}

@@ -1,0 +1,14 @@
+//! A dividing cell's cortex as a surface without axial symmetry.
+
+pub mod embed;
+mod jacobian;
+pub mod law;
+pub mod linear;
+pub mod mesh;
+pub mod neck;
+pub mod newton;
+pub mod number;
+pub mod problem;
+pub mod space;
+pub mod splines;
+pub mod stepper;

@@ -1,0 +1,96 @@
+//! Rings of the mesh, the neck among them, and the parts of the cell on both sides.
+
+use crate::problem::volume_density;
+use crate::space::{Harmonic, Space};
+
+/// The neck: the shortest ring of the mesh between two longer ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Neck {
+    /// Coordinate u of the mesh.
+    pub u: f64,
+    /// Length over 2π, in L_h.
+    pub radius: f64,
+    /// Distance of its centre from the axis, towards +x, in L_h.
+    pub offset: f64,
+    /// Height z of its centre, in L_h.
+    pub height: f64,
+}
+
+/// Length over 2π of the ring at u.
+fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
+    let mut functions = Vec::new();
+    space.functions(surface, &space.station(u), &mut functions);
+    let lengths = space.meridians.iter().map(|meridian| {
+        let [_, _, p, ..] = space.shape(&functions, meridian);
+        (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt()
+    });
+    lengths.sum::<f64>() / space.meridians.len() as f64
+}
+
+/// Places between two stations at which the neck is sought.
+const REFINEMENTS: usize = 40;
+
+/// The neck of a surface; `None` without a waist.
+pub fn neck(space: &Space, surface: &[f64]) -> Option<Neck> {
+    let radii: Vec<f64> = space.stations.iter().map(|station| radius_at(space, surface, station.u)).collect();
+    // How far the rings widen on both sides decides between several waists.
+    let widest = |radii: &[f64]| radii.iter().copied().fold(0.0, f64::max);
+    let depth = |k: usize| widest(&radii[..k]).min(widest(&radii[k + 1..])) - radii[k];
+    let waists = (1..radii.len() - 1).filter(|&k| radii[k] <= radii[k - 1] && radii[k] < radii[k + 1]);
+    let k = waists.max_by(|&a, &b| depth(a).total_cmp(&depth(b)))?;
+    // The golden section between the neighbours.
+    let [mut low, mut high] = [space.stations[k - 1].u, space.stations[k + 1].u];
+    const SHARE: f64 = 0.381_966_011_250_105;
+    for _ in 0..REFINEMENTS {
+        let (a, b) = (low + SHARE * (high - low), high - SHARE * (high - low));
+        if radius_at(space, surface, a) < radius_at(space, surface, b) { high = b } else { low = a }
+    }
+    let u = 0.5 * (low + high);
+    let station = space.station(u);
+    let centre = |harmonic: Harmonic| {
+        let place = space.harmonics.iter().position(|of| *of == harmonic);
+        place.map_or(0.0, |place| space.function(surface, &station, place)[0])
+    };
+    Some(Neck {
+        u,
+        radius: radius_at(space, surface, u),
+        offset: centre(Harmonic::Across(0)),
+        height: centre(Harmonic::Along(0)),
+    })
+}
+
+/// (V_above − V_below)/V for the parts from u above and below the neck.
+pub fn asymmetry(space: &Space, surface: &[f64], neck: &Neck) -> f64 {
+    let centre = [neck.offset, 0.0, neck.height];
+    let mut functions = Vec::new();
+    // With the centre of the neck as origin, the cut itself has no share in the volume.
+    let mut volume = |from: f64, to: f64| {
+        let (points, weights) = furrow_bvp::gauss::gauss_rule(5);
+        let mut sum = 0.0;
+        for (point, weight) in points.iter().zip(&weights) {
+            let station = space.station(from + point * (to - from));
+            space.functions(surface, &station, &mut functions);
+            for meridian in &space.meridians {
+                let mut x = space.shape(&functions, meridian);
+                x[0].iter_mut().zip(centre).for_each(|(x, c)| *x -= c);
+                sum += weight * (to - from) * volume_density(&x) * space.meridian_weight();
+            }
+        }
+        sum
+    };
+    let width = 1.0 / space.elements as f64;
+    let element = crate::splines::element_of(space.elements, neck.u);
+    let mut parts = [0.0; 2];
+    for k in 0..space.elements {
+        let [from, to] = [k as f64 * width, (k + 1) as f64 * width];
+        match k.cmp(&element) {
+            std::cmp::Ordering::Less => parts[0] += volume(from, to),
+            std::cmp::Ordering::Greater => parts[1] += volume(from, to),
+            std::cmp::Ordering::Equal => {
+                parts[0] += volume(from, neck.u);
+                parts[1] += volume(neck.u, to);
+            }
+        }
+    }
+    (parts[1] - parts[0]) / (parts[0] + parts[1])
+}

@@ -1,0 +1,117 @@
+//! Newton's method for a step or a stationary surface.
+
+use crate::linear::{Factored, Singular};
+use crate::problem::{Problem, Residual, State};
+
+/// Settings of Newton's method.
+#[derive(Clone, Copy, Debug)]
+pub struct Newton {
+    /// Largest change of a coefficient of the surface, relative to R0, at which the iteration ends.
+    pub tolerance: f64,
+    /// Most iterations.
+    pub iterations: usize,
+    /// Contraction above which the derivatives are computed anew.
+    pub slow: f64,
+}
+
+/// Why Newton's method failed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NewtonError {
+    /// The linear equations are singular.
+    #[error(transparent)]
+    Singular(#[from] Singular),
+    /// The iteration does not converge.
+    #[error("Newton's method does not converge: a change of {change:.1e} R0 after {iterations} iterations")]
+    NotConverged {
+        /// The last change, relative to R0.
+        change: f64,
+        /// Number of iterations.
+        iterations: usize,
+    },
+}
+
+/// Work of a computation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Accepted time steps.
+    pub steps: usize,
+    /// Rejected ones.
+    pub rejected: usize,
+    /// Iterations of Newton's method.
+    pub iterations: usize,
+    /// Matrices that were factorised.
+    pub factorisations: usize,
+}
+
+impl Problem {
+    /// Adds a change of all unknowns; returns the largest change of a coefficient of the surface.
+    pub fn change(&self, state: &mut State, by: &[f64], pressure: f64) -> f64 {
+        let count = self.space.harmonics.len();
+        let mut largest: f64 = 0.0;
+        for spline in 0..self.space.splines() {
+            for harmonic in 0..count {
+                if let Some(k) = self.space.unknown(spline, 0, harmonic) {
+                    state.surface[spline * count + harmonic] += by[k];
+                    largest = largest.max(by[k].abs());
+                }
+                if let Some(k) = self.space.unknown(spline, 1, harmonic) {
+                    state.flow[spline * count + harmonic] += by[k];
+                }
+            }
+        }
+        state.pressure += pressure;
+        largest
+    }
+
+    /// Radius R0 of the sphere with the cell's volume.
+    pub fn radius(&self) -> f64 {
+        (self.constants.volume * 0.75 / std::f64::consts::PI).cbrt()
+    }
+
+    /// Solves for a state near the given one. `known` may hold derivatives of a problem nearby, and keeps the last ones.
+    ///
+    /// # Errors
+    /// [`NewtonError`]; the state is then the last iterate.
+    pub fn solve(
+        &self,
+        newton: &Newton,
+        state: &mut State,
+        known: &mut Option<Factored>,
+        work: &mut Work,
+    ) -> Result<(), NewtonError> {
+        let scale = self.radius();
+        let mut before = f64::INFINITY;
+        let mut fresh = false;
+        let mut change = f64::INFINITY;
+        for iteration in 0..newton.iterations {
+            let factored = match known {
+                Some(factored) => factored,
+                None => {
+                    work.factorisations += 1;
+                    fresh = true;
+                    known.insert(self.jacobian(state).factor()?)
+                }
+            };
+            work.iterations += 1;
+            let Residual { mut balances, volume } = self.residual(state);
+            balances.iter_mut().for_each(|b| *b = -*b);
+            let pressure = factored.solve(&mut balances, -volume);
+            change = self.change(state, &balances, pressure) / scale;
+            if !change.is_finite() {
+                return Err(NewtonError::NotConverged { change, iterations: iteration + 1 });
+            }
+            // Newton's own changes shrink quadratically, those with old derivatives linearly.
+            let contraction = change / before;
+            let left = if contraction < 1.0 { change * contraction / (1.0 - contraction) } else { change };
+            if change < newton.tolerance || iteration > 0 && left < newton.tolerance {
+                return Ok(());
+            }
+            if !fresh && contraction > newton.slow || fresh && contraction > 0.3 {
+                *known = None;
+                fresh = false;
+            }
+            before = change;
+        }
+        Err(NewtonError::NotConverged { change, iterations: newton.iterations })
+    }
+}

@@ -1,0 +1,236 @@
+//! The discrete problem of one cell: residuals and derivatives of the balances on all test fields.
+
+use furrow_bvp::Gauss;
+use furrow_cell::Cell;
+use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
+
+use crate::law::{Balance, Contact, Flow, Place, Shape, balance};
+use crate::mesh::Mesh;
+use crate::space::{Entries, Meridian, Space, Station};
+
+/// Surface, flow and pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Coefficients of X; spline × harmonic.
+    pub surface: Vec<f64>,
+    /// Coefficients of v; spline × harmonic.
+    pub flow: Vec<f64>,
+    /// Pressure p, in κ0/L_h³.
+    pub pressure: f64,
+}
+
+/// The motion of the surface in an implicit step: ∂_tX = rate·X + past.
+#[derive(Clone, Debug, Default)]
+pub struct Motion {
+    /// Leading coefficient, in 1/τ; 0 for stationary surfaces.
+    pub rate: f64,
+    /// Coefficients of the rest; empty if `rate` = 0.
+    pub past: Vec<f64>,
+}
+
+/// The residual: one value for each unknown, and the excess of volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// Balances, by unknown.
+    pub balances: Vec<f64>,
+    /// Volume less the cell's, in L_h³.
+    pub volume: f64,
+}
+
+/// One cell on its space.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The space.
+    pub space: Space,
+    /// Constants of the cell.
+    pub constants: Constants<f64>,
+    /// How the mesh is spread.
+    pub mesh: Mesh,
+    /// Motion of the surface.
+    pub motion: Motion,
+    /// Factor of the activity by station × meridian; empty if it is 1.
+    pub noise: Vec<f64>,
+    /// Walls that points touch, by station × meridian; empty without contact.
+    pub contacts: Vec<Contact>,
+    gauss: Gauss,
+}
+
+impl Problem {
+    /// The stationary problem of a cell.
+    ///
+    /// # Errors
+    /// None for five Gauss points; the type is that of [`Gauss::new`].
+    pub fn new(cell: &Cell, space: Space) -> Result<Problem, furrow_bvp::InvalidInput> {
+        Ok(Problem {
+            mesh: Mesh::uniform(&space),
+            space,
+            constants: Constants::new(cell, |_, value| value),
+            motion: Motion::default(),
+            noise: Vec::new(),
+            contacts: Vec::new(),
+            gauss: Gauss::new(5)?,
+        })
+    }
+
+    /// The mean over meridians of |X_u| at every station, and the contour length L of the mean meridian.
+    pub fn speeds(&self, surface: &[f64]) -> (Vec<f64>, f64) {
+        let space = &self.space;
+        let mut functions = Vec::new();
+        let mut length = 0.0;
+        let speed = |station: &Station| {
+            space.functions(surface, station, &mut functions);
+            let norm = |meridian: &Meridian| {
+                let [_, x_u, ..] = space.shape(&functions, meridian);
+                (x_u[0] * x_u[0] + x_u[1] * x_u[1] + x_u[2] * x_u[2]).sqrt()
+            };
+            let mean = space.meridians.iter().map(norm).sum::<f64>() / space.meridians.len() as f64;
+            length += mean * station.weight;
+            mean
+        };
+        (space.stations.iter().map(speed).collect(), length)
+    }
+
+    /// The share of the contour from the pole u = 0 to every station, by the arclength of the mean meridian.
+    pub fn shares(&self, speeds: &[f64], length: f64) -> Vec<f64> {
+        let m = self.gauss.m;
+        let width = 1.0 / (self.space.elements as f64 * length);
+        let mut before = 0.0;
+        let mut out = Vec::with_capacity(speeds.len());
+        for element in speeds.chunks_exact(m) {
+            let until = |q: usize| (0..m).map(|k| self.gauss.a[q * m + k] * element[k]).sum::<f64>() * width;
+            out.extend((0..m).map(|q| before + until(q)));
+            before += (0..m).map(|k| self.gauss.b[k] * element[k]).sum::<f64>() * width;
+        }
+        out
+    }
+
+    /// Coefficients of the equations at every station.
+    fn coefficients(&self, surface: &[f64]) -> Vec<LocalCoefficients<f64>> {
+        if !self.constants.vary() {
+            return vec![self.constants.uniform; self.space.stations.len()];
+        }
+        let (speeds, length) = self.speeds(surface);
+        let at = |(share, speed): (f64, f64)| {
+            let mut local = self.constants.at(share, length);
+            // By the mesh's coordinate.
+            local.kappa_u *= speed / length;
+            local.tension_u *= speed / length;
+            local
+        };
+        self.shares(&speeds, length).into_iter().zip(speeds).map(at).collect()
+    }
+
+    fn place(&self, q: usize, j: usize, local: LocalCoefficients<f64>, [past, anchor]: [&[[f64; 3]]; 2]) -> Place {
+        let index = q * self.space.meridians.len() + j;
+        let point = |functions: &[[f64; 3]]| {
+            if functions.is_empty() { [0.0; 3] } else { self.space.shape(functions, &self.space.meridians[j])[0] }
+        };
+        Place {
+            local,
+            shell: self.constants.shell,
+            noise: self.noise.get(index).copied().unwrap_or(1.0),
+            rate: self.motion.rate,
+            past: point(past),
+            mesh: self.mesh.weights[q],
+            anchor: point(anchor),
+            contact: self.contacts.get(index).copied().unwrap_or_default(),
+        }
+    }
+
+    #[inline(always)]
+    /// Calls `each` at every point of the quadrature with its station, meridian, place, surface and flow.
+    pub fn for_each_point(
+        &self,
+        state: &State,
+        mut each: impl FnMut(usize, usize, &Place, &Shape<f64>, &Flow<f64>),
+    ) {
+        let space = &self.space;
+        let coefficients = self.coefficients(&state.surface);
+        let [mut surface, mut flow, mut past, mut anchor] = [const { Vec::new() }; 4];
+        for (q, station) in space.stations.iter().enumerate() {
+            space.functions(&state.surface, station, &mut surface);
+            space.functions(&state.flow, station, &mut flow);
+            if !self.motion.past.is_empty() {
+                space.functions(&self.motion.past, station, &mut past);
+            }
+            if !self.mesh.anchor.is_empty() {
+                space.functions(&self.mesh.anchor, station, &mut anchor);
+            }
+            for (j, meridian) in space.meridians.iter().enumerate() {
+                let x = space.shape(&surface, meridian);
+                let [v, v_u, v_p, ..] = space.shape(&flow, meridian);
+                each(q, j, &self.place(q, j, coefficients[q], [&past, &anchor]), &x, &[v, v_u, v_p]);
+            }
+        }
+    }
+
+    /// The residual at a state.
+    pub fn residual(&self, state: &State) -> Residual {
+        let space = &self.space;
+        let count = space.harmonics.len();
+        let mut out = Residual { balances: vec![0.0; space.unknowns()], volume: -self.constants.volume };
+        // Tests at a station: by f, f′, f″ of the flow's, and by f of the mesh's.
+        let mut tested = vec![0.0; 4 * count];
+        let last = space.meridians.len() - 1;
+        self.for_each_point(state, |q, j, place, x, v| {
+            let station = &space.stations[q];
+            let weight = station.weight * space.meridian_weight();
+            let balance = balance(place, x, v, state.pressure);
+            out.volume += weight * volume_density(x);
+            test(space, &space.meridians[j], &balance, weight, &mut tested);
+            if j == last {
+                scatter(space, station, &tested, &mut out.balances);
+                tested.fill(0.0);
+            }
+        });
+        out
+    }
+}
+
+/// ⅓ X·(X_u × X_φ), which integrates to the volume.
+pub fn volume_density(x: &Shape<f64>) -> f64 {
+    let [x, u, p, ..] = x;
+    let across = [u[1] * p[2] - u[2] * p[1], u[2] * p[0] - u[0] * p[2], u[0] * p[1] - u[1] * p[0]];
+    (x[0] * across[0] + x[1] * across[1] + x[2] * across[2]) / 3.0
+}
+
+/// Adds the balance at a point, tested by every harmonic.
+fn test(space: &Space, meridian: &Meridian, balance: &Balance<f64>, weight: f64, tested: &mut [f64]) {
+    let count = space.harmonics.len();
+    let flat = balance.as_flattened();
+    for harmonic in 0..count {
+        let entries = space.entries(harmonic, meridian);
+        for (d, entries) in entries.iter().enumerate() {
+            let sum: f64 = entries.list().iter().map(|(k, factor)| flat[*k] * factor).sum();
+            tested[d * count + harmonic] += weight * sum;
+        }
+        let row = mesh_row(space, harmonic);
+        let sum: f64 = mesh_entries(&entries[0]).map(|(k, factor)| flat[row + k] * factor).sum();
+        tested[3 * count + harmonic] += weight * sum;
+    }
+}
+
+/// The entry of a [`Balance`] at which the mesh's part for a harmonic begins.
+pub(crate) fn mesh_row(space: &Space, harmonic: usize) -> usize {
+    if space.harmonics[harmonic].azimuthal() == 0 { 18 } else { 21 }
+}
+
+/// The entries of the field itself, without derivatives by φ.
+pub(crate) fn mesh_entries(entries: &Entries) -> impl Iterator<Item = (usize, f64)> {
+    entries.list().iter().copied().filter(|(k, _)| *k < 3)
+}
+
+/// Adds what was tested at a station to the residual.
+fn scatter(space: &Space, station: &Station, tested: &[f64], balances: &mut [f64]) {
+    let count = space.harmonics.len();
+    for (r, basis) in station.basis.iter().enumerate() {
+        for harmonic in 0..count {
+            if let Some(row) = space.unknown(station.element + r, 1, harmonic) {
+                balances[row] += (0..3).map(|d| basis[d] * tested[d * count + harmonic]).sum::<f64>();
+            }
+            if let Some(row) = space.unknown(station.element + r, 0, harmonic) {
+                balances[row] += basis[0] * tested[3 * count + harmonic];
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Implicit steps in time: backward differentiation of second order with variable steps.
+
+use crate::linear::Factored;
+use crate::newton::{Newton, NewtonError, Work};
+use crate::problem::{Motion, Problem, State};
+
+/// A state at a time.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Time, in τ.
+    pub t: f64,
+    /// The state.
+    pub state: State,
+}
+
+/// The motion of one cell.
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    /// The problem.
+    pub problem: Problem,
+    /// States so far, the newest first; at most three.
+    pub history: Vec<Level>,
+    /// Work so far.
+    pub work: Work,
+    /// Settings of Newton's method.
+    pub newton: Newton,
+    factored: Option<Factored>,
+    /// Rate of the step whose derivatives are known.
+    known_rate: f64,
+}
+
+/// Derivatives are kept while the rate of the step changes by less than this factor.
+const SAME_RATE: f64 = 1.3;
+
+/// Share of the way to the wanted density of rings that is gone in one step.
+const MESH_SHARE: f64 = 0.1;
+
+impl Stepper {
+    /// A cell at rest at t = 0.
+    pub fn new(problem: Problem, state: State) -> Stepper {
+        let newton = Newton { tolerance: 1e-7, iterations: 10, slow: 0.25 };
+        let history = vec![Level { t: 0.0, state }];
+        Stepper { problem, history, work: Work::default(), newton, factored: None, known_rate: 0.0 }
+    }
+
+    /// Forgets the derivatives, after a change of the problem.
+    pub fn forget(&mut self) {
+        self.factored = None;
+    }
+
+    /// Σ c_k (state k of the history).
+    fn combine(&self, coefficients: &[f64], part: impl Fn(&State) -> &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; part(&self.history[0].state).len()];
+        for (c, level) in coefficients.iter().zip(&self.history) {
+            out.iter_mut().zip(part(&level.state)).for_each(|(out, x)| *out += c * x);
+        }
+        out
+    }
+
+    /// Weights of the history in the polynomial through the newest `count` states at time t.
+    fn extrapolation(&self, t: f64, count: usize) -> Vec<f64> {
+        let times: Vec<f64> = self.history.iter().take(count).map(|level| level.t).collect();
+        let weight = |k: usize| {
+            let others = (0..times.len()).filter(|j| *j != k);
+            others.map(|j| (t - times[j]) / (times[k] - times[j])).product()
+        };
+        (0..times.len()).map(weight).collect()
+    }
+
+    /// A step of length `dt`: the state, and its local error relative to the allowed one 1, where three states are known.
+    ///
+    /// # Errors
+    /// [`NewtonError`].
+    pub fn attempt(&mut self, dt: f64) -> Result<(Level, Option<f64>), NewtonError> {
+        let t = self.history[0].t + dt;
+        let known = self.history.len();
+        let weights = self.extrapolation(t, known.min(3));
+        let surface = self.combine(&weights, |state| &state.surface);
+        let smooth = self.extrapolation(t, known.min(2));
+        let flow = self.combine(&smooth, |state| &state.flow);
+        let pressure = smooth.iter().zip(&self.history).map(|(w, level)| w * level.state.pressure).sum();
+        let (_, length) = self.problem.speeds(&surface);
+        self.problem.mesh.follow(&self.problem.space, &surface, length, &self.history[0].state.surface);
+        let past: Vec<f64> = match known {
+            1 => vec![-1.0 / dt],
+            _ => {
+                let ratio = dt / (self.history[0].t - self.history[1].t);
+                vec![-(1.0 + ratio) / dt, ratio * ratio / (1.0 + ratio) / dt]
+            }
+        };
+        let rate = -past.iter().sum::<f64>();
+        self.problem.motion = Motion { rate, past: self.combine(&past, |state| &state.surface) };
+        if (rate / self.known_rate).max(self.known_rate / rate) > SAME_RATE {
+            self.factored = None;
+        }
+        let mut state = State { surface: surface.clone(), flow, pressure };
+        let known_before = self.factored.is_some();
+        let mut solved = self.problem.solve(&self.newton, &mut state, &mut self.factored, &mut self.work);
+        if solved.is_err() && known_before {
+            self.factored = None;
+            state = State { surface: surface.clone(), ..self.history[0].state.clone() };
+            solved = self.problem.solve(&self.newton, &mut state, &mut self.factored, &mut self.work);
+        }
+        if let Err(error) = solved {
+            self.factored = None;
+            return Err(error);
+        }
+        if !known_before || self.factored.is_none() {
+            self.known_rate = rate;
+        }
+        let error = (known >= 3).then(|| {
+            let [h, h1, h2] = [dt, self.history[0].t - self.history[1].t, self.history[1].t - self.history[2].t];
+            let share = h * (h + h1) / ((2.0 * h + h1) * (h + h1 + h2));
+            share * self.problem.normal_distance(&state.surface, &surface)
+        });
+        Ok((Level { t, state }, error))
+    }
+
+    /// Accepts a step, and moves the density of rings towards the wanted one.
+    pub fn accept(&mut self, level: Level) {
+        self.work.steps += 1;
+        let wanted = self.problem.wanted_density(&level.state.surface);
+        for (density, wanted) in self.problem.mesh.density.iter_mut().zip(wanted) {
+            *density += MESH_SHARE * (wanted - *density);
+        }
+        self.history.insert(0, level);
+        self.history.truncate(3);
+    }
+}
+
+impl Problem {
+    /// Root mean square over the surface of the normal part of the distance between two surfaces.
+    pub fn normal_distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let space = &self.space;
+        let [mut here, mut there] = [const { Vec::new() }; 2];
+        let [mut square, mut area] = [0.0; 2];
+        for station in &space.stations {
+            space.functions(a, station, &mut here);
+            space.functions(b, station, &mut there);
+            for meridian in &space.meridians {
+                let (x, y) = (space.shape(&here, meridian), space.shape(&there, meridian));
+                let geometry = crate::law::Geometry::new(&x);
+                let along: f64 = (0..3).map(|k| (x[0][k] - y[0][k]) * geometry.normal[k]).sum();
+                square += station.weight * geometry.area * along * along;
+                area += station.weight * geometry.area;
+            }
+        }
+        (square / area).sqrt()
+    }
+}
