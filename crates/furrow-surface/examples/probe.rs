@@ -28,7 +28,7 @@ fn main() {
         ContourPoint { r: y[0], z: y[1], v_r: y[5] * y[3].cos(), v_z: -y[5] * y[3].sin() }
     });
     let (_, length) = problem.speeds(&state.surface);
-    problem.mesh.follow(&problem.space, &state.surface, length, &state.surface);
+    problem.mesh.follow(&problem.space, &state.surface, length);
     let t = Instant::now();
     let residual = problem.residual(&state);
     println!("residual {:?} max {:e} vol {:e}", t.elapsed(), residual.balances.iter().fold(0.0f64, |a, b| a.max(b.abs())), residual.volume);

@@ -31,7 +31,7 @@ fn main() {
         ContourPoint { r: y[0], z: y[1], v_r: 0.0, v_z: 0.0 }
     });
     let (_, length) = problem.speeds(&state.surface);
-    problem.mesh.follow(&problem.space, &state.surface, length, &state.surface);
+    problem.mesh.follow(&problem.space, &state.surface, length);
     let mut work = Work::default();
     let newton = Newton { tolerance: 1e-7, iterations: 12, slow: 0.1 };
     for k in 0..6 {
@@ -41,7 +41,7 @@ fn main() {
         let wanted = problem.wanted_density(&state.surface);
         for (d, w) in problem.mesh.density.iter_mut().zip(wanted) { *d += 0.5 * (w - *d); }
         let (_, length) = problem.speeds(&state.surface);
-        problem.mesh.follow(&problem.space, &state.surface, length, &state.surface);
+        problem.mesh.follow(&problem.space, &state.surface, length);
     }
     problem.solve(&newton, &mut state, &mut None, &mut work).unwrap();
     let constants = Problem::new(&cell, problem.space.clone()).unwrap().constants;

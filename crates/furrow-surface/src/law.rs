@@ -10,8 +10,8 @@
 //!   with the Christoffel symbols Γ^k_ij, where κ and γ move with the material.
 //!
 //! The velocity v is the material's. The mesh only shares its normal part, \[S.4 surface\] (∂_tX − v)·n = 0, and is spread
-//! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b X_φφ = c (X − X₀): the harmonic map from a plane of the poles and meridians, which
-//! alone would leave the poles free to move along the surface, and so is held near the surface X₀ before.
+//! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b X_φφ = c (x, y, 0): a harmonic map, which alone
+//! would leave the poles free to move along the surface, and so is drawn to the axis near them.
 
 use crate::number::Number;
 use furrow_mechanics::cortex::equations::{LocalCoefficients, ShellCoefficients};
@@ -47,8 +47,6 @@ pub struct Place {
     pub past: Vector<f64>,
     /// The mesh's a, ∂_ua, b and c, for axisymmetric test fields and for others.
     pub mesh: [[f64; 4]; 2],
-    /// X₀ of S.5, where the point was before.
-    pub anchor: Vector<f64>,
     /// The wall that this point may touch.
     pub contact: Contact,
 }
@@ -210,17 +208,17 @@ pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D)
     }
     let moved = (0..3).fold(-v_n, |sum, k| sum + (x[0][k] * place.rate + place.past[k]) * normal[k]) * *area;
     for (out, mesh) in out[6..].iter_mut().zip(&place.mesh) {
-        *out = mesh_balance(mesh, &place.anchor, normal, x, moved);
+        *out = mesh_balance(mesh, normal, x, moved);
     }
     out
 }
 
 /// The normal part is S.4, `moved` = J (∂_tX − v)·n; the tangential part is S.5.
 #[inline(always)]
-fn mesh_balance<D: Number>(mesh: &[f64; 4], anchor: &Vector<f64>, normal: &Vector<D>, x: &Shape<D>, moved: D) -> Vector<D> {
+fn mesh_balance<D: Number>(mesh: &[f64; 4], normal: &Vector<D>, x: &Shape<D>, moved: D) -> Vector<D> {
     let [a, a_u, b, c] = *mesh;
-    let spread: Vector<D> =
-        std::array::from_fn(|k| x[3][k] * a + x[1][k] * a_u + x[5][k] * b - (x[0][k] - anchor[k]) * c);
+    let mut spread: Vector<D> = std::array::from_fn(|k| x[3][k] * a + x[1][k] * a_u + x[5][k] * b);
+    spread[..2].iter_mut().zip(&x[0]).for_each(|(spread, x)| *spread += *x * -c);
     let along = moved + dot(&spread, normal);
     std::array::from_fn(|k| along * normal[k] - spread[k])
 }

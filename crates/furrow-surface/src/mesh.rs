@@ -12,14 +12,12 @@ pub struct Mesh {
     pub density: Vec<f64>,
     /// a, ∂_ua, b and c of S.5 at every station, for axisymmetric test fields and for others.
     pub weights: Vec<[[f64; 4]; 2]>,
-    /// Coefficients of X₀; empty for 0.
-    pub anchor: Vec<f64>,
 }
 
 impl Mesh {
     /// Rings at equal distances.
     pub fn uniform(space: &Space) -> Mesh {
-        Mesh { density: vec![1.0; space.splines()], weights: vec![[[1.0, 0.0, 0.0, 0.0]; 2]; space.stations.len()], anchor: Vec::new() }
+        Mesh { density: vec![1.0; space.splines()], weights: vec![[[1.0, 0.0, 0.0, 0.0]; 2]; space.stations.len()] }
     }
 
     /// The share of the mean meridian from the pole u = 0 to every station.
@@ -51,11 +49,9 @@ impl Mesh {
         out
     }
 
-    /// Sets the weights for a surface near the one that is solved for, with mean meridian of length `length`, and holds
-    /// the mesh near the surface `anchor`.
-    pub fn follow(&mut self, space: &Space, surface: &[f64], length: f64, anchor: &[f64]) {
+    /// Sets the weights for a surface near the one that is solved for, with mean meridian of length `length`.
+    pub fn follow(&mut self, space: &Space, surface: &[f64], length: f64) {
         let mut functions = Vec::new();
-        anchor.clone_into(&mut self.anchor);
         self.weights.clear();
         for station in &space.stations {
             let [mut density, mut slope] = [0.0; 2];
@@ -68,7 +64,7 @@ impl Mesh {
             let axisymmetric = [1.0 / density, -slope / (density * density), 0.0, 0.0];
             let a = radius / (length * density);
             let a_u = a * (radius_u / radius - slope / density);
-            let held = ANCHOR * radius * density / length;
+            let held = AXIS * (2.0 * station.u - 1.0).powi(8) * radius * density / length;
             self.weights.push([axisymmetric, [a, a_u, length * density / radius, held]]);
         }
     }
@@ -86,8 +82,9 @@ pub fn ring(space: &Space, functions: &[[f64; 3]]) -> [f64; 2] {
     [radius, product / radius]
 }
 
-/// How strongly the mesh is held, relative to how it is spread: the square of a wave number on a contour of length 1.
-const ANCHOR: f64 = 10.0;
+/// How strongly the poles are drawn to the axis, relative to how the mesh is spread: the square of a wave number on a
+/// contour of length 1.
+const AXIS: f64 = 300.0;
 
 /// Weight of curvature beside arclength in the density of rings.
 const CURVATURE: f64 = 4.0;

@@ -120,19 +120,16 @@ impl Problem {
         self.shares(&speeds, length).into_iter().zip(speeds).map(at).collect()
     }
 
-    fn place(&self, q: usize, j: usize, local: LocalCoefficients<f64>, [past, anchor]: [&[[f64; 3]]; 2]) -> Place {
+    fn place(&self, q: usize, j: usize, local: LocalCoefficients<f64>, past: &[[f64; 3]]) -> Place {
         let index = q * self.space.meridians.len() + j;
-        let point = |functions: &[[f64; 3]]| {
-            if functions.is_empty() { [0.0; 3] } else { self.space.shape(functions, &self.space.meridians[j])[0] }
-        };
+        let past = if past.is_empty() { [0.0; 3] } else { self.space.shape(past, &self.space.meridians[j])[0] };
         Place {
             local,
             shell: self.constants.shell,
             noise: self.noise.get(index).copied().unwrap_or(1.0),
             rate: self.motion.rate,
-            past: point(past),
+            past,
             mesh: self.mesh.weights[q],
-            anchor: point(anchor),
             contact: self.contacts.get(index).copied().unwrap_or_default(),
         }
     }
@@ -146,20 +143,17 @@ impl Problem {
     ) {
         let space = &self.space;
         let coefficients = self.coefficients(&state.surface);
-        let [mut surface, mut flow, mut past, mut anchor] = [const { Vec::new() }; 4];
+        let [mut surface, mut flow, mut past] = [const { Vec::new() }; 3];
         for (q, station) in space.stations.iter().enumerate() {
             space.functions(&state.surface, station, &mut surface);
             space.functions(&state.flow, station, &mut flow);
             if !self.motion.past.is_empty() {
                 space.functions(&self.motion.past, station, &mut past);
             }
-            if !self.mesh.anchor.is_empty() {
-                space.functions(&self.mesh.anchor, station, &mut anchor);
-            }
             for (j, meridian) in space.meridians.iter().enumerate() {
                 let x = space.shape(&surface, meridian);
                 let [v, v_u, v_p, ..] = space.shape(&flow, meridian);
-                each(q, j, &self.place(q, j, coefficients[q], [&past, &anchor]), &x, &[v, v_u, v_p]);
+                each(q, j, &self.place(q, j, coefficients[q], &past), &x, &[v, v_u, v_p]);
             }
         }
     }

@@ -80,7 +80,7 @@ impl Stepper {
         let flow = self.combine(&smooth, |state| &state.flow);
         let pressure = smooth.iter().zip(&self.history).map(|(w, level)| w * level.state.pressure).sum();
         let (_, length) = self.problem.speeds(&surface);
-        self.problem.mesh.follow(&self.problem.space, &surface, length, &self.history[0].state.surface);
+        self.problem.mesh.follow(&self.problem.space, &surface, length);
         let past: Vec<f64> = match known {
             1 => vec![-1.0 / dt],
             _ => {
