@@ -64,7 +64,7 @@ fn main() {
         let t = stepper.history[0].t;
         if t >= duration && !stepper.problem.noise.is_empty() { stepper.problem.noise.clear(); stepper.forget(); }
         match stepper.attempt(dt) {
-            Err(e) => { println!("t {t:.5} dt {dt:.2e} {e}"); dt *= 0.25; stepper.work.rejected += 1; if dt < 1e-9 { break; } }
+            Err(e) => { let c = &stepper.problem.contacts; let touching: Vec<f64> = c.iter().filter(|c| c.pressure > 0.0).map(|c| c.distance / r0).collect(); println!("touch {} min {:.4}", touching.len(), touching.iter().copied().fold(9.0, f64::min)); println!("t {t:.5} dt {dt:.2e} {e}"); dt *= 0.25; stepper.work.rejected += 1; if dt < 1e-9 { break; } }
             Ok((level, error)) => {
                 let relative = error.map(|e| e / (r0 * tol));
                 if relative.is_some_and(|e| e > 1.5) { dt *= 0.5; stepper.work.rejected += 1; continue; }
@@ -78,9 +78,9 @@ fn main() {
                 }
                 if grow > 0.9 && grow < 1.25 { grow = 1.0; }
                 if let Some(n) = found { previous = Some((t, n.radius)); }
-                if t >= printed || found.is_some_and(|n| n.radius < 0.1 * r0) {
+                if t >= printed || !stepper.problem.contacts.is_empty() || found.is_some_and(|n| n.radius < 0.1 * r0) {
                     let chi = found.map_or(0.0, |n| asymmetry(&stepper.problem.space, &stepper.history[0].state.surface, &n));
-                    println!("t {t:.5} dt {dt:.2e} err {:.2} neck {:?} chi {chi:.5} p {:.4} {:?} {:.2?}", relative.unwrap_or(0.0), found.map(|n| [n.u, n.radius / r0, n.offset / r0, n.height / r0]), stepper.history[0].state.pressure, stepper.work, start.elapsed());
+                    let c = &stepper.problem.contacts; let touching: Vec<f64> = c.iter().filter(|c| c.pressure > 0.0).map(|c| c.distance / r0).collect(); println!("touch {} min {:.4}", touching.len(), touching.iter().copied().fold(9.0, f64::min)); println!("t {t:.5} dt {dt:.2e} err {:.2} neck {:?} chi {chi:.5} p {:.4} {:?} {:.2?}", relative.unwrap_or(0.0), found.map(|n| [n.u, n.radius / r0, n.offset / r0, n.height / r0]), stepper.history[0].state.pressure, stepper.work, start.elapsed());
                     printed = t * 1.1 + 0.005;
                 }
                 dt = (dt * grow).min(0.05);
@@ -90,4 +90,29 @@ fn main() {
         }
         if stepper.work.steps > 2000 { break; }
     }
+    dump(&stepper.problem.space, &stepper.history[0].state.surface, "/tmp/dump.txt");
+}
+
+fn dump(space: &Space, surface: &[f64], path: &str) {
+    use std::fmt::Write;
+    let mut out = String::new();
+    let mut f = Vec::new();
+    for phi in [0.0, std::f64::consts::PI * 0.25, std::f64::consts::PI * 0.5, std::f64::consts::PI * 0.75, std::f64::consts::PI] {
+        for k in 0..=400 {
+            let u = k as f64 / 400.0;
+            space.functions(surface, &space.station(u), &mut f);
+            let x = space.shape(&f, &space.meridian(phi));
+            writeln!(out, "{phi} {u} {} {} {}", x[0][0], x[0][1], x[0][2]).unwrap();
+        }
+    }
+    for k in 1..space.elements * 2 {
+        let u = k as f64 / (2 * space.elements) as f64;
+        for j in 0..=48 {
+            let phi = j as f64 * std::f64::consts::TAU / 48.0;
+            space.functions(surface, &space.station(u), &mut f);
+            let x = space.shape(&f, &space.meridian(phi));
+            writeln!(out, "ring {u} {} {} {}", x[0][0], x[0][1], x[0][2]).unwrap();
+        }
+    }
+    std::fs::write(path, out).unwrap();
 }

@@ -10,8 +10,12 @@ use crate::problem::{Problem, State, mesh_entries, mesh_row};
 use crate::space::{Meridian, Space, Station};
 use crate::splines::LOCAL;
 
-/// Derivatives that a point carries: by X and its five derivatives, by v and its two, and by p.
-const INPUTS: usize = 28;
+/// Derivatives that a point carries: by X and its five derivatives, by v and its two, by p and by the centre of the ring.
+const INPUTS: usize = 29;
+/// The input p.
+const PRESSURE: usize = 27;
+/// The centre of the ring.
+const CENTRE: usize = 28;
 /// Number of entries of a balance.
 const OUTPUTS: usize = 3 * BALANCES;
 /// Functions of u behind each harmonic: f, f′, f″ of X, then f and f′ of v.
@@ -25,12 +29,13 @@ type Dual = Gradient<INPUTS>;
 type Local = [[f64; OUTPUTS]; INPUTS];
 
 #[inline(always)]
-fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, pressure: f64, out: &mut Local) {
+fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, [pressure, centre]: [f64; 2], out: &mut Local) {
     let number =
         |of: &Vector<f64>, first: usize| -> Vector<Dual> { std::array::from_fn(|k| Dual::variable(of[k], first + k)) };
     let x: Shape<Dual> = std::array::from_fn(|k| number(&x[k], 3 * k));
     let v: Flow<Dual> = std::array::from_fn(|k| number(&v[k], 18 + 3 * k));
-    let balance = balance(place, &x, &v, Dual::variable(pressure, INPUTS - 1));
+    let (pressure, centre) = (Dual::variable(pressure, PRESSURE), Dual::variable(centre, CENTRE));
+    let balance = balance(place, &x, &v, pressure, centre);
     for (k, value) in balance.as_flattened().iter().enumerate() {
         for input in 0..INPUTS {
             out[input][k] = value.by[input];
@@ -80,7 +85,11 @@ impl Ring {
             }
         }
         let pressure = &mut self.gathered[(width - 1) * OUTPUTS..][..OUTPUTS];
-        pressure.iter_mut().zip(&derivatives[INPUTS - 1]).for_each(|(c, r)| *c = weight * r);
+        pressure.iter_mut().zip(&derivatives[PRESSURE]).for_each(|(c, r)| *c = weight * r);
+        if let Some(centre) = space.centre() {
+            let column = &mut self.gathered[centre * OUTPUTS..][..OUTPUTS];
+            column.iter_mut().zip(&derivatives[CENTRE]).for_each(|(c, r)| *c += weight * r);
+        }
         for column in 0..width {
             for output in 0..OUTPUTS {
                 self.columns[output * width + column] = self.gathered[column * OUTPUTS + output];
@@ -194,9 +203,9 @@ fn assemble(problem: &Problem, state: &State, out: &mut Bordered) {
     let (mut ring, mut element) = (Ring::new(count), Element::new(count));
     let mut derivatives = [[0.0; OUTPUTS]; INPUTS];
     let last = space.meridians.len() - 1;
-    problem.for_each_point(state, |q, j, place, x, v| {
+    problem.for_each_point(state, |q, j, place, x, v, centre| {
         let station = &space.stations[q];
-        local(place, x, v, state.pressure, &mut derivatives);
+        local(place, x, v, [state.pressure, centre], &mut derivatives);
         ring.add(space, &space.meridians[j], &derivatives, station.weight * space.meridian_weight());
         if j == last {
             element.add(station, &ring.tested);

@@ -10,8 +10,8 @@
 //!   with the Christoffel symbols Γ^k_ij, where κ and γ move with the material.
 //!
 //! The velocity v is the material's. The mesh only shares its normal part, \[S.4 surface\] (∂_tX − v)·n = 0, and is spread
-//! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b X_φφ = c (x, y, 0): a harmonic map, which alone
-//! would leave the poles free to move along the surface, and so is drawn to the axis near them.
+//! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b X_φφ = c (x₀, 0, 0): a harmonic map, which alone
+//! would leave the poles free to move along the surface; near them the centres x₀ of the rings are drawn to the axis.
 
 use crate::number::Number;
 use furrow_mechanics::cortex::equations::{LocalCoefficients, ShellCoefficients};
@@ -51,7 +51,8 @@ pub struct Place {
     pub contact: Contact,
 }
 
-/// The repulsion of a wall opposite to a point: the pressure f exp((n·(X − X₀) − d)/λ) at distance d from it.
+/// The repulsion of a wall opposite to a point, S.6: the pressure f exp((2n·(X − X₀) − d)/λ), since the wall at distance d from X₀
+/// comes as near as the point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contact {
     /// Pressure at distance 0; 0 without a wall.
@@ -168,13 +169,13 @@ pub fn wall_force<D: Number>(place: &Place, normal: &Vector<D>, x: &Vector<D>) -
     if pressure == 0.0 {
         return shell;
     }
-    let moved = (0..3).fold(D::from(-distance), |sum, k| sum + (x[k] - origin[k]) * normal[k]);
+    let moved = (0..3).fold(D::from(-distance), |sum, k| sum + (x[k] - origin[k]) * (2.0 * normal[k]));
     shell - (moved * decay).exp() * pressure
 }
 
-/// The balance at a point: see [`Balance`].
+/// The balance at a point: see [`Balance`]. `centre` is the distance x₀ of the ring's centre from the axis.
 #[inline(always)]
-pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D) -> Balance<D> {
+pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D, centre: D) -> Balance<D> {
     let geometry = Geometry::new(x);
     let Geometry { area, normal, inverse_metric: g, curvature, mean } = &geometry;
     let local = &place.local;
@@ -208,17 +209,17 @@ pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D)
     }
     let moved = (0..3).fold(-v_n, |sum, k| sum + (x[0][k] * place.rate + place.past[k]) * normal[k]) * *area;
     for (out, mesh) in out[6..].iter_mut().zip(&place.mesh) {
-        *out = mesh_balance(mesh, normal, x, moved);
+        *out = mesh_balance(mesh, normal, x, moved, centre);
     }
     out
 }
 
 /// The normal part is S.4, `moved` = J (∂_tX − v)·n; the tangential part is S.5.
 #[inline(always)]
-fn mesh_balance<D: Number>(mesh: &[f64; 4], normal: &Vector<D>, x: &Shape<D>, moved: D) -> Vector<D> {
+fn mesh_balance<D: Number>(mesh: &[f64; 4], normal: &Vector<D>, x: &Shape<D>, moved: D, centre: D) -> Vector<D> {
     let [a, a_u, b, c] = *mesh;
     let mut spread: Vector<D> = std::array::from_fn(|k| x[3][k] * a + x[1][k] * a_u + x[5][k] * b);
-    spread[..2].iter_mut().zip(&x[0]).for_each(|(spread, x)| *spread += *x * -c);
+    spread[0] += centre * -c;
     let along = moved + dot(&spread, normal);
     std::array::from_fn(|k| along * normal[k] - spread[k])
 }

@@ -1,5 +1,6 @@
 //! A dividing cell's cortex as a surface without axial symmetry.
 
+pub mod contact;
 pub mod embed;
 mod jacobian;
 pub mod law;

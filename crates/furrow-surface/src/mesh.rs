@@ -64,7 +64,9 @@ impl Mesh {
             let axisymmetric = [1.0 / density, -slope / (density * density), 0.0, 0.0];
             let a = radius / (length * density);
             let a_u = a * (radius_u / radius - slope / density);
-            let held = AXIS * (2.0 * station.u - 1.0).powi(8) * radius * density / length;
+            let axis = std::env::var("AXIS").ok().and_then(|a| a.parse::<f64>().ok()).unwrap_or(AXIS);
+            let power = std::env::var("POWER").ok().and_then(|a| a.parse::<i32>().ok()).unwrap_or(8);
+            let held = axis * (2.0 * station.u - 1.0).powi(power) * radius * density / length;
             self.weights.push([axisymmetric, [a, a_u, length * density / radius, held]]);
         }
     }

@@ -101,7 +101,7 @@ impl Problem {
                 let largest = |field: usize| { let mut best = (0.0f64, 0, 0); for i in 0..self.space.splines() { for h in 0..self.space.harmonics.len() { if let Some(k) = self.space.unknown(i, field, h) { if balances[k].abs() > best.0 { best = (balances[k].abs(), i, h); } } } } (best.0, best.1, self.space.harmonics[best.2]) };
                 eprintln!("  it {iteration} change {change:.2e} dp {pressure:.2e} vol {volume:.1e} X {:?} v {:?}", largest(0), largest(1));
             }
-            if !change.is_finite() {
+            if !(change.is_finite() && pressure.is_finite()) {
                 return Err(NewtonError::NotConverged { change, iterations: iteration + 1 });
             }
             // Newton's own changes shrink quadratically, those with old derivatives linearly.

@@ -135,11 +135,12 @@ impl Problem {
     }
 
     #[inline(always)]
-    /// Calls `each` at every point of the quadrature with its station, meridian, place, surface and flow.
+    /// Calls `each` at every point of the quadrature with its station, meridian, place, surface, flow and the
+    /// centre of its ring.
     pub fn for_each_point(
         &self,
         state: &State,
-        mut each: impl FnMut(usize, usize, &Place, &Shape<f64>, &Flow<f64>),
+        mut each: impl FnMut(usize, usize, &Place, &Shape<f64>, &Flow<f64>, f64),
     ) {
         let space = &self.space;
         let coefficients = self.coefficients(&state.surface);
@@ -150,10 +151,11 @@ impl Problem {
             if !self.motion.past.is_empty() {
                 space.functions(&self.motion.past, station, &mut past);
             }
+            let centre = space.centre().map_or(0.0, |centre| surface[centre][0]);
             for (j, meridian) in space.meridians.iter().enumerate() {
                 let x = space.shape(&surface, meridian);
                 let [v, v_u, v_p, ..] = space.shape(&flow, meridian);
-                each(q, j, &self.place(q, j, coefficients[q], &past), &x, &[v, v_u, v_p]);
+                each(q, j, &self.place(q, j, coefficients[q], &past), &x, &[v, v_u, v_p], centre);
             }
         }
     }
@@ -166,10 +168,10 @@ impl Problem {
         // Tests at a station: by f, f′, f″ of the flow's, and by f of the mesh's.
         let mut tested = vec![0.0; 4 * count];
         let last = space.meridians.len() - 1;
-        self.for_each_point(state, |q, j, place, x, v| {
+        self.for_each_point(state, |q, j, place, x, v, centre| {
             let station = &space.stations[q];
             let weight = station.weight * space.meridian_weight();
-            let balance = balance(place, x, v, state.pressure);
+            let balance = balance(place, x, v, state.pressure, centre);
             out.volume += weight * volume_density(x);
             test(space, &space.meridians[j], &balance, weight, &mut tested);
             if j == last {

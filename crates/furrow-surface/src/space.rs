@@ -122,6 +122,11 @@ impl Space {
         space
     }
 
+    /// The harmonic of the rings' centres, if there is any without axial symmetry.
+    pub fn centre(&self) -> Option<usize> {
+        self.harmonics.iter().position(|harmonic| *harmonic == Harmonic::Across(0))
+    }
+
     /// Number of splines.
     pub fn splines(&self) -> usize {
         self.elements + DEGREE

@@ -24,6 +24,8 @@ pub struct Stepper {
     pub work: Work,
     /// Settings of Newton's method.
     pub newton: Newton,
+    /// Whether walls of a furrow touch, or pass through each other.
+    pub contact: bool,
     factored: Option<Factored>,
     /// Rate of the step whose derivatives are known.
     known_rate: f64,
@@ -40,7 +42,7 @@ impl Stepper {
     pub fn new(problem: Problem, state: State) -> Stepper {
         let newton = Newton { tolerance: 1e-7, iterations: 10, slow: 0.25 };
         let history = vec![Level { t: 0.0, state }];
-        Stepper { problem, history, work: Work::default(), newton, factored: None, known_rate: 0.0 }
+        Stepper { problem, history, work: Work::default(), newton, contact: true, factored: None, known_rate: 0.0 }
     }
 
     /// Forgets the derivatives, after a change of the problem.
@@ -81,6 +83,9 @@ impl Stepper {
         let pressure = smooth.iter().zip(&self.history).map(|(w, level)| w * level.state.pressure).sum();
         let (_, length) = self.problem.speeds(&surface);
         self.problem.mesh.follow(&self.problem.space, &surface, length);
+        if self.contact {
+            self.problem.contacts = self.problem.walls(&surface);
+        }
         let past: Vec<f64> = match known {
             1 => vec![-1.0 / dt],
             _ => {
