@@ -5,7 +5,8 @@ use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::equilibria::stationary::stationary;
 use furrow_surface::embed::{ContourPoint, embed};
-use furrow_surface::newton::{Newton, Work};
+use furrow_bvp::Work;
+use furrow_surface::newton::Newton;
 use furrow_surface::problem::Problem;
 use furrow_surface::space::Space;
 
@@ -20,7 +21,7 @@ fn main() {
     let gauss = Gauss::new(numerics.stages).unwrap();
     let space = Space::new(elements, modes);
     println!("unknowns {} block {:?}", space.unknowns(), space.blocks[1]);
-    let mut problem = Problem::new(&cell, space).unwrap();
+    let mut problem = Problem::new(&cell, space);
     let shares = problem.mesh.shares(&problem.space);
     let mut state = embed(&problem.space, &shares, shape.pressure(), |u| {
         let mut y = [0.0; 7];
@@ -68,6 +69,7 @@ fn main() {
     let newton = Newton { tolerance: 1e-10, iterations: 12, slow: 0.1 };
     let r = problem.solve(&newton, &mut state, &mut None, &mut work);
     let (_, length) = problem.speeds(&state.surface);
+    for m in 0..=modes { println!("m {m} {:?}", problem.rates(&state, 4, Some(m)).map(|r| r.iter().map(|r| (r.re, r.im)).collect::<Vec<_>>())); }
     let pole = |u: f64| { let s = problem.space.station(u); let mut f = Vec::new(); problem.space.functions(&state.surface, &s, &mut f); problem.space.shape(&f, &problem.space.meridian(0.0))[0][2] };
     println!("{r:?} {work:?} L {length} H {} p {}", (pole(0.0) - pole(1.0)) / r0, state.pressure);
 }

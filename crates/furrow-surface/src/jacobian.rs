@@ -3,15 +3,19 @@
 
 use multiversion::multiversion;
 
-use crate::law::{BALANCES, Flow, Place, Shape, Vector, balance};
+use crate::law::{
+    BALANCES, Balance, Flow, Geometry, Place, Shape, Vector, balance, by_centre, by_flow, by_pressure,
+};
 use crate::linear::Bordered;
 use crate::number::Gradient;
 use crate::problem::{Problem, State, mesh_entries, mesh_row};
 use crate::space::{Meridian, Space, Station};
 use crate::splines::LOCAL;
 
-/// Derivatives that a point carries: by X and its five derivatives, by v and its two, by p and by the centre of the ring.
+/// What the balance at a point depends on: X and its five derivatives, v and its two, p, the centre of the ring.
 const INPUTS: usize = 29;
+/// The numbers among them by which the balance is differentiated: X and its derivatives. It is linear in the others.
+const SHAPE: usize = 18;
 /// The input p.
 const PRESSURE: usize = 27;
 /// The centre of the ring.
@@ -23,24 +27,39 @@ const TRIALS: usize = 5;
 /// Tests by each harmonic: by f, f′, f″ in the virtual power, and by f for the mesh.
 const TESTS: usize = 4;
 
-type Dual = Gradient<INPUTS>;
+type Dual = Gradient<SHAPE>;
 
 /// Derivatives of the balance at a point, by input.
 type Local = [[f64; OUTPUTS]; INPUTS];
 
 #[inline(always)]
 fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, [pressure, centre]: [f64; 2], out: &mut Local) {
-    let number =
-        |of: &Vector<f64>, first: usize| -> Vector<Dual> { std::array::from_fn(|k| Dual::variable(of[k], first + k)) };
-    let x: Shape<Dual> = std::array::from_fn(|k| number(&x[k], 3 * k));
-    let v: Flow<Dual> = std::array::from_fn(|k| number(&v[k], 18 + 3 * k));
-    let (pressure, centre) = (Dual::variable(pressure, PRESSURE), Dual::variable(centre, CENTRE));
-    let balance = balance(place, &x, &v, pressure, centre);
+    let mut carried: Shape<Dual> = [[Dual::from(0.0); 3]; 6];
+    for (k, (to, from)) in carried.as_flattened_mut().iter_mut().zip(x.as_flattened()).enumerate() {
+        *to = Dual::variable(*from, k);
+    }
+    let constant = |v: &Vector<f64>| -> Vector<Dual> { [Dual::from(v[0]), Dual::from(v[1]), Dual::from(v[2])] };
+    let flow: Flow<Dual> = [constant(&v[0]), constant(&v[1]), constant(&v[2])];
+    let balance = balance(place, &carried, &flow, Dual::from(pressure), Dual::from(centre));
     for (k, value) in balance.as_flattened().iter().enumerate() {
-        for input in 0..INPUTS {
+        for input in 0..SHAPE {
             out[input][k] = value.by[input];
         }
     }
+    let geometry = Geometry::new(x);
+    for input in 0..9 {
+        let mut unit: Flow<f64> = [[0.0; 3]; 3];
+        unit.as_flattened_mut()[input] = 1.0;
+        out[SHAPE + input] = flatten(&by_flow(place, &geometry, x, &unit));
+    }
+    out[PRESSURE] = flatten(&by_pressure(&geometry));
+    out[CENTRE] = flatten(&by_centre(place, &geometry));
+}
+
+fn flatten(balance: &Balance<f64>) -> [f64; OUTPUTS] {
+    let mut out = [0.0; OUTPUTS];
+    out.copy_from_slice(balance.as_flattened());
+    out
 }
 
 /// Sums over a ring.
@@ -67,12 +86,13 @@ impl Ring {
     }
 
     /// Adds a point.
+    #[inline(always)]
     fn add(&mut self, space: &Space, meridian: &Meridian, derivatives: &Local, weight: f64) {
         let count = self.count;
         let width = TRIALS * count + 1;
         self.gathered.fill(0.0);
         for harmonic in 0..count {
-            let entries = space.entries(harmonic, meridian);
+            let entries = &meridian.entries[harmonic];
             for (trial, (d, first, limit)) in
                 [(0, 0, 18), (1, 0, 18), (2, 0, 18), (0, 18, 9), (1, 18, 6)].into_iter().enumerate()
             {
@@ -96,7 +116,7 @@ impl Ring {
             }
         }
         for harmonic in 0..count {
-            let entries = space.entries(harmonic, meridian);
+            let entries = &meridian.entries[harmonic];
             let tests = (0..3).flat_map(|d| entries[d].list().iter().map(move |(k, factor)| (d, *k, *factor)));
             let row = mesh_row(space, harmonic);
             let mesh = mesh_entries(&entries[0]).map(|(k, factor)| (3, row + k, factor));
@@ -130,6 +150,7 @@ impl Element {
     }
 
     /// Adds a ring.
+    #[inline(always)]
     fn add(&mut self, station: &Station, tested: &[f64]) {
         let count = self.count;
         let (width, size) = (TRIALS * count + 1, LOCAL * 2 * count);

@@ -88,6 +88,12 @@ fn add<D: Number>(to: &mut Vector<D>, s: D, a: &Vector<D>) {
 /// A symmetric tensor by its components uu, uφ, φφ.
 type Symmetric<D> = [D; 3];
 
+/// a·s + b·t.
+#[inline(always)]
+fn mix<D: Number>(a: Symmetric<D>, b: Symmetric<D>, s: D, t: D) -> Symmetric<D> {
+    [a[0] * s + b[0] * t, a[1] * s + b[1] * t, a[2] * s + b[2] * t]
+}
+
 /// The trace a^ij b_ij.
 #[inline(always)]
 fn trace<D: Number>(a: &Symmetric<D>, b: &Symmetric<D>) -> D {
@@ -126,10 +132,10 @@ impl<D: Number> Geometry<D> {
     pub fn new(x: &Shape<D>) -> Geometry<D> {
         let across = cross(&x[1], &x[2]);
         let area = dot(&across, &across).sqrt();
-        let normal = across.map(|n| n / area);
+        let normal = [across[0] / area, across[1] / area, across[2] / area];
         let over = (area * area).recip();
         let inverse_metric = [dot(&x[2], &x[2]) * over, -dot(&x[1], &x[2]) * over, dot(&x[1], &x[1]) * over];
-        let curvature = [3, 4, 5].map(|k| -dot(&normal, &x[k]));
+        let curvature = [-dot(&normal, &x[3]), -dot(&normal, &x[4]), -dot(&normal, &x[5])];
         let mean = trace(&inverse_metric, &curvature);
         Geometry { area, normal, inverse_metric, curvature, mean }
     }
@@ -138,24 +144,28 @@ impl<D: Number> Geometry<D> {
     #[inline(always)]
     fn christoffel(&self, x: &Shape<D>) -> [Symmetric<D>; 2] {
         let g = &self.inverse_metric;
-        let along = |k: usize| [dot(&x[k], &x[3]), dot(&x[k], &x[4]), dot(&x[k], &x[5])];
-        let (u, p) = (along(1), along(2));
-        [std::array::from_fn(|ij| g[0] * u[ij] + g[1] * p[ij]), std::array::from_fn(|ij| g[1] * u[ij] + g[2] * p[ij])]
+        let u = [dot(&x[1], &x[3]), dot(&x[1], &x[4]), dot(&x[1], &x[5])];
+        let p = [dot(&x[2], &x[3]), dot(&x[2], &x[4]), dot(&x[2], &x[5])];
+        [mix(u, p, g[0], g[1]), mix(u, p, g[1], g[2])]
     }
 }
 
-/// T^ij of S.2.
+/// The active part of T^ij, S.2.
 #[inline(always)]
-pub fn stress<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v: &Flow<D>) -> Symmetric<D> {
+pub fn active_stress<D: Number>(place: &Place, geometry: &Geometry<D>) -> Symmetric<D> {
     let Geometry { inverse_metric: g, curvature, mean, .. } = geometry;
-    let local = &place.local;
+    let (xi_s, xi_b) = (place.local.xi_s * place.noise, place.local.xi_b * place.noise);
+    mix(raise(g, curvature), *g, D::from(xi_s), *mean * (xi_b - 0.5 * xi_s))
+}
+
+/// The viscous part of T^ij, S.2, which is linear in the flow.
+#[inline(always)]
+pub fn viscous_stress<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v: &Flow<D>) -> Symmetric<D> {
+    let (g, local) = (&geometry.inverse_metric, &place.local);
     let strain = [dot(&x[1], &v[1]), (dot(&x[1], &v[2]) + dot(&x[2], &v[1])) * 0.5, dot(&x[2], &v[2])];
-    let (xi_s, xi_b) = (local.xi_s * place.noise, local.xi_b * place.noise);
-    let isotropic = trace(g, &strain) * local.eta_difference + *mean * (xi_b - 0.5 * xi_s);
     // η_b + η_s less η_b − η_s is 2η_s.
     let shear = local.eta_sum - local.eta_difference;
-    let raised = raise(g, &std::array::from_fn(|ij| strain[ij] * shear + curvature[ij] * xi_s));
-    std::array::from_fn(|ij| raised[ij] + g[ij] * isotropic)
+    mix(raise(g, &strain), *g, D::from(shear), trace(g, &strain) * local.eta_difference)
 }
 
 /// The normal force f_c of the shell, M.9, and of a wall that the point touches.
@@ -173,53 +183,90 @@ pub fn wall_force<D: Number>(place: &Place, normal: &Vector<D>, x: &Vector<D>) -
     shell - (moved * decay).exp() * pressure
 }
 
+/// Adds a tension T^ij to a balance, per du dφ.
+#[inline(always)]
+fn add_tension<D: Number>(out: &mut Balance<D>, tension: &Symmetric<D>, x: &Shape<D>) {
+    for (k, [along_u, along_p]) in [[0, 1], [1, 2]].into_iter().enumerate() {
+        add(&mut out[1 + k], tension[along_u], &x[1]);
+        add(&mut out[1 + k], tension[along_p], &x[2]);
+    }
+}
+
 /// The balance at a point: see [`Balance`]. `centre` is the distance x₀ of the ring's centre from the axis.
 #[inline(always)]
 pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D, centre: D) -> Balance<D> {
     let geometry = Geometry::new(x);
     let Geometry { area, normal, inverse_metric: g, curvature, mean } = &geometry;
     let local = &place.local;
-    let mut out = [[D::from(0.0); 3]; BALANCES];
+    let mut out = by_flow(place, &geometry, x, v);
     let moment = *mean * local.kappa;
     let energy = moment * *mean * 0.5 + local.tension;
-    let stress = stress(place, &geometry, x, v);
-    let raised = raise(g, curvature);
-    // Tension along the surface, with the share of the bending energy.
-    let tension: Symmetric<D> =
-        std::array::from_fn(|ij| (stress[ij] + g[ij] * energy - raised[ij] * moment * 2.0) * *area);
+    // Tension along the surface: active, and the share of the bending energy.
+    let elastic = mix(*g, raise(g, curvature), energy, moment * -2.0);
+    add_tension(&mut out, &mix(active_stress(place, &geometry), elastic, *area, *area), x);
     let bending = moment * *area;
-    let christoffel = geometry.christoffel(x);
-    let across = [trace(g, &christoffel[0]), trace(g, &christoffel[1])].map(|s| s * bending);
-    let v_n = dot(&v[0], normal);
-    add(&mut out[0], *area * local.friction, &v[0]);
-    add(&mut out[0], -*area * (v_n * local.friction + pressure + wall_force(place, normal, &x[0])), normal);
-    for (k, [along_u, along_p]) in [[0, 1], [1, 2]].into_iter().enumerate() {
-        add(&mut out[1 + k], across[k], normal);
-        add(&mut out[1 + k], tension[along_u], &x[1]);
-        add(&mut out[1 + k], tension[along_p], &x[2]);
+    for (k, christoffel) in geometry.christoffel(x).iter().enumerate() {
+        add(&mut out[1 + k], trace(g, christoffel) * bending, normal);
     }
     for (ij, factor) in [1.0, 2.0, 1.0].into_iter().enumerate() {
         add(&mut out[3 + ij], -bending * g[ij] * factor, normal);
     }
+    add(&mut out[0], -*area * (pressure + wall_force(place, normal, &x[0])), normal);
     if !place.shell.rigidity_gradient {
         // The paper's reading lacks ½C²∇κ, which the energy brings.
         let slope = *mean * *mean * *area * (0.5 * local.kappa_u);
         add(&mut out[0], slope * g[0], &x[1]);
         add(&mut out[0], slope * g[1], &x[2]);
     }
-    let moved = (0..3).fold(-v_n, |sum, k| sum + (x[0][k] * place.rate + place.past[k]) * normal[k]) * *area;
+    let moved = (0..3).fold(D::from(0.0), |sum, k| sum + (x[0][k] * place.rate + place.past[k]) * normal[k]) * *area;
     for (out, mesh) in out[6..].iter_mut().zip(&place.mesh) {
-        *out = mesh_balance(mesh, normal, x, moved, centre);
+        add(out, D::from(1.0), &mesh_balance(mesh, normal, x, moved, centre));
     }
     out
 }
 
-/// The normal part is S.4, `moved` = J (∂_tX − v)·n; the tangential part is S.5.
+/// The part of the balance that is linear in the flow: viscous stress, friction, and the normal velocity of S.4.
+#[inline(always)]
+pub fn by_flow<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v: &Flow<D>) -> Balance<D> {
+    let Geometry { area, normal, .. } = geometry;
+    let mut out = [[D::from(0.0); 3]; BALANCES];
+    let stress = viscous_stress(place, geometry, x, v);
+    add_tension(&mut out, &[stress[0] * *area, stress[1] * *area, stress[2] * *area], x);
+    let v_n = dot(&v[0], normal) * *area;
+    add(&mut out[0], *area * place.local.friction, &v[0]);
+    add(&mut out[0], -v_n * place.local.friction, normal);
+    add(&mut out[6], -v_n, normal);
+    add(&mut out[7], -v_n, normal);
+    out
+}
+
+/// What multiplies the pressure in the balance.
+pub fn by_pressure(geometry: &Geometry<f64>) -> Balance<f64> {
+    let mut out = [[0.0; 3]; BALANCES];
+    add(&mut out[0], -geometry.area, &geometry.normal);
+    out
+}
+
+/// What multiplies the centre of the ring in the balance.
+pub fn by_centre(place: &Place, geometry: &Geometry<f64>) -> Balance<f64> {
+    let mut out = [[0.0; 3]; BALANCES];
+    for (out, mesh) in out[6..].iter_mut().zip(&place.mesh) {
+        let along = -mesh[3] * geometry.normal[0];
+        *out = geometry.normal.map(|n| along * n);
+        out[0] += mesh[3];
+    }
+    out
+}
+
+/// The normal part is S.4 without the flow, `moved` = J ∂_tX·n; the tangential part is S.5.
 #[inline(always)]
 fn mesh_balance<D: Number>(mesh: &[f64; 4], normal: &Vector<D>, x: &Shape<D>, moved: D, centre: D) -> Vector<D> {
     let [a, a_u, b, c] = *mesh;
-    let mut spread: Vector<D> = std::array::from_fn(|k| x[3][k] * a + x[1][k] * a_u + x[5][k] * b);
+    let mut spread = [D::from(0.0); 3];
+    add(&mut spread, D::from(a), &x[3]);
+    add(&mut spread, D::from(a_u), &x[1]);
+    add(&mut spread, D::from(b), &x[5]);
     spread[0] += centre * -c;
     let along = moved + dot(&spread, normal);
-    std::array::from_fn(|k| along * normal[k] - spread[k])
+    [along * normal[0] - spread[0], along * normal[1] - spread[1], along * normal[2] - spread[2]]
 }

@@ -1,6 +1,7 @@
 //! A dividing cell's cortex as a surface without axial symmetry.
 
 pub mod contact;
+pub mod division;
 pub mod embed;
 mod jacobian;
 pub mod law;
@@ -8,8 +9,10 @@ pub mod linear;
 pub mod mesh;
 pub mod neck;
 pub mod newton;
+pub mod noise;
 pub mod number;
 pub mod problem;
+pub mod rates;
 pub mod space;
 pub mod splines;
 pub mod stepper;

@@ -64,9 +64,7 @@ impl Mesh {
             let axisymmetric = [1.0 / density, -slope / (density * density), 0.0, 0.0];
             let a = radius / (length * density);
             let a_u = a * (radius_u / radius - slope / density);
-            let axis = std::env::var("AXIS").ok().and_then(|a| a.parse::<f64>().ok()).unwrap_or(AXIS);
-            let power = std::env::var("POWER").ok().and_then(|a| a.parse::<i32>().ok()).unwrap_or(8);
-            let held = axis * (2.0 * station.u - 1.0).powi(power) * radius * density / length;
+            let held = AXIS * (2.0 * station.u - 1.0).powi(8) * radius * density / length;
             self.weights.push([axisymmetric, [a, a_u, length * density / radius, held]]);
         }
     }
@@ -84,9 +82,9 @@ pub fn ring(space: &Space, functions: &[[f64; 3]]) -> [f64; 2] {
     [radius, product / radius]
 }
 
-/// How strongly the poles are drawn to the axis, relative to how the mesh is spread: the square of a wave number on a
+/// How strongly the centres of rings at the poles are drawn to the axis, relative to how the mesh is spread: the square of a wave number on a
 /// contour of length 1.
-const AXIS: f64 = 300.0;
+const AXIS: f64 = 1000.0;
 
 /// Weight of curvature beside arclength in the density of rings.
 const CURVATURE: f64 = 4.0;

@@ -1,5 +1,7 @@
 //! Newton's method for a step or a stationary surface.
 
+use furrow_bvp::Work;
+
 use crate::linear::{Factored, Singular};
 use crate::problem::{Problem, Residual, State};
 
@@ -28,19 +30,6 @@ pub enum NewtonError {
         /// Number of iterations.
         iterations: usize,
     },
-}
-
-/// Work of a computation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Accepted time steps.
-    pub steps: usize,
-    /// Rejected ones.
-    pub rejected: usize,
-    /// Iterations of Newton's method.
-    pub iterations: usize,
-    /// Matrices that were factorised.
-    pub factorisations: usize,
 }
 
 impl Problem {
@@ -81,14 +70,12 @@ impl Problem {
     ) -> Result<(), NewtonError> {
         let scale = self.radius();
         let mut before = f64::INFINITY;
-        let mut fresh = false;
         let mut change = f64::INFINITY;
         for iteration in 0..newton.iterations {
             let factored = match known {
                 Some(factored) => factored,
                 None => {
                     work.factorisations += 1;
-                    fresh = true;
                     known.insert(self.jacobian(state).factor()?)
                 }
             };
@@ -97,10 +84,6 @@ impl Problem {
             balances.iter_mut().for_each(|b| *b = -*b);
             let pressure = factored.solve(&mut balances, -volume);
             change = self.change(state, &balances, pressure) / scale;
-            if std::env::var("NEWTON").is_ok() {
-                let largest = |field: usize| { let mut best = (0.0f64, 0, 0); for i in 0..self.space.splines() { for h in 0..self.space.harmonics.len() { if let Some(k) = self.space.unknown(i, field, h) { if balances[k].abs() > best.0 { best = (balances[k].abs(), i, h); } } } } (best.0, best.1, self.space.harmonics[best.2]) };
-                eprintln!("  it {iteration} change {change:.2e} dp {pressure:.2e} vol {volume:.1e} X {:?} v {:?}", largest(0), largest(1));
-            }
             if !(change.is_finite() && pressure.is_finite()) {
                 return Err(NewtonError::NotConverged { change, iterations: iteration + 1 });
             }
@@ -110,9 +93,8 @@ impl Problem {
             if change < newton.tolerance || iteration > 0 && left < newton.tolerance {
                 return Ok(());
             }
-            if !fresh && contraction > newton.slow || fresh && contraction > 0.3 {
+            if contraction > newton.slow {
                 *known = None;
-                fresh = false;
             }
             before = change;
         }

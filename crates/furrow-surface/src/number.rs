@@ -48,6 +48,16 @@ pub struct Gradient<const N: usize> {
     pub by: [f64; N],
 }
 
+/// As `std::array::from_fn`, which the compiler does not always inline.
+#[inline(always)]
+fn map<const N: usize>(each: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut out = [0.0; N];
+    for (k, out) in out.iter_mut().enumerate() {
+        *out = each(k);
+    }
+    out
+}
+
 impl<const N: usize> Gradient<N> {
     /// The k-th of the N numbers.
     #[inline(always)]
@@ -60,12 +70,12 @@ impl<const N: usize> Gradient<N> {
     /// f of the number, with f′.
     #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Gradient<N> {
-        Gradient { value, by: std::array::from_fn(|k| slope * self.by[k]) }
+        Gradient { value, by: map(|k| slope * self.by[k]) }
     }
 
     #[inline(always)]
     fn both(self, other: Gradient<N>, value: f64, [a, b]: [f64; 2]) -> Gradient<N> {
-        Gradient { value, by: std::array::from_fn(|k| a * self.by[k] + b * other.by[k]) }
+        Gradient { value, by: map(|k| a * self.by[k] + b * other.by[k]) }
     }
 }
 
@@ -80,7 +90,7 @@ impl<const N: usize> Add for Gradient<N> {
     type Output = Gradient<N>;
     #[inline(always)]
     fn add(self, other: Gradient<N>) -> Gradient<N> {
-        Gradient { value: self.value + other.value, by: std::array::from_fn(|k| self.by[k] + other.by[k]) }
+        Gradient { value: self.value + other.value, by: map(|k| self.by[k] + other.by[k]) }
     }
 }
 
@@ -95,7 +105,7 @@ impl<const N: usize> Sub for Gradient<N> {
     type Output = Gradient<N>;
     #[inline(always)]
     fn sub(self, other: Gradient<N>) -> Gradient<N> {
-        Gradient { value: self.value - other.value, by: std::array::from_fn(|k| self.by[k] - other.by[k]) }
+        Gradient { value: self.value - other.value, by: map(|k| self.by[k] - other.by[k]) }
     }
 }
 

@@ -6,7 +6,7 @@ use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
 
 use crate::law::{Balance, Contact, Flow, Place, Shape, balance};
 use crate::mesh::Mesh;
-use crate::space::{Entries, Meridian, Space, Station};
+use crate::space::{Entries, Meridian, POINTS, Space, Station};
 
 /// Surface, flow and pressure.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,19 +57,45 @@ pub struct Problem {
 
 impl Problem {
     /// The stationary problem of a cell.
-    ///
-    /// # Errors
-    /// None for five Gauss points; the type is that of [`Gauss::new`].
-    pub fn new(cell: &Cell, space: Space) -> Result<Problem, furrow_bvp::InvalidInput> {
-        Ok(Problem {
+    pub fn new(cell: &Cell, space: Space) -> Problem {
+        Problem {
             mesh: Mesh::uniform(&space),
             space,
             constants: Constants::new(cell, |_, value| value),
             motion: Motion::default(),
             noise: Vec::new(),
             contacts: Vec::new(),
-            gauss: Gauss::new(5)?,
-        })
+            gauss: Gauss::new(POINTS).unwrap_or_default(),
+        }
+    }
+
+    /// The weights of the mesh for a surface near the one that is solved for.
+    pub fn spread(&mut self, surface: &[f64]) {
+        let (_, length) = self.speeds(surface);
+        self.mesh.follow(&self.space, surface, length);
+    }
+
+    /// The volume inside a surface, in L_h³.
+    pub fn volume(&self, surface: &[f64]) -> f64 {
+        let space = &self.space;
+        let mut functions = Vec::new();
+        let mut volume = 0.0;
+        for station in &space.stations {
+            space.functions(surface, station, &mut functions);
+            let ring = space.meridians.iter().map(|meridian| volume_density(&space.shape(&functions, meridian)));
+            volume += ring.sum::<f64>() * station.weight * space.meridian_weight();
+        }
+        volume
+    }
+
+    /// The share of the contour, by the mean meridian, from the pole u = 0 to a coordinate u of the mesh.
+    pub fn share_at(&self, surface: &[f64], u: f64) -> f64 {
+        let (speeds, length) = self.speeds(surface);
+        let shares = self.shares(&speeds, length);
+        let stations = &self.space.stations;
+        let k = stations.partition_point(|station| station.u < u).clamp(1, stations.len() - 1);
+        let part = (u - stations[k - 1].u) / (stations[k].u - stations[k - 1].u);
+        shares[k - 1] + part * (shares[k] - shares[k - 1])
     }
 
     /// The mean over meridians of |X_u| at every station, and the contour length L of the mean meridian.
@@ -195,7 +221,7 @@ fn test(space: &Space, meridian: &Meridian, balance: &Balance<f64>, weight: f64,
     let count = space.harmonics.len();
     let flat = balance.as_flattened();
     for harmonic in 0..count {
-        let entries = space.entries(harmonic, meridian);
+        let entries = &meridian.entries[harmonic];
         for (d, entries) in entries.iter().enumerate() {
             let sum: f64 = entries.list().iter().map(|(k, factor)| flat[*k] * factor).sum();
             tested[d * count + harmonic] += weight * sum;

@@ -50,7 +50,7 @@ impl Harmonic {
 }
 
 /// Number of Gauss points in an element.
-const POINTS: usize = 5;
+pub(crate) const POINTS: usize = 5;
 
 /// A place of the quadrature along u.
 #[derive(Clone, Debug)]
@@ -72,6 +72,17 @@ pub struct Meridian {
     pub phi: f64,
     /// cos kφ and sin kφ of each harmonic.
     pub wave: Vec<[f64; 2]>,
+    /// The entries of a jet that f, f′ and f″ of each harmonic fill.
+    pub entries: Vec<[Entries; 3]>,
+}
+
+impl Meridian {
+    fn new(harmonics: &[Harmonic], phi: f64) -> Meridian {
+        let wave = harmonics.iter().map(|h| (phi * f64::from(h.wave())).sin_cos()).map(|(s, c)| [c, s]);
+        let wave: Vec<[f64; 2]> = wave.collect();
+        let entries = harmonics.iter().zip(&wave).map(|(harmonic, wave)| entries(*harmonic, *wave)).collect();
+        Meridian { phi, wave, entries }
+    }
 }
 
 /// The place of a coefficient among the unknowns.
@@ -110,11 +121,7 @@ impl Space {
         });
         let stations = stations.collect();
         let count = if modes == 0 { 1 } else { 3 * modes };
-        let meridian = |j: usize| {
-            let phi = std::f64::consts::PI * (j as f64 + 0.5) / count as f64;
-            let wave = harmonics.iter().map(|h| (phi * f64::from(h.wave())).sin_cos()).map(|(s, c)| [c, s]).collect();
-            Meridian { phi, wave }
-        };
+        let meridian = |j: usize| Meridian::new(&harmonics, std::f64::consts::PI * (j as f64 + 0.5) / count as f64);
         let meridians = (0..count).map(meridian).collect();
         let mut space =
             Space { elements, modes, harmonics, stations, meridians, unknown: Vec::new(), blocks: Vec::new() };
@@ -125,6 +132,23 @@ impl Space {
     /// The harmonic of the rings' centres, if there is any without axial symmetry.
     pub fn centre(&self) -> Option<usize> {
         self.harmonics.iter().position(|harmonic| *harmonic == Harmonic::Across(0))
+    }
+
+    /// The largest coefficient of the harmonics with the largest azimuthal number; 0 with axial symmetry.
+    pub fn tail(&self, surface: &[f64]) -> f64 {
+        let of = |k: &usize| self.modes > 0 && self.harmonics[k % self.harmonics.len()].azimuthal() == self.modes;
+        (0..surface.len()).filter(of).map(|k| surface[k].abs()).fold(0.0, f64::max)
+    }
+
+    /// The coefficients of the same function in this space, from a space with the same elements.
+    pub fn adopt(&self, coefficients: &[f64], of: &Space) -> Vec<f64> {
+        let from = |harmonic: &Harmonic| of.harmonics.iter().position(|other| other == harmonic);
+        let places: Vec<Option<usize>> = self.harmonics.iter().map(from).collect();
+        let row = |spline: usize| {
+            let row = &coefficients[spline * of.harmonics.len()..][..of.harmonics.len()];
+            places.iter().map(move |place| place.map_or(0.0, |place| row[place]))
+        };
+        (0..self.splines()).flat_map(row).collect()
     }
 
     /// Number of splines.
@@ -224,8 +248,7 @@ impl Space {
 
     /// A place on any meridian.
     pub fn meridian(&self, phi: f64) -> Meridian {
-        let wave = self.harmonics.iter().map(|h| (phi * f64::from(h.wave())).sin_cos()).map(|(s, c)| [c, s]).collect();
-        Meridian { phi, wave }
+        Meridian::new(&self.harmonics, phi)
     }
 
     /// A place on any ring.
@@ -260,12 +283,6 @@ impl Space {
             }
         }
         out
-    }
-
-    /// How derivatives by φ act on a harmonic: (row of the jet, component, factor) triples for each derivative by u,
-    /// see [`entries`].
-    pub fn entries(&self, harmonic: usize, meridian: &Meridian) -> [Entries; 3] {
-        entries(self.harmonics[harmonic], meridian.wave[harmonic])
     }
 
     /// First spline, by station, for loops over the splines of an element.

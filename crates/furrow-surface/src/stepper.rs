@@ -1,8 +1,11 @@
 //! Implicit steps in time: backward differentiation of second order with variable steps.
 
+use furrow_bvp::Work;
+
 use crate::linear::Factored;
-use crate::newton::{Newton, NewtonError, Work};
+use crate::newton::{Newton, NewtonError};
 use crate::problem::{Motion, Problem, State};
+use crate::space::Space;
 
 /// A state at a time.
 #[derive(Clone, Debug)]
@@ -32,7 +35,7 @@ pub struct Stepper {
 }
 
 /// Derivatives are kept while the rate of the step changes by less than this factor.
-const SAME_RATE: f64 = 1.3;
+const SAME_RATE: f64 = 1.7;
 
 /// Share of the way to the wanted density of rings that is gone in one step.
 const MESH_SHARE: f64 = 0.1;
@@ -40,13 +43,26 @@ const MESH_SHARE: f64 = 0.1;
 impl Stepper {
     /// A cell at rest at t = 0.
     pub fn new(problem: Problem, state: State) -> Stepper {
-        let newton = Newton { tolerance: 1e-7, iterations: 10, slow: 0.25 };
+        let newton = Newton { tolerance: 1e-7, iterations: 20, slow: 0.4 };
         let history = vec![Level { t: 0.0, state }];
         Stepper { problem, history, work: Work::default(), newton, contact: true, factored: None, known_rate: 0.0 }
     }
 
     /// Forgets the derivatives, after a change of the problem.
     pub fn forget(&mut self) {
+        self.factored = None;
+    }
+
+    /// Goes on with azimuthal numbers up to `modes`.
+    pub fn take_modes(&mut self, modes: usize) {
+        let space = Space::new(self.problem.space.elements, modes);
+        for Level { state, .. } in &mut self.history {
+            state.surface = space.adopt(&state.surface, &self.problem.space);
+            state.flow = space.adopt(&state.flow, &self.problem.space);
+        }
+        self.problem.space = space;
+        self.problem.contacts.clear();
+        self.problem.noise.clear();
         self.factored = None;
     }
 
@@ -81,8 +97,7 @@ impl Stepper {
         let smooth = self.extrapolation(t, known.min(2));
         let flow = self.combine(&smooth, |state| &state.flow);
         let pressure = smooth.iter().zip(&self.history).map(|(w, level)| w * level.state.pressure).sum();
-        let (_, length) = self.problem.speeds(&surface);
-        self.problem.mesh.follow(&self.problem.space, &surface, length);
+        self.problem.spread(&surface);
         if self.contact {
             self.problem.contacts = self.problem.walls(&surface);
         }

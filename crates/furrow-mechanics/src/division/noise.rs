@@ -59,14 +59,16 @@ impl Noise {
 
     /// The coefficients r_1 … r_10 at time t.
     pub fn coefficients(&mut self, t: f64) -> [f64; 10] {
-        let Some(time) = self.time else { return self.knot(0) };
+        let Some(time) = self.time else { return self.set(0) };
         let (k, share) = ((t / time).floor(), (t / time).fract());
-        let (before, after) = (self.knot(k as usize), self.knot(k as usize + 1));
+        let (before, after) = (self.set(k as usize), self.set(k as usize + 1));
         let share = share * share * (3.0 - 2.0 * share);
         std::array::from_fn(|n| before[n] + share * (after[n] - before[n]))
     }
 
-    fn knot(&mut self, number: usize) -> [f64; 10] {
+    /// The set `number` of coefficients: those of sustained noise at successive times, or, without axial symmetry, of successive
+    /// azimuthal numbers.
+    pub fn set(&mut self, number: usize) -> [f64; 10] {
         while self.knots.len() <= number {
             let generator = &mut self.generator;
             self.knots.push(std::array::from_fn(|_| {

@@ -1,0 +1,374 @@
+//! One division without axial symmetry, from the passive shape to pinch-off or rest.
+
+use furrow_bvp::{Gauss, Work};
+use furrow_cell::{Cell, Numerics, Scheme, ThreeDimensional};
+use furrow_mechanics::cortex::equations::{COMPONENTS, PRESSURE, R, Z};
+use furrow_mechanics::cortex::observables::PINCH_OFF;
+use furrow_mechanics::cortex::symmetry::unfold;
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending};
+use furrow_mechanics::equilibria::error::CellName;
+use furrow_mechanics::{equilibria, polarity};
+
+use crate::embed::{ContourPoint, embed};
+use crate::neck::{Neck, asymmetry, neck};
+use crate::newton::{Newton, NewtonError};
+use crate::noise;
+use crate::problem::{Problem, State};
+use crate::space::Space;
+use crate::stepper::{Level, Stepper};
+
+/// The neck at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeckAt {
+    /// Time, in τ.
+    pub t: f64,
+    /// The neck.
+    pub neck: Neck,
+}
+
+/// A division, and what only a surface without axial symmetry has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceDivision {
+    /// The division.
+    pub division: Division,
+    /// Distance of the neck's centre, or of the waist's in a cell at rest, from the axis at the end, in L_h; `None` without a waist.
+    pub neck_offset: Option<f64>,
+    /// Largest azimuthal number of the shape at the end.
+    pub modes: usize,
+    /// The neck after every step.
+    pub necks: Vec<NeckAt>,
+}
+
+/// Why a division without axial symmetry could not be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// The axisymmetric start was not found, or an input is outside its domain.
+    #[error(transparent)]
+    Start(#[from] DivisionError),
+    /// A setting or a part of the cue that the surface does not have.
+    #[error("{what} is not computed without axial symmetry; {instead}")]
+    Unsupported {
+        /// The setting.
+        what: &'static str,
+        /// What to do.
+        instead: &'static str,
+    },
+    /// Newton's method failed on the shape at the start.
+    #[error("the surface of the passive cell with R0 = {r0} was not found: {source}")]
+    NoPassiveSurface {
+        /// Radius R0.
+        r0: f64,
+        /// The last failure.
+        source: NewtonError,
+    },
+    /// The time step fell below its minimum.
+    #[error(
+        "time stepping of the surface with R0 = {r0} stalled at t = {t:.4} with step {dt:.1e} ({source}), its neck at {neck:.3} R0; try more elements or modes"
+    )]
+    Stalled {
+        /// Radius R0.
+        r0: f64,
+        /// Time, in τ.
+        t: f64,
+        /// The last step, in τ.
+        dt: f64,
+        /// Radius of the neck, relative to R0; 1 without a waist.
+        neck: f64,
+        /// The last failure.
+        source: NewtonError,
+    },
+    /// The cell neither divided nor came to rest in the steps allowed.
+    #[error("the surface with R0 = {r0} still moves at t = {t:.3}, after {steps} steps")]
+    Restless {
+        /// Radius R0.
+        r0: f64,
+        /// Time, in τ.
+        t: f64,
+        /// Steps taken.
+        steps: usize,
+    },
+    /// The cell neither divided nor came to rest in the time allowed.
+    #[error("the surface with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max")]
+    Undecided {
+        /// Radius R0.
+        r0: f64,
+        /// The allowed time, in τ.
+        t_max: f64,
+    },
+}
+
+/// A neck narrower than this, relative to R0, closes: the daughters' volumes no longer depend on it, and the rest of the time, down to the
+/// radius of M.20, follows from the speed of closing.
+pub const CLOSED: f64 = 0.02;
+/// Local error of a step, relative to R0, for each unit of the numerics' tolerance.
+const ERROR: f64 = 6.0;
+/// Longest step, in τ: growing modes must not be damped.
+const LONGEST: f64 = 0.05;
+/// Shortest step, in τ.
+const SHORTEST: f64 = 1e-9;
+/// Largest relative narrowing of the neck in a step.
+const NARROWING: f64 = 0.25;
+/// A surface slower than this, relative to R0 and in 1/τ, may be at rest.
+const SLOW: f64 = 2e-5;
+/// Most steps of a division.
+const MOST_STEPS: usize = 4000;
+/// Azimuthal numbers of the shape at the start.
+const FIRST_MODES: usize = 2;
+/// Size of the harmonics with the largest azimuthal number, relative to R0, above which the shape takes one more.
+const TAIL: f64 = 1e-4;
+
+/// Computes one division; `observe` sees the surface after every step.
+///
+/// # Errors
+/// [`SurfaceError`].
+pub fn divide(
+    input: &DivisionInput,
+    settings: &ThreeDimensional,
+    observe: &mut dyn FnMut(&Problem, &Level),
+) -> Result<SurfaceDivision, SurfaceError> {
+    let DivisionInput { cell, numerics, seed } = input;
+    check(cell, numerics)?;
+    let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
+    let (problem, state) = start(cell, numerics, settings)?;
+    let mut stepper = Stepper::new(problem, state);
+    stepper.contact = settings.contact;
+    let first = &stepper.history[0].state.surface;
+    stepper.problem.noise = noise::factors(&stepper.problem, first, numerics, *seed);
+    observe(&stepper.problem, &stepper.history[0]);
+    let mut run = Run {
+        r0: cell.r0,
+        numerics,
+        settings,
+        tolerance: ERROR * numerics.time_tolerance * cell.r0,
+        dt: numerics.first_step,
+        necks: Vec::new(),
+        drift: 0.0,
+        looked: false,
+    };
+    loop {
+        run.advance(&mut stepper)?;
+        observe(&stepper.problem, &stepper.history[0]);
+        if let Some(found) = run.divided(&stepper).or_else(|| run.rested(&mut stepper)) {
+            return Ok(found);
+        }
+        run.limits(&stepper)?;
+        run.take_modes(&mut stepper);
+    }
+}
+
+fn check(cell: &Cell, numerics: &Numerics) -> Result<(), SurfaceError> {
+    let unsupported = |what, instead| Err(SurfaceError::Unsupported { what, instead });
+    if cell.cue.regulator().is_some() {
+        return unsupported("a regulator that the flow carries", "paint the cue, or leave out --three-dimensional");
+    }
+    if numerics.scheme == Scheme::Published {
+        return unsupported("the published scheme", "use the converged one");
+    }
+    if numerics.noise_time > 0.0 && numerics.noise != 0.0 {
+        return unsupported("sustained noise", "set noise_time to 0");
+    }
+    Ok(())
+}
+
+/// The passive surface of a cell, in a problem with its activity and cue.
+///
+/// # Errors
+/// [`SurfaceError`].
+pub fn start(
+    cell: &Cell,
+    numerics: &Numerics,
+    settings: &ThreeDimensional,
+) -> Result<(Problem, State), SurfaceError> {
+    let name = CellName::of(cell);
+    let (half, _) = equilibria::passive(cell, numerics)
+        .map_err(|source| DivisionError::NoPassiveShape { cell: name, source })?;
+    let full = unfold(&half);
+    let gauss = Gauss::new(numerics.stages).unwrap_or_default();
+    let space = Space::new(settings.elements, settings.modes.min(FIRST_MODES));
+    let mut problem = Problem::new(&cell.passive(), space);
+    let contour = |u: f64| {
+        let mut y = [0.0; COMPONENTS];
+        full.eval(&gauss, u, &mut y);
+        ContourPoint { r: y[R], z: y[Z], ..ContourPoint::default() }
+    };
+    let shares = problem.mesh.shares(&problem.space);
+    let mut state = embed(&problem.space, &shares, full.scalars[PRESSURE], contour);
+    problem
+        .settle(&mut state, &mut Work::default())
+        .map_err(|source| SurfaceError::NoPassiveSurface { r0: cell.r0, source })?;
+    problem.constants = Problem::new(cell, Space::new(DEGREE_ELEMENTS, 0)).constants;
+    Ok((problem, state))
+}
+
+/// Elements of a space that is not used.
+const DEGREE_ELEMENTS: usize = 4;
+
+/// Rounds in which the mesh of a stationary surface is adapted.
+const SETTLING: usize = 8;
+
+impl Problem {
+    /// Makes a state stationary, on a mesh that follows its shape.
+    ///
+    /// # Errors
+    /// [`NewtonError`].
+    pub fn settle(&mut self, state: &mut State, work: &mut Work) -> Result<(), NewtonError> {
+        let newton = Newton { tolerance: 1e-7, iterations: 25, slow: 0.5 };
+        for round in 0..SETTLING {
+            self.spread(&state.surface);
+            self.solve(&newton, state, &mut None, work)?;
+            if round + 1 < SETTLING {
+                let wanted = self.wanted_density(&state.surface);
+                self.mesh.density.iter_mut().zip(wanted).for_each(|(density, wanted)| *density += 0.5 * (wanted - *density));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A division on its way.
+struct Run<'a> {
+    r0: f64,
+    numerics: &'a Numerics,
+    settings: &'a ThreeDimensional,
+    tolerance: f64,
+    /// Length of the next step, in τ.
+    dt: f64,
+    necks: Vec<NeckAt>,
+    /// Largest relative deviation of the volume.
+    drift: f64,
+    /// Whether the present slow shape was found not to be at rest.
+    looked: bool,
+}
+
+impl Run<'_> {
+    /// One accepted step.
+    fn advance(&mut self, stepper: &mut Stepper) -> Result<(), SurfaceError> {
+        let noisy = self.numerics.first_step;
+        if stepper.history[0].t >= noisy * (1.0 - 1e-9) && !stepper.problem.noise.is_empty() {
+            stepper.problem.noise.clear();
+            stepper.forget();
+        }
+        loop {
+            match stepper.attempt(self.dt) {
+                Ok((level, error)) => {
+                    let relative = error.map(|error| error / self.tolerance);
+                    if relative.is_some_and(|error| error > 1.5) {
+                        stepper.work.rejected += 1;
+                        self.dt *= 0.5;
+                        continue;
+                    }
+                    self.accept(stepper, level, relative);
+                    return Ok(());
+                }
+                Err(source) => {
+                    stepper.work.rejected += 1;
+                    let (t, dt) = (stepper.history[0].t, self.dt);
+                    self.dt *= 0.25;
+                    if self.dt < SHORTEST {
+                        let neck = self.necks.last().map_or(1.0, |at| at.neck.radius / self.r0);
+                        return Err(SurfaceError::Stalled { r0: self.r0, t, dt, neck, source });
+                    }
+                }
+            }
+        }
+    }
+
+    fn accept(&mut self, stepper: &mut Stepper, level: Level, error: Option<f64>) {
+        let volume = stepper.problem.constants.volume;
+        self.drift = self.drift.max((stepper.problem.volume(&level.state.surface) / volume - 1.0).abs());
+        let t = level.t;
+        let found = neck(&stepper.problem.space, &level.state.surface);
+        stepper.accept(level);
+        let mut growth = error.map_or(1.0, |error| (0.8 / error.max(1e-3).cbrt()).clamp(0.5, 2.0));
+        if let Some(neck) = found {
+            if let Some(before) = self.necks.last() {
+                let speed = (before.neck.radius - neck.radius) / (t - before.t);
+                if speed > 0.0 {
+                    growth = growth.min(NARROWING * neck.radius / speed / self.dt);
+                }
+            }
+            self.necks.push(NeckAt { t, neck });
+        }
+        // Equal steps keep the derivatives of the last one useful.
+        if !(0.9..1.25).contains(&growth) {
+            self.dt = (self.dt * growth * self.numerics.step_factor.min(1.0)).min(LONGEST * self.numerics.step_factor);
+        }
+    }
+
+    /// The division, if the neck has closed.
+    fn divided(&self, stepper: &Stepper) -> Option<SurfaceDivision> {
+        let [.., before, now] = self.necks.as_slice() else { return None };
+        if now.neck.radius >= CLOSED * self.r0 {
+            return None;
+        }
+        let speed = (before.neck.radius - now.neck.radius) / (now.t - before.t);
+        let rest = (now.neck.radius - PINCH_OFF * self.r0) / speed;
+        let level = &stepper.history[0];
+        let space = &stepper.problem.space;
+        let chi_signed = asymmetry(space, &level.state.surface, &now.neck);
+        let share = stepper.problem.share_at(&level.state.surface, now.neck.u);
+        let symmetric = chi_signed.abs() < self.numerics.chi_symmetric;
+        let ending = Ending::Divided { symmetric, chi_signed, u_furrow: share, daughters: [0.0; 2] };
+        let division = self.division(stepper, ending, now.t + rest).with_daughters_of(self.r0);
+        Some(self.result(stepper, division))
+    }
+
+    fn division(&self, stepper: &Stepper, ending: Ending, t_end: f64) -> Division {
+        let work = stepper.work;
+        Division { ending, t_end, slow_growth_rate: None, phi: None, volume_drift: self.drift, work }
+    }
+
+    fn result(&self, stepper: &Stepper, division: Division) -> SurfaceDivision {
+        let waist = neck(&stepper.problem.space, &stepper.history[0].state.surface);
+        SurfaceDivision {
+            division,
+            neck_offset: waist.map(|neck| neck.offset.abs()),
+            modes: stepper.problem.space.modes,
+            necks: self.necks.clone(),
+        }
+    }
+
+    /// The division, if the cell rests: its surface is close to a stationary one that is stable to all modes.
+    fn rested(&mut self, stepper: &mut Stepper) -> Option<SurfaceDivision> {
+        let [now, before, ..] = stepper.history.as_slice() else { return None };
+        let distance = stepper.problem.normal_distance(&now.state.surface, &before.state.surface);
+        let speed = distance / (now.t - before.t) / self.r0;
+        if speed > SLOW {
+            self.looked = false;
+            return None;
+        }
+        if std::mem::replace(&mut self.looked, true) {
+            return None;
+        }
+        let mut problem = stepper.problem.clone();
+        let mut state = now.state.clone();
+        problem.motion = Default::default();
+        problem.settle(&mut state, &mut stepper.work).ok()?;
+        let apart = problem.normal_distance(&state.surface, &now.state.surface);
+        let rates = problem.rates(&state, 4, None).ok()?;
+        let growth_rate = rates.first()?.re;
+        if growth_rate >= 0.0 || apart > 0.02 * self.r0 {
+            return None;
+        }
+        let division = self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) }, now.t);
+        Some(self.result(stepper, division))
+    }
+
+    fn limits(&self, stepper: &Stepper) -> Result<(), SurfaceError> {
+        let (t, steps, r0) = (stepper.history[0].t, stepper.work.steps, self.r0);
+        if t > self.numerics.t_max {
+            return Err(SurfaceError::Undecided { r0, t_max: self.numerics.t_max });
+        }
+        if steps > MOST_STEPS { Err(SurfaceError::Restless { r0, t, steps }) } else { Ok(()) }
+    }
+
+    /// One more azimuthal number if the largest is in use.
+    fn take_modes(&self, stepper: &mut Stepper) {
+        let modes = stepper.problem.space.modes;
+        let tail = stepper.problem.space.tail(&stepper.history[0].state.surface);
+        if modes < self.settings.modes && tail > TAIL * self.r0 {
+            stepper.take_modes(modes + 1);
+        }
+    }
+}
