@@ -28,7 +28,7 @@ pub struct ThreeDimensional {
 
 impl Default for ThreeDimensional {
     fn default() -> Self {
-        ThreeDimensional { modes: 4, elements: 36, contact: true }
+        ThreeDimensional { modes: 4, elements: 44, contact: true }
     }
 }
 

@@ -66,7 +66,7 @@ fn main() {
     f.solve(&mut x, 0.0);
     println!("solve {:?}", t.elapsed());
     let mut work = Work::default();
-    let newton = Newton { tolerance: 1e-10, iterations: 12, slow: 0.1 };
+    let newton = Newton { tolerance: 1e-10, share: 1.0, iterations: 12, slow: 0.1 };
     let r = problem.solve(&newton, &mut state, &mut None, &mut work);
     let (_, length) = problem.speeds(&state.surface);
     for m in 0..=modes { println!("m {m} {:?}", problem.rates(&state, 4, Some(m)).map(|r| r.iter().map(|r| (r.re, r.im)).collect::<Vec<_>>())); }

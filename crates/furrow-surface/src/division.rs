@@ -98,9 +98,10 @@ pub enum SurfaceError {
     },
 }
 
-/// A neck narrower than this, relative to R0, closes: the daughters' volumes no longer depend on it, and the rest of the time, down to the
-/// radius of M.20, follows from the speed of closing.
-pub const CLOSED: f64 = 0.02;
+/// A neck narrower than this, relative to R0, closes: volumes and time at the radius of M.20 follow from the last step.
+pub const CLOSED: f64 = 0.015;
+/// A neck narrower than this, relative to R0, has closed too if its last steps cannot be computed.
+const CLOSING: f64 = 0.04;
 /// Local error of a step, relative to R0, for each unit of the numerics' tolerance.
 const ERROR: f64 = 6.0;
 /// Longest step, in τ: growing modes must not be damped.
@@ -147,9 +148,11 @@ pub fn divide(
         looked: false,
     };
     loop {
-        run.advance(&mut stepper)?;
+        if let Err(error) = run.advance(&mut stepper) {
+            return run.divided(&stepper, CLOSING).ok_or(error);
+        }
         observe(&stepper.problem, &stepper.history[0]);
-        if let Some(found) = run.divided(&stepper).or_else(|| run.rested(&mut stepper)) {
+        if let Some(found) = run.divided(&stepper, CLOSED).or_else(|| run.rested(&mut stepper)) {
             return Ok(found);
         }
         run.limits(&stepper)?;
@@ -213,7 +216,7 @@ impl Problem {
     /// # Errors
     /// [`NewtonError`].
     pub fn settle(&mut self, state: &mut State, work: &mut Work) -> Result<(), NewtonError> {
-        let newton = Newton { tolerance: 1e-7, iterations: 25, slow: 0.5 };
+        let newton = Newton { tolerance: 1e-7, share: 1.0, iterations: 25, slow: 0.5 };
         for round in 0..SETTLING {
             self.spread(&state.surface);
             self.solve(&newton, state, &mut None, work)?;
@@ -297,20 +300,21 @@ impl Run<'_> {
     }
 
     /// The division, if the neck has closed.
-    fn divided(&self, stepper: &Stepper) -> Option<SurfaceDivision> {
+    fn divided(&self, stepper: &Stepper, closed: f64) -> Option<SurfaceDivision> {
         let [.., before, now] = self.necks.as_slice() else { return None };
-        if now.neck.radius >= CLOSED * self.r0 {
+        if now.neck.radius >= closed * self.r0 {
             return None;
         }
-        let speed = (before.neck.radius - now.neck.radius) / (now.t - before.t);
-        let rest = (now.neck.radius - PINCH_OFF * self.r0) / speed;
-        let level = &stepper.history[0];
+        // What is left until the radius of M.20, relative to the last step.
+        let left = (now.neck.radius - PINCH_OFF * self.r0) / (before.neck.radius - now.neck.radius);
+        let [level, last, ..] = stepper.history.as_slice() else { return None };
         let space = &stepper.problem.space;
-        let chi_signed = asymmetry(space, &level.state.surface, &now.neck);
+        let chi = asymmetry(space, &level.state.surface, &now.neck);
+        let chi_signed = chi + left * (chi - asymmetry(space, &last.state.surface, &before.neck));
         let share = stepper.problem.share_at(&level.state.surface, now.neck.u);
         let symmetric = chi_signed.abs() < self.numerics.chi_symmetric;
         let ending = Ending::Divided { symmetric, chi_signed, u_furrow: share, daughters: [0.0; 2] };
-        let division = self.division(stepper, ending, now.t + rest).with_daughters_of(self.r0);
+        let division = self.division(stepper, ending, now.t + left * (now.t - before.t)).with_daughters_of(self.r0);
         Some(self.result(stepper, division))
     }
 

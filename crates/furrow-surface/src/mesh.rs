@@ -90,7 +90,7 @@ const AXIS: f64 = 1000.0;
 const CURVATURE: f64 = 4.0;
 
 /// Passes of smoothing over the stations.
-const PASSES: usize = 6;
+const PASSES: usize = 100;
 
 impl Problem {
     /// The density of rings that spreads arclength and the turning of the steepest meridian equally.

@@ -10,11 +10,17 @@ use crate::problem::{Problem, Residual, State};
 pub struct Newton {
     /// Largest change of a coefficient of the surface, relative to R0, at which the iteration ends.
     pub tolerance: f64,
+    /// The same relative to the first change. A step must know how its shape differs from the one that the last steps suggest,
+    /// however small that is, or else small disturbances move by inertia.
+    pub share: f64,
     /// Most iterations.
     pub iterations: usize,
     /// Contraction above which the derivatives are computed anew.
     pub slow: f64,
 }
+
+/// Changes below this, relative to R0, are rounding.
+const ROUNDING: f64 = 1e-10;
 
 /// Why Newton's method failed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -71,6 +77,7 @@ impl Problem {
         let scale = self.radius();
         let mut before = f64::INFINITY;
         let mut change = f64::INFINITY;
+        let mut tolerance = newton.tolerance;
         for iteration in 0..newton.iterations {
             let factored = match known {
                 Some(factored) => factored,
@@ -90,7 +97,10 @@ impl Problem {
             // Newton's own changes shrink quadratically, those with old derivatives linearly.
             let contraction = change / before;
             let left = if contraction < 1.0 { change * contraction / (1.0 - contraction) } else { change };
-            if change < newton.tolerance || iteration > 0 && left < newton.tolerance {
+            if iteration == 0 {
+                tolerance = newton.tolerance.min(newton.share * change).max(ROUNDING);
+            }
+            if change < tolerance || iteration > 0 && left < tolerance {
                 return Ok(());
             }
             if contraction > newton.slow {

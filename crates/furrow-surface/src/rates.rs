@@ -42,7 +42,8 @@ impl Problem {
     /// [`RatesError`].
     pub fn rates(&self, state: &State, wanted: usize, only: Option<usize>) -> Result<Vec<Rate>, RatesError> {
         let at = |rate: f64| {
-            let past = vec![0.0; state.surface.len()];
+            // At rest, ∂_tX = 0.
+            let past = state.surface.iter().map(|x| -rate * x).collect();
             let mut problem = self.clone();
             problem.motion = Motion { rate, past };
             problem.noise.clear();

@@ -38,12 +38,12 @@ pub struct Stepper {
 const SAME_RATE: f64 = 1.7;
 
 /// Share of the way to the wanted density of rings that is gone in one step.
-const MESH_SHARE: f64 = 0.1;
+const MESH_SHARE: f64 = 0.3;
 
 impl Stepper {
     /// A cell at rest at t = 0.
     pub fn new(problem: Problem, state: State) -> Stepper {
-        let newton = Newton { tolerance: 1e-7, iterations: 20, slow: 0.4 };
+        let newton = Newton { tolerance: 1e-7, share: 0.02, iterations: 20, slow: 0.4 };
         let history = vec![Level { t: 0.0, state }];
         Stepper { problem, history, work: Work::default(), newton, contact: true, factored: None, known_rate: 0.0 }
     }
