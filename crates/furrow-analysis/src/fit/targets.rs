@@ -147,8 +147,7 @@ impl Targets {
         }
         let founder = |field: String, name: &str| {
             let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
-            let found = lineage.founders.iter().find(|founder| founder.name == name);
-            found.ok_or_else(|| {
+            lineage.founder_named(name).map(|founder| &lineage.founders[founder]).ok_or_else(|| {
                 let (all, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
                 let allowed = format!("a founder of {}: {all}{nearest}", lineage.name);
                 InputError::not_allowed(source_name, field, format!("{name:?}"), allowed)
