@@ -207,7 +207,7 @@ pub fn ranges(
 ///
 /// # Errors
 /// As [`ranges`].
-pub fn each_tree<T: Send>(
+pub(crate) fn each_tree<T: Send>(
     lineage: &Lineage,
     settings: &TreeSettings,
     sets: &[Constants],

@@ -28,7 +28,7 @@ impl Sweep {
     }
 
     /// The columns after the axes' columns.
-    pub fn result_columns(&self) -> Vec<String> {
+    pub(crate) fn result_columns(&self) -> Vec<String> {
         let fixed: &[&str] = match self.kind {
             Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end", "chi_signed"],
             Kind::Division => &["symmetric", "asymmetric", "failed", "chi_mean", "chi_sd"],
@@ -68,7 +68,7 @@ pub fn records_csv<T: Serialize>(
 }
 
 /// The same of records that are serialised.
-pub fn values_csv(header: &str, records: Vec<Value>) -> String {
+pub(crate) fn values_csv(header: &str, records: Vec<Value>) -> String {
     let cell = |record: &Value, k, name| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
     let cells = |record| header.split(',').enumerate().map(|(k, name)| cell(&record, k, name)).collect::<Vec<Value>>();
     cells_csv(header.split(','), records.into_iter().map(cells))
@@ -110,7 +110,7 @@ fn cells_csv<'a, R: AsRef<[Value]>>(
 }
 
 /// Records of text as CSV.
-pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> String {
+pub(crate) fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     // Writing to memory, with records of any length, cannot fail.
     records.into_iter().for_each(|record| drop(writer.write_record(record.into_iter().map(String::into_bytes))));

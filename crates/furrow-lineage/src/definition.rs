@@ -253,7 +253,7 @@ impl Lineage {
     }
 
     /// Name of the cue that a cell at a place carries.
-    pub fn cue_name_at(&self, place: Place) -> &str {
+    pub(crate) fn cue_name_at(&self, place: Place) -> &str {
         let founder = &self.founders[place.founder];
         let (rules, generation) = match &founder.cue {
             _ if !founder.cue_rules.is_empty() => (&founder.cue_rules, place.round),

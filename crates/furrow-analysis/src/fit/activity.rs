@@ -39,7 +39,7 @@ pub struct FounderActivity {
 }
 
 /// Largest deviation at which rounds count as the observed ones.
-pub const WITHIN: f64 = 0.5;
+pub(crate) const WITHIN: f64 = 0.5;
 /// The search ends where rounds exceed the observed rounds by more than this.
 pub const BEYOND: f64 = 1.5;
 /// Rounds beyond the most observed after which growth stops, for extremes and for means. Fewest and most rounds are too

@@ -1,9 +1,9 @@
 //! Fits one set of constants to the embryo.
 //!
-//! Swarms minimise M + λT, misfit and deviation of the thresholds ([`evaluated`]), at several λ; the Pareto front comes from
+//! Swarms minimise M + λT, misfit and deviation of the thresholds (see [`evaluated`]), at several λ; the Pareto front comes from
 //! all evaluated sets.
 
-mod evaluated;
+pub mod evaluated;
 
 pub use evaluated::{Evaluated, FounderFit, Parts, ThresholdFit};
 

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 /// The built-in targets: the wild-type embryo of C. elegans.
-pub const EMBRYO: &str = include_str!("../../data/embryo.ron");
+pub(crate) const EMBRYO: &str = include_str!("../../data/embryo.ron");
 
 /// A constant to search for, uniformly in its logarithm.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -216,7 +216,7 @@ impl Targets {
     }
 
     /// The place of a cell's constants in the unit cube; outside of it if they are beyond the limits.
-    pub fn place_of(&self, cell: &Cell) -> Vec<f64> {
+    pub(crate) fn place_of(&self, cell: &Cell) -> Vec<f64> {
         let share = |u: &Searched| (u.parameter.get(cell) / u.from).ln() / (u.to / u.from).ln();
         self.unknowns.iter().map(share).collect()
     }
