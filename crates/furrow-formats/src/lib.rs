@@ -1,4 +1,4 @@
-//! Files of lineage trees.
+//! Files of lineage trees and of dividing cells.
 //!
 //! | file | contents |
 //! |---|---|

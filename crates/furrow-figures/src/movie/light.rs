@@ -12,6 +12,9 @@ const HALF: [f32; 3] = [-0.209, 0.363, 0.908];
 const AMBIENT: f32 = 0.55;
 const SKY: f32 = 0.13;
 const LAMP: f32 = 0.42;
+/// The colours of the light from everywhere and of the lamp.
+const COOL: [f32; 3] = [0.91, 0.98, 1.08];
+const WARM: [f32; 3] = [1.03, 1.0, 0.96];
 /// How far the lamp reaches around the surface.
 const WRAP: f32 = 0.25;
 /// Strength of the highlight, as a share of white.
@@ -35,14 +38,14 @@ pub fn lit(part: &Part, open: f32) -> [f32; 3] {
     let dot = |a: [f32; 3]| a[0] * part.normal[0] + a[1] * part.normal[1] + a[2] * part.normal[2];
     let lamp = ((dot(LIGHT) + WRAP) / (1.0 + WRAP)).max(0.0);
     let sky = 0.5 + 0.5 * part.normal[1];
-    let light = open * (AMBIENT + SKY * sky) + (0.35 + 0.65 * open) * LAMP * lamp;
+    let (around, lamp) = (open * (AMBIENT + SKY * sky), (0.35 + 0.65 * open) * LAMP * lamp);
     let square = |x: f32| x * x;
     let shine = square(square(square(square(square(dot(HALF).max(0.0))))));
     let grazing = 1.0 - part.normal[2].clamp(0.0, 1.0);
     let rim = RIM_SHARE * grazing * square(grazing);
     let colour = blended(f64::from(part.value)).map(|x| x as f32);
     [0, 1, 2].map(|c| {
-        let here = colour[c] * light;
+        let here = colour[c] * (around * COOL[c] + lamp * WARM[c]);
         let here = here + rim * (RIM[c] - here);
         (here + HIGHLIGHT * shine * open * (255.0 - here)).clamp(0.0, 255.0)
     })

@@ -4,8 +4,6 @@ use furrow_formats::surface::SurfaceMesh;
 
 use super::view::View;
 
-/// Samples of a pixel along each side.
-const SAMPLES: usize = 3;
 /// Parts of a surface in one pixel that are farther apart than this, in pixels towards the viewer, are apart.
 const APART: f32 = 24.0;
 
@@ -53,23 +51,25 @@ struct Corner {
 /// The parts of a surface in each pixel of a window, the nearest first; a second one shows behind the edge of the first.
 /// `density` is the number of pixels in a unit of the canvas.
 pub fn parts(mesh: &SurfaceMesh, view: &View, density: f64, window: Window) -> Vec<[Part; 2]> {
-    let [width, height] = window.size.map(|length| length * SAMPLES);
+    // Samples of a pixel along each side: fewer where pixels are small.
+    let count = if density < 1.25 { 3 } else { 2 };
+    let [width, height] = window.size.map(|length| length * count);
     let empty = Sample { near: f32::NEG_INFINITY, normal: [0.0; 3], value: 0.0 };
     let mut samples = vec![empty; width * height];
-    let corners: Vec<Corner> = (0..mesh.points.len()).map(|k| corner(mesh, k, view, density, window)).collect();
+    let corners: Vec<Corner> = (0..mesh.points.len()).map(|k| corner(mesh, k, view, density, window, count)).collect();
     for triangle in &mesh.triangles {
         fill(&mut samples, [width, height], triangle.map(|k| corners.get(k as usize).copied().unwrap_or_default()));
     }
     let pixel = |k: usize| {
-        let (x, y) = (k % window.size[0] * SAMPLES, k / window.size[0] * SAMPLES);
-        resolve((0..SAMPLES).flat_map(|row| &samples[(y + row) * width + x..][..SAMPLES]))
+        let (x, y) = (k % window.size[0] * count, k / window.size[0] * count);
+        resolve((0..count).flat_map(|row| &samples[(y + row) * width + x..][..count]), count)
     };
     (0..window.size[0] * window.size[1]).map(pixel).collect()
 }
 
-fn corner(mesh: &SurfaceMesh, k: usize, view: &View, density: f64, window: Window) -> Corner {
+fn corner(mesh: &SurfaceMesh, k: usize, view: &View, density: f64, window: Window, count: usize) -> Corner {
     let [x, y, near] = view.project(mesh.points[k]).map(|x| density * x);
-    let sample = |at: f64, corner: usize| ((at - corner as f64) * SAMPLES as f64) as f32;
+    let sample = |at: f64, corner: usize| ((at - corner as f64) * count as f64) as f32;
     Corner {
         at: [sample(x, window.corner[0]), sample(y, window.corner[1]), near as f32],
         normal: view.turned(mesh.normals[k]).map(|x| x as f32),
@@ -115,7 +115,7 @@ fn fill(samples: &mut [Sample], [width, height]: [usize; 2], corners: [Corner; 3
 }
 
 /// The mean of the nearest samples of a pixel and that of those behind them.
-fn resolve<'s>(samples: impl Iterator<Item = &'s Sample> + Clone) -> [Part; 2] {
+fn resolve<'s>(samples: impl Iterator<Item = &'s Sample> + Clone, count: usize) -> [Part; 2] {
     let nearest = samples.clone().map(|sample| sample.near).fold(f32::NEG_INFINITY, f32::max);
     let mut parts = [Part::default(); 2];
     for sample in samples.filter(|sample| sample.near > f32::NEG_INFINITY) {
@@ -131,7 +131,7 @@ fn resolve<'s>(samples: impl Iterator<Item = &'s Sample> + Clone) -> [Part; 2] {
         }
         let length = part.normal.iter().map(|x| x * x).sum::<f32>().sqrt().max(1e-6);
         Part {
-            cover: part.cover / (SAMPLES * SAMPLES) as f32,
+            cover: part.cover / (count * count) as f32,
             near: part.near / part.cover,
             normal: part.normal.map(|x| x / length),
             value: part.value / part.cover,

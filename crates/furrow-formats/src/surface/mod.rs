@@ -119,3 +119,6 @@ pub struct SurfaceFrame {
     /// What the list of frames and a glTF's extras say of it, such as its time `t` in τ.
     pub about: serde_json::Map<String, serde_json::Value>,
 }
+
+#[cfg(test)]
+mod tests;
