@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::palette::Palette;
-use super::picture::{SIZE, Stage};
+use super::picture::{Frame, SIZE, Stage};
 use super::raster::Window;
 use super::scene::Scene;
 use crate::drawing::format::{extension, resolution};
@@ -14,8 +14,10 @@ const DELAY: u16 = 5;
 const LAST: u16 = 150;
 /// Pixels of the surface in a unit of an SVG.
 const DENSITY: f64 = 1.5;
+/// Most frames that are drawn at once.
+const MOST_AT_ONCE: usize = 8;
 /// Frames, after the first, from which the palette of a movie is chosen.
-const SAMPLES: usize = 3;
+const SAMPLES: usize = 2;
 
 /// The file format of a movie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,16 +77,38 @@ fn delay(k: usize, times: &[f64]) -> u16 {
     if k + 1 == times.len() { LAST } else { DELAY }
 }
 
+/// Draws the frames at these times, as many at once as there are processors, and uses one after another.
+fn drawn<T: Send>(
+    stage: &Stage<'_, '_>,
+    times: &[f64],
+    finish: impl Fn(Frame) -> Result<T, FigureError> + Sync,
+    mut using: impl FnMut(usize, T) -> Result<(), FigureError>,
+) -> Result<(), FigureError> {
+    let at_once = std::thread::available_parallelism().map_or(1, |count| count.get().min(MOST_AT_ONCE));
+    let one = |t: f64| finish(stage.frame(t)?);
+    for (number, batch) in times.chunks(at_once).enumerate() {
+        let frames = std::thread::scope(|scope| {
+            let drawing: Vec<_> = batch.iter().map(|t| scope.spawn(|| one(*t))).collect();
+            let joined = drawing.into_iter().map(|frame| frame.join().unwrap_or_else(|p| std::panic::resume_unwind(p)));
+            joined.collect::<Result<Vec<T>, FigureError>>()
+        })?;
+        for (k, frame) in frames.into_iter().enumerate() {
+            using(number * at_once + k, frame)?;
+        }
+    }
+    Ok(())
+}
+
 /// The colours of a movie.
 fn palette(stage: &Stage<'_, '_>) -> Result<Palette, FigureError> {
     let times = &stage.scene.times;
+    let at = |k: usize| times.get(k * times.len().saturating_sub(1) / SAMPLES).copied().unwrap_or(0.0);
     let (mut samples, mut width) = (Vec::new(), 0);
-    for k in 0..=SAMPLES {
-        let t = times.get(k * times.len().saturating_sub(1) / SAMPLES).copied().unwrap_or(0.0);
-        let (pixels, [wide, _]) = stage.frame(t)?.pixels()?;
+    drawn(stage, &(0..=SAMPLES).map(at).collect::<Vec<_>>(), Frame::pixels, |_, (pixels, [wide, _])| {
         samples.extend(pixels);
         width = wide as usize;
-    }
+        Ok(())
+    })?;
     Ok(Palette::of(&samples, width, &stage.colours()))
 }
 
@@ -97,8 +121,8 @@ fn gif(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, Figure
     let mut encoder = gif::Encoder::new(&mut out, width as u16, height as u16, &palette.bytes())?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
     let mut before: Vec<u8> = Vec::new();
-    for (k, t) in times.iter().enumerate() {
-        let numbers = palette.numbers(&stage.frame(*t)?.pixels()?.0);
+    drawn(stage, times, Frame::pixels, |k, (pixels, _)| {
+        let numbers = palette.numbers(&pixels);
         let Window { corner, size } = changed(&before, &numbers, [width, height], 1);
         let unchanged = palette.unchanged();
         let pixel = |at: usize| if before.get(at) == Some(&numbers[at]) { unchanged } else { numbers[at] };
@@ -111,7 +135,8 @@ fn gif(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, Figure
         encoder.write_frame(&frame)?;
         before = numbers;
         counted(k);
-    }
+        Ok(())
+    })?;
     drop(encoder);
     Ok(out)
 }
@@ -125,8 +150,7 @@ fn apng(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, Figur
     encoder.set_animated(times.len() as u32, 0)?;
     let mut writer = encoder.write_header()?;
     let mut before: Vec<u8> = Vec::new();
-    for (k, t) in times.iter().enumerate() {
-        let (pixels, _) = stage.frame(*t)?.pixels()?;
+    drawn(stage, times, Frame::pixels, |k, (pixels, _)| {
         let Window { corner, size } = changed(&before, &pixels, [width, height], 3);
         let row = |y: usize| &pixels[3 * (y * width + corner[0])..][..3 * size[0]];
         let part: Vec<u8> = (corner[1]..corner[1] + size[1]).flat_map(row).copied().collect();
@@ -139,7 +163,8 @@ fn apng(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, Figur
         writer.write_image_data(&part)?;
         before = pixels;
         counted(k);
-    }
+        Ok(())
+    })?;
     writer.finish()?;
     Ok(out)
 }
@@ -173,7 +198,7 @@ fn animated(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<String, Fi
     let total = seconds(last) + f64::from(LAST) / 100.0;
     let mut palette = palette(stage)?;
     let mut groups = String::new();
-    for (k, t) in times.iter().enumerate() {
+    drawn(stage, times, Ok, |k, frame| {
         let (from, to) = (seconds(k) / total, seconds(k + 1) / total);
         let (values, moments) = match k {
             0 => ("inline;none", format!("0;{to:.4}")),
@@ -181,12 +206,13 @@ fn animated(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<String, Fi
             _ => ("none;inline;none", format!("0;{from:.4};{to:.4}")),
         };
         let display = if k == deep { "inline" } else { "none" };
-        let frame = stage.frame(*t)?.elements(stage, &mut palette)?;
+        let frame = frame.elements(stage, &mut palette)?;
         groups += &format!(
             "<g display=\"{display}\"><animate attributeName=\"display\" values=\"{values}\" keyTimes=\"{moments}\" \
              dur=\"{total:.2}s\" calcMode=\"discrete\" repeatCount=\"indefinite\"/>{frame}</g>\n"
         );
         counted(k);
-    }
+        Ok(())
+    })?;
     Ok(svg::svg(SIZE, &groups))
 }

@@ -23,9 +23,9 @@ pub struct Scene<'a> {
     /// The times of the frames, in τ.
     pub times: Vec<f64>,
     /// The surface at one of these times. Its values are what tints it, from −1 (blue) to 1 (orange).
-    pub surface: &'a dyn Fn(f64) -> SurfaceGrid,
+    pub surface: &'a (dyn Fn(f64) -> SurfaceGrid + Sync),
     /// The active forces at one of these times, which are drawn as arrows.
-    pub forces: &'a dyn Fn(f64) -> Vec<Force>,
+    pub forces: &'a (dyn Fn(f64) -> Vec<Force> + Sync),
     /// The colours of the surface with their meanings.
     pub legend: Vec<(Colour, String)>,
     /// How the division ends, with its colour, and the time from which it is said.
