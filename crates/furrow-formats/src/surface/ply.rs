@@ -16,11 +16,9 @@ pub fn ply(frame: &SurfaceFrame, value: &str, strongest: f64) -> Result<Vec<u8>,
         "ply\nformat binary_little_endian 1.0\ncomment written by furrow\n\
          comment lengths in L_h; the axis of the shell is z, with the posterior pole at larger z\n",
     );
-    // Comments are lines of ASCII.
-    let ascii = |text: &str| text.replace('τ', "tau").replace('κ', "kappa").replace('½', "0.5 ").replace('φ', "phi");
     let _ = writeln!(header, "comment value: {}", ascii(value));
     for (name, known) in frame.about.iter().filter(|(_, known)| !known.is_null()) {
-        let _ = writeln!(header, "comment {name} = {known}");
+        let _ = writeln!(header, "comment {}", ascii(&format!("{name} = {known}")));
     }
     let _ = writeln!(header, "element vertex {}", mesh.points.len());
     for name in ["x", "y", "z", "nx", "ny", "nz", "value"] {
@@ -42,4 +40,19 @@ pub fn ply(frame: &SurfaceFrame, value: &str, strongest: f64) -> Result<Vec<u8>,
         bytes.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
     }
     Ok(bytes)
+}
+
+/// A text as part of a line of ASCII, as comments are.
+fn ascii(text: &str) -> String {
+    let plain = |letter: char| match letter {
+        'τ' => "tau".to_owned(),
+        'κ' => "kappa".to_owned(),
+        'φ' => "phi".to_owned(),
+        '½' => "0.5 ".to_owned(),
+        '²' => "^2".to_owned(),
+        '³' => "^3".to_owned(),
+        ' '..='~' => letter.to_string(),
+        _ => "?".to_owned(),
+    };
+    text.chars().map(plain).collect()
 }
