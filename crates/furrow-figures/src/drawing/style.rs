@@ -37,9 +37,9 @@ pub const MODEL: Colour = rgb(0x00_9e_73);
 /// Observations.
 pub const OBSERVED: Colour = INK;
 /// The cue where it raises a field.
-pub const CUE_RAISES: Colour = rgb(0xe6_9f_00);
+pub const CUE_RAISES: Colour = furrow_formats::surface::RAISED;
 /// The cue where it lowers a field.
-pub const CUE_LOWERS: Colour = rgb(0x00_72_b2);
+pub const CUE_LOWERS: Colour = furrow_formats::surface::LOWERED;
 /// The shell.
 pub const SHELL: Colour = rgb(0x8c_8c_8c);
 /// The inside of a cell.
