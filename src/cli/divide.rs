@@ -5,13 +5,14 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{filled, merged, number, print_as, writable_folder};
+use super::output::{filled, merged, number, print_as, writable_file, writable_folder};
 use super::picture::{DENSE, MovieArgs, PlotArgs};
 use clap::Args;
 use furrow_cell::Cell;
 use furrow_figures::drawing::style::described;
 use furrow_figures::plot;
-use furrow_formats::frames::{INDEX, check_step, write_frames};
+use furrow_formats::frames::{FrameFiles, INDEX, check_step, write_frames};
+use furrow_input::InputError;
 use furrow_lineage::Units;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::{Failure, Memo, replicates};
@@ -22,7 +23,7 @@ use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, p
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -41,7 +42,10 @@ pub struct DivideArgs {
     #[arg(help_heading = "Numerics", long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     replicates: u32,
     /// Writes contours, curvatures, tensions, velocities and forces of the first replicate into a folder, after every step
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    ///
+    /// A name that ends in .ply or .glb writes the surface instead: FILE.ply a file for each frame, FILE_0000.ply and so on, with
+    /// their list FILE.json, and FILE.glb one animated glTF file. Both have normals and the mean tension; lengths are in L_h.
+    #[arg(help_heading = "Output", long, value_name = "DIR|FILE.ply|.glb")]
     frames: Option<PathBuf>,
     /// Writes a frame every TAU τ instead of after every step
     #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", allow_negative_numbers = true, value_parser = number)]
@@ -195,7 +199,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     context.settings.check_divisions("settings")?;
     let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
-    writable_folder("--frames", args.frames.as_deref(), &[INDEX])?;
+    writable_frames(args.frames.as_deref())?;
     let every = args.frame_step.map(|step| positive("--frame-step", step)).transpose()?;
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
@@ -230,6 +234,16 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     // Results from a stationary shape are in natural units alone.
     let units = if until.is_some() { Units::default() } else { context.units };
     print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
+}
+
+/// Checks that the frames can be written, before the work that they show.
+fn writable_frames(path: Option<&Path>) -> Result<(), InputError> {
+    match path.map(FrameFiles::of) {
+        None => Ok(()),
+        Some(FrameFiles::Csv(folder)) => writable_folder("--frames", &*folder, &[INDEX]),
+        Some(FrameFiles::Ply(folder, name)) => writable_folder("--frames", &*folder, &[&format!("{name}.json")]),
+        Some(FrameFiles::Glb(path)) => writable_file("--frames", &*path),
+    }
 }
 
 /// The first replicate, between the cell and all replicates.

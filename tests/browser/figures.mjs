@@ -215,7 +215,7 @@ async function inMicrometres(browser) {
   await answered(page);
   check("12 µm are 3.797468 Lₕ", (await data(page, "what-if-result")).r0 === "3.797468" && (await text(page, "command")).includes("--r0 3.797468 "), await text(page, "command"));
   const axis = await drawn(page, "phase", () => page.worth(`dispatchEvent(new Event("resize")), document.getElementById("theme").click()`));
-  check("the diagram's axis is in µm", axis.fillText.some(({ words }) => words === ", in µm"), axis.fillText.map(({ words }) => words));
+  check("the diagram's axis is in µm", axis.fillText.some(({ words }) => words === "R₀, in µm"), axis.fillText.map(({ words }) => words));
   for (const canvas of ["film", "what-if-cell"]) {
     const bar = await drawn(page, canvas, () => page.worth(`document.getElementById("theme").click()`));
     const words = bar.fillText.map(({ words }) => words).filter((words) => words.endsWith(" µm"));

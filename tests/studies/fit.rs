@@ -40,7 +40,7 @@ fn rounds_at(lineage: &Lineage, settings: &TreeSettings, xi_s: f64) -> Rounds {
     let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
     let ends = |cell: &Cell| rule.of(cell);
     let (tree, _) = grow(lineage, &settings, 1, &ends, divide);
-    founder_rounds(&tree)[0].rounds.unwrap()
+    founder_rounds(&tree)[0].unwrap()
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn a_founder_keeps_its_own_parameters_and_its_rounds_are_those_of_its_tree() {
     let find = |range: [f64; 2]| activities(&run, &memo, Reading::Mean, range).unwrap().founders;
     let found = find([10.0, 60.0]);
     let (tree, _) = grow(&lineage, &settings, 1, &|_| None, divide);
-    let rounds = founder_rounds(&tree)[0].rounds.unwrap();
+    let rounds = founder_rounds(&tree)[0].unwrap();
     assert_eq!((found[0].run_xi_s, found[0].rounds), (40.0, Some(rounds.mean)));
     // At the activity of the file the search has the same rounds.
     let plain = Lineage::parse(CLONE, "clone.ron").unwrap();
@@ -179,10 +179,10 @@ fn the_preset_of_the_embryo_keeps_what_it_was_fitted_to() {
     let ends = |cell: &Cell| rule.of(cell);
     let (tree, _) = grow(&lineage, &settings, 2, &ends, divide);
     let rows = founder_rounds(&tree);
-    let of = |name: &str| lineage.founders.iter().position(|founder| founder.name == name).unwrap();
+    let of = |name: &str| lineage.founder_named(name).unwrap();
     let off = |name: &str| {
         let observed = lineage.founders[of(name)].observed.unwrap().mean.unwrap();
-        (rows[of(name)].rounds.unwrap().mean - observed).abs()
+        (rows[of(name)].unwrap().mean - observed).abs()
     };
     let mean = ["AB", "MS", "C", "D"].map(off).iter().sum::<f64>() / 4.0;
     assert!(mean <= 0.24, "{mean}");

@@ -179,7 +179,7 @@ fn clocks_that_are_wrong_are_refused_with_their_place() {
 #[test]
 fn a_base_gives_its_clock_unless_the_file_has_one() {
     let worm = Lineage::c_elegans().unwrap();
-    let e = worm.founders.iter().position(|founder| founder.name == "E").unwrap();
+    let e = worm.founder_named("E").unwrap();
     assert!(worm.clock.is_some() && worm.founders[e].clock.is_some());
     let parse = |fields: &str| Lineage::parse(&format!("(base: \"c_elegans\", {fields})"), "mine.ron").unwrap();
     let same = parse("name: \"mine\"");

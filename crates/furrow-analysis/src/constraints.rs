@@ -210,7 +210,7 @@ pub fn turning_point(branch: &Branch) -> Option<f64> {
 }
 
 /// ξ_s at the maxima of ξ_s along a branch, of the shortest and of the longest shape; `None` for fewer than two maxima.
-pub fn extreme_maxima(branch: &Branch) -> Option<[f64; 2]> {
+pub(crate) fn extreme_maxima(branch: &Branch) -> Option<[f64; 2]> {
     let mut maxima: Vec<_> = branch.folds().filter(|fold| fold.maximum).map(|fold| fold.point).collect();
     maxima.sort_by(|a, b| a.elongation.total_cmp(&b.elongation));
     let [short, .., long] = maxima[..] else { return None };

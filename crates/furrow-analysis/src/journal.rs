@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Name of the file in the folder of a sweep; it goes when the sweep is complete.
-pub const JOURNAL: &str = "results.partial.jsonl";
+pub(crate) const JOURNAL: &str = "results.partial.jsonl";
 
 /// The finished rows of an unfinished sweep.
 #[derive(Debug)]

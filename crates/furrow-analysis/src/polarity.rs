@@ -144,7 +144,7 @@ impl Follows {
 ///
 /// # Errors
 /// The amplitude brings κ to 0.
-pub fn cue_of(polarity: &Readings, follows: Follows, amplitude: f64) -> Result<Cue, CueError> {
+pub(crate) fn cue_of(polarity: &Readings, follows: Follows, amplitude: f64) -> Result<Cue, CueError> {
     let profile = polarity.followed(follows == Follows::Band);
     Cue::new(vec![Term { field: Field::Kappa, profile, amplitude }])
 }

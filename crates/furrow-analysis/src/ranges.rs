@@ -4,8 +4,7 @@ use super::constants::Constants;
 use furrow_cell::Parameter;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler};
 use furrow_lineage::{
-    EndRule, FounderRounds, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings,
-    founder_rounds,
+    EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::divide;
@@ -147,12 +146,13 @@ pub(crate) struct TreeCounts {
 
 impl TreeCounts {
     pub(crate) fn of(tree: &Tree, weight: f64) -> TreeCounts {
-        let founder = |row: FounderRounds| {
-            let cell = tree.founder_cell(row.founder);
+        let founder = |(founder, rounds): (usize, Option<Rounds>)| {
+            let cell = tree.founder_cell(founder);
             let divides = cell.is_some_and(|id| tree.daughters(id).is_some());
-            (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
+            (rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
         };
-        TreeCounts { weight, cells: tree.len(), founders: founder_rounds(tree).into_iter().map(founder).collect() }
+        let founders = founder_rounds(tree).into_iter().enumerate().map(founder).collect();
+        TreeCounts { weight, cells: tree.len(), founders }
     }
 }
 
@@ -207,7 +207,7 @@ pub fn ranges(
 ///
 /// # Errors
 /// As [`ranges`].
-pub fn each_tree<T: Send>(
+pub(crate) fn each_tree<T: Send>(
     lineage: &Lineage,
     settings: &TreeSettings,
     sets: &[Constants],
@@ -299,7 +299,7 @@ pub(crate) fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCoun
     };
     let sentence = || {
         let of = |name: &str| {
-            let k = lineage.founders.iter().position(|founder| founder.name == name)?;
+            let k = lineage.founder_named(name)?;
             Some((k, lineage.founders[k].observed?.max?))
         };
         let both = [of("EMS")?, of("P4")?];

@@ -358,11 +358,10 @@ fn undecided_cells(tree: &Tree) -> Option<String> {
 
 fn tree_results(tree: &Tree) -> Vec<Value> {
     let mut values = vec![tree.len().into()];
-    for found in founder_rounds(tree) {
-        let cell = tree.founder_cell(found.founder).map(|id| tree.cell(id));
+    // No rounds for a founder that was never born.
+    for (founder, r) in founder_rounds(tree).into_iter().enumerate() {
+        let cell = tree.founder_cell(founder).map(|id| tree.cell(id));
         let division = cell.and_then(|cell| cell.fate.division());
-        // No rounds for a founder that was never born.
-        let r = found.rounds;
         values.extend([r.map(|r| r.min).into(), r.map(|r| r.mean).into(), r.map(|r| r.max).into()]);
         values.extend([r.map(|r| r.full_doublings).into(), r.map(|r| r.terminal).into()]);
         let chi = [division.and_then(Division::chi), division.and_then(Division::chi_signed)];

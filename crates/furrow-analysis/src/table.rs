@@ -28,7 +28,7 @@ impl Sweep {
     }
 
     /// The columns after the axes' columns.
-    pub fn result_columns(&self) -> Vec<String> {
+    pub(crate) fn result_columns(&self) -> Vec<String> {
         let fixed: &[&str] = match self.kind {
             Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end", "chi_signed"],
             Kind::Division => &["symmetric", "asymmetric", "failed", "chi_mean", "chi_sd"],
@@ -63,13 +63,15 @@ pub fn records_csv<T: Serialize>(
     header: &str,
     records: impl IntoIterator<Item = T>,
 ) -> Result<Vec<u8>, serde_json::Error> {
-    let cells = |record: T| {
-        let record = serde_json::to_value(record)?;
-        let cell = |(k, name)| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
-        Ok(header.split(',').enumerate().map(cell).collect())
-    };
-    let rows = records.into_iter().map(cells).collect::<Result<Vec<Vec<Value>>, serde_json::Error>>()?;
-    Ok(cells_csv(header.split(','), rows).into_bytes())
+    let records = records.into_iter().map(serde_json::to_value).collect::<Result<Vec<Value>, serde_json::Error>>()?;
+    Ok(values_csv(header, records).into_bytes())
+}
+
+/// The same of records that are serialised.
+pub(crate) fn values_csv(header: &str, records: Vec<Value>) -> String {
+    let cell = |record: &Value, k, name| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
+    let cells = |record| header.split(',').enumerate().map(|(k, name)| cell(&record, k, name)).collect::<Vec<Value>>();
+    cells_csv(header.split(','), records.into_iter().map(cells))
 }
 
 /// The rows as JSON, one a line, their fields in the order of the columns.
@@ -98,7 +100,7 @@ pub fn csv_text(columns: &[String], rows: &[Row]) -> String {
 }
 
 /// Cells below the names of their columns, as CSV.
-pub fn cells_csv<'a, R: AsRef<[Value]>>(
+fn cells_csv<'a, R: AsRef<[Value]>>(
     columns: impl Iterator<Item = &'a str>,
     rows: impl IntoIterator<Item = R>,
 ) -> String {
@@ -108,7 +110,7 @@ pub fn cells_csv<'a, R: AsRef<[Value]>>(
 }
 
 /// Records of text as CSV.
-pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> String {
+pub(crate) fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     // Writing to memory, with records of any length, cannot fail.
     records.into_iter().for_each(|record| drop(writer.write_record(record.into_iter().map(String::into_bytes))));

@@ -4,8 +4,9 @@ use furrow_analysis::BoundaryStudy;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_figures::drawing::style::{CUE_LOWERS, CUE_RAISES, Colour};
 use furrow_figures::drawing::{Canvas, Format};
-use furrow_figures::movie::{Movie, MovieFormat};
+use furrow_figures::movie::{Movie, MovieFormat, Scene};
 use furrow_figures::plot;
+use furrow_formats::surface::SurfaceGrid;
 use furrow_mechanics::division::{DivisionInput, Trajectory};
 use furrow_mechanics::equilibria::curves::Curve;
 
@@ -95,6 +96,23 @@ fn a_regulator_is_drawn_on_the_contours_and_over_their_length() {
     assert!(!plot::division::draw(&cell, &film).svg().contains("regulator"));
 }
 
+/// The places, to the right and downwards, of pixels of a frame's surface whose red and blue are as wanted.
+fn pixels(cell: &Cell, film: &Trajectory, share: f64, is: impl Fn([f64; 3]) -> bool) -> Vec<[usize; 2]> {
+    let png = Movie { cell, film, frames: 3 }.with_scene(|scene| scene.png(share * scene.times[2], 1.0).unwrap());
+    let (pixels, width) = decoded(&png);
+    let found = pixels.iter().enumerate().filter(|(_, colour)| is(**colour));
+    // Without the title and the legend.
+    found.map(|(k, _)| [k % width, k / width]).filter(|[_, y]| (60..400).contains(y)).collect()
+}
+
+/// The pixels of a PNG, row by row, and its width.
+fn decoded(bytes: &[u8]) -> (Vec<[f64; 3]>, usize) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let size = reader.next_frame(&mut pixels).unwrap();
+    (pixels.chunks_exact(3).map(|pixel| [0, 1, 2].map(|c| f64::from(pixel[c]))).collect(), size.width as usize)
+}
+
 /// The text of a movie of three frames.
 fn movie(cell: &Cell, film: &Trajectory) -> String {
     String::from_utf8(Movie { cell, film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap()
@@ -105,9 +123,8 @@ fn a_movie_shows_the_regulator() {
     let (cell, film) = divided("regulator:gradient,amplitude=0.9,turnover=10,diffusion=1,activity=0.1");
     let svg = movie(&cell, &film);
     assert_eq!(svg.matches("regulator φ &gt; 0, to ").count(), 3);
-    let frames: Vec<&str> = svg.split("<g display").collect();
-    let warm = |frame: &str| places(frame, |[r, _, b]| r > 1.3 * b && b > 0.0).len();
-    assert!(warm(frames[1]) == 0 && warm(frames[3]) > 20, "{} {}", warm(frames[1]), warm(frames[3]));
+    let warm = |share: f64| pixels(&cell, &film, share, |[r, _, b]| r > 1.3 * b).len();
+    assert!(warm(0.0) == 0 && warm(1.0) > 2000, "{} {}", warm(0.0), warm(1.0));
 }
 
 #[test]
@@ -134,15 +151,74 @@ fn a_movie_shows_signs_and_poles() {
     for word in ["cue raises tension", "cue lowers tension", ">anterior<", ">posterior<"] {
         assert_eq!(svg.matches(word).count(), 3, "{word}");
     }
-    // Shades of the surface at the poles in the last frame: more red than blue where tension is raised, far more blue
-    // where it is lowered.
-    let last = svg.rsplit("<g display").next().unwrap();
-    let warm = places(last, |[r, _, b]| r > 1.3 * b && b > 0.0);
-    let cold = places(last, |[r, _, b]| b > 2.5 * r);
-    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
+    // The surface at the poles in the last frame: more red than blue where tension is raised, far more blue where it is
+    // lowered.
+    let warm = pixels(&cell, &film, 1.0, |[r, _, b]| r > 1.3 * b);
+    let cold = pixels(&cell, &film, 1.0, |[r, _, b]| b > 2.5 * r);
+    let mean = |all: &[[usize; 2]]| all.iter().map(|[x, _]| *x as f64).sum::<f64>() / all.len() as f64;
     assert!(!warm.is_empty() && !cold.is_empty() && mean(&warm) > mean(&cold) + 100.0);
+    // Every frame of the text has its surface as a PNG.
+    assert_eq!(svg.matches("href=\"data:image/png;base64,iVBORw0KGgo").count(), 3);
     let png = Movie { cell: &cell, film: &film, frames: 2 }.bytes(MovieFormat::Png).unwrap();
     assert!(png.windows(4).any(|name| name == b"pHYs"));
+}
+
+/// A body of revolution around z with a furrow of the given depth, on the side of x > 0 alone.
+fn notched(depth: f64) -> SurfaceGrid {
+    let (rows, columns) = (161, 96);
+    let mut grid = SurfaceGrid { rows, columns, ..SurfaceGrid::default() };
+    let point = |u: f64, phi: f64| {
+        let (sin, cos) = (std::f64::consts::PI * u).sin_cos();
+        let r = 2.6 * sin * (1.0 - depth * (-(cos / 0.16).powi(2) - (phi.cos() - 1.0).powi(2)).exp());
+        [r * phi.cos(), r * phi.sin(), 3.2 * cos]
+    };
+    for k in 0..rows * columns {
+        let (row, phi) = (k / columns, (k % columns) as f64 / columns as f64 * std::f64::consts::TAU);
+        let u = row as f64 / (rows - 1) as f64;
+        let along = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|c| to[c] - from[c]);
+        let (a, b) =
+            (along(point(u - 1e-5, phi), point(u + 1e-5, phi)), along(point(u, phi - 1e-5), point(u, phi + 1e-5)));
+        let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+        let size = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let end = if row == 0 { 1.0 } else { -1.0 };
+        let pole = row == 0 || row == rows - 1;
+        grid.points.push(if pole { [0.0, 0.0, 3.2 * end] } else { point(u, phi) });
+        grid.normals.push(if pole { [0.0, 0.0, end] } else { normal.map(|x| x / size) });
+        grid.values.push(0.0);
+    }
+    grid
+}
+
+/// A surface without an axis: its furrow is open above, where it is, and the cell is whole below. `FURROW_SCREENSHOTS`
+/// keeps the picture.
+#[test]
+fn a_movie_shows_a_furrow_on_one_side() {
+    let width = |depth: f64| {
+        let surface = |_: f64| notched(depth);
+        let scene = Scene {
+            title: "one side".to_owned(),
+            shell: [3.3, 2.75],
+            times: vec![0.0, 1.0],
+            surface: &surface,
+            forces: &|_| Vec::new(),
+            legend: Vec::new(),
+            outcome: (2.0, String::new(), [0; 3]),
+        };
+        let png = scene.png(1.0, 1.0).unwrap();
+        assert_eq!(png, scene.png(1.0, 1.0).unwrap());
+        if let Ok(folder) = std::env::var("FURROW_SCREENSHOTS") {
+            std::fs::write(format!("{folder}/notch-{depth}.png"), &png).unwrap();
+        }
+        let (pixels, width) = decoded(&png);
+        // The surface is bluer than the glass and the background.
+        let rows = |from: usize, to: usize| {
+            let row = |y: usize| &pixels[y * width..][..width];
+            (from..to).map(|y| row(y).iter().filter(|[r, _, b]| b - r > 30.0).count()).sum::<usize>() as f64
+        };
+        [rows(80, 180), rows(300, 400)]
+    };
+    let ([above, below], [whole, also]) = (width(0.6), width(0.0));
+    assert!(above < 0.93 * whole && (below / also - 1.0).abs() < 0.01, "{above} {whole} {below} {also}");
 }
 
 /// Whether the title is broken into lines, contains the whole cue, and leaves a margin on the right.

@@ -1,17 +1,19 @@
-//! Frames of a dividing cell: its contour, curvatures and forces.
+//! Frames of a dividing cell: its contour with curvatures and forces as CSV, or its surface as PLY or glTF.
 
-use super::files::{FileSet, WriteError};
+use super::files::{FileSet, WriteError, write_atomically};
+use super::surface::{SurfaceFrame, SurfaceGrid, glb, ply, strongest};
 use furrow_input::table::{Table, malformed, text as table_text};
 use furrow_input::{InputError, read_text};
 use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use serde_json::{Map, Value, json};
+use std::io;
+use std::path::{Path, PathBuf};
 
-/// One frame in the list of them.
+/// What the list of frames says of one, beside its file.
 #[derive(Serialize)]
-struct Entry {
-    file: String,
+struct About {
     /// Time, in τ.
     t: f64,
     /// Radius of the neck, in L_h; null without a waist.
@@ -26,8 +28,64 @@ struct Entry {
     chi: Option<f64>,
 }
 
-/// Name of the list of frames.
+impl About {
+    fn of(still: &Snapshot) -> Map<String, Value> {
+        let about = About {
+            t: still.t,
+            neck_radius: still.neck.map(|neck| neck.radius),
+            neck_u: still.neck.map(|neck| neck.u),
+            length: still.length,
+            pressure: still.pressure,
+            chi: still.neck.map(|_| still.asymmetry.abs()),
+        };
+        match json!(about) {
+            Value::Object(fields) => fields,
+            _ => Map::new(),
+        }
+    }
+}
+
+/// Name of the list of frames in a folder of contours.
 pub const INDEX: &str = "frames.json";
+/// Columns of the surface of a cell that keeps its axis.
+const COLUMNS_AROUND: usize = 64;
+/// What the surface of such a cell shows.
+const TENSION: &str = "mean tension ½(T_uu + T_φφ), active and viscous, in κ0/L_h²";
+
+/// The files of the frames of a division.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FrameFiles {
+    /// A folder with `frame_NNNN.csv` and [`INDEX`].
+    Csv(PathBuf),
+    /// `NAME_NNNN.ply` in a folder, and their list `NAME.json`.
+    Ply(PathBuf, String),
+    /// One file with all of them.
+    Glb(PathBuf),
+}
+
+impl FrameFiles {
+    /// The files that a path names: surfaces if it ends in `.ply` or `.glb`, in upper or lower case, and is no folder,
+    /// else contours in the folder of this name.
+    pub fn of(path: &Path) -> FrameFiles {
+        let extension = path.extension().and_then(|name| name.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match (extension.as_str(), path.file_stem().and_then(|name| name.to_str())) {
+            ("ply", Some(name)) if !path.is_dir() => {
+                let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+                FrameFiles::Ply(folder.unwrap_or(Path::new(".")).to_owned(), name.to_owned())
+            }
+            ("glb", _) if !path.is_dir() => FrameFiles::Glb(path.to_owned()),
+            _ => FrameFiles::Csv(path.to_owned()),
+        }
+    }
+}
+
+/// Several files, one a frame, and their list.
+struct Series<'a> {
+    folder: &'a Path,
+    stem: &'a str,
+    extension: &'a str,
+    index: String,
+}
 
 /// The columns of a frame:
 ///
@@ -53,11 +111,6 @@ pub const INDEX: &str = "frames.json";
 /// | `phi` | the regulator φ: only of a cell that has one |
 pub const COLUMNS: &str =
     "u r z psi c_uu c_pp t_uu t_pp v v_n active_t active_n viscous_n elastic_n pressure_n shell_n residual_n phi";
-
-/// Name of a frame, counted from 0.
-fn name(number: usize) -> String {
-    format!("frame_{number:04}.csv")
-}
 
 /// The frames of a division: one after each step, or one every `every` τ and the last.
 pub fn stills(film: &Trajectory, every: Option<f64>) -> Vec<Snapshot> {
@@ -85,36 +138,93 @@ pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> R
     }
 }
 
-/// Writes the frames of a division into `folder`: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at
-/// both poles, and `frames.json` with the time and the neck of each. Without `every` there is a frame after each step, with it
-/// a frame every `every` τ, and the last shape.
+/// Writes the frames of a division. Without `every` there is a frame after each step, with it a frame every `every` τ, and
+/// the last shape. [`FrameFiles::of`] says which files a path names:
 ///
-/// They replace the frames that the folder's `frames.json` lists from an earlier division. Other files stay.
+/// * a folder: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at both poles, and `frames.json`
+///   with the time and the neck of each;
+/// * `NAME.ply`: surfaces as `NAME_NNNN.ply`, from the same points, and the same list as `NAME.json`;
+/// * `NAME.glb`: all surfaces in one file.
+///
+/// They replace the frames that an earlier list names. Other files stay.
 ///
 /// # Errors
 /// [`WriteError`].
-pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), WriteError> {
-    let earlier = listed(folder);
-    let mut files = FileSet::new(folder);
-    let mut entries: Vec<Entry> = vec![];
-    for still in stills(film, every) {
-        let file = name(entries.len());
-        files.stage(&file, csv(&still).as_bytes())?;
-        entries.push(Entry {
-            file,
-            t: still.t,
-            neck_radius: still.neck.map(|neck| neck.radius),
-            neck_u: still.neck.map(|neck| neck.u),
-            length: still.length,
-            pressure: still.pressure,
-            chi: still.neck.map(|_| still.asymmetry.abs()),
-        });
+pub fn write_frames(path: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), WriteError> {
+    let stills = stills(film, every);
+    let files = FrameFiles::of(path);
+    if let FrameFiles::Csv(folder) = &files {
+        let series = Series { folder, stem: "frame", extension: "csv", index: INDEX.to_owned() };
+        return series.write(stills.iter().map(|still| Ok((csv(still).into_bytes(), About::of(still)))));
     }
-    let failed = |source| WriteError { path: folder.join(INDEX).display().to_string(), source };
-    let index = serde_json::to_string_pretty(&entries).map_err(|error| failed(error.into()))?;
-    files.stage(INDEX, format!("{index}\n").as_bytes())?;
-    files.commit()?;
-    remove(folder, earlier.iter().filter(|file| entries.iter().all(|entry| entry.file != **file)))
+    let frame = |still: &Snapshot| SurfaceFrame {
+        surface: SurfaceGrid::revolved(&still.places, COLUMNS_AROUND, |place| 0.5 * (place.t_uu + place.t_pp)),
+        about: About::of(still),
+    };
+    write_surfaces(&files, &stills.iter().map(frame).collect::<Vec<_>>(), TENSION)
+}
+
+/// Writes surfaces, with or without an axis, as PLY or glTF. `value` says what their values are, with the unit. They
+/// replace the frames that an earlier list names.
+///
+/// # Errors
+/// [`WriteError`], also of a grid that is no closed surface, and of a folder of contours.
+pub fn write_surfaces(files: &FrameFiles, frames: &[SurfaceFrame], value: &str) -> Result<(), WriteError> {
+    match files {
+        FrameFiles::Csv(folder) => Err(failed(folder, "surfaces are written into files that end in .ply or .glb")),
+        FrameFiles::Glb(path) => write_atomically(path, &glb(frames, value).map_err(|error| failed(path, error))?),
+        FrameFiles::Ply(folder, stem) => {
+            let series = Series { folder, stem, extension: "ply", index: format!("{stem}.json") };
+            let strongest = strongest(frames);
+            let bytes = |frame: &SurfaceFrame| ply(frame, value, strongest).map_err(|error| failed(folder, error));
+            series.write(frames.iter().map(|frame| Ok((bytes(frame)?, frame.about.clone()))))
+        }
+    }
+}
+
+fn failed(path: &Path, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> WriteError {
+    WriteError { path: path.display().to_string(), source: io::Error::other(source) }
+}
+
+impl Series<'_> {
+    /// Name of a frame, counted from 0.
+    fn name(&self, number: usize) -> String {
+        format!("{}_{number:04}.{}", self.stem, self.extension)
+    }
+
+    /// Writes the frames and their list together, and removes those that an earlier list names.
+    fn write(
+        &self,
+        frames: impl Iterator<Item = Result<(Vec<u8>, Map<String, Value>), WriteError>>,
+    ) -> Result<(), WriteError> {
+        let earlier = self.listed();
+        let mut files = FileSet::new(self.folder);
+        let mut entries = Vec::new();
+        for (number, frame) in frames.enumerate() {
+            let (bytes, about) = frame?;
+            let name = self.name(number);
+            files.stage(&name, &bytes)?;
+            entries.push(std::iter::once(("file".to_owned(), json!(name))).chain(about).collect::<Map<_, _>>());
+        }
+        let index = serde_json::to_string_pretty(&entries);
+        let index = index.map_err(|error| failed(&self.folder.join(&self.index), error))?;
+        files.stage(&self.index, format!("{index}\n").as_bytes())?;
+        files.commit()?;
+        let left = earlier.into_iter().filter(|number| *number >= entries.len());
+        remove(left.map(|number| self.folder.join(self.name(number))))
+    }
+
+    /// The numbers of the files that the folder's list names, if they are named like frames; empty without a list.
+    fn listed(&self) -> Vec<usize> {
+        let text = std::fs::read_to_string(self.folder.join(&self.index)).unwrap_or_default();
+        let listed: Vec<Listed> = serde_json::from_str(&text).unwrap_or_default();
+        let number = |file: &str| {
+            let number = file.strip_prefix(self.stem)?.strip_prefix('_')?.strip_suffix(self.extension)?;
+            number.strip_suffix('.')?.parse().ok()
+        };
+        let frame = |entry: Listed| number(&entry.file).filter(|number| entry.file == self.name(*number));
+        listed.into_iter().filter_map(frame).collect()
+    }
 }
 
 /// The numbers of the [`COLUMNS`] at a place; the last one is missing without a regulator.
@@ -200,18 +310,9 @@ fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
     Ok(points)
 }
 
-/// The files that the folder's list names, if they are named like frames; empty without a list.
-fn listed(folder: &Path) -> Vec<String> {
-    let text = std::fs::read_to_string(folder.join(INDEX)).unwrap_or_default();
-    let listed: Vec<Listed> = serde_json::from_str(&text).unwrap_or_default();
-    let number = |file: &str| file.strip_prefix("frame_")?.strip_suffix(".csv")?.parse().ok();
-    let is_frame = |file: &String| number(file).is_some_and(|number| *file == name(number));
-    listed.into_iter().map(|entry| entry.file).filter(is_frame).collect()
-}
-
-/// Removes files of a folder, as far as they are still there.
-fn remove<'a>(folder: &Path, files: impl Iterator<Item = &'a String>) -> Result<(), WriteError> {
-    for path in files.map(|file| folder.join(file)) {
+/// Removes files, as far as they are still there.
+fn remove(files: impl Iterator<Item = PathBuf>) -> Result<(), WriteError> {
+    for path in files {
         match std::fs::remove_file(&path) {
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
                 return Err(WriteError { path: path.display().to_string(), source });

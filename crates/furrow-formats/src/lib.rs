@@ -1,10 +1,11 @@
-//! Files of lineage trees.
+//! Files of lineage trees and of dividing cells.
 //!
 //! | file | contents |
 //! |---|---|
 //! | [`tree_json`] | `tree.json`: writing it, reading it with checks, the founders' table in it |
 //! | [`exchange`] | Newick, NHX, NEXUS, GraphML, iTOL, CSV |
-//! | [`frames`] | the contours of one division as CSV |
+//! | [`frames`] | the shapes of one division: contours as CSV, surfaces as PLY or glTF |
+//! | [`surface`] | the surface of a cell as a grid, with or without an axis of symmetry, and as triangles |
 //! | [`files`] | files that are written whole or not at all |
 //! | `temporary` | names of temporary files, and removal of stale ones |
 //! | [`provenance`] | the version of the program that wrote a file |
@@ -13,6 +14,7 @@ pub mod exchange;
 pub mod files;
 pub mod frames;
 pub mod provenance;
+pub mod surface;
 mod temporary;
 pub mod tree_json;
 

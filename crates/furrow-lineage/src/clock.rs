@@ -207,7 +207,7 @@ impl LifetimeLaw {
     }
 
     /// Whether a volume is outside the range that the law was fitted to by more than half a division.
-    pub fn extrapolates_to(&self, volume: f64) -> bool {
+    pub(crate) fn extrapolates_to(&self, volume: f64) -> bool {
         self.volumes.is_some_and(|[least, most]| volume * HALF_A_DIVISION < least || volume > most * HALF_A_DIVISION)
     }
 }

@@ -239,8 +239,12 @@ impl Lineage {
 
     /// The founder that divides into a founder; `None` for the first cell.
     pub fn mother(&self, founder: usize) -> Option<usize> {
-        let name = self.founders[founder].mother.as_ref()?;
-        self.founders.iter().position(|other| other.name == *name)
+        self.founder_named(self.founders[founder].mother.as_ref()?)
+    }
+
+    /// The founder of this name.
+    pub fn founder_named(&self, name: &str) -> Option<usize> {
+        self.founders.iter().position(|founder| founder.name == name)
     }
 
     /// Divisions from the first cell to a founder.
@@ -249,7 +253,7 @@ impl Lineage {
     }
 
     /// Name of the cue that a cell at a place carries.
-    pub fn cue_name_at(&self, place: Place) -> &str {
+    pub(crate) fn cue_name_at(&self, place: Place) -> &str {
         let founder = &self.founders[place.founder];
         let (rules, generation) = match &founder.cue {
             _ if !founder.cue_rules.is_empty() => (&founder.cue_rules, place.round),

@@ -44,7 +44,7 @@ pub enum GrowError {
 /// let options = SchedulerOptions::default();
 /// let (tree, summary) = Grower { lineage: &lineage, settings, ends: EndRule::Dynamics, memo: &memo, options }.grow(divide)?;
 /// // It divides into equal halves, and these, at 1.905, into one that divides on and one that is too small.
-/// let rounds = founder_rounds(&tree)[0].rounds.ok_or("no such founder")?;
+/// let rounds = founder_rounds(&tree)[0].ok_or("no such founder")?;
 /// assert!(rounds.min < rounds.max && rounds.terminal > 4);
 /// assert!(summary.solved < tree.len());
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -37,7 +37,7 @@ pub use grow::{GrowError, Grower, grow_replicates, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
 pub use priority::expected_work;
-pub use rounds::{FounderRounds, Rounds, founder_rounds};
+pub use rounds::{Rounds, founder_rounds};
 pub use rules::{Mother, Per, PhysicsRule};
 pub use scenario::{Scenario, named_cue};
 pub use thresholds::{EndRule, Scope, Thresholds};

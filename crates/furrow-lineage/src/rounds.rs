@@ -24,15 +24,6 @@ pub struct Rounds {
     pub symmetric: u32,
 }
 
-/// A founder's row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FounderRounds {
-    /// Index into the lineage's founders.
-    pub founder: usize,
-    /// Rounds; `None` if the founder was never born.
-    pub rounds: Option<Rounds>,
-}
-
 /// Generations of the cells that descend from a founder, counted from the first cell.
 #[derive(Clone, Copy)]
 struct Count {
@@ -73,8 +64,8 @@ impl Count {
     }
 }
 
-/// Rounds of every founder of the tree's lineage, in the file's order. The work grows as the tree, however founders are nested.
-pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
+/// Rounds of every founder of the tree's lineage, in the file's order; `None` if it was never born. The work grows as the tree, however founders are nested.
+pub fn founder_rounds(tree: &Tree) -> Vec<Option<Rounds>> {
     let founders = tree.lineage.founders.len();
     let mut counts = vec![Count::NONE; founders];
     for node in tree.cells() {
@@ -98,6 +89,5 @@ pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
             counts[mother] = counts[mother].and(counts[k]);
         }
     }
-    let rounds = |founder: usize| birth(founder).and_then(|birth| counts[founder].rounds(birth));
-    (0..founders).map(|founder| FounderRounds { founder, rounds: rounds(founder) }).collect()
+    (0..founders).map(|founder| counts[founder].rounds(birth(founder)?)).collect()
 }

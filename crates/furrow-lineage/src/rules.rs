@@ -23,7 +23,7 @@ pub struct Span {
 
 impl Span {
     /// Whether it includes a cell of a generation and radius.
-    pub fn includes(&self, generation: u32, r0: f64) -> bool {
+    pub(crate) fn includes(&self, generation: u32, r0: f64) -> bool {
         generation >= self.from_generation
             && self.to_generation.is_none_or(|last| generation <= last)
             && self.below_r0.is_none_or(|limit| r0 < limit)

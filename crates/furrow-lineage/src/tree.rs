@@ -34,7 +34,7 @@ pub enum TerminalReason {
 
 impl TerminalReason {
     /// True if a limit stopped the cell and mechanics did not.
-    pub fn is_limit(&self) -> bool {
+    pub(crate) fn is_limit(&self) -> bool {
         matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
     }
 

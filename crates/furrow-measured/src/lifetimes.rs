@@ -148,7 +148,7 @@ impl Lifetimes {
     ///
     /// # Errors
     /// As [`Lifetimes::read`].
-    pub fn read_named(from: impl Read, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
+    pub(crate) fn read_named(from: impl Read, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
         let mut table = Table::open(from, file)?;
         let columns = Columns::of(&table.columns(|_| false)?)?;
         let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };

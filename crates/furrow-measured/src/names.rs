@@ -108,7 +108,7 @@ fn is_founder(name: &str) -> bool {
 }
 
 /// Whether this is the name of a cell.
-pub fn is_cell(name: &str) -> bool {
+pub(crate) fn is_cell(name: &str) -> bool {
     name == "P0" || mother(name).is_some()
 }
 
@@ -210,7 +210,7 @@ impl Names {
     }
 
     /// As [`is_cell`].
-    pub fn is_cell(&self, name: &str) -> bool {
+    pub(crate) fn is_cell(&self, name: &str) -> bool {
         is_cell(name) || self.place(name).is_some()
     }
 

@@ -341,7 +341,7 @@ impl<'a> CriticalRadii<'a> {
     }
 
     /// With given radii of cells like `cell`.
-    pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<RestingRadii>) -> CriticalRadii<'a> {
+    pub(crate) fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<RestingRadii>) -> CriticalRadii<'a> {
         let entry = |radii: RestingRadii| {
             let cell = without_size_and_cue(cell).with_cue(radii.critical.cue.clone());
             (Search { cell, fine: false }, Ok(radii))

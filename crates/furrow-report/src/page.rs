@@ -19,10 +19,11 @@ const WHAT_IF: &str = include_str!("page/whatif.html");
 /// The script of the worker, which runs the solver.
 const WORKER: &str = include_str!("page/worker.js");
 /// In the order of the page, so that definitions precede their use.
-const SCRIPTS: [&str; 13] = [
+const SCRIPTS: [&str; 14] = [
     include_str!("page/solver.js"),
     include_str!("page/data.js"),
     include_str!("page/theme.js"),
+    include_str!("page/paint.js"),
     include_str!("page/save.js"),
     include_str!("page/labels.js"),
     include_str!("page/lineage.js"),

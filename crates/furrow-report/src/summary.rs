@@ -63,7 +63,7 @@ impl TreeSummary {
     }
 
     /// Why branches end, in words.
-    pub fn ended_text(&self) -> String {
+    pub(crate) fn ended_text(&self) -> String {
         let words = |name: &str| match name {
             "at_rest" => "at rest undivided",
             "below_pitchfork" => "below the pitchfork boundary",

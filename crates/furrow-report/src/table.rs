@@ -15,7 +15,7 @@ pub(super) fn short(value: f64) -> f64 {
 }
 
 /// The name of an outcome.
-pub fn outcome_name(outcome: Option<Outcome>) -> &'static str {
+pub(crate) fn outcome_name(outcome: Option<Outcome>) -> &'static str {
     outcome.map_or("-", Outcome::name)
 }
 

@@ -5,7 +5,7 @@
 //! counts that its file gives.
 
 use furrow_input::{InputError, listed, parse_document};
-use furrow_lineage::{Founder, FounderRounds, Lineage, ObservedRounds, Tree, founder_rounds};
+use furrow_lineage::{Founder, Lineage, ObservedRounds, Rounds, Tree, founder_rounds};
 use furrow_measured::tracked::{Absent, TrackedLineage, TrackedRounds};
 use furrow_measured::volumes::Skipped;
 use serde::{Deserialize, Serialize};
@@ -203,10 +203,7 @@ pub(super) fn is_of_worm(lineage: &Lineage) -> bool {
 /// Whether a lineage has the observed counts of the worm, as the built-in lineage and files based on it have.
 fn is_worm(lineage: &Lineage, observed: &Stages) -> Result<bool, InputError> {
     let worm = Lineage::c_elegans()?;
-    let counts = |lineage: &Lineage, name: &str| {
-        let founder = lineage.founders.iter().find(|founder| founder.name == name)?;
-        Some(founder.observed)
-    };
+    let counts = |lineage: &Lineage, name: &str| Some(lineage.founders[lineage.founder_named(name)?].observed);
     let founders = observed.stages.iter().flat_map(|stage| &stage.founders);
     Ok(founders.into_iter().all(|at| {
         let of_worm = counts(&worm, &at.founder);
@@ -215,30 +212,29 @@ fn is_worm(lineage: &Lineage, observed: &Stages) -> Result<bool, InputError> {
 }
 
 /// The counts that the lineage gives for its founders.
-fn own_counts(tree: &Tree, rounds: &[FounderRounds]) -> StageCounts {
+fn own_counts(tree: &Tree, rounds: &[Option<Rounds>]) -> StageCounts {
     let of = |(k, founder): (usize, &Founder)| {
         let ObservedRounds { min, mean, max, full_doublings, terminal, .. } = founder.observed?;
         let [min, max, full_doublings, terminal] = [min, max, full_doublings, terminal].map(|n| n.map(f64::from));
-        let counts = beside(k, rounds, [min, mean, max, full_doublings, terminal]);
+        let counts = beside(rounds[k], [min, mean, max, full_doublings, terminal]);
         (!counts.is_empty()).then(|| FounderCounts { founder: founder.name.clone(), counts })
     };
     StageCounts { cells: None, founders: tree.lineage.founders.iter().enumerate().filter_map(of).collect() }
 }
 
-fn at_stage(tree: &Tree, rounds: &[FounderRounds], stage: &Stage) -> StageCounts {
+fn at_stage(tree: &Tree, rounds: &[Option<Rounds>], stage: &Stage) -> StageCounts {
     let of = |observed: &ObservedAtStage| {
         let ObservedAtStage { min, mean, max, full_doublings, cells, .. } = *observed;
         let seen = [f64::from(min), mean, max.into(), full_doublings.into(), cells.into()];
-        let founder = tree.lineage.founders.iter().position(|founder| founder.name == observed.founder)?;
-        Some(FounderCounts { founder: observed.founder.clone(), counts: beside(founder, rounds, seen.map(Some)) })
+        let founder = tree.lineage.founder_named(&observed.founder)?;
+        Some(FounderCounts { founder: observed.founder.clone(), counts: beside(rounds[founder], seen.map(Some)) })
     };
     StageCounts { cells: Some(stage.cells), founders: stage.founders.iter().filter_map(of).collect() }
 }
 
 /// The model's counts of a founder beside the observed ones, in the order of [`READINGS`].
-fn beside(founder: usize, rounds: &[FounderRounds], seen: [Option<f64>; 5]) -> BTreeMap<&'static str, Count> {
-    let model = rounds.iter().find(|row| row.founder == founder).and_then(|row| row.rounds);
-    let model = model.map(|r| [r.min.into(), r.mean, r.max.into(), r.full_doublings.into(), r.terminal.into()]);
+fn beside(rounds: Option<Rounds>, seen: [Option<f64>; 5]) -> BTreeMap<&'static str, Count> {
+    let model = rounds.map(|r| [r.min.into(), r.mean, r.max.into(), r.full_doublings.into(), r.terminal.into()]);
     let count = |(k, reading): (usize, &&'static str)| {
         let observed = seen[k]?;
         // A factor of two in cells is one round.
@@ -252,7 +248,7 @@ fn beside(founder: usize, rounds: &[FounderRounds], seen: [Option<f64>; 5]) -> B
 /// Divisions of P0, P1, P2, P3 and P4, as far as each is born.
 fn germline_divisions(tree: &Tree) -> u32 {
     let divides = |name: &str| {
-        let founder = tree.lineage.founders.iter().position(|founder| founder.name == name);
+        let founder = tree.lineage.founder_named(name);
         founder.and_then(|k| tree.founder_cell(k)).is_some_and(|id| tree.daughters(id).is_some())
     };
     ["P0", "P1", "P2", "P3", "P4"].iter().take_while(|name| divides(name)).count() as u32

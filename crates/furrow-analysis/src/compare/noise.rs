@@ -19,7 +19,7 @@ use serde::Serialize;
 use crate::ensemble::normal;
 
 /// Draws of the null hypothesis.
-pub const DRAWS: usize = 1000;
+pub(crate) const DRAWS: usize = 1000;
 /// Most groups by which noise is estimated, and fewest divisions in one.
 const GROUPS: usize = 8;
 const FEWEST: usize = 20;
@@ -104,7 +104,7 @@ struct Equal {
 
 /// The null hypothesis beside the divisions with measured mothers, in these bins; `None` with fewer than twenty, or without
 /// a trend.
-pub fn noise_null(divisions: &[Division], bins: &[VolumeBin]) -> Option<NoiseNull> {
+pub(crate) fn noise_null(divisions: &[Division], bins: &[VolumeBin]) -> Option<NoiseNull> {
     let mut known: Vec<&Division> = divisions.iter().filter(|d| d.mother_measured.is_some()).collect();
     known.sort_by(|a, b| a.mother_volume().total_cmp(&b.mother_volume()));
     let points: Vec<[f64; 2]> = known.iter().map(|d| [d.mother_volume(), d.chi()]).collect();

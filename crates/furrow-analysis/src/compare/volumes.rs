@@ -82,7 +82,7 @@ pub struct GroupComparison {
 
 impl GroupComparison {
     /// Leaves out what needs sizes: of a table of χ they are not known.
-    pub fn without_sizes(&mut self) {
+    pub(crate) fn without_sizes(&mut self) {
         (self.bins, self.tests) = (Vec::new(), Vec::new());
         self.events.iter_mut().for_each(|event| event.measured.mother_volume = None);
     }
@@ -156,7 +156,7 @@ pub fn model<E>(
 
 /// Measured groups beside the model: `free` is the tree grown from the zygote, `given` those with each group's first division.
 /// Of groups that are known by their means alone there are no `divisions`, and no bins.
-pub fn compare_groups(
+pub(crate) fn compare_groups(
     groups: Vec<GroupSummary>,
     divisions: &[Division],
     free: &Cells,
@@ -227,7 +227,7 @@ pub fn regression_of(groups: &[GroupComparison], x: &str, y: &str) -> Option<Reg
 ///
 /// # Errors
 /// [`GrowError`] of the first set without a tree.
-pub fn add_bands(
+pub(crate) fn add_bands(
     groups: &mut [GroupComparison],
     free: &Cells,
     lineage: &Lineage,

@@ -9,7 +9,7 @@ use super::error::{FitError, check_cancelled};
 use super::search::{FitProgress, FitRun, Limit, NumberAtLimit};
 use crate::ranges::{Reading, grow_alone};
 use furrow_lineage::batch::{Memo, scheduler};
-use furrow_lineage::{EndRule, FounderRounds, GrowError, Scope, Thresholds, founder_rounds};
+use furrow_lineage::{EndRule, GrowError, Rounds, Scope, Thresholds, founder_rounds};
 use furrow_mechanics::critical::CriticalRadii;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -39,7 +39,7 @@ pub struct FounderActivity {
 }
 
 /// Largest deviation at which rounds count as the observed ones.
-pub const WITHIN: f64 = 0.5;
+pub(crate) const WITHIN: f64 = 0.5;
 /// The search ends where rounds exceed the observed rounds by more than this.
 pub const BEYOND: f64 = 1.5;
 /// Rounds beyond the most observed after which growth stops, for extremes and for means. Fewest and most rounds are too
@@ -97,8 +97,7 @@ impl Search<'_> {
             self.memo,
             self.run.cancel,
         )?;
-        let row = founder_rounds(&tree).into_iter().find(|row| row.founder == self.founder);
-        Ok(row.and_then(|row| row.rounds).map(|rounds| self.reading.of(&rounds)))
+        Ok(founder_rounds(&tree)[self.founder].map(|rounds| self.reading.of(&rounds)))
     }
 
     fn run(&self, observed: f64, range: [f64; 2]) -> Result<FounderActivity, GrowError> {
@@ -227,9 +226,8 @@ pub fn activities(
             show(FitProgress { done, of, least: None });
         }
     };
-    let one = |&(founder, observed): &(usize, f64), own: &[FounderRounds]| -> Result<FounderActivity, GrowError> {
-        let own = own.iter().find(|row| row.founder == founder).and_then(|row| row.rounds);
-        let own = own.map(|rounds| reading.of(&rounds));
+    let one = |&(founder, observed): &(usize, f64), own: &[Option<Rounds>]| -> Result<FounderActivity, GrowError> {
+        let own = own[founder].map(|rounds| reading.of(&rounds));
         let mine = AtomicUsize::new(0);
         let grown = || {
             if mine.fetch_add(1, Ordering::Relaxed) < MOST {

@@ -147,7 +147,7 @@ fn law(founder: &str, points: &[[f64; 2]]) -> Option<FittedLaw> {
 /// The founder of the lineage that a cell is or descends from by Sulston's names, the nearest one.
 fn founder_of(lineage: &Lineage, cell: &str) -> Option<usize> {
     let mut line = std::iter::successors(Some(cell), |cell| birth(cell).map(|(mother, ..)| mother));
-    line.find_map(|cell| lineage.founders.iter().position(|founder| founder.name == cell))
+    line.find_map(|cell| lineage.founder_named(cell))
 }
 
 /// The volume of the first cell: measured, or 1 where volumes are fractions.

@@ -219,13 +219,13 @@ impl Objective<'_> {
     /// χ of a cell over its own radius, with a cue; `None` if it does not divide.
     pub fn chi_over_r0(&self, cue: &Cue, name: &str, r0: f64) -> Option<f64> {
         let volumes = BTreeMap::new();
-        divide(&self.chain(cue, &volumes).input(self.founder(name)?, r0)?).ok()?.chi()
+        divide(&self.chain(cue, &volumes).input(self.run.lineage.founder_named(name)?, r0)?).ok()?.chi()
     }
 
     fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
         let mut chain = self.chain(cue, volumes);
         let one = |MeasuredChi { cell, mean, sd }: &MeasuredChi| {
-            let founder = self.founder(cell);
+            let founder = self.run.lineage.founder_named(cell);
             let r0 = founder.and_then(|founder| chain.r0(founder));
             let computed = founder.and_then(|founder| chain.division(founder)?.chi());
             let residual = computed.map(|chi| (chi - mean) / sd);
@@ -261,16 +261,12 @@ impl Objective<'_> {
         Chain { objective: self, cue, volumes, divisions: BTreeMap::new(), slopes: BTreeMap::new() }
     }
 
-    fn founder(&self, name: &str) -> Option<usize> {
-        self.run.lineage.founders.iter().position(|founder| founder.name == name)
-    }
-
     /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
     fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
         let (cue, volumes) = (self.cue(place), BTreeMap::new());
         let mut chain = self.chain(&cue, &volumes);
         let row = |measured: &MeasuredChi| {
-            let slopes = chain.slopes(self.founder(&measured.cell)?)?.chi;
+            let slopes = chain.slopes(self.run.lineage.founder_named(&measured.cell)?)?.chi;
             let numbers = self.unknowns.iter().zip(place);
             Some(slopes.iter().zip(numbers).map(|(slope, (unknown, share))| slope * unknown.scale(*share)).collect())
         };

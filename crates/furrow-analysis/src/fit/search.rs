@@ -19,7 +19,7 @@ type Misfit<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
 const AT_LIMIT: f64 = 0.005;
 
 /// A box inside the unit cube, [lower, upper] by coordinate.
-pub type Region = Vec<[f64; 2]>;
+pub(crate) type Region = Vec<[f64; 2]>;
 
 /// Size and seed of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub struct FitProgress {
 }
 
 /// Called with the progress of a fit, from any thread.
-pub type ShowProgress<'a> = &'a (dyn Fn(FitProgress) + Sync);
+pub(crate) type ShowProgress<'a> = &'a (dyn Fn(FitProgress) + Sync);
 
 /// What all fits need: a lineage with the parameters of its divisions, and how they run.
 #[derive(Clone, Copy)]
@@ -132,7 +132,7 @@ impl CostFunction for Problem<'_> {
 
 /// The best place that a swarm finds in a region, and its misfit; `None` if no misfit is finite. Evaluates particles in
 /// parallel on the current pool; the result does not depend on the number of threads.
-pub fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
+pub(crate) fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
     let bounds = (region.iter().map(|r| r[0]).collect::<Vec<_>>(), region.iter().map(|r| r[1]).collect());
     let solver =
         ParticleSwarm::new(bounds, effort.particles).with_rng_generator(Xoshiro256PlusPlus::seed_from_u64(effort.seed));

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 /// The built-in targets: the wild-type embryo of C. elegans.
-pub const EMBRYO: &str = include_str!("../../data/embryo.ron");
+pub(crate) const EMBRYO: &str = include_str!("../../data/embryo.ron");
 
 /// A constant to search for, uniformly in its logarithm.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -147,8 +147,7 @@ impl Targets {
         }
         let founder = |field: String, name: &str| {
             let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
-            let found = lineage.founders.iter().find(|founder| founder.name == name);
-            found.ok_or_else(|| {
+            lineage.founder_named(name).map(|founder| &lineage.founders[founder]).ok_or_else(|| {
                 let (all, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
                 let allowed = format!("a founder of {}: {all}{nearest}", lineage.name);
                 InputError::not_allowed(source_name, field, format!("{name:?}"), allowed)
@@ -217,7 +216,7 @@ impl Targets {
     }
 
     /// The place of a cell's constants in the unit cube; outside of it if they are beyond the limits.
-    pub fn place_of(&self, cell: &Cell) -> Vec<f64> {
+    pub(crate) fn place_of(&self, cell: &Cell) -> Vec<f64> {
         let share = |u: &Searched| (u.parameter.get(cell) / u.from).ln() / (u.to / u.from).ln();
         self.unknowns.iter().map(share).collect()
     }

@@ -18,11 +18,11 @@ use serde_json::Value;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// ξ_s of the paper's cells (Table S3).
-pub const PUBLISHED_ACTIVITY: f64 = 25.0;
+pub(crate) const PUBLISHED_ACTIVITY: f64 = 25.0;
 /// Time steps of the published scheme, in τ: the paper does not print its own.
 pub const PUBLISHED_STEPS: [f64; 2] = [0.1, 0.01];
 /// ε of the paper's cells.
-pub const PUBLISHED_CONFINEMENT: f64 = 0.87;
+pub(crate) const PUBLISHED_CONFINEMENT: f64 = 0.87;
 
 /// Settings and resources for figures. Results depend only on the settings, not on threads or the memo.
 pub struct Context<'a> {
@@ -94,12 +94,12 @@ impl Finding {
     }
 
     /// What could not be computed, which does not agree.
-    pub fn not_computed(id: &str, why: impl std::fmt::Display) -> Finding {
+    pub(crate) fn not_computed(id: &str, why: impl std::fmt::Display) -> Finding {
         Finding::judged(id, (false, format!("not computed: {why}")))
     }
 
     /// The same with a note.
-    pub fn noting(self, note: impl Into<String>) -> Finding {
+    pub(crate) fn noting(self, note: impl Into<String>) -> Finding {
         Finding { note: Some(note.into()), ..self }
     }
 }
@@ -183,7 +183,7 @@ impl Context<'_> {
 
     /// # Errors
     /// [`ReproduceError::Interrupted`] if it was cancelled.
-    pub fn check_cancelled(&self) -> Result<(), ReproduceError> {
+    pub(crate) fn check_cancelled(&self) -> Result<(), ReproduceError> {
         if self.cancel.load(Ordering::SeqCst) { Err(ReproduceError::Interrupted) } else { Ok(()) }
     }
 }
@@ -195,12 +195,12 @@ impl<'a> Figure<'a> {
     }
 
     /// Adds words, and whether the criterion is met.
-    pub fn judge(&mut self, id: &str, holds: bool, computed: String) {
+    pub(crate) fn judge(&mut self, id: &str, holds: bool, computed: String) {
         self.findings.push(Finding::judged(id, (holds, computed)));
     }
 
     /// The same, or why it is not computed.
-    pub fn judge_found(&mut self, id: &str, found: Result<(bool, String), impl std::fmt::Display>) {
+    pub(crate) fn judge_found(&mut self, id: &str, found: Result<(bool, String), impl std::fmt::Display>) {
         self.findings.push(match found {
             Ok(judged) => Finding::judged(id, judged),
             Err(why) => Finding::not_computed(id, why),
@@ -221,7 +221,7 @@ impl<'a> Figure<'a> {
     }
 
     /// The cell of a statement; the paper's zygote by default.
-    pub fn cell_of(&self, statement: &Statement) -> Cell {
+    pub(crate) fn cell_of(&self, statement: &Statement) -> Cell {
         let of = statement.cell.map_or((ZYGOTE, PUBLISHED_CONFINEMENT), |of| (of.r0, of.epsilon));
         self.context.cell(of.0, of.1)
     }

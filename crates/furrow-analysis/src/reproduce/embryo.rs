@@ -73,8 +73,8 @@ pub fn rounds(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
 /// Figure 4B: AB, and the germline.
 pub fn divisions(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let tree = grow(figure, &Lineage::c_elegans()?)?;
-    let ab = founder_rounds(&tree).into_iter().find(|row| tree.lineage.founders[row.founder].name == "AB");
-    let symmetric = ab.and_then(|row| row.rounds).map(|rounds| f64::from(rounds.symmetric));
+    let ab = tree.lineage.founder_named("AB");
+    let symmetric = ab.and_then(|ab| founder_rounds(&tree)[ab]).map(|rounds| f64::from(rounds.symmetric));
     figure.number("ab_rounds", symmetric.ok_or("AB is not born"));
     let chi = chi_of(&tree, GERMLINE);
     let outcome = cell_named(&tree, "P4").and_then(|cell| cell.fate.outcome());

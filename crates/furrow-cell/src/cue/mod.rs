@@ -58,7 +58,7 @@ impl Term {
     }
 
     /// Where such a number is kept.
-    pub fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
+    pub(crate) fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
         match quantity {
             Quantity::Amplitude => Some(&mut self.amplitude),
             other => self.profile.quantity_mut(other),

@@ -178,7 +178,7 @@ impl Profile {
     }
 
     /// What its width would have to be, if it is not allowed as it is.
-    pub fn refused_width(&self) -> Option<&'static str> {
+    pub(crate) fn refused_width(&self) -> Option<&'static str> {
         let omega = self.width()?.value();
         let (size, allowed) = match self {
             Profile::Step { .. } => (omega.abs(), "a finite number, 1e-6 or above, or -1e-6 or below for a step down"),
@@ -193,7 +193,7 @@ impl Profile {
     }
 
     /// Where such a number is kept.
-    pub fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
+    pub(crate) fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
         let (Profile::Band { u0, omega } | Profile::Step { u0, omega }) = self else { return None };
         match (quantity, omega) {
             (Quantity::U0, _) => Some(u0),

@@ -165,7 +165,7 @@ impl Regulator {
     }
 
     /// Where such a number is kept.
-    pub fn quantity_mut(&mut self, quantity: RegulatorQuantity) -> Option<&mut f64> {
+    pub(crate) fn quantity_mut(&mut self, quantity: RegulatorQuantity) -> Option<&mut f64> {
         let mut couplings = self.couplings.iter_mut();
         match quantity {
             RegulatorQuantity::Source(Quantity::Amplitude) => self.source.as_mut().map(|source| &mut source.amplitude),

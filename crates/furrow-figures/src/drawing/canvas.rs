@@ -17,12 +17,12 @@ pub struct Stroke {
 
 impl Stroke {
     /// A solid line.
-    pub fn solid(colour: Colour, width: f64) -> Stroke {
+    pub(crate) fn solid(colour: Colour, width: f64) -> Stroke {
         Stroke { colour, width, dash: None }
     }
 
     /// A dashed line.
-    pub fn dashed(colour: Colour, width: f64, dash: [f64; 2]) -> Stroke {
+    pub(crate) fn dashed(colour: Colour, width: f64, dash: [f64; 2]) -> Stroke {
         Stroke { colour, width, dash: Some(dash) }
     }
 }
@@ -116,27 +116,27 @@ impl Canvas {
     }
 
     /// A line through points.
-    pub fn polyline(&mut self, points: &[[f64; 2]], stroke: Stroke) {
+    pub(crate) fn polyline(&mut self, points: &[[f64; 2]], stroke: Stroke) {
         if points.len() > 1 {
             self.elements.push(Element::Shape(Outline::Lines(vec![points.to_vec()], false), None, Some(stroke)));
         }
     }
 
     /// A closed area, with an outline if one is given.
-    pub fn polygon(&mut self, points: &[[f64; 2]], fill: Colour, opacity: f64, outline: Option<Stroke>) {
+    pub(crate) fn polygon(&mut self, points: &[[f64; 2]], fill: Colour, opacity: f64, outline: Option<Stroke>) {
         let outer = Outline::Lines(vec![points.to_vec()], true);
         self.elements.push(Element::Shape(outer, Some((fill, opacity)), outline));
     }
 
     /// Small areas of one colour, with corners rounded to a tenth of a unit.
-    pub fn facets(&mut self, areas: impl IntoIterator<Item = impl AsRef<[[f64; 2]]>>, fill: Colour) {
+    pub(crate) fn facets(&mut self, areas: impl IntoIterator<Item = impl AsRef<[[f64; 2]]>>, fill: Colour) {
         let tenth = |corner: &[f64; 2]| corner.map(|x| (10.0 * x).round() / 10.0);
         let areas = areas.into_iter().map(|corners| corners.as_ref().iter().map(tenth).collect()).collect();
         self.elements.push(Element::Shape(Outline::Lines(areas, true), Some((fill, 1.0)), None));
     }
 
     /// A rectangle by its upper left corner and its size.
-    pub fn rectangle(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], fill: Colour, opacity: f64) {
+    pub(crate) fn rectangle(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], fill: Colour, opacity: f64) {
         self.polygon(&[[x, y], [x + width, y], [x + width, y + height], [x, y + height]], fill, opacity, None);
     }
 
@@ -161,14 +161,14 @@ impl Canvas {
     }
 
     /// Clips everything that `draw` adds to [left, top, right, bottom].
-    pub fn clipped(&mut self, frame: [f64; 4], draw: impl FnOnce(&mut Canvas)) {
+    pub(crate) fn clipped(&mut self, frame: [f64; 4], draw: impl FnOnce(&mut Canvas)) {
         self.elements.push(Element::Clip(Some(frame)));
         draw(self);
         self.elements.push(Element::Clip(None));
     }
 
     /// An arrow from one point to another, with a head that fits its length.
-    pub fn arrow(&mut self, from: [f64; 2], to: [f64; 2], colour: Colour, width: f64) {
+    pub(crate) fn arrow(&mut self, from: [f64; 2], to: [f64; 2], colour: Colour, width: f64) {
         let along = [to[0] - from[0], to[1] - from[1]];
         let length = along[0].hypot(along[1]);
         if length < 1.5 {

@@ -22,6 +22,9 @@ pub enum FigureError {
     /// A GIF could not be written.
     #[error(transparent)]
     Gif(#[from] gif::EncodingError),
+    /// A surface is not closed.
+    #[error(transparent)]
+    Surface(#[from] furrow_formats::surface::SurfaceError),
 }
 
 /// The file format of a picture.

@@ -19,7 +19,7 @@ pub(crate) mod format;
 pub(crate) mod legend;
 pub(crate) mod panel;
 mod pdf;
-mod raster;
+pub(crate) mod raster;
 pub(crate) mod regulator;
 pub(crate) mod scale;
 pub mod style;

@@ -14,9 +14,22 @@ impl Canvas {
     /// Red, green and blue of each pixel, row by row, and the width and height in pixels; `None` if there are no pixels
     /// or too many.
     pub(crate) fn pixels(&self, density: f32) -> Option<(Vec<u8>, [u32; 2])> {
+        let mut pixmap = self.blank(density)?;
+        self.draw_on(&mut pixmap, density)?;
+        Some((colours(&pixmap), [pixmap.width(), pixmap.height()]))
+    }
+
+    /// White pixels of the size of the canvas; `None` if there are no pixels or too many.
+    pub(crate) fn blank(&self, density: f32) -> Option<Pixmap> {
         let [width, height] = self.size.map(|length| (length as f32 * density).round() as u32);
         let mut pixmap = Pixmap::new(width, height)?;
         pixmap.fill(Color::WHITE);
+        Some(pixmap)
+    }
+
+    /// Draws the canvas over opaque pixels.
+    pub(crate) fn draw_on(&self, pixmap: &mut Pixmap, density: f32) -> Option<()> {
+        let (width, height) = (pixmap.width(), pixmap.height());
         let face = font::face()?;
         let scale = Transform::from_scale(density, density);
         let mut clip: Option<Mask> = None;
@@ -32,10 +45,10 @@ impl Canvas {
                         pixmap.stroke_path(&path, &colour, &pen(*stroke), scale, clip.as_ref());
                     }
                 }
-                Element::Text(label) if label.upwards => upwards(&mut pixmap, &face, label, density, clip.as_ref())?,
+                Element::Text(label) if label.upwards => upwards(pixmap, &face, label, density, clip.as_ref())?,
                 Element::Text(label) => {
                     let [x, y] = label.at.map(|x| x as f32);
-                    write(&mut pixmap, &face, label, scale.pre_translate(x, y), clip.as_ref());
+                    write(pixmap, &face, label, scale.pre_translate(x, y), clip.as_ref());
                 }
                 Element::Clip(None) => clip = None,
                 Element::Clip(Some(frame)) => {
@@ -47,10 +60,13 @@ impl Canvas {
                 }
             }
         }
-        // The picture is opaque.
-        let colours = pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        Some((colours, [width, height]))
+        Some(())
     }
+}
+
+/// Red, green and blue of opaque pixels.
+pub(crate) fn colours(pixmap: &Pixmap) -> Vec<u8> {
+    pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 
 fn paint([r, g, b]: Colour, opacity: f64) -> Paint<'static> {

@@ -15,21 +15,21 @@ const fn rgb(hex: u32) -> Colour {
 }
 
 /// Background and rims.
-pub const WHITE: Colour = rgb(0xff_ff_ff);
+pub(crate) const WHITE: Colour = rgb(0xff_ff_ff);
 /// Text, axes and the contours of cells.
-pub const INK: Colour = rgb(0x1a_1a_1a);
+pub(crate) const INK: Colour = rgb(0x1a_1a_1a);
 /// Secondary text.
-pub const MUTED: Colour = rgb(0x55_55_55);
+pub(crate) const MUTED: Colour = rgb(0x55_55_55);
 /// Areas in the background.
-pub const FAINT: Colour = rgb(0xd9_d9_d9);
+pub(crate) const FAINT: Colour = rgb(0xd9_d9_d9);
 /// Lines of a grid.
-pub const GRID: Colour = rgb(0xcc_cc_cc);
+pub(crate) const GRID: Colour = rgb(0xcc_cc_cc);
 /// A division into equal daughters.
-pub const SYMMETRIC: Colour = rgb(0x00_72_b2);
+pub(crate) const SYMMETRIC: Colour = rgb(0x00_72_b2);
 /// A division into unequal daughters.
-pub const ASYMMETRIC: Colour = rgb(0xd5_5e_00);
+pub(crate) const ASYMMETRIC: Colour = rgb(0xd5_5e_00);
 /// A cell that comes to rest undivided.
-pub const FAILED: Colour = rgb(0x99_99_99);
+pub(crate) const FAILED: Colour = rgb(0x99_99_99);
 /// An undecided outcome.
 pub const UNDECIDED: Colour = rgb(0xf0_e4_42);
 /// Results of the model, beside observations.
@@ -37,17 +37,17 @@ pub const MODEL: Colour = rgb(0x00_9e_73);
 /// Observations.
 pub const OBSERVED: Colour = INK;
 /// The cue where it raises a field.
-pub const CUE_RAISES: Colour = rgb(0xe6_9f_00);
+pub const CUE_RAISES: Colour = furrow_formats::surface::RAISED;
 /// The cue where it lowers a field.
-pub const CUE_LOWERS: Colour = rgb(0x00_72_b2);
+pub const CUE_LOWERS: Colour = furrow_formats::surface::LOWERED;
 /// The shell.
 pub const SHELL: Colour = rgb(0x8c_8c_8c);
 /// The inside of a cell.
-pub const CYTOPLASM: Colour = rgb(0xea_f4_fa);
+pub(crate) const CYTOPLASM: Colour = rgb(0xea_f4_fa);
 /// A curve of pitchforks.
-pub const PITCHFORK: Colour = INK;
+pub(crate) const PITCHFORK: Colour = INK;
 /// A curve of folds.
-pub const FOLD: Colour = rgb(0xcc_79_a7);
+pub(crate) const FOLD: Colour = rgb(0xcc_79_a7);
 
 /// The colour of perturbations of azimuthal number m ≥ 1.
 pub fn azimuthal(m: usize) -> Colour {
@@ -61,11 +61,11 @@ pub fn factor(m: usize) -> String {
 }
 
 /// Colours of curves without an order or a fixed meaning.
-pub const SERIES: [Colour; 7] =
+pub(crate) const SERIES: [Colour; 7] =
     [rgb(0), rgb(0xe6_9f_00), rgb(0x56_b4_e9), rgb(0x00_9e_73), rgb(0xcc_79_a7), rgb(0x00_72_b2), rgb(0xd5_5e_00)];
 
 /// The normal forces, in the order of `NormalForces::parts`: names and colours.
-pub const FORCES: [(&str, Colour); 5] = [
+pub(crate) const FORCES: [(&str, Colour); 5] = [
     ("active", rgb(0xcc_79_a7)),
     ("viscous", rgb(0x56_b4_e9)),
     ("elastic", rgb(0x00_9e_73)),
@@ -76,7 +76,7 @@ pub const FORCES: [(&str, Colour); 5] = [
 /// Sizes of text, in the units of the canvas.
 pub mod text {
     /// A picture's title.
-    pub const TITLE: u32 = 20;
+    pub(crate) const TITLE: u32 = 20;
     /// Names of axes.
     pub const LABEL: u32 = 17;
     /// Numbers along axes, legends.
@@ -84,11 +84,11 @@ pub mod text {
 }
 
 /// Width of curves.
-pub const CURVE: f64 = 2.6;
+pub(crate) const CURVE: f64 = 2.6;
 /// Dashes and gaps of unstable shapes.
-pub const DASHED: [f64; 2] = [9.0, 6.0];
+pub(crate) const DASHED: [f64; 2] = [9.0, 6.0];
 /// Dots and gaps of secondary lines.
-pub const DOTTED: [f64; 2] = [2.5, 5.0];
+pub(crate) const DOTTED: [f64; 2] = [2.5, 5.0];
 
 /// The colour of an outcome.
 pub fn outcome(outcome: Outcome) -> Colour {
@@ -101,7 +101,7 @@ pub fn outcome(outcome: Outcome) -> Colour {
 
 /// The colour of an outcome as an area, paler for smaller χ, so that text and curves on it remain visible. `None` is
 /// undecided.
-pub fn tile(outcome: Option<Outcome>, chi: Option<f64>) -> Colour {
+pub(crate) fn tile(outcome: Option<Outcome>, chi: Option<f64>) -> Colour {
     match outcome {
         Some(Outcome::Symmetric) => tint(SYMMETRIC, 0.55),
         Some(Outcome::Asymmetric) => shade(chi.unwrap_or(1.0)),
@@ -111,7 +111,7 @@ pub fn tile(outcome: Option<Outcome>, chi: Option<f64>) -> Colour {
 }
 
 /// The colour of an asymmetry as an area: nearly white at χ = 0.
-pub fn shade(chi: f64) -> Colour {
+pub(crate) fn shade(chi: f64) -> Colour {
     tint(ASYMMETRIC, 0.1 + 0.85 * chi)
 }
 
@@ -121,7 +121,7 @@ pub fn series(number: usize, of: usize, hues: &[Colour]) -> Colour {
 }
 
 /// The colour of one of several ordered values: from the colour map viridis, without its ends.
-pub fn ramp(number: usize, of: usize) -> Colour {
+pub(crate) fn ramp(number: usize, of: usize) -> Colour {
     const VIRIDIS: [Colour; 5] = [rgb(0x44_01_54), rgb(0x3b_52_8b), rgb(0x21_91_8c), rgb(0x5e_c9_62), rgb(0xfd_e7_25)];
     let share = if of < 2 { 0.3 } else { number as f64 / (of - 1) as f64 };
     let place = 4.0 * (0.05 + 0.8 * share);
@@ -130,7 +130,7 @@ pub fn ramp(number: usize, of: usize) -> Colour {
 }
 
 /// A colour between white (0) and itself (1).
-pub fn tint(colour: Colour, share: f64) -> Colour {
+pub(crate) fn tint(colour: Colour, share: f64) -> Colour {
     mixed(WHITE, colour, share.clamp(0.0, 1.0))
 }
 
@@ -153,7 +153,7 @@ pub fn described(cell: &Cell, varied: &[Parameter]) -> String {
 }
 
 /// A cue as text without its varied numbers, which are shown along an axis or in a legend.
-pub fn cue_without(cue: &Cue, varied: &[Parameter]) -> String {
+pub(crate) fn cue_without(cue: &Cue, varied: &[Parameter]) -> String {
     let text = cue.to_string();
     let left = |(k, term): (usize, &str)| {
         let varies = |part: &&str| {
@@ -284,9 +284,9 @@ pub fn field(field: Field) -> &'static str {
 }
 
 /// The axis of ξ_s.
-pub const ACTIVITY: &str = "activity ξₛ (κ₀/Lₕ)";
+pub(crate) const ACTIVITY: &str = "activity ξₛ (κ₀/Lₕ)";
 /// The axis of time.
-pub const TIME: &str = "time (τ)";
+pub(crate) const TIME: &str = "time (τ)";
 /// The axis of χ.
 pub const CHI: &str = "size asymmetry χ";
 

@@ -2,12 +2,26 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `surface` | the surface of revolution as facets, turned and projected |
+//! | `scene` | what a movie shows: surfaces with or without an axis, forces, words |
+//! | `division` | the division of a cell that keeps its axis, as a scene |
+//! | `view` | the direction from which the cell is seen |
+//! | `raster` | the surface in pixels: what each pixel shows of it |
+//! | `light` | the light on the surface |
+//! | `shell` | the shell as glass |
 //! | `picture` | one frame |
+//! | `palette` | pixels in 256 colours |
 //! | `encode` | frames as GIF, animated PNG or animated SVG |
 
+mod division;
 mod encode;
+mod light;
+mod palette;
 mod picture;
-mod surface;
+mod raster;
+mod scene;
+mod shell;
+mod view;
 
-pub use encode::{Movie, MovieFormat};
+pub use division::Movie;
+pub use encode::MovieFormat;
+pub use scene::{Force, Scene};

@@ -1,144 +1,248 @@
 //! One frame of a movie.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
-use super::surface::{self, Fineness, View};
-use crate::drawing::cell::{ANTERIOR, POSTERIOR, changes, cue_colours};
+use tiny_skia::{Pixmap, PremultipliedColorU8};
+
+use super::light;
+use super::palette::{Palette, png};
+use super::raster::{Part, Window, parts};
+use super::scene::{Force, Scene};
+use super::shell::{GLASS, glass};
+use super::view::View;
+use crate::drawing::cell::{ANTERIOR, POSTERIOR};
 use crate::drawing::font;
-use crate::drawing::regulator::PhiRange;
-use crate::drawing::style::{self, FORCES, text};
-use crate::drawing::{Anchor, Canvas, Label, Stroke};
-use furrow_cell::Cell;
-use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
+use crate::drawing::raster::colours;
+use crate::drawing::style::{self, Colour, FORCES, text};
+use crate::drawing::{Anchor, Canvas, FigureError, Label, Stroke};
+use furrow_formats::surface::SurfaceMesh;
 
 /// Width and height of a frame.
 pub const SIZE: [f64; 2] = [680.0, 460.0];
-/// Arrows on each side of the axis.
-const ARROWS: usize = 44;
 /// Length of the longest arrow.
 const LONGEST: f64 = 42.0;
+/// Pieces of a ring around the shell.
+const RING: usize = 120;
+/// Forces below this share of the largest have no arrow.
+const SMALL: f64 = 0.18;
+/// Space around the shell in the window of the surface.
+const MARGIN: f64 = 3.0;
 
 /// The data that all frames of a movie share.
-pub struct Stage<'a> {
-    cell: &'a Cell,
-    film: &'a Trajectory,
+pub struct Stage<'s, 'a> {
+    /// What is shown.
+    pub scene: &'s Scene<'a>,
     view: View,
     /// The force of the longest arrow.
     largest: f64,
-    /// The resolution of the surface.
-    fineness: Fineness,
-    /// The range of φ to which the colours of a regulator refer.
-    phi: Option<PhiRange>,
+    /// Pixels in a unit of the canvas.
+    density: f64,
+    /// The pixels of the shell, and the glass in each.
+    window: Window,
+    glass: Vec<f32>,
 }
 
-impl<'a> Stage<'a> {
-    /// For a division, at the given times.
-    pub fn new(cell: &'a Cell, film: &'a Trajectory, times: &[f64], fineness: Fineness) -> Stage<'a> {
-        let [along, across] = film.shell();
-        let centre = [0.5 * SIZE[0], 0.5 * SIZE[1] + 12.0];
-        let [long, high] = View::new(centre, 1.0).lengths();
-        let scale = (0.36 * SIZE[0] / (along * long)).min(0.30 * SIZE[1] / (across * high));
-        let view = View::new(centre, scale);
+/// A frame: pixels of the surface, and lines and text before them.
+pub struct Frame {
+    pixels: Pixmap,
+    before: Canvas,
+}
+
+impl<'s, 'a> Stage<'s, 'a> {
+    /// For the frames of a scene, with `density` pixels in a unit of the canvas.
+    pub fn new(scene: &'s Scene<'a>, density: f64) -> Stage<'s, 'a> {
+        let centre = [0.5 * SIZE[0], 0.5 * SIZE[1] + 8.0];
+        let [long, high] = View::new(centre, 1.0).outline(scene.shell);
+        let view = View::new(centre, (0.38 * SIZE[0] / long).min(0.36 * SIZE[1] / high));
+        let half = view.outline(scene.shell);
+        let [(left, right), (top, bottom)] = [0, 1].map(|c| {
+            let ends = [-1.0, 1.0].map(|side| density * (centre[c] + side * (half[c] + MARGIN)));
+            let most = (density * SIZE[c]).round();
+            (ends[0].floor().clamp(0.0, most) as usize, ends[1].ceil().clamp(0.0, most) as usize)
+        });
+        let window = Window { corner: [left, top], size: [right - left, bottom - top] };
         // Forces at the neck grow without bound near pinch-off: the scale of the arrows leaves out the largest 3 % of
         // the movie.
-        let stills: Vec<Snapshot> = times.iter().map(|t| film.at(*t)).collect();
-        let mut sizes: Vec<f64> =
-            stills.iter().flat_map(|still| arrows(still).into_iter().map(|(_, [r, z])| r.hypot(z))).collect();
+        let forces = scene.times.iter().flat_map(|t| (scene.forces)(*t));
+        let mut sizes: Vec<f64> = forces.map(|force| length(force.vector)).collect();
         sizes.sort_by(f64::total_cmp);
         let largest = sizes.get(sizes.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-9);
-        let phi = PhiRange::of(stills.iter().flat_map(|still| &still.places));
-        Stage { cell, film, view, largest, fineness, phi }
+        let glass = glass(scene.shell, &view, density, window);
+        Stage { scene, view, largest, density, window, glass }
+    }
+
+    /// The colours of words, arrows and the legend.
+    pub fn colours(&self) -> Vec<Colour> {
+        let of_scene = self.scene.legend.iter().map(|(colour, _)| *colour).chain([self.scene.outcome.2]);
+        [style::WHITE, style::INK, style::MUTED, FORCES[0].1].into_iter().chain(of_scene).collect()
     }
 
     /// The frame at a time.
-    pub fn frame(&self, t: f64) -> Canvas {
-        let still = self.film.at(t);
-        let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
-        self.shell(&mut canvas, true);
-        surface::draw(&mut canvas, &still, (&self.film.cell().cue, self.phi), &self.view, self.fineness);
-        self.shell(&mut canvas, false);
-        self.forces(&mut canvas, &still);
-        self.words(&mut canvas, &still);
-        canvas
+    pub fn frame(&self, t: f64) -> Result<Frame, FigureError> {
+        let mut behind = Canvas::new(SIZE[0], SIZE[1]);
+        self.rings(&mut behind, true);
+        let mut pixels = behind.blank(self.density as f32).ok_or(FigureError::Size(SIZE))?;
+        behind.draw_on(&mut pixels, self.density as f32).ok_or(FigureError::Size(SIZE))?;
+        self.surface(&mut pixels, &(self.scene.surface)(t).mesh()?);
+        let mut before = Canvas::new(SIZE[0], SIZE[1]);
+        self.rings(&mut before, false);
+        self.forces(&mut before, &(self.scene.forces)(t));
+        self.words(&mut before, t);
+        Ok(Frame { pixels, before })
     }
 
-    /// The shell as an outline and rings around it; the rings' far halves lie behind the cell.
-    fn shell(&self, canvas: &mut Canvas, behind: bool) {
-        let [along, across] = self.film.shell();
-        let thin = Stroke::solid([0xb5; 3], 1.0);
+    /// Draws the surface and the glass before it.
+    fn surface(&self, pixels: &mut Pixmap, mesh: &SurfaceMesh) {
+        let parts = parts(mesh, &self.view, self.density, self.window);
+        let open = light::open(&parts, self.window.size[0], self.density as f32);
+        let width = pixels.width() as usize;
+        let Window { corner: [left, top], size: [columns, _] } = self.window;
+        for (k, both) in parts.iter().enumerate() {
+            let place = (top + k / columns) * width + left + k % columns;
+            let Some(pixel) = pixels.pixels_mut().get_mut(place) else { continue };
+            let behind = [pixel.red(), pixel.green(), pixel.blue()].map(f32::from);
+            let shown = covered(behind, both, open[k]);
+            let [r, g, b] = over(shown, GLASS, self.glass[k]).map(|light| light.round() as u8);
+            // Opaque colours are their own premultiplied ones.
+            *pixel = PremultipliedColorU8::from_rgba(r, g, b, 255).unwrap_or(*pixel);
+        }
+    }
+
+    /// Rings around the shell; their far halves lie behind the cell.
+    fn rings(&self, canvas: &mut Canvas, behind: bool) {
+        let [along, across] = self.scene.shell;
+        let thin = Stroke::solid(if behind { [0xd8; 3] } else { [0xb9; 3] }, 0.9);
         for ring in -2..=2 {
             let z = 0.4 * f64::from(ring) * along;
             let r = across * (1.0 - (z / along).powi(2)).sqrt();
-            // The near half has a positive third coordinate.
-            let from = if behind { FRAC_PI_2 } else { -FRAC_PI_2 };
-            let half: Vec<[f64; 2]> = (0..=24).map(|k| self.view.point([r, z], from + k as f64 / 48.0 * TAU)).collect();
-            canvas.polyline(&half, thin);
+            let place = |k: usize| {
+                let (sin, cos) = (k as f64 / RING as f64 * TAU).sin_cos();
+                [r * cos, r * sin, z]
+            };
+            let hidden = |[x, y, z]: [f64; 3]| {
+                let outwards = [x / (across * across), y / (across * across), z / (along * along)];
+                self.view.turned(outwards)[2] < 0.0
+            };
+            let is_shown = |k: usize| hidden(place(k)) == behind;
+            // From where the line begins; the whole ring is on one side where it begins nowhere.
+            let first = (1..=RING).find(|k| is_shown(*k) && !is_shown(k - 1)).unwrap_or(0);
+            let line = (first..=first + RING).take_while(|k| is_shown(*k)).map(|k| self.view.point(place(k)));
+            canvas.polyline(&line.collect::<Vec<_>>(), thin);
         }
     }
 
-    fn forces(&self, canvas: &mut Canvas, still: &Snapshot) {
-        for ([r, z], [force_r, force_z]) in arrows(still) {
-            let size = force_r.hypot(force_z);
-            if size <= 0.1 * self.largest {
+    fn forces(&self, canvas: &mut Canvas, forces: &[Force]) {
+        for force in forces {
+            let size = length(force.vector);
+            if size <= SMALL * self.largest {
                 continue;
             }
             // Longer arrows are cut to the greatest length.
-            let length = LONGEST / self.view.scale * (size / self.largest).min(1.0) / size;
-            for angle in [FRAC_PI_2, -FRAC_PI_2] {
-                let from = self.view.point([r, z], angle);
-                let to = self.view.point([r + length * force_r, z + length * force_z], angle);
-                canvas.arrow(from, to, FORCES[0].1, 1.9);
-            }
+            let stretch = LONGEST / self.view.scale * (size / self.largest).min(1.0) / size;
+            let to = [0, 1, 2].map(|c| force.at[c] + stretch * force.vector[c]);
+            canvas.arrow(self.view.point(force.at), self.view.point(to), FORCES[0].1, 1.9);
         }
     }
 
-    fn words(&self, canvas: &mut Canvas, still: &Snapshot) {
-        let Cell { r0, epsilon, xi_s, cue, .. } = self.cell;
-        let cued = if cue.is_none() { "no cue" } else { "with a cue" };
-        let title = format!("R₀ = {r0}, ε = {epsilon}, ξₛ = {xi_s}, {cued}");
-        canvas.text([20.0, 30.0], &title, text::LABEL, Anchor::Start, style::INK);
-        let time = format!("t = {} τ", style::time(still.t));
+    fn words(&self, canvas: &mut Canvas, t: f64) {
+        let Scene { title, shell, legend, outcome: (from, word, colour), .. } = self.scene;
+        canvas.text([20.0, 30.0], title, text::LABEL, Anchor::Start, style::INK);
+        let time = format!("t = {} τ", style::time(t));
         canvas.text([SIZE[0] - 20.0, 30.0], &time, text::LABEL, Anchor::End, style::INK);
         let bottom = SIZE[1] - 18.0;
         canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
         canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
         let (mut x, mut y) = (176.0, bottom);
-        let of_cue = cue_colours(&changes(cue, still.length)).into_iter();
-        for (colour, word) in of_cue.chain(self.phi.into_iter().flat_map(PhiRange::colours)) {
-            let width = 24.0 + font::width(&word, text::TICK);
+        for (colour, word) in legend {
+            let width = 24.0 + font::width(word, text::TICK);
             if x + width > SIZE[0] - 12.0 {
                 (x, y) = (20.0, y - 22.0);
             }
-            canvas.rectangle([x, y - 13.0], [18.0, 14.0], colour, 1.0);
-            canvas.text([x + 24.0, y], &word, text::TICK, Anchor::Start, style::MUTED);
+            canvas.rectangle([x, y - 13.0], [18.0, 14.0], *colour, 1.0);
+            canvas.text([x + 24.0, y], word, text::TICK, Anchor::Start, style::MUTED);
             x += 16.0 + width;
         }
-        let end = self.film.shell()[0];
+        let end = shell[0];
         for (x, z, pole, anchor) in
             [(20.0, -end, ANTERIOR, Anchor::Start), (SIZE[0] - 20.0, end, POSTERIOR, Anchor::End)]
         {
-            let [_, y] = self.view.point([0.0, z], 0.0);
+            let [_, y] = self.view.point([0.0, 0.0, z]);
             canvas.text([x, y + 5.0], pole, text::TICK, anchor, style::MUTED);
         }
-        let division = &self.film.division;
-        if still.t >= 0.999 * division.t_end {
-            let (word, colour) = match (division.outcome(), division.chi()) {
-                (Outcome::Arrested, _) => ("stays at rest".to_owned(), style::MUTED),
-                (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),
-                (outcome, None) => (outcome.to_string(), style::outcome(outcome)),
-            };
-            canvas.label(Label::new([SIZE[0] - 20.0, 54.0], &word, text::LABEL, Anchor::End, colour).bold());
+        if t >= *from {
+            canvas.label(Label::new([SIZE[0] - 20.0, 54.0], word, text::LABEL, Anchor::End, *colour).bold());
         }
     }
 }
 
-/// Places (r, z) evenly spaced along the contour, and the active force density there.
-fn arrows(still: &Snapshot) -> Vec<([f64; 2], [f64; 2])> {
-    (0..ARROWS)
-        .filter_map(|k| {
-            let u = (k as f64 + 0.5) / ARROWS as f64;
-            let place = still.places.get(still.places.partition_point(|place| place.u < u))?;
-            Some(([place.r, place.z], place.active_force()))
-        })
-        .collect()
+impl Frame {
+    /// The surface as an element of an SVG, in the part of the frame where the shell is, and lines and text before it.
+    pub fn elements(&self, stage: &Stage<'_, '_>, palette: &mut Palette) -> Result<String, FigureError> {
+        let Window { corner: [left, top], size: [width, height] } = stage.window;
+        let all = colours(&self.pixels);
+        let row = |y: usize| {
+            let from = 3 * ((top + y) * self.pixels.width() as usize + left);
+            all.get(from..from + 3 * width).unwrap_or_default()
+        };
+        let shown: Vec<u8> = (0..height).flat_map(row).copied().collect();
+        let image = base64(&png(&shown, [width as u32, height as u32], palette)?);
+        let [x, y, width, height] = [left, top, width, height].map(|length| length as f64 / stage.density);
+        Ok(format!(
+            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" href=\"data:image/png;base64,{image}\"/>{}",
+            self.before.elements()
+        ))
+    }
+
+    /// Red, green and blue of each pixel, row by row, and the width and height in pixels.
+    pub fn pixels(mut self) -> Result<(Vec<u8>, [u32; 2]), FigureError> {
+        let density = self.pixels.width() as f32 / SIZE[0] as f32;
+        self.before.draw_on(&mut self.pixels, density).ok_or(FigureError::Size(SIZE))?;
+        Ok((colours(&self.pixels), [self.pixels.width(), self.pixels.height()]))
+    }
+}
+
+/// The colour of a pixel with the parts of a surface before what lies behind it.
+fn covered(behind: [f32; 3], parts: &[Part; 2], open: f32) -> [f32; 3] {
+    let [first, second] = parts;
+    let shares = first.cover + second.cover;
+    if shares == 0.0 {
+        return behind;
+    }
+    let near = light::lit(first, open);
+    let far = if second.cover > 0.0 { light::lit(second, open) } else { near };
+    [0, 1, 2].map(|c| first.cover * near[c] + second.cover * far[c] + (1.0 - shares) * behind[c])
+}
+
+/// A colour under a share of another.
+fn over(under: [f32; 3], colour: [f32; 3], share: f32) -> [f32; 3] {
+    [0, 1, 2].map(|c| under[c] + share * (colour[c] - under[c]))
+}
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// Bytes as letters, four for three.
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let four = |three: &[u8]| {
+        let part = |k: usize| u32::from(three.get(k).copied().unwrap_or(0));
+        let all = part(0) << 16 | part(1) << 8 | part(2);
+        let letter = move |k: usize| char::from(LETTERS[(all >> (18 - 6 * k)) as usize & 63]);
+        let known = three.len();
+        (0..4).map(move |k| if k <= known { letter(k) } else { '=' })
+    };
+    bytes.chunks(3).flat_map(four).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_are_those_of_the_standard() {
+        for (bytes, letters) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+            assert_eq!(base64(bytes.as_bytes()), letters);
+        }
+    }
 }

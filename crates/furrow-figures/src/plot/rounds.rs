@@ -58,8 +58,7 @@ pub fn draw_ranges(lineage: &Lineage, ranges: &LineageRanges) -> Canvas {
 fn bars(tree: &Tree, order: &Lineage) -> Vec<Option<Bar>> {
     let rows = founder_rounds(tree);
     let bar = |founder: &Founder| {
-        let founder = tree.lineage.founders.iter().position(|other| other.name == founder.name)?;
-        let rounds = rows.iter().find(|row| row.founder == founder)?.rounds?;
+        let rounds = rows[tree.lineage.founder_named(&founder.name)?]?;
         Some([rounds.min.into(), rounds.mean, rounds.max.into(), rounds.terminal.into()].map(exactly))
     };
     order.founders.iter().map(bar).collect()

@@ -77,7 +77,7 @@ fn rows_with(tree: &Tree, times: Option<&[CellTimes]>) -> Vec<FounderRow> {
             *cued[cell.founder].entry(tree.cue_name(id).to_owned()).or_insert(0) += 1;
         }
     }
-    let row = |founder: usize, rounds: Option<Rounds>| {
+    let row = |(founder, rounds): (usize, Option<Rounds>)| {
         let definition = &tree.lineage.founders[founder];
         let id = tree.founder_cell(founder);
         let cell = id.map(|id| tree.cell(id));
@@ -99,7 +99,7 @@ fn rows_with(tree: &Tree, times: Option<&[CellTimes]>) -> Vec<FounderRow> {
             sulston: definition.observed,
         }
     };
-    founder_rounds(tree).into_iter().map(|found| row(found.founder, found.rounds)).collect()
+    founder_rounds(tree).into_iter().enumerate().map(row).collect()
 }
 
 #[derive(Serialize)]

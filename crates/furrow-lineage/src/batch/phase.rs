@@ -116,7 +116,7 @@ pub struct PhaseDiagram {
 }
 
 /// Called with the number of finished columns and the number of all columns.
-pub type ColumnsShown<'a> = &'a (dyn Fn(usize, usize) + Sync);
+pub(crate) type ColumnsShown<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Evenly spaced values, both ends included; the first alone if there is one.
 pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {

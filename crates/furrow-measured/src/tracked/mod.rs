@@ -160,15 +160,7 @@ pub struct TrackOptions {
 /// Bytes at the start of a file that decide its format.
 const HEAD: u64 = 4096;
 
-/// The format of a file or folder of tracked cells; `None` for other files.
-///
-/// # Errors
-/// A file that cannot be read, and a file or folder of a known other kind.
-pub fn format_of(path: &Path) -> Result<Option<Format>, InputError> {
-    Ok(located(path)?.map(|(format, _)| format))
-}
-
-/// The format of a file or folder, and the folder in it that has the cells.
+/// The format of a file or folder of tracked cells, and the folder in it that has the cells; `None` for other files.
 fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
     let here = |format: Format| Some((format, path.to_owned()));
     if path.is_dir() {

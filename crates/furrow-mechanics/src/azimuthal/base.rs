@@ -71,7 +71,7 @@ pub struct Base {
 
 /// The constants of a cell, with and without derivatives by the length of the contour.
 #[derive(Clone, Debug)]
-pub struct BaseConstants<'a> {
+pub(crate) struct BaseConstants<'a> {
     constants: &'a Constants<f64>,
     along_length: Constants<Dual64>,
 }

@@ -27,7 +27,7 @@ use super::base::Base;
 use crate::cortex::equations::LocalCoefficients;
 
 /// Change M of the bending moment.
-pub const MOMENT: usize = 0;
+pub(crate) const MOMENT: usize = 0;
 /// Change a of a meridian's arclength from the pole.
 pub const ARC: usize = 1;
 /// Normal displacement w.
@@ -35,19 +35,19 @@ pub const W: usize = 2;
 /// β = w_s.
 pub const TILT: usize = 3;
 /// Change Q of the transverse shear.
-pub const SHEAR: usize = 4;
+pub(crate) const SHEAR: usize = 4;
 /// Change v1 of the meridional velocity.
 pub const V1: usize = 5;
 /// Change τ of T_ss.
-pub const T11: usize = 6;
+pub(crate) const T11: usize = 6;
 /// Azimuthal velocity v2.
 pub const V2: usize = 7;
 /// Stress χ = T_sφ.
-pub const T12: usize = 8;
+pub(crate) const T12: usize = 8;
 /// Number of components without a regulator.
 pub const COMPONENTS: usize = 9;
 /// Change J of the regulator's gradient along the meridian.
-pub const GRADIENT: usize = 9;
+pub(crate) const GRADIENT: usize = 9;
 /// Change P of the regulator.
 pub const REGULATOR: usize = 10;
 /// Number of components with a regulator.

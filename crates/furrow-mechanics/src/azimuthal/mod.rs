@@ -136,8 +136,8 @@ impl Azimuthal {
     /// # Errors
     /// A failed factorisation, or a rightmost growth rate that does not converge.
     pub fn leading(&mut self) -> Result<Spectrum> {
-        let (shifts, wanted) = (self.shifts, self.arnoldi.wanted);
-        shifts.leading(wanted, |shift, wanted| self.at_shift(shift, wanted))
+        let (shifts, arnoldi) = (self.shifts, self.arnoldi);
+        shifts.leading(arnoldi, |shift, arnoldi| self.at_shift(shift, arnoldi))
     }
 
     /// The largest growth rate only.
@@ -145,8 +145,8 @@ impl Azimuthal {
     /// # Errors
     /// As [`leading`](Self::leading).
     pub fn growth_rate(&mut self) -> Result<f64> {
-        let shifts = self.shifts;
-        shifts.growth_rate(|shift, wanted| self.at_shift(shift, wanted))
+        let (shifts, arnoldi) = (self.shifts, self.arnoldi);
+        shifts.growth_rate(arnoldi, |shift, arnoldi| self.at_shift(shift, arnoldi))
     }
 
     /// The mode of a growth rate from [`leading`](Self::leading), scaled to a largest |w| of 1. A complex pair is
@@ -191,13 +191,12 @@ impl Azimuthal {
         Ok(Mode { m: self.m, rate, disturbance, shape: self.shape.clone() })
     }
 
-    fn at_shift(&mut self, shift: f64, wanted: usize) -> Result<Spectrum> {
+    fn at_shift(&mut self, shift: f64, arnoldi: Arnoldi) -> Result<Spectrum> {
         self.factorise(shift)?;
         let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
-        let arnoldi = self.arnoldi;
         let points = self.points();
         let step = |from: &[f64], to: &mut [f64]| self.apply(points, from, to);
-        let found = rightmost(&arnoldi, &mut krylov, &weights, step, (Parity::Mixed, shift, wanted));
+        let found = rightmost(&arnoldi, &mut krylov, &weights, step, (Parity::Mixed, shift));
         (self.krylov, self.weights) = (krylov, weights);
         let mut out = Spectrum { values: found? };
         sort(&mut out.values);

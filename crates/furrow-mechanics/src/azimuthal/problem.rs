@@ -20,7 +20,7 @@ const SCALARS: usize = 2;
 
 /// Perturbations of one azimuthal number about one shape, changing at a given rate.
 #[derive(Clone, Debug)]
-pub struct Disturbance {
+pub(crate) struct Disturbance {
     m: usize,
     components: usize,
     /// The rate s of an implicit step: the surface moves by s(w − w_past).

@@ -235,7 +235,7 @@ impl<D: Number> Constants<D> {
     }
 
     /// ∂²κ/∂u² at u on a contour of length `length`.
-    pub fn rigidity_curvature(&self, u: f64, length: D) -> D {
+    pub(crate) fn rigidity_curvature(&self, u: f64, length: D) -> D {
         let kappa = self.cue.iter().filter(|term| term.field == Field::Kappa);
         kappa.fold(D::from(0.0), |sum, term| sum + self.uniform.kappa * term.at(u, length)[2])
     }
@@ -306,7 +306,7 @@ impl Constants<f64> {
     }
 
     /// [`regulated`](Self::regulated), and its derivatives by φ.
-    pub fn regulated_by_phi(
+    pub(crate) fn regulated_by_phi(
         &self,
         here: LocalCoefficients<f64>,
         phi: f64,
@@ -489,6 +489,6 @@ pub fn balances<D: Arithmetic>(
 }
 
 /// The factor of the noise on the activity \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).
-pub fn noise_factor(coefficients: &[f64; 10], u: f64) -> f64 {
+pub(crate) fn noise_factor(coefficients: &[f64; 10], u: f64) -> f64 {
     1.0 + coefficients.iter().enumerate().map(|(k, r)| r * ((k + 1) as f64 * PI * u).cos()).sum::<f64>()
 }

@@ -166,7 +166,7 @@ pub fn profile(cortex: &Cortex, gauss: &Gauss, y: &Solution) -> Vec<Place> {
 
 /// The states at `count` evenly spaced places of each mesh interval, and at the two ends of the mesh: for pictures,
 /// where the collocation points are too far apart.
-pub fn dense_profile(cortex: &Cortex, gauss: &Gauss, y: &Solution, count: usize) -> Vec<Place> {
+pub(crate) fn dense_profile(cortex: &Cortex, gauss: &Gauss, y: &Solution, count: usize) -> Vec<Place> {
     let thetas: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
     along(cortex, gauss, y, &thetas)
 }

@@ -38,7 +38,7 @@ pub struct Linearised<D> {
 
 /// The equations of a cell with a regulator at one place and their derivatives.
 #[derive(Clone, Copy, Debug)]
-pub struct LinearisedRegulated<D> {
+pub(crate) struct LinearisedRegulated<D> {
     /// The shape's equations.
     pub shape: Linearised<D>,
     /// ∂f/∂φ of the shape's right-hand sides.
@@ -164,7 +164,7 @@ pub fn linearised<D: Arithmetic>(
 /// [`linearised`] for a cell with a regulator `[j, φ]`: `here` are the coefficients with its contribution, `by_phi`
 /// their derivatives by φ.
 #[inline(always)]
-pub fn linearised_regulated<D: Arithmetic>(
+pub(crate) fn linearised_regulated<D: Arithmetic>(
     c: &ShellCoefficients<D>,
     transport: &Transport<D>,
     [here, by_phi]: [&LocalCoefficients<D>; 2],
@@ -292,7 +292,7 @@ pub fn varied<D: Arithmetic>(
 /// The derivative of [`carried`] by such a number, on which the transport and the source may depend too; `strain` is
 /// ∂S_uu.
 #[inline(always)]
-pub fn varied_flux<D: Arithmetic>(
+pub(crate) fn varied_flux<D: Arithmetic>(
     [c, by]: &[Transport<D>; 2],
     [source, source_by]: [D; 2],
     motion: BdfTerm<D>,

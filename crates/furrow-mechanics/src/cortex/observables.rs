@@ -144,7 +144,7 @@ pub fn asymmetry(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
 ///
 /// There c1_s = q/κ − m κ_s/κ² − (cosψ/r)(c1 − c2) vanishes, which gives the position to the last digits; minimising c1
 /// itself would give half of them.
-pub fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f64> {
+pub(crate) fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f64> {
     let length = y.scalars[LENGTH];
     let place = |index: usize| y.stage_x(gauss, index / y.m, index % y.m);
     let states = || y.stages.chunks_exact(y.components);

@@ -28,7 +28,7 @@ const ALL_QUADRATURES: usize = QUADRATURES + 1;
 const LEFT: usize = 4;
 
 /// Number of scalar unknowns before the free parameters: L and p.
-pub const SHAPE_SCALARS: usize = 2;
+pub(crate) const SHAPE_SCALARS: usize = 2;
 
 /// The boundary-value problem of one cell: stationary (`rate` = 0) or one implicit time step.
 ///
@@ -111,7 +111,7 @@ impl Cortex {
     }
 
     /// Whether the amount of a regulator, ∫ c dA, is conserved.
-    pub fn conserves_regulator(&self) -> bool {
+    pub(crate) fn conserves_regulator(&self) -> bool {
         self.cell.cue.regulator().is_some_and(|regulator| regulator.diluted && regulator.turnover == 0.0)
     }
 

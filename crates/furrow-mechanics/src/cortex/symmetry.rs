@@ -81,7 +81,7 @@ fn with_images(half: &[f64], components: usize, points: usize, image: fn(&mut [f
 }
 
 /// An antisymmetric direction of the half contour on the full one, with `scalars` scalar unknowns that do not change.
-pub fn unfold_antisymmetric(half: &Direction, components: usize, scalars: usize) -> Direction {
+pub(crate) fn unfold_antisymmetric(half: &Direction, components: usize, scalars: usize) -> Direction {
     let of = |half: &[f64], centre: usize| {
         with_images(half, components, half.len() / components - centre, mirror_antisymmetric)
     };

@@ -39,7 +39,7 @@ impl Noise {
     }
 
     /// The time between two sets of coefficients, if the noise is sustained.
-    pub fn sustained(&self) -> Option<f64> {
+    pub(crate) fn sustained(&self) -> Option<f64> {
         self.time
     }
 

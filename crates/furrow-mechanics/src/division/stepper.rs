@@ -52,7 +52,7 @@ const SAME_RATE: f64 = 0.25;
 const CARRIED: f64 = 0.05;
 
 /// Highest order of the formulas.
-pub const MAX_ORDER: usize = 4;
+pub(crate) const MAX_ORDER: usize = 4;
 
 /// A shape at a time.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub struct HistoryPoint {
 }
 
 /// Weights of the values at `times` in the derivative at `times[0]` of the interpolating polynomial.
-pub fn derivative_weights(times: &[f64], out: &mut [f64]) {
+pub(crate) fn derivative_weights(times: &[f64], out: &mut [f64]) {
     let t0 = times[0];
     out[0] = times[1..].iter().map(|t| 1.0 / (t0 - t)).sum();
     for i in 1..times.len() {
@@ -79,7 +79,7 @@ pub fn derivative_weights(times: &[f64], out: &mut [f64]) {
 }
 
 /// Weights of the values at `times` in the polynomial through them, evaluated at t.
-pub fn extrapolation_weights(times: &[f64], t: f64, out: &mut [f64]) {
+pub(crate) fn extrapolation_weights(times: &[f64], t: f64, out: &mut [f64]) {
     for i in 0..times.len() {
         out[i] = (0..times.len()).filter(|&j| j != i).map(|j| (t - times[j]) / (times[i] - times[j])).product();
     }
@@ -95,7 +95,7 @@ pub struct ParityNorm {
 }
 
 /// Parity norms of (r, z) combinations at the stages of a mirror-symmetric mesh; `value(i)` gives (r, z) at stage i.
-pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2]) -> ParityNorm {
+pub(crate) fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2]) -> ParityNorm {
     let last = (mesh.len() - 1) * gauss.m - 1;
     let (mut even, mut odd) = (0.0, 0.0);
     for (k, interval) in mesh.windows(2).enumerate() {
@@ -112,7 +112,7 @@ pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2
 
 /// [`parity_norm`] of a change of shape. `change` returns any two components of the change at the stage that begins at
 /// i; the change of a regulator, relative to its resting concentration, is multiplied by `scale`.
-pub fn change_norm(
+pub(crate) fn change_norm(
     gauss: &Gauss,
     y: &Solution,
     scale: f64,
@@ -204,7 +204,7 @@ impl Stepper {
     }
 
     /// Solves steps more accurately, on a finer mesh: for small perturbations of a stationary shape.
-    pub fn exacting(&mut self) {
+    pub(crate) fn exacting(&mut self) {
         self.newton.tolerance *= 0.3;
         self.share *= 0.7;
     }
@@ -216,7 +216,7 @@ impl Stepper {
     }
 
     /// Discards all shapes except the newest: the next step is of first order.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.spare.extend(self.history.drain(1..));
         self.factored = None;
     }
@@ -342,7 +342,7 @@ impl Stepper {
     /// Estimated distance of the shape from rest, in L² and relative to R0. For a mode with rate σ, real or complex,
     /// that approaches or leaves rest, the speed is σ times the distance, and the acceleration σ times the speed.
     /// `None` before three shapes are known.
-    pub fn distance_to_rest(&self) -> Option<f64> {
+    pub(crate) fn distance_to_rest(&self) -> Option<f64> {
         let [new, old, older, ..] = &self.history[..] else { return None };
         let velocity = |a: &HistoryPoint, b: &HistoryPoint, i: usize| (a.y.stages[i] - b.y.stages[i]) / (a.t - b.t);
         let between = 0.5 * (new.t - older.t);
@@ -369,7 +369,7 @@ impl Stepper {
     /// Moves the mesh if the monitor is out of balance by more than `tolerance` or the number of intervals no longer
     /// fits the shape; all earlier shapes follow by their own collocation polynomials. `symmetric` keeps the mesh
     /// mirror-symmetric.
-    pub fn adapt(&mut self, symmetric: bool, tolerance: f64) {
+    pub(crate) fn adapt(&mut self, symmetric: bool, tolerance: f64) {
         let y = &self.history[0].y;
         resolution::monitor(&self.cortex, y, symmetric, &mut self.weight);
         let (now, wanted) = (y.intervals(), self.wanted_intervals(&y.mesh, 1.0));

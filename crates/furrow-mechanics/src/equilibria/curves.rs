@@ -106,7 +106,7 @@ impl Curve {
 }
 
 /// A curve of pitchforks of cells during its continuation.
-pub type PitchforkCurve = Codim2Curve<Cortex, SymmetryBreaking>;
+pub(crate) type PitchforkCurve = Codim2Curve<Cortex, SymmetryBreaking>;
 /// A curve of folds of cells during its continuation.
 pub type FoldCurve = Codim2Curve<Cortex, Fold>;
 
@@ -324,7 +324,7 @@ fn degenerate(curve: &mut PitchforkCurve, mut ends: [[f64; 2]; 2]) -> Option<Cur
 
 /// Follows one fold until the parameter reaches `to`, the curve turns back at a cusp or leaves ξ_s > 0, or continuation
 /// fails. The passage through `activity` is recorded.
-pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64, activity: Option<f64>) -> Curve {
+pub(crate) fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64, activity: Option<f64>) -> Curve {
     let mut found = Curve { points: vec![curve_point(curve, None)], ..Curve::default() };
     let direction = curve.tangent.scalars[SECOND].signum();
     let (mut cusp, mut passive) = (false, false);

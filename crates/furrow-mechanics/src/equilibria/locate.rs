@@ -136,7 +136,7 @@ pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Opt
 ///
 /// # Errors
 /// [`SingularError`].
-pub fn pitchfork_near(branch: &mut Continuation<Cortex>, signs: [f64; 2]) -> Result<Pitchfork, SingularError> {
+pub(crate) fn pitchfork_near(branch: &mut Continuation<Cortex>, signs: [f64; 2]) -> Result<Pitchfork, SingularError> {
     let found = locate::between_last_points(branch, SymmetryBreaking::default(), signs)?;
     pitchfork_at(confirmed(found, SymmetryBreaking::default())?)
 }
@@ -199,7 +199,7 @@ pub(super) fn pitchfork_at(found: Located<Cortex, SymmetryBreaking>) -> Result<P
 /// direction φ: −∂_u δc1/∂_uu c1. With c1 = m/κ − c2, c2_s = (cosψ/r)(c1 − c2) and κ_s = 0, at the equator
 ///
 /// * δc1_s = δq/κ + δψ (c1 − c2)/r, c1_ss = q_s/κ − m κ_ss/κ² + c1(c1 − c2)/r.
-pub fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f64 {
+pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f64 {
     let last = y.intervals();
     let state = y.node(last);
     let length = y.scalars[LENGTH];

@@ -69,7 +69,7 @@ impl Spheroid {
 ///
 /// # Errors
 /// [`InvalidInput`] if `mesh` is not a valid mesh.
-pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Result<Solution, InvalidInput> {
+pub(crate) fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Result<Solution, InvalidInput> {
     // Confined shapes follow the shell; at small ε the sphere fits easily.
     let weight = ((cell.epsilon - 0.3) / 0.4).clamp(0.0, 1.0);
     let aspect = cell.shell.aspect.powf(weight);

@@ -31,7 +31,7 @@ const SMALLEST_PART: f64 = 1e-3;
 ///
 /// # Errors
 /// [`ShapeError::Passive`], [`ShapeError::Cue`].
-pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
+pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
     let name = CellName::of(cell);
     let (half, _) = passive(cell, numerics).map_err(|source| ShapeError::Passive { cell: name, source })?;
     let domain = Domain::of(cell);

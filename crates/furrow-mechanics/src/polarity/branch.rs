@@ -89,7 +89,7 @@ impl Chemistry {
     ///
     /// # Errors
     /// [`PolarityError::Evolution`], [`PolarityError::Unresolved`].
-    pub fn evolved(&self, membrane: &Membrane, scale: f64, u: f64) -> Result<Solution, PolarityError> {
+    pub(crate) fn evolved(&self, membrane: &Membrane, scale: f64, u: f64) -> Result<Solution, PolarityError> {
         let problem = Polarity::new(self.constants, membrane.clone(), Some(scale));
         let start = step(&problem, self.resolution, u)
             .map_err(|error| PolarityError::Shape { r0: scale * membrane.r0, source: error.into() })?;

@@ -73,18 +73,6 @@ const NAMED: [Named; 10] = [
 /// The name of ψ.
 const PSI: &str = "psi";
 
-/// A uniform state: both concentrations, in 1/µm².
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Uniform {
-    /// Concentration of A.
-    pub a: f64,
-    /// Concentration of P.
-    pub p: f64,
-}
-
-/// Number of intervals in which uniform states are looked for.
-const PIECES: usize = 4000;
-
 impl ParConstants {
     /// Goehring et al. 2011, with ψ from the shape.
     pub const GOEHRING2011: ParConstants = ParConstants {
@@ -139,49 +127,4 @@ impl ParConstants {
             number.filter(fits).ok_or_else(|| InputError::not_allowed(place, name, value, allowed))?;
         Ok(())
     }
-
-    /// The uniform stationary A for a uniform P, at surface per volume `psi`.
-    fn a_beside(&self, p: f64, psi: f64) -> f64 {
-        self.k_on_a * self.rho_a / (self.k_off_a + self.k_on_a * psi + self.k_ap * p)
-    }
-
-    /// The rate of change of P for that A.
-    fn gain_of_p(&self, p: f64, psi: f64) -> f64 {
-        let a = self.a_beside(p, psi);
-        self.k_on_p * (self.rho_p - psi * p) - self.k_off_p * p - self.k_pa * a * a * p
-    }
-
-    /// The uniform states at surface per volume `psi`, ordered by increasing P.
-    pub fn uniform_states(&self, psi: f64) -> Vec<Uniform> {
-        let most = self.k_on_p * self.rho_p / (self.k_off_p + self.k_on_p * psi);
-        // Evenly spaced in the logarithm: there is little P where A dominates.
-        let at = |k: usize| most * (1e-9f64.ln() * (1.0 - k as f64 / PIECES as f64)).exp();
-        let mut found = Vec::new();
-        let mut below = 0.0;
-        for k in 0..=PIECES {
-            // The last place lies beyond the largest possible P.
-            let above = if k == PIECES { most * (1.0 + 1e-9) } else { at(k) };
-            if self.gain_of_p(below, psi) > 0.0 && self.gain_of_p(above, psi) <= 0.0
-                || self.gain_of_p(below, psi) < 0.0 && self.gain_of_p(above, psi) >= 0.0
-            {
-                let p = bisect(|p| self.gain_of_p(p, psi), [below, above]);
-                found.push(Uniform { a: self.a_beside(p, psi), p });
-            }
-            below = above;
-        }
-        found
-    }
-}
-
-/// A zero of `of` between two places where its signs differ.
-fn bisect(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
-    let rises = of(low) < 0.0;
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if (of(middle) < 0.0) == rises { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }

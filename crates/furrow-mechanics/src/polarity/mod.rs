@@ -34,7 +34,7 @@ pub mod states;
 mod tests;
 
 pub use branch::{Chemistry, PolarityLimit, Towards};
-pub use constants::{LENGTH_UM, ParConstants, SurfaceToVolume, Uniform, ZYGOTE_SURFACE_TO_VOLUME};
+pub use constants::{LENGTH_UM, ParConstants, SurfaceToVolume, ZYGOTE_SURFACE_TO_VOLUME};
 pub use error::PolarityError;
 pub use membrane::Membrane;
 pub use states::{Readings, Resolution, profile, readings};

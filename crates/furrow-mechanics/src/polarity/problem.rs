@@ -20,15 +20,15 @@ pub const A: usize = 0;
 /// Index of P.
 pub const P: usize = 1;
 /// Index of ∂A/∂u.
-pub const A_U: usize = 2;
+pub(crate) const A_U: usize = 2;
 /// Index of ∂P/∂u.
-pub const P_U: usize = 3;
+pub(crate) const P_U: usize = 3;
 /// Number of components.
 pub const COMPONENTS: usize = 4;
 /// Index of Ā among the scalars; P̄ is the next.
-pub const MEAN_A: usize = 0;
+pub(crate) const MEAN_A: usize = 0;
 /// Index of the scale ℓ, if it is free.
-pub const SCALE: usize = 2;
+pub(crate) const SCALE: usize = 2;
 
 /// The past of an implicit step.
 #[derive(Clone, Debug, Default)]

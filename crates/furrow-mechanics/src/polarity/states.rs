@@ -59,7 +59,7 @@ pub fn step(problem: &Polarity, resolution: Resolution, u: f64) -> Result<Soluti
 }
 
 /// Evolution in time by implicit steps, on a mesh that follows the boundary.
-pub struct Evolution {
+pub(crate) struct Evolution {
     /// The problem at a given scale.
     pub problem: Polarity,
     /// The state.
@@ -195,7 +195,7 @@ impl Readings {
 }
 
 /// A state is polarised if P differs between the poles by more than this fraction of the sum.
-pub const POLARISED: f64 = 0.05;
+pub(crate) const POLARISED: f64 = 0.05;
 
 /// (P(0) − P(1))/(P(0) + P(1)): 0 for even states, 1 for complete polarity with P at the posterior pole.
 pub fn polarity(y: &Solution) -> f64 {
@@ -204,7 +204,7 @@ pub fn polarity(y: &Solution) -> f64 {
 }
 
 /// Whether a state is polarised, in either direction.
-pub fn is_polarised(y: &Solution) -> bool {
+pub(crate) fn is_polarised(y: &Solution) -> bool {
     polarity(y).abs() > POLARISED
 }
 

@@ -97,8 +97,8 @@ impl Stability {
     /// A failed factorisation, or a rightmost growth rate that does not converge.
     pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum> {
         let (mut fixed, state) = freeze(cortex, y);
-        let (shifts, wanted) = (Shifts::of(&fixed, &state), self.arnoldi.wanted);
-        shifts.leading(wanted, |shift, wanted| self.at_shift(&mut fixed, &state, shift, wanted))
+        let shifts = Shifts::of(&fixed, &state);
+        shifts.leading(self.arnoldi, |shift, arnoldi| self.at_shift(&mut fixed, &state, shift, arnoldi))
     }
 
     /// The largest growth rate only, from one shift, and from further shifts if the shape has a narrow neck.
@@ -108,7 +108,7 @@ impl Stability {
     pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64> {
         let (mut fixed, state) = freeze(cortex, y);
         let shifts = Shifts::of(&fixed, &state);
-        shifts.growth_rate(|shift, wanted| self.at_shift(&mut fixed, &state, shift, wanted))
+        shifts.growth_rate(self.arnoldi, |shift, arnoldi| self.at_shift(&mut fixed, &state, shift, arnoldi))
     }
 
     /// The mode that grows at `growth` > 0, the rightmost rate of the stationary state `y`: the corresponding change of
@@ -148,10 +148,10 @@ impl Stability {
         Ok(out)
     }
 
-    fn at_shift(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64, wanted: usize) -> Result<Spectrum> {
+    fn at_shift(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64, arnoldi: Arnoldi) -> Result<Spectrum> {
         let failed = StabilityError::at(shift);
         self.linearise(cortex, y, shift).map_err(&failed)?;
-        let Stability { arnoldi, system, antisymmetric, disturbances, operator, krylov, .. } = self;
+        let Stability { system, antisymmetric, disturbances, operator, krylov, .. } = self;
         disturbances.assemble(system, operator)?;
         let (mut out, mut scalars) = (Spectrum::default(), [0.0; SHAPE_SCALARS]);
         for &parity in parities(cortex.domain) {
@@ -164,7 +164,7 @@ impl Stability {
                 }
                 Ok(())
             };
-            out.values.extend(rightmost(arnoldi, krylov, &disturbances.weights, step, (parity, shift, wanted))?);
+            out.values.extend(rightmost(&arnoldi, krylov, &disturbances.weights, step, (parity, shift))?);
         }
         sort(&mut out.values);
         Ok(out)

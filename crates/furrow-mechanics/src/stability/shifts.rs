@@ -1,6 +1,7 @@
 //! The shifts at which the rightmost growth rates are computed, for all kinds of perturbations.
 
 use furrow_bvp::Solution;
+use furrow_spectra::Arnoldi;
 
 use super::spectrum::{Result, Spectrum, StabilityError};
 use crate::cortex::Cortex;
@@ -13,6 +14,10 @@ pub(crate) const REACH: f64 = 50.0;
 /// similar size separates. If the first shift does not, it is reduced by this factor, at most [`MOST_NEARER`] times.
 const NEARER: f64 = 1.0 / 16.0;
 const MOST_NEARER: usize = 3;
+
+/// Factor by which the Krylov space is larger where no shift separates the slow modes of a regulator: a nearer shift may
+/// reach none of them.
+const LARGER: usize = 4;
 
 /// Bounds on the growth rates of a shape before their computation.
 #[derive(Clone, Copy, Debug)]
@@ -36,23 +41,28 @@ impl Shifts {
         self.scale
     }
 
-    /// The `wanted` rightmost growth rates from two shifts, and from further ones if the shape has a narrow neck;
-    /// `at_shift` computes the rates within reach of one shift.
+    /// The rightmost growth rates from two shifts, and from further ones if the shape has a narrow neck; `at_shift`
+    /// computes the rates within reach of one shift.
     pub(crate) fn leading(
         &self,
-        wanted: usize,
-        mut at_shift: impl FnMut(f64, usize) -> Result<Spectrum>,
+        arnoldi: Arnoldi,
+        mut at_shift: impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
     ) -> Result<Spectrum> {
-        let (near, mut spectrum) = self.within_reach(&mut at_shift, wanted)?;
-        self.add_at(&mut at_shift, [8.0 * near, near], wanted, &mut spectrum)?;
-        self.add_fast(&mut at_shift, 8.0 * near, wanted, &mut spectrum)?;
+        let (near, mut spectrum) = self.within_reach(&mut at_shift, arnoldi)?;
+        self.add_at(&mut at_shift, [8.0 * near, near], arnoldi, &mut spectrum)?;
+        self.add_fast(&mut at_shift, 8.0 * near, arnoldi, &mut spectrum)?;
         Ok(spectrum)
     }
 
     /// The largest growth rate only, from one shift, and from further ones if the shape has a narrow neck.
-    pub(crate) fn growth_rate(&self, mut at_shift: impl FnMut(f64, usize) -> Result<Spectrum>) -> Result<f64> {
-        let (near, mut spectrum) = self.within_reach(&mut at_shift, 1)?;
-        self.add_fast(&mut at_shift, near, 1, &mut spectrum)?;
+    pub(crate) fn growth_rate(
+        &self,
+        arnoldi: Arnoldi,
+        mut at_shift: impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
+    ) -> Result<f64> {
+        let arnoldi = Arnoldi { wanted: 1, ..arnoldi };
+        let (near, mut spectrum) = self.within_reach(&mut at_shift, arnoldi)?;
+        self.add_fast(&mut at_shift, near, arnoldi, &mut spectrum)?;
         Ok(spectrum.growth_rate())
     }
 
@@ -60,14 +70,14 @@ impl Shifts {
     /// size.
     fn add_fast(
         &self,
-        at_shift: &mut impl FnMut(f64, usize) -> Result<Spectrum>,
+        at_shift: &mut impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
         mut shift: f64,
-        wanted: usize,
+        arnoldi: Arnoldi,
         spectrum: &mut Spectrum,
     ) -> Result<()> {
         while 0.5 * REACH * shift < self.fastest {
             shift *= 0.5 * REACH;
-            self.add_at(at_shift, [shift; 2], wanted, spectrum)?;
+            self.add_at(at_shift, [shift; 2], arnoldi, spectrum)?;
         }
         Ok(())
     }
@@ -76,12 +86,12 @@ impl Shifts {
     /// away to separate the slow modes of a regulator, and has no modes to the right of them, adds nothing.
     fn add_at(
         &self,
-        at_shift: &mut impl FnMut(f64, usize) -> Result<Spectrum>,
+        at_shift: &mut impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
         [shift, slack]: [f64; 2],
-        wanted: usize,
+        arnoldi: Arnoldi,
         spectrum: &mut Spectrum,
     ) -> Result<()> {
-        match at_shift(shift, wanted) {
+        match at_shift(shift, arnoldi) {
             Err(StabilityError::NotConverged { value, error, .. })
                 if self.regulated && value <= spectrum.growth_rate() + error => {}
             found => spectrum.add(found?, slack),
@@ -92,24 +102,31 @@ impl Shifts {
     /// The smallest shift, from the scale of the cell upwards, within reach of any mode, and its modes.
     fn within_reach(
         &self,
-        at_shift: &mut impl FnMut(f64, usize) -> Result<Spectrum>,
-        wanted: usize,
+        at_shift: &mut impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
+        arnoldi: Arnoldi,
     ) -> Result<(f64, Spectrum)> {
+        let lie_close = |found: &Result<_>| self.regulated && matches!(found, Err(StabilityError::NotConverged { .. }));
+        let larger = Arnoldi { max_dimension: LARGER * arnoldi.max_dimension, ..arnoldi };
         let mut shift = self.scale;
-        let mut found = at_shift(shift, wanted);
+        let mut found = at_shift(shift, arnoldi);
         for _ in 0..MOST_NEARER {
-            if self.regulated && matches!(found, Err(StabilityError::NotConverged { .. })) {
+            if lie_close(&found) {
                 shift *= NEARER;
-                found = at_shift(shift, wanted);
+                found = at_shift(shift, arnoldi);
             }
         }
-        let mut spectrum = found?;
-        // All modes decay faster than the shift can reach: no growing mode is missed, but the rates are not known yet.
-        while spectrum.values.is_empty() && shift < 1e12 {
+        loop {
+            if lie_close(&found) {
+                found = at_shift(shift, larger);
+            }
+            let spectrum = found?;
+            // All modes decay faster than the shift can reach: no growing mode is missed, but the rates are not known yet.
+            if !spectrum.values.is_empty() || shift >= 1e12 {
+                return Ok((shift, spectrum));
+            }
             shift *= 0.5 * REACH;
-            spectrum = at_shift(shift, wanted)?;
+            found = at_shift(shift, arnoldi);
         }
-        Ok((shift, spectrum))
     }
 }
 

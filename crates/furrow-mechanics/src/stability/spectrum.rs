@@ -95,14 +95,14 @@ impl StabilityError {
     }
 }
 
-/// The `wanted` rightmost growth rates of one parity within reach of the shift: `step` is w ↦ P_s w, in the inner
+/// The rightmost growth rates of one parity within reach of the shift: `step` is w ↦ P_s w, in the inner
 /// product of `weights`.
 pub(crate) fn rightmost(
     arnoldi: &Arnoldi,
     krylov: &mut Krylov,
     weights: &[f64],
     step: impl FnMut(&[f64], &mut [f64]) -> Result<()>,
-    (parity, shift, wanted): (Parity, f64, usize),
+    (parity, shift): (Parity, f64),
 ) -> Result<Vec<GrowthRate>> {
     let limit = arnoldi.max_dimension.min(weights.len() - 1);
     let tolerance = arnoldi.tolerance;
@@ -111,7 +111,7 @@ pub(crate) fn rightmost(
             return Some(Ok(Vec::new()));
         }
         let mut rates = growth_rates(values, shift, parity);
-        rates.truncate(wanted.max(1));
+        rates.truncate(arnoldi.wanted.max(1));
         let allowed = |r: &GrowthRate| tolerance * (r.re.hypot(r.im) + shift);
         match rates.iter().find(|r| r.error > allowed(r)) {
             None if !rates.is_empty() => Some(Ok(rates)),
@@ -168,8 +168,8 @@ mod tests {
                 to.iter_mut().zip(from).enumerate().for_each(|(k, (to, from))| *to = mode(k) * from);
                 Ok(())
             };
-            let (arnoldi, mut krylov) = (Arnoldi::default(), Krylov::default());
-            let found = rightmost(&arnoldi, &mut krylov, &[1.0; 60], step, (Parity::Mixed, 1.0, 1)).unwrap();
+            let (arnoldi, mut krylov) = (Arnoldi { wanted: 1, ..Arnoldi::default() }, Krylov::default());
+            let found = rightmost(&arnoldi, &mut krylov, &[1.0; 60], step, (Parity::Mixed, 1.0)).unwrap();
             (found, applied)
         };
         let (found, applied) = rates_at(80.0);

@@ -147,13 +147,9 @@ function waists(radii) {
 
 /** Draws a frame of a recording into a canvas. */
 function drawCell(canvas, recording, frame, { forces = true, size = null } = {}) {
-  const [width, height, ratio] = size ?? [canvas.clientWidth, canvas.clientHeight, window.devicePixelRatio || 1];
-  if (!width || !height) return;
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  const paint = canvas.getContext("2d");
-  paint.setTransform(ratio, 0, 0, ratio, 0, 0);
-  const ink = theme();
+  const taken = sheet(canvas, size);
+  if (!taken) return;
+  const [{ paint, width, height }, ink] = [taken, theme()];
   paint.fillStyle = ink.ground;
   paint.fillRect(0, 0, width, height);
   const [a, b] = recording.answer.shell;
@@ -164,10 +160,7 @@ function drawCell(canvas, recording, frame, { forces = true, size = null } = {})
 
   paint.strokeStyle = ink.line;
   paint.setLineDash([2, 4]);
-  paint.beginPath();
-  paint.moveTo(px(-1.1 * a), py(0));
-  paint.lineTo(px(1.1 * a), py(0));
-  paint.stroke();
+  drawLine(paint, [px(-1.1 * a), py(0)], [px(1.1 * a), py(0)]);
   paint.setLineDash([6, 4]);
   paint.strokeStyle = ink.shell;
   paint.lineWidth = 1.2;
@@ -193,20 +186,11 @@ function drawCell(canvas, recording, frame, { forces = true, size = null } = {})
   paint.stroke(outline);
   if (forces) drawForces(paint, recording, frame.arrows, px, py, ink);
   drawScale(paint, scale, recording.units, width, height, ink);
-  drawPoles(paint, recording.poles, width, ink);
+  // What the two ends of the axis are.
   const [left, right] = recording.poles;
+  write(paint, `← ${left}`, 10, 16);
+  write(paint, `${right} →`, width - 10, 16, "right");
   canvas.setAttribute("aria-label", `The cell's contour in its shell: ${left} on the left, ${right} on the right`);
-}
-
-/** What the two ends of the axis are. */
-function drawPoles(paint, [left, right], width, ink) {
-  paint.fillStyle = ink.faint;
-  paint.font = "11px system-ui, sans-serif";
-  paint.textBaseline = "alphabetic";
-  paint.textAlign = "left";
-  paint.fillText(`← ${left}`, 10, 16);
-  paint.textAlign = "right";
-  paint.fillText(`${right} →`, width - 10, 16);
 }
 
 /** A value of each point as a band under the contour: as strong as the value is there, in another colour where it is below 0. */
@@ -225,9 +209,7 @@ function drawBand(paint, contour, { value, strongest, width }, px, py, ink) {
       paint.strokeStyle = strength > 0 ? ink.cue : ink.lowers;
       paint.globalAlpha = Math.abs(strength) / steps;
       for (const side of [1, -1]) {
-        paint.beginPath();
-        for (let j = k; j <= end; j += 1) paint.lineTo(px(contour[3 * j + 1]), py(side * contour[3 * j]));
-        paint.stroke();
+        drawLine(paint, ...Array.from({ length: end - k + 1 }, (_, j) => [px(contour[3 * (k + j) + 1]), py(side * contour[3 * (k + j)])]));
       }
     }
     k = end;
@@ -247,10 +229,7 @@ function drawForces(paint, recording, arrows, px, py, ink) {
     for (const side of [1, -1]) {
       const [dx, dy] = [(recording.sign * length * alongZ) / force, (-side * length * alongR) / force];
       const [x, y] = [px(z), py(side * r)];
-      paint.beginPath();
-      paint.moveTo(x, y);
-      paint.lineTo(x + dx, y + dy);
-      paint.stroke();
+      drawLine(paint, [x, y], [x + dx, y + dy]);
       const [ux, uy] = [dx / length, dy / length];
       const head = Math.min(4, length / 2);
       paint.beginPath();
@@ -271,23 +250,9 @@ function drawScale(paint, scale, { length_um }, width, height, ink) {
   const length = roundStep(BAR / pixels);
   paint.strokeStyle = paint.fillStyle = ink.faint;
   paint.lineWidth = 1.5;
-  paint.beginPath();
-  paint.moveTo(12, height - 10);
-  paint.lineTo(12 + length * pixels, height - 10);
-  paint.stroke();
-  paint.font = "11px system-ui, sans-serif";
-  paint.textAlign = "left";
-  paint.textBaseline = "alphabetic";
-  const words = `${length} ${length_um ? "µm" : "L"}`;
-  paint.fillText(words, 12, height - 15);
-  if (!length_um) {
-    const wide = paint.measureText(words).width;
-    paint.font = "8px system-ui, sans-serif";
-    paint.fillText("h", 12 + wide, height - 13);
-    paint.font = "11px system-ui, sans-serif";
-  }
-  paint.textAlign = "right";
-  paint.fillText("axis of division", width - 12, height - 12);
+  drawLine(paint, [12, height - 10], [12 + length * pixels, height - 10]);
+  write(paint, `${length} ${length_um ? "µm" : "Lₕ"}`, 12, height - 15);
+  write(paint, "axis of division", width - 12, height - 12, "right");
 }
 
 /** A film with a slider and a button. */

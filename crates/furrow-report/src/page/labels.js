@@ -44,10 +44,7 @@ class Labels {
       paint.strokeStyle = paint.fillStyle = shade(view.colours[node.founder], this.ink);
       paint.lineWidth = 1.2;
       paint.setLineDash([5, 4]);
-      paint.beginPath();
-      paint.moveTo(from, y);
-      paint.lineTo(to, y);
-      paint.stroke();
+      drawLine(paint, [from, y], [to, y]);
       paint.setLineDash([]);
       const words = `${node.cell.name}: last ${node.last.division_min.toFixed(0)} min${node.last.lifetime_extrapolated ? "*" : ""}`;
       const wide = paint.measureText(words).width;

@@ -225,10 +225,7 @@ class LineageView {
     for (const { level } of this.marks()) {
       const y = this.py(level);
       if (y < 0 || y > this.height) continue;
-      paint.beginPath();
-      paint.moveTo(this.small ? 4 : GUTTERS[0], y);
-      paint.lineTo(this.width - (this.small ? 4 : GUTTERS[1]), y);
-      paint.stroke();
+      drawLine(paint, [this.small ? 4 : GUTTERS[0], y], [this.width - (this.small ? 4 : GUTTERS[1]), y]);
     }
   }
 
@@ -247,20 +244,15 @@ class LineageView {
     paint.fillRect(this.width - GUTTERS[1], 0, GUTTERS[1], this.height);
     paint.globalAlpha = 1;
     paint.fillStyle = ink.faint;
-    paint.font = "11px system-ui, sans-serif";
-    paint.textBaseline = "middle";
+    const both = ([left, right], x, y) => {
+      write(paint, left, x, y, "left", { baseline: "middle" });
+      write(paint, right, this.width - 8, y, "right", { baseline: "middle" });
+    };
     for (const { level, name, cells } of this.marks()) {
       const y = this.py(level);
-      if (y < -10 || y > this.height + 10) continue;
-      paint.textAlign = "left";
-      paint.fillText(name, this.minutes ? 2 : 8, y);
-      paint.textAlign = "right";
-      paint.fillText(String(cells), this.width - 8, y);
+      if (y >= -10 && y <= this.height + 10) both([name, String(cells)], this.minutes ? 2 : 8, y);
     }
-    paint.textAlign = "left";
-    paint.fillText(this.minutes ? "minutes" : "generation", 8, this.py(0) - 26);
-    paint.textAlign = "right";
-    paint.fillText(this.minutes ? "alive" : "cells", this.width - 8, this.py(0) - 26);
+    both(this.minutes ? ["minutes", "alive"] : ["generation", "cells"], 8, this.py(0) - 26);
   }
 
   /** Lines by colour and width, and the discs in view. */
@@ -308,32 +300,15 @@ class LineageView {
     const [x, y] = [this.px(node.x), this.py(this.level(node))];
     const radius = this.radius(node);
     const colour = shade(this.colours[node.founder], ink);
-    paint.beginPath();
-    paint.arc(x, y, radius, 0, 2 * Math.PI);
+    const isFilled = !node.cell.ended && node.cell.outcome === "symmetric";
+    circle(paint, x, y, radius);
+    paint.fillStyle = isFilled ? colour : ink.ground;
+    paint.fill();
     if (node.cell.ended) {
-      paint.fillStyle = ink.ground;
-      paint.fill();
-      paint.lineWidth = Math.min(1, radius / 2);
-      paint.strokeStyle = colour;
-      paint.stroke();
-      paint.beginPath();
-      paint.moveTo(x - radius, y + radius + 2.5);
-      paint.lineTo(x + radius, y + radius + 2.5);
+      this.ring(x, y, radius, colour, Math.min(1, radius / 2));
       paint.lineWidth = Math.min(1.6, radius);
-      paint.stroke();
-    } else if (node.cell.outcome === "symmetric") {
-      paint.fillStyle = colour;
-      paint.fill();
-    } else {
-      const ring = 0.42 * radius;
-      paint.fillStyle = ink.ground;
-      paint.fill();
-      paint.beginPath();
-      paint.arc(x, y, radius - ring / 2, 0, 2 * Math.PI);
-      paint.lineWidth = ring;
-      paint.strokeStyle = colour;
-      paint.stroke();
-    }
+      drawLine(paint, [x - radius, y + radius + 2.5], [x + radius, y + radius + 2.5]);
+    } else if (!isFilled) this.ring(x, y, 0.79 * radius, colour, 0.42 * radius);
     if (node.folded) this.drawFolded(node, x, y + radius, ink);
     if (this.found.has(node)) this.ring(x, y, radius + 3.5, ink.found, 2);
     if (node === this.selected) this.ring(x, y, radius + 4, ink.accent, 2.5);
@@ -341,8 +316,7 @@ class LineageView {
 
   ring(x, y, radius, colour, width) {
     const { paint } = this;
-    paint.beginPath();
-    paint.arc(x, y, radius, 0, 2 * Math.PI);
+    circle(paint, x, y, radius);
     paint.lineWidth = width;
     paint.strokeStyle = colour;
     paint.stroke();
@@ -357,10 +331,7 @@ class LineageView {
     paint.lineTo(x - 4, y + 8);
     paint.lineTo(x + 4, y + 8);
     paint.fill();
-    paint.font = "10px system-ui, sans-serif";
-    paint.textAlign = "center";
-    paint.textBaseline = "top";
-    paint.fillText(`+${node.below}`, x, y + 10);
+    write(paint, `+${node.below}`, x, y + 10, "center", { baseline: "top", size: 10 });
   }
 
   /** The node under a point; the nearest one that is near enough. */

@@ -34,16 +34,9 @@ class PhaseDiagram {
   }
 
   draw() {
-    const { canvas } = this;
-    const ratio = window.devicePixelRatio || 1;
-    if (!canvas.clientWidth) return;
-    canvas.width = Math.round(canvas.clientWidth * ratio);
-    canvas.height = Math.round(canvas.clientHeight * ratio);
-    const paint = canvas.getContext("2d");
-    paint.setTransform(ratio, 0, 0, ratio, 0, 0);
-    paint.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
-    const ink = theme();
-    const { width, height } = this.inner();
+    const taken = sheet(this.canvas);
+    if (!taken) return;
+    const [{ paint }, ink, { width, height }] = [taken, theme(), this.inner()];
     const px = (r0) => PAD.left + ((r0 - AXES.r0[0]) / (AXES.r0[1] - AXES.r0[0])) * width;
     const py = (xi) => PAD.top + (1 - (xi - AXES.xi[0]) / (AXES.xi[1] - AXES.xi[0])) * height;
     paint.save();
@@ -82,15 +75,10 @@ class PhaseDiagram {
     // Pieces of one strength are one line, so that a broken one is seen to be.
     const pale = (k) => !dash.length && points[k][2] !== null && points[k][2] < 0;
     for (let k = 1; k < points.length; ) {
-      paint.globalAlpha = pale(k) ? 0.5 : 1;
-      paint.beginPath();
-      paint.moveTo(px(points[k - 1][0]), py(points[k - 1][1]));
-      const strength = pale(k);
-      while (k < points.length && pale(k) === strength) {
-        paint.lineTo(px(points[k][0]), py(points[k][1]));
-        k += 1;
-      }
-      paint.stroke();
+      const [first, strength] = [k - 1, pale(k)];
+      paint.globalAlpha = strength ? 0.5 : 1;
+      while (k < points.length && pale(k) === strength) k += 1;
+      drawLine(paint, ...points.slice(first, k).map(([r0, xi]) => [px(r0), py(xi)]));
     }
     paint.globalAlpha = 1;
     paint.setLineDash([]);
@@ -100,18 +88,12 @@ class PhaseDiagram {
     if (!this.point) return;
     const { r0, xi, outcome } = this.point;
     const [x, y] = [px(Math.min(AXES.r0[1], Math.max(AXES.r0[0], r0))), py(Math.min(AXES.xi[1], Math.max(AXES.xi[0], xi)))];
-    paint.beginPath();
-    paint.arc(x, y, 7, 0, 2 * Math.PI);
+    circle(paint, x, y, 7);
     paint.lineWidth = 3;
     paint.strokeStyle = paint.fillStyle = ink.accent;
     if (outcome === "symmetric") paint.fill();
     paint.stroke();
-    if (outcome === "failed") {
-      paint.beginPath();
-      paint.moveTo(x - 7, y + 12);
-      paint.lineTo(x + 7, y + 12);
-      paint.stroke();
-    }
+    if (outcome === "failed") drawLine(paint, [x - 7, y + 12], [x + 7, y + 12]);
   }
 
   drawAxes(paint, px, py, ink) {
@@ -120,37 +102,28 @@ class PhaseDiagram {
     paint.lineWidth = 1;
     paint.strokeRect(PAD.left + 0.5, PAD.top + 0.5, width, height);
     paint.fillStyle = ink.faint;
-    paint.font = "11px system-ui, sans-serif";
-    paint.textAlign = "center";
-    paint.textBaseline = "top";
     const unit = this.lengthUnit ?? 1;
     for (const tick of ticks(AXES.r0.map((end) => end * unit))) {
       paint.fillRect(px(tick / unit), PAD.top + height, 1, 4);
-      paint.fillText(String(tick), px(tick / unit), PAD.top + height + 7);
+      write(paint, String(tick), px(tick / unit), PAD.top + height + 7, "center", { baseline: "top" });
     }
-    fillSubscripted(paint, this.lengthUnit ? ["R", "0", ", in µm"] : ["R", "0", ", in L", "h"], PAD.left + width / 2, PAD.top + height + 23);
-    paint.textAlign = "right";
-    paint.textBaseline = "middle";
+    write(paint, `R₀, in ${this.lengthUnit ? "µm" : "Lₕ"}`, PAD.left + width / 2, PAD.top + height + 23, "center", { baseline: "top" });
     for (const tick of ticks(AXES.xi)) {
       paint.fillRect(PAD.left - 4, py(tick), 4, 1);
-      paint.fillText(String(tick), PAD.left - 7, py(tick));
+      write(paint, String(tick), PAD.left - 7, py(tick), "right", { baseline: "middle" });
     }
     paint.save();
     paint.translate(12, PAD.top + height / 2);
     paint.rotate(-Math.PI / 2);
-    paint.textAlign = "center";
-    fillSubscripted(paint, ["ξ", "s"], 0, 0);
+    write(paint, "ξₛ", 0, 0, "center", { baseline: "middle" });
     paint.restore();
   }
 
   drawLabels(paint, edge, other, px, py, ink) {
     paint.fillStyle = ink.faint;
-    paint.textBaseline = "middle";
-    paint.font = "12px system-ui, sans-serif";
-    paint.textAlign = "right";
-    paint.fillText("the furrow grows", px(AXES.r0[1]) - 10, PAD.top + 18);
-    paint.textAlign = "left";
-    paint.fillText("at rest", px(AXES.r0[0]) + 10, PAD.top + this.inner().height - 14);
+    const style = { baseline: "middle", size: 12 };
+    write(paint, "the furrow grows", px(AXES.r0[1]) - 10, PAD.top + 18, "right", style);
+    write(paint, "at rest", px(AXES.r0[0]) + 10, PAD.top + this.inner().height - 14, "left", style);
     const here = edge.pieces.map((points) => this.threshold(points)).find((xi) => xi !== null) ?? null;
     const at = here === null ? "" : ` At this R0 it lies at ξₛ = ${here.toFixed(1)}.`;
     const epsilon = ({ epsilon }) => Number(epsilon.toFixed(4));
@@ -175,21 +148,4 @@ function ticks([low, high]) {
   const step = roundStep((high - low) / 8);
   const count = Math.floor(high / step) - Math.ceil(low / step) + 1;
   return Array.from({ length: count }, (_, k) => Number(((Math.ceil(low / step) + k) * step).toPrecision(6)));
-}
-
-/** Writes texts, every second of which is a subscript, with their middle at (x, y). */
-function fillSubscripted(paint, texts, x, y) {
-  const fonts = ["11px system-ui, sans-serif", "8px system-ui, sans-serif"];
-  const wide = texts.map((text, k) => {
-    paint.font = fonts[k % 2];
-    return paint.measureText(text).width;
-  });
-  paint.textAlign = "left";
-  let at = x - wide.reduce((sum, part) => sum + part, 0) / 2;
-  texts.forEach((text, k) => {
-    paint.font = fonts[k % 2];
-    paint.fillText(text, at, y + (k % 2 ? 4 : 0));
-    at += wide[k];
-  });
-  paint.font = fonts[0];
 }

@@ -345,7 +345,7 @@ fn the_geff_in_a_container_is_read() {
     let inside = folder.path().join("embryo.geff");
     fs::write(folder.path().join(".zgroup"), "{\"zarr_format\": 2}").unwrap();
     assert_eq!(lives(&tracked(folder.path())), LIVES);
-    assert_eq!(format_of(folder.path()).unwrap(), Some(Format::Geff));
+    assert_eq!(located(folder.path()).unwrap().unwrap().0, Format::Geff);
     fs::create_dir(folder.path().join("tables")).unwrap();
     fs::rename(&inside, folder.path().join("tables/tracks.geff")).unwrap();
     assert_eq!(lives(&tracked(folder.path())), LIVES);
