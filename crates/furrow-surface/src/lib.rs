@@ -1,6 +1,7 @@
 //! A dividing cell's cortex as a surface without axial symmetry.
 
 pub mod contact;
+pub mod crossing;
 pub mod division;
 pub mod embed;
 mod jacobian;

@@ -1,0 +1,68 @@
+//! Divisions with axial symmetry, m = 0 alone, against those of furrow-mechanics with the same noise.
+
+use furrow_cell::{Cell, Cue, Numerics, ThreeDimensional};
+use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_surface::division;
+
+use crate::states::within;
+
+/// Axial symmetry on a fine mesh.
+const AXISYMMETRIC: ThreeDimensional = ThreeDimensional { modes: 0, elements: 44, contact: true };
+
+/// |χ| and t_end differ by: absolute, relative. `share` is that of the default tolerance in time.
+fn differences(cell: Cell, share: f64) -> [f64; 2] {
+    let default = Numerics::default();
+    let numerics = Numerics { time_tolerance: share * default.time_tolerance, ..default };
+    let expected = divide(&DivisionInput::new(cell.clone())).unwrap();
+    let input = DivisionInput { numerics, ..DivisionInput::new(cell) };
+    let found = division::divide(&input, &AXISYMMETRIC, &mut |_, _| {}).unwrap().division;
+    let of = |found: &furrow_mechanics::division::Division| found.chi_signed().unwrap();
+    println!(
+        "R0 = {}: χ {:.5} and {:.5}, t {:.5} and {:.5}, {} steps, volume off by {:.1e}",
+        input.cell.r0,
+        of(&found),
+        of(&expected),
+        found.t_end,
+        expected.t_end,
+        found.work.steps,
+        found.volume_drift,
+    );
+    [(of(&found) - of(&expected)).abs(), (found.t_end / expected.t_end - 1.0).abs()]
+}
+
+#[track_caller]
+fn check(cell: Cell, share: f64, allowed: [f64; 2]) {
+    let [chi, t_end] = differences(cell, share);
+    within("χ", chi, allowed[0]);
+    within("t_end", t_end, allowed[1]);
+}
+
+#[test]
+fn cued_divisions_are_those_of_the_axisymmetric_equations() {
+    for r0 in [2.5, 4.0, 5.4] {
+        check(Cell::new(r0).with_cue(Cue::published()), 1.0, [0.002, 0.005]);
+    }
+}
+
+#[test]
+fn an_equal_division_is_that_of_the_axisymmetric_equations() {
+    check(Cell::new(2.5), 1.0, [0.002, 0.005]);
+}
+
+/// It waits at the symmetric saddle: the time to leave it follows from how far the noise's first step has gone.
+#[test]
+fn an_unequal_division_is_that_of_the_axisymmetric_equations() {
+    check(Cell::new(2.0), 1.0, [0.003, 0.05]);
+}
+
+/// Several modes of the early furrow grow.
+#[test]
+fn a_large_cells_division_is_that_of_the_axisymmetric_equations() {
+    check(Cell::new(5.4), 1.0, [0.002, 0.05]);
+}
+
+#[test]
+#[ignore = "takes three seconds"]
+fn shorter_steps_bring_a_large_cells_time_closer() {
+    check(Cell::new(5.4), 0.05, [0.002, 0.01]);
+}
