@@ -37,7 +37,7 @@ impl Facet {
         let slope = dot(&self.across, ray);
         let apart = difference(from, &self.corner);
         let turned = cross(ray, &apart);
-        let [a, b] = [-dot(&turned, &self.edges[1]) / slope, dot(&turned, &self.edges[0]) / slope];
+        let [a, b] = [dot(&turned, &self.edges[1]) / slope, -dot(&turned, &self.edges[0]) / slope];
         let distance = -dot(&apart, &self.across) / slope;
         (slope != 0.0 && a >= 0.0 && b >= 0.0 && a + b <= 1.0).then_some((distance, slope > 0.0))
     }

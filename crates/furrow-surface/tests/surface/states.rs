@@ -1,5 +1,7 @@
 //! States on which the engine is tested.
 
+use std::sync::LazyLock;
+
 use furrow_bvp::{Gauss, Work};
 use furrow_cell::{Cell, Numerics, ThreeDimensional};
 use furrow_mechanics::cortex::Domain;
@@ -103,6 +105,15 @@ pub fn bent(cell: &Cell, elements: usize, modes: usize, bent: usize) -> (Problem
 /// Places of the harmonics of a space.
 pub fn place(space: &Space, harmonic: Harmonic) -> Option<usize> {
     space.harmonics.iter().position(|of| *of == harmonic)
+}
+
+/// States of a division from one side, R0 = 2.0, with contact of its walls; the last at pinch-off.
+pub fn one_sided() -> &'static [(Problem, State)] {
+    static STATES: LazyLock<Vec<(Problem, State)>> = LazyLock::new(|| {
+        let settings = ThreeDimensional { modes: 3, elements: 32, contact: true };
+        during(Cell::new(2.0), &settings, &[0.0005, 0.5, 1.2, 1.43])
+    });
+    &STATES
 }
 
 /// The first states of a division after the given times, each with the problem of its last step.

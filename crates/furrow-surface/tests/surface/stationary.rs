@@ -62,7 +62,8 @@ fn cued_shapes_at_rest_are_those_of_the_axisymmetric_equations() {
 fn off(found: &[furrow_surface::rates::Rate], expected: &Spectrum) -> f64 {
     let leading = expected.values.iter().take(2);
     let of = [Parity::Even, Parity::Odd].into_iter().filter_map(|parity| expected.rightmost(Some(parity)));
-    let nearest = |re: f64, im: f64| found.iter().map(|rate| (rate.re - re).hypot(rate.im - im)).fold(f64::INFINITY, f64::min);
+    let nearest =
+        |re: f64, im: f64| found.iter().map(|rate| (rate.re - re).hypot(rate.im - im)).fold(f64::INFINITY, f64::min);
     leading.chain(of).map(|rate| nearest(rate.re, rate.im) / rate.re.hypot(rate.im).max(1.0)).fold(0.0, f64::max)
 }
 
@@ -73,7 +74,8 @@ fn rates(elements: usize) -> f64 {
         for m in 0..=3 {
             let expected = if m == 0 { shape.spectrum() } else { shape.azimuthal(m).leading() }.unwrap();
             let found = problem.rates(&state, 8, Some(m)).unwrap();
-            let leading: Vec<String> = expected.values.iter().take(3).map(|rate| format!("{:.6} {:?}", rate.re, rate.parity)).collect();
+            let leading: Vec<String> =
+                expected.values.iter().take(3).map(|rate| format!("{:.6} {:?}", rate.re, rate.parity)).collect();
             println!("R0 = {}, m = {m}, {elements} elements: {:.1e}; {leading:?}", of[0], off(&found, &expected));
             worst = worst.max(off(&found, &expected));
         }
