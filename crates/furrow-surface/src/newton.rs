@@ -63,6 +63,14 @@ impl Problem {
         (self.constants.volume * 0.75 / std::f64::consts::PI).cbrt()
     }
 
+    /// Takes away what the last change has added to the volume to second order.
+    fn keep_volume(&self, state: &mut State, factored: &Factored) {
+        let excess = self.volume(&state.surface) - self.constants.volume;
+        let mut change = vec![0.0; self.space.unknowns()];
+        let pressure = factored.solve(&mut change, -excess);
+        self.change(state, &change, pressure);
+    }
+
     /// Solves for a state near the given one. `known` may hold derivatives of a problem nearby, and keeps the last ones.
     ///
     /// # Errors
@@ -101,6 +109,7 @@ impl Problem {
                 tolerance = newton.tolerance.min(newton.share * change).max(ROUNDING);
             }
             if change < tolerance || iteration > 0 && left < tolerance {
+                self.keep_volume(state, factored);
                 return Ok(());
             }
             if contraction > newton.slow {

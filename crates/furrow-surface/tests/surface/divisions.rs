@@ -27,6 +27,7 @@ fn differences(cell: Cell, share: f64) -> [f64; 2] {
         found.work.steps,
         found.volume_drift,
     );
+    within("volume", found.volume_drift, 1e-8);
     [(of(&found) - of(&expected)).abs(), (found.t_end / expected.t_end - 1.0).abs()]
 }
 

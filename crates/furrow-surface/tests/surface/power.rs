@@ -139,6 +139,6 @@ fn activity_pays_for_dissipation_and_energy() {
         println!("{found:?}");
         assert!(found.dissipation > 0.0, "{found:?}");
         let volume = problem.volume(&state.surface) / problem.constants.volume - 1.0;
-        within("volume", volume.abs(), 1e-6);
+        within("volume", volume.abs(), 1e-8);
     }
 }

@@ -8,5 +8,6 @@ mod peer;
 mod random_cells;
 mod regulator;
 mod strong_regulators;
+mod surface;
 mod time;
 mod virtual_power;
