@@ -250,7 +250,7 @@ impl Run<'_> {
         let noisy = self.numerics.first_step;
         if stepper.history[0].t >= noisy * (1.0 - 1e-9) && !stepper.problem.noise.is_empty() {
             stepper.problem.noise.clear();
-            stepper.forget();
+            stepper.restart();
         }
         loop {
             match stepper.attempt(self.dt) {

@@ -48,8 +48,10 @@ impl Stepper {
         Stepper { problem, history, work: Work::default(), newton, contact: true, factored: None, known_rate: 0.0 }
     }
 
-    /// Forgets the derivatives, after a change of the problem.
-    pub fn forget(&mut self) {
+    /// Starts anew from the newest state, after a sudden change of the forces: steps that knew the velocity before it would go on with
+    /// it, and make an impulse half as large again.
+    pub fn restart(&mut self) {
+        self.history.truncate(1);
         self.factored = None;
     }
 

@@ -50,10 +50,10 @@ fn an_equal_division_is_that_of_the_axisymmetric_equations() {
     check(Cell::new(2.5), 1.0, [0.002, 0.005]);
 }
 
-/// It waits at the symmetric saddle: the time to leave it follows from how far the noise's first step has gone.
+/// It waits at the symmetric saddle: the time to leave it follows from how far the noise has gone in its only step.
 #[test]
 fn an_unequal_division_is_that_of_the_axisymmetric_equations() {
-    check(Cell::new(2.0), 1.0, [0.003, 0.05]);
+    check(Cell::new(2.0), 1.0, [0.003, 0.015]);
 }
 
 /// Several modes of the early furrow grow.
@@ -64,6 +64,7 @@ fn a_large_cells_division_is_that_of_the_axisymmetric_equations() {
 
 #[test]
 #[ignore = "takes three seconds"]
-fn shorter_steps_bring_a_large_cells_time_closer() {
+fn shorter_steps_bring_times_closer() {
+    check(Cell::new(2.0), 0.05, [0.002, 0.005]);
     check(Cell::new(5.4), 0.05, [0.002, 0.01]);
 }
