@@ -3,6 +3,8 @@
 //!
 //! The work of each (Newton iterations, factorisations) is printed first, since it does not depend on the machine and its load.
 
+#[path = "../common/clock.rs"]
+mod clock;
 mod cortex;
 mod division;
 mod lineage;
@@ -11,12 +13,14 @@ mod numerics;
 #[path = "../../tests/common/stand_in.rs"]
 mod stand_in;
 mod steady;
+mod surface;
 
 fn main() {
     let listing = std::env::args().any(|argument| argument == "--list" || argument == "--test");
     if !listing {
         division::print_work();
         steady::print_work();
+        surface::print_work();
     }
     divan::main();
 }
