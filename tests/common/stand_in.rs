@@ -33,6 +33,7 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
         t_end: 1.0 + 1.0 / r0,
         slow_growth_rate: None,
         phi: None,
+        neck_offset: None,
         volume_drift: 0.0,
         work: furrow_bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..furrow_bvp::Work::default() },
     }

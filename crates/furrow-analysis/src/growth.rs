@@ -4,12 +4,12 @@ use super::ranges::{LineageRanges, TreeCounts, summed_up};
 use super::scenarios::{Scenario, growers};
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue};
-use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, solve};
 use furrow_lineage::{
     EndRule, GrowError, Lineage, Scope, Thresholds, Tree, TreeSettings, expected_work, grow_replicates, grow_together,
 };
 use furrow_mechanics::critical::CriticalRadii;
-use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::division::DivisionInput;
 use furrow_mechanics::equilibria::ShapeError;
 use std::sync::atomic::AtomicBool;
 
@@ -59,7 +59,7 @@ pub fn grown(
     cancel: &AtomicBool,
 ) -> Result<Grown, GrowError> {
     growing(scenarios, dynamics, options, cancel, |ends, options| {
-        let (trees, summary) = grow_together(&growers(scenarios, ends, memo, options), divide)?;
+        let (trees, summary) = grow_together(&growers(scenarios, ends, memo, options), solve)?;
         Ok(Grown { trees, summary, unknown: vec![] })
     })
 }
@@ -92,7 +92,7 @@ pub fn grown_replicates(
             let all: Vec<Scenario> =
                 seeds.flat_map(|k| scenarios.iter().map(move |scenario| replicate(k, scenario))).collect();
             let first_seed = scenarios.first().map_or(0, |scenario| scenario.settings.seed);
-            let (trees, summary) = grow_replicates(&growers(&all, ends, memo, options), first_seed, divide)?;
+            let (trees, summary) = grow_replicates(&growers(&all, ends, memo, options), first_seed, solve)?;
             for (k, tree) in trees.iter().enumerate() {
                 counts[k % scenarios.len()].push(TreeCounts::of(tree, 1.0));
             }

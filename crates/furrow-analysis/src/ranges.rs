@@ -2,12 +2,11 @@
 
 use super::constants::Constants;
 use furrow_cell::Parameter;
-use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler, solve};
 use furrow_lineage::{
     EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::critical::CriticalRadii;
-use furrow_mechanics::division::divide;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -239,7 +238,7 @@ pub(super) fn grow_alone(
     cancel: &AtomicBool,
 ) -> Result<(Tree, Summary), GrowError> {
     let options = SchedulerOptions { threads: 1, interrupt: Some(cancel), ..SchedulerOptions::default() };
-    Grower { lineage, settings, ends, memo, options }.grow(divide)
+    Grower { lineage, settings, ends, memo, options }.grow(solve)
 }
 
 /// The share of the weight of all trees for which a condition holds.

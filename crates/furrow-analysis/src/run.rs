@@ -8,12 +8,12 @@ use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
 use furrow_cell::Numerics;
-use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
+use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler, solve};
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::critical::{BoundaryKind, CriticalRadii, critical_radius_within};
-use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
+use furrow_mechanics::division::{Division, DivisionInput, Statistics};
 use furrow_mechanics::equilibria::{BranchOptions, PointKind, ShapeError, StepBudget, pitchfork};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -207,7 +207,7 @@ impl<'a> Run<'a> {
         };
         let options = SchedulerOptions { progress: Some(&show), ..self.options() };
         let mut divisions: Vec<Option<Division>> = vec![None; of];
-        let run = scheduler::run(jobs, self.memo, &options, divide, |id, division| {
+        let run = scheduler::run(jobs, self.memo, &options, solve, |id, division| {
             divisions[id] = Some(division.clone());
             let number = id / replicates;
             let of_input = &divisions[number * replicates..][..replicates];
@@ -322,7 +322,7 @@ impl<'a> Run<'a> {
         let settings = TreeSettings { cell, numerics, seed, r0_step: self.memo.quantisation().relative_step() };
         let (lineage, ends) = (&self.sweep.lineage_at(&input.cell), EndRule::Thresholds(ends));
         let grower = Grower { lineage, settings, ends, memo: self.memo, options: self.options() };
-        let (tree, summary) = grower.grow(divide)?;
+        let (tree, summary) = grower.grow(solve)?;
         out.solved += summary.solved;
         out.reused += summary.memo_hits;
         out.warnings.extend(summary.warnings);

@@ -18,7 +18,7 @@ mod value;
 
 pub use cue::{Cue, CueError};
 pub use material::{Material, RigidityGradient, Shell};
-pub use numerics::{Numerics, Scheme, ThreeDimensional};
+pub use numerics::{Numerics, Scheme};
 pub use parameter::Parameter;
 pub use settings::Settings;
 

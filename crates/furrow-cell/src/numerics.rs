@@ -14,24 +14,6 @@ pub enum Scheme {
     Published,
 }
 
-/// Settings of a cell without axial symmetry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ThreeDimensional {
-    /// Largest azimuthal number m of the shape: it starts with fewer, and takes more as it needs them.
-    pub modes: usize,
-    /// Elements from pole to pole.
-    pub elements: usize,
-    /// Whether the walls of a furrow touch; otherwise they pass through each other.
-    pub contact: bool,
-}
-
-impl Default for ThreeDimensional {
-    fn default() -> Self {
-        ThreeDimensional { modes: 4, elements: 44, contact: true }
-    }
-}
-
 /// Settings of the discretisation. The defaults are what every published number of furrow is computed with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -61,9 +43,13 @@ pub struct Numerics {
     pub noise_time: f64,
     /// A division with |χ| below this is symmetric and its daughters are equal.
     pub chi_symmetric: f64,
-    /// The cell without axial symmetry; `None` with it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub three_dimensional: Option<ThreeDimensional>,
+    /// Largest azimuthal number m of the shape; 0 keeps the axial symmetry, which is another solver. The shape begins with fewer,
+    /// and takes more as it needs them.
+    pub modes: usize,
+    /// Elements from pole to pole of a cell without axial symmetry.
+    pub elements: usize,
+    /// Whether the walls of a furrow of a cell without axial symmetry touch; otherwise they pass through each other.
+    pub contact: bool,
 }
 
 impl Default for Numerics {
@@ -80,7 +66,9 @@ impl Default for Numerics {
             noise: 0.01,
             noise_time: 0.0,
             chi_symmetric: 5e-3,
-            three_dimensional: None,
+            modes: 0,
+            elements: 44,
+            contact: true,
         }
     }
 }

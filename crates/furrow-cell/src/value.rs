@@ -61,6 +61,16 @@ impl Kind for f64 {
     }
 }
 
+impl Kind for bool {
+    fn of(value: &Value) -> Option<bool> {
+        value.text().parse().ok()
+    }
+
+    fn value(self) -> Value {
+        Value::Text(self.to_string())
+    }
+}
+
 impl Kind for usize {
     fn of(value: &Value) -> Option<usize> {
         match value {

@@ -1,8 +1,8 @@
 //! One division without axial symmetry, from the passive shape to pinch-off or rest.
 
 use furrow_bvp::{Gauss, Work};
-use furrow_cell::{Cell, Numerics, Scheme, ThreeDimensional};
-use furrow_mechanics::cortex::equations::{COMPONENTS, PRESSURE, R, Z};
+use furrow_cell::{Cell, Numerics, Scheme};
+use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, R, Z};
 use furrow_mechanics::cortex::observables::PINCH_OFF;
 use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending};
@@ -14,6 +14,7 @@ use crate::neck::{Neck, asymmetry, neck};
 use crate::newton::{Newton, NewtonError};
 use crate::noise;
 use crate::problem::{Problem, State};
+use crate::rates::Rate;
 use crate::space::Space;
 use crate::stepper::{Level, Stepper};
 
@@ -26,76 +27,28 @@ pub struct NeckAt {
     pub neck: Neck,
 }
 
+/// A stationary surface and its growth rates, the largest first.
+#[derive(Clone, Debug)]
+pub struct AtRest {
+    /// The stationary problem.
+    pub problem: Problem,
+    /// Its solution.
+    pub state: State,
+    /// The leading growth rates.
+    pub rates: Vec<Rate>,
+}
+
 /// A division, and what only a surface without axial symmetry has.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SurfaceDivision {
     /// The division.
     pub division: Division,
-    /// Distance of the neck's centre, or of the waist's in a cell at rest, from the axis at the end, in L_h; `None` without a waist.
-    pub neck_offset: Option<f64>,
     /// Largest azimuthal number of the shape at the end.
     pub modes: usize,
     /// The neck after every step.
     pub necks: Vec<NeckAt>,
-}
-
-/// Why a division without axial symmetry could not be computed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// The axisymmetric start was not found, or an input is outside its domain.
-    #[error(transparent)]
-    Start(#[from] DivisionError),
-    /// A setting or a part of the cue that the surface does not have.
-    #[error("{what} is not computed without axial symmetry; {instead}")]
-    Unsupported {
-        /// The setting.
-        what: &'static str,
-        /// What to do.
-        instead: &'static str,
-    },
-    /// Newton's method failed on the shape at the start.
-    #[error("the surface of the passive cell with R0 = {r0} was not found: {source}")]
-    NoPassiveSurface {
-        /// Radius R0.
-        r0: f64,
-        /// The last failure.
-        source: NewtonError,
-    },
-    /// The time step fell below its minimum.
-    #[error(
-        "time stepping of the surface with R0 = {r0} stalled at t = {t:.4} with step {dt:.1e} ({source}), its neck at {neck:.3} R0; try more elements or modes"
-    )]
-    Stalled {
-        /// Radius R0.
-        r0: f64,
-        /// Time, in τ.
-        t: f64,
-        /// The last step, in τ.
-        dt: f64,
-        /// Radius of the neck, relative to R0; 1 without a waist.
-        neck: f64,
-        /// The last failure.
-        source: NewtonError,
-    },
-    /// The cell neither divided nor came to rest in the steps allowed.
-    #[error("the surface with R0 = {r0} still moves at t = {t:.3}, after {steps} steps")]
-    Restless {
-        /// Radius R0.
-        r0: f64,
-        /// Time, in τ.
-        t: f64,
-        /// Steps taken.
-        steps: usize,
-    },
-    /// The cell neither divided nor came to rest in the time allowed.
-    #[error("the surface with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max")]
-    Undecided {
-        /// Radius R0.
-        r0: f64,
-        /// The allowed time, in τ.
-        t_max: f64,
-    },
+    /// The state of a cell that does not divide.
+    pub rest: Option<AtRest>,
 }
 
 /// A neck narrower than this, relative to R0, closes: volumes and time at the radius of M.20 follow from the last step.
@@ -119,33 +72,43 @@ const FIRST_MODES: usize = 2;
 /// Size of the harmonics with the largest azimuthal number, relative to R0, above which the shape takes one more.
 const TAIL: f64 = 1e-4;
 
-/// Computes one division; `observe` sees the surface after every step.
+/// Computes one division with the azimuthal numbers that the numerics allow; `observe` sees the surface after every step.
 ///
 /// # Errors
-/// [`SurfaceError`].
+/// [`DivisionError`].
 pub fn divide(
     input: &DivisionInput,
-    settings: &ThreeDimensional,
     observe: &mut dyn FnMut(&Problem, &Level),
-) -> Result<SurfaceDivision, SurfaceError> {
+) -> Result<SurfaceDivision, DivisionError> {
+    run(input, false, observe)
+}
+
+/// [`divide`]; `symmetric` leaves out the noise that breaks the mirror symmetry u → 1 − u, so that a cell may come to rest in a
+/// state that is unstable to it.
+pub(crate) fn run(
+    input: &DivisionInput,
+    symmetric: bool,
+    observe: &mut dyn FnMut(&Problem, &Level),
+) -> Result<SurfaceDivision, DivisionError> {
     let DivisionInput { cell, numerics, seed } = input;
     check(cell, numerics)?;
     let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
-    let (problem, state) = start(cell, numerics, settings)?;
+    let (problem, state) = start(cell, numerics)?;
     let mut stepper = Stepper::new(problem, state);
-    stepper.contact = settings.contact;
+    stepper.contact = numerics.contact;
     let first = &stepper.history[0].state.surface;
-    stepper.problem.noise = noise::factors(&stepper.problem, first, numerics, *seed);
+    stepper.problem.noise = noise::factors(&stepper.problem, first, numerics, *seed, symmetric);
     observe(&stepper.problem, &stepper.history[0]);
     let mut run = Run {
         r0: cell.r0,
+        epsilon: cell.epsilon,
         numerics,
-        settings,
         tolerance: ERROR * numerics.time_tolerance * cell.r0,
         dt: numerics.first_step,
         necks: Vec::new(),
         drift: 0.0,
         looked: false,
+        unstable_too: symmetric,
     };
     loop {
         if let Err(error) = run.advance(&mut stepper) {
@@ -160,35 +123,39 @@ pub fn divide(
     }
 }
 
-fn check(cell: &Cell, numerics: &Numerics) -> Result<(), SurfaceError> {
-    let unsupported = |what, instead| Err(SurfaceError::Unsupported { what, instead });
+fn check(cell: &Cell, numerics: &Numerics) -> Result<(), DivisionError> {
+    let unsupported = |what, instead| Err(DivisionError::Unsupported { what, instead });
     if cell.cue.regulator().is_some() {
-        return unsupported("a regulator that the flow carries", "paint the cue, or leave out --three-dimensional");
+        return unsupported(
+            "a regulator that the flow carries has no equations without axial symmetry",
+            "paint the cue, or leave out --three-dimensional",
+        );
     }
     if numerics.scheme == Scheme::Published {
-        return unsupported("the published scheme", "use the converged one");
+        return unsupported("the published scheme has axial symmetry alone", "set scheme = converged");
     }
     if numerics.noise_time > 0.0 && numerics.noise != 0.0 {
-        return unsupported("sustained noise", "set noise_time to 0");
+        return unsupported("sustained noise has axial symmetry alone", "set noise_time = 0");
     }
     Ok(())
+}
+
+/// The error of a step that Newton's method could not solve.
+fn stalled(r0: f64, [t, dt, neck]: [f64; 3], source: NewtonError) -> DivisionError {
+    DivisionError::SurfaceStalled { r0, t, dt, neck, reason: source.to_string() }
 }
 
 /// The passive surface of a cell, in a problem with its activity and cue.
 ///
 /// # Errors
-/// [`SurfaceError`].
-pub fn start(
-    cell: &Cell,
-    numerics: &Numerics,
-    settings: &ThreeDimensional,
-) -> Result<(Problem, State), SurfaceError> {
+/// [`DivisionError`].
+pub fn start(cell: &Cell, numerics: &Numerics) -> Result<(Problem, State), DivisionError> {
     let name = CellName::of(cell);
     let (half, _) = equilibria::passive(cell, numerics)
         .map_err(|source| DivisionError::NoPassiveShape { cell: name, source })?;
     let full = unfold(&half);
     let gauss = Gauss::new(numerics.stages).unwrap_or_default();
-    let space = Space::new(settings.elements, settings.modes.min(FIRST_MODES));
+    let space = Space::new(numerics.elements, numerics.modes.min(FIRST_MODES));
     let mut problem = Problem::new(&cell.passive(), space);
     let contour = |u: f64| {
         let mut y = [0.0; COMPONENTS];
@@ -199,13 +166,10 @@ pub fn start(
     let mut state = embed(&problem.space, &shares, full.scalars[PRESSURE], contour);
     problem
         .settle(&mut state, &mut Work::default())
-        .map_err(|source| SurfaceError::NoPassiveSurface { r0: cell.r0, source })?;
-    problem.constants = Problem::new(cell, Space::new(DEGREE_ELEMENTS, 0)).constants;
+        .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source))?;
+    problem.constants = Constants::new(cell, |_, value| value);
     Ok((problem, state))
 }
-
-/// Elements of a space that is not used.
-const DEGREE_ELEMENTS: usize = 4;
 
 /// Rounds in which the mesh of a stationary surface is adapted.
 const SETTLING: usize = 8;
@@ -232,8 +196,8 @@ impl Problem {
 /// A division on its way.
 struct Run<'a> {
     r0: f64,
+    epsilon: f64,
     numerics: &'a Numerics,
-    settings: &'a ThreeDimensional,
     tolerance: f64,
     /// Length of the next step, in τ.
     dt: f64,
@@ -242,11 +206,13 @@ struct Run<'a> {
     drift: f64,
     /// Whether the present slow shape was found not to be at rest.
     looked: bool,
+    /// Whether a state at rest may be unstable.
+    unstable_too: bool,
 }
 
 impl Run<'_> {
     /// One accepted step.
-    fn advance(&mut self, stepper: &mut Stepper) -> Result<(), SurfaceError> {
+    fn advance(&mut self, stepper: &mut Stepper) -> Result<(), DivisionError> {
         let noisy = self.numerics.first_step;
         if stepper.history[0].t >= noisy * (1.0 - 1e-9) && !stepper.problem.noise.is_empty() {
             stepper.problem.noise.clear();
@@ -270,7 +236,7 @@ impl Run<'_> {
                     self.dt *= 0.25;
                     if self.dt < SHORTEST {
                         let neck = self.necks.last().map_or(1.0, |at| at.neck.radius / self.r0);
-                        return Err(SurfaceError::Stalled { r0: self.r0, t, dt, neck, source });
+                        return Err(stalled(self.r0, [t, dt, neck], source));
                     }
                 }
             }
@@ -320,17 +286,14 @@ impl Run<'_> {
 
     fn division(&self, stepper: &Stepper, ending: Ending, t_end: f64) -> Division {
         let work = stepper.work;
-        Division { ending, t_end, slow_growth_rate: None, phi: None, volume_drift: self.drift, work }
+        let waist = neck(&stepper.problem.space, &stepper.history[0].state.surface);
+        let neck_offset = waist.filter(|_| self.numerics.modes > 0).map(|neck| neck.offset.abs());
+        let volume_drift = self.drift;
+        Division { ending, t_end, slow_growth_rate: None, phi: None, neck_offset, volume_drift, work }
     }
 
     fn result(&self, stepper: &Stepper, division: Division) -> SurfaceDivision {
-        let waist = neck(&stepper.problem.space, &stepper.history[0].state.surface);
-        SurfaceDivision {
-            division,
-            neck_offset: waist.map(|neck| neck.offset.abs()),
-            modes: stepper.problem.space.modes,
-            necks: self.necks.clone(),
-        }
+        SurfaceDivision { division, modes: stepper.problem.space.modes, necks: self.necks.clone(), rest: None }
     }
 
     /// The division, if the cell rests: its surface is close to a stationary one that is stable to all modes.
@@ -350,28 +313,29 @@ impl Run<'_> {
         problem.motion = Default::default();
         problem.settle(&mut state, &mut stepper.work).ok()?;
         let apart = problem.normal_distance(&state.surface, &now.state.surface);
-        let rates = problem.rates(&state, 4, None).ok()?;
+        let rates = problem.rates(&state, 6, None).ok()?;
         let growth_rate = rates.first()?.re;
-        if growth_rate >= 0.0 || apart > 0.02 * self.r0 {
+        if growth_rate >= 0.0 && !self.unstable_too || apart > 0.02 * self.r0 {
             return None;
         }
         let division = self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) }, now.t);
-        Some(self.result(stepper, division))
+        let rest = Some(AtRest { problem, state, rates });
+        Some(SurfaceDivision { rest, ..self.result(stepper, division) })
     }
 
-    fn limits(&self, stepper: &Stepper) -> Result<(), SurfaceError> {
+    fn limits(&self, stepper: &Stepper) -> Result<(), DivisionError> {
         let (t, steps, r0) = (stepper.history[0].t, stepper.work.steps, self.r0);
         if t > self.numerics.t_max {
-            return Err(SurfaceError::Undecided { r0, t_max: self.numerics.t_max });
+            return Err(DivisionError::Undecided { r0, epsilon: self.epsilon, t_max: self.numerics.t_max });
         }
-        if steps > MOST_STEPS { Err(SurfaceError::Restless { r0, t, steps }) } else { Ok(()) }
+        if steps > MOST_STEPS { Err(DivisionError::Restless { r0, t, steps }) } else { Ok(()) }
     }
 
     /// One more azimuthal number if the largest is in use.
     fn take_modes(&self, stepper: &mut Stepper) {
         let modes = stepper.problem.space.modes;
         let tail = stepper.problem.space.tail(&stepper.history[0].state.surface);
-        if modes < self.settings.modes && tail > TAIL * self.r0 {
+        if modes < self.numerics.modes && tail > TAIL * self.r0 {
             stepper.take_modes(modes + 1);
         }
     }

@@ -14,6 +14,8 @@ pub mod noise;
 pub mod number;
 pub mod problem;
 pub mod rates;
+pub mod sample;
 pub mod space;
 pub mod splines;
+pub mod steady;
 pub mod stepper;

@@ -88,6 +88,24 @@ impl Problem {
         volume
     }
 
+    /// Contour length L of the mean meridian, in L_h.
+    pub fn contour_length(&self, surface: &[f64]) -> f64 {
+        self.speeds(surface).1
+    }
+
+    /// A place without motion at a share of the contour.
+    pub fn place_at(&self, share: f64, length: f64) -> Place {
+        Place {
+            local: self.constants.at(share, length),
+            shell: self.constants.shell,
+            noise: 1.0,
+            rate: 0.0,
+            past: [0.0; 3],
+            mesh: [[0.0; 4]; 2],
+            contact: Contact::default(),
+        }
+    }
+
     /// The share of the contour, by the mean meridian, from the pole u = 0 to a coordinate u of the mesh.
     pub fn share_at(&self, surface: &[f64], u: f64) -> f64 {
         let (speeds, length) = self.speeds(surface);

@@ -6,10 +6,10 @@
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_input::InputError;
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
-use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::batch::{Memo, scheduler, solve};
 use furrow_measured::dose::{DoseGroup, DoseTrend, Doses, by_condition, by_dose, trend};
 use furrow_measured::published::{DOSE_SOURCE, rodrigues2024};
-use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -100,7 +100,7 @@ pub fn over_dose(
         let cue = if *dose == 0.0 { Cue::none() } else { cue.scaled(*dose) };
         DivisionInput { cell: cell.clone().with_cue(cue), numerics, seed: 0 }
     };
-    let found = scheduler::solve_all(doses.iter().map(input), memo, options, divide)?.divisions;
+    let found = scheduler::solve_all(doses.iter().map(input), memo, options, solve)?.divisions;
     let of = |(dose, found): (&f64, &Option<Division>)| DoseModel {
         dose: *dose,
         outcome: found.as_ref().map(Division::outcome),

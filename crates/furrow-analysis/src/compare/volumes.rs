@@ -7,12 +7,12 @@ use crate::constants::Constants;
 use crate::ranges::{Range, each_tree};
 use furrow_cell::{Cell, Cue};
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
-use furrow_lineage::batch::{Memo, phase, scheduler};
+use furrow_lineage::batch::{Memo, phase, scheduler, solve};
 use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
 use furrow_measured::statistics::{BoxPlot, Line, SPREAD_FROM, box_plot, line, line_through_origin, mean};
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use furrow_mechanics::division::{Division as Computed, DivisionInput, Outcome, divide};
+use furrow_mechanics::division::{Division as Computed, DivisionInput, Outcome};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicBool;
@@ -343,7 +343,7 @@ fn divide_by_cue(
         DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
     };
     let inputs = all.iter().flat_map(|(_, cue)| radii.iter().map(move |r0| input(cue, r0)));
-    let mut found = scheduler::solve_all(inputs, memo, options, divide)?.divisions.into_iter();
+    let mut found = scheduler::solve_all(inputs, memo, options, solve)?.divisions.into_iter();
     Ok(all.into_iter().map(|(name, _)| (name, found.by_ref().take(radii.len()).collect())).collect())
 }
 

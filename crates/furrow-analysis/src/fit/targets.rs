@@ -6,10 +6,10 @@ use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document};
 use furrow_lineage::Lineage;
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
-use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::batch::{Memo, scheduler, solve};
 use furrow_mechanics::calibration::Threshold;
 use furrow_mechanics::calibration::statements::{GivenCriticality, GivenDivision};
-use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::division::DivisionInput;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
@@ -198,7 +198,7 @@ impl Targets {
         }
         let inputs = self.divisions.iter().map(|given| DivisionInput { cell: given.cell(cell), numerics, seed: 0 });
         let options = SchedulerOptions { threads: 1, interrupt: Some(cancel), ..SchedulerOptions::default() };
-        let found = scheduler::solve_all(inputs, memo, &options, divide)?.divisions;
+        let found = scheduler::solve_all(inputs, memo, &options, solve)?.divisions;
         let contradicted = |(given, found): &(&GivenDivision, &Option<_>)| {
             found.as_ref().is_none_or(|division| given.contradiction(division).is_some())
         };

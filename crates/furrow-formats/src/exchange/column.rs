@@ -70,7 +70,7 @@ const fn column(name: &'static str, kind: Kind, note: bool, of: Value) -> Column
 const MINUTES: usize = 3;
 
 /// All columns, in the order in which they are written.
-pub const COLUMNS: [Column; 21] = [
+pub const COLUMNS: [Column; 22] = [
     column("mother", Kind::Text, false, |tree, id| Some(tree.cell(tree.mother(id)?).name.clone())),
     column("daughter", Kind::Text, false, |tree, id| daughter(tree, id)),
     column("founder", Kind::Text, true, |tree, id| Some(tree.founder_name(id).to_owned())),
@@ -86,6 +86,7 @@ pub const COLUMNS: [Column; 21] = [
     column("t_end", Kind::Number, true, |tree, id| number(tree.cell(id).fate.t_end())),
     column("slow_growth_rate", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.slow_growth_rate)),
     column("phi", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.phi)),
+    column("neck_offset", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.neck_offset)),
     column("ended", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.terminal_reason()?.name().to_owned())),
     column("ended_why", Kind::Text, false, |tree, id| ended_why(tree, id)),
     column("birth_chi", Kind::Number, false, |tree, id| birth_chi(tree, id)),

@@ -138,6 +138,8 @@ struct Record<'a> {
     slow_growth_rate: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     phi: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    neck_offset: Option<f64>,
     ended: Option<TerminalReason>,
     /// Minutes, where the lineage has a clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -170,6 +172,7 @@ impl<'a> Record<'a> {
             t_end: division.map(|d| d.t_end),
             slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
             phi: division.and_then(|d| d.phi),
+            neck_offset: division.and_then(|d| d.neck_offset),
             ended: cell.fate.terminal_reason().cloned(),
             birth_min: times.map(|times| times.birth_min),
             division_min: times.and_then(|times| times.division_min),

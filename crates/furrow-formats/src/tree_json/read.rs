@@ -333,6 +333,7 @@ impl Record<'_> {
             growth_rate,
             slow_growth_rate: self.slow_growth_rate,
             phi: self.phi,
+            neck_offset: self.neck_offset,
             volume_drift: 0.0,
             work: furrow_bvp::Work::default(),
         });

@@ -124,10 +124,16 @@ impl CanonicalBytes {
 
     fn numerics(&mut self, numerics: &Numerics) {
         let (counts, scheme, mut reals) = numbers(numerics);
-        counts.into_iter().for_each(|number| self.count(number as u64));
+        let [stages, intervals, surface @ ..] = counts;
+        self.count(stages as u64);
+        self.count(intervals as u64);
         // Each scheme has a first step of its own: `dt`, or `first_step`.
         reals[if scheme == Scheme::Published { 1 } else { 0 }] = 0.0;
         self.reals(reals);
+        // Divisions with axial symmetry keep the keys they had before there were others.
+        if numerics.modes > 0 {
+            surface.into_iter().for_each(|number| self.count(number as u64));
+        }
     }
 }
 
@@ -139,8 +145,9 @@ fn profile_choice(profile: &Profile) -> usize {
     NAMES.iter().position(|name| *name == profile.name()).unwrap_or(NAMES.len())
 }
 
-/// Everything that a discretisation says: stages and intervals, the scheme, the reals from `dt` to `chi_symmetric`.
-pub(super) fn numbers(numerics: &Numerics) -> ([usize; 2], Scheme, [f64; 8]) {
+/// Everything that a discretisation says: stages, intervals, modes, elements and contact (0 or 1), the scheme, the reals from
+/// `dt` to `chi_symmetric`.
+pub(super) fn numbers(numerics: &Numerics) -> ([usize; 5], Scheme, [f64; 8]) {
     // Without `..`: a new field does not compile until it has its place.
     let Numerics {
         stages,
@@ -154,9 +161,12 @@ pub(super) fn numbers(numerics: &Numerics) -> ([usize; 2], Scheme, [f64; 8]) {
         noise,
         noise_time,
         chi_symmetric,
+        modes,
+        elements,
+        contact,
     } = *numerics;
     let reals = [dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric];
-    ([stages, intervals], scheme, reals)
+    ([stages, intervals, modes, elements, usize::from(contact)], scheme, reals)
 }
 
 /// A table by key.

@@ -12,6 +12,7 @@ pub mod phase;
 pub mod quantisation;
 pub mod replicates;
 pub mod scheduler;
+pub mod solve;
 pub mod store;
 
 #[cfg(test)]
@@ -25,4 +26,5 @@ pub use replicates::{Replicates, replicates};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
 #[cfg(feature = "store")]
 pub use store::StoreError;
+pub use solve::solve;
 pub use store::{Store, StoreWarning};

@@ -1,8 +1,9 @@
 //! One cell divided several times, with noise of different seeds.
 
 use super::memo::Memo;
+use super::solve::solve;
 use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary, Unsolved};
-use furrow_mechanics::division::{Division, DivisionInput, divide};
+use furrow_mechanics::division::{Division, DivisionInput};
 
 /// Divisions of one cell with noise of several seeds.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +43,7 @@ pub fn replicates(
 ) -> Result<Replicates, SchedulerError> {
     let seed = |id: usize| input.seed.wrapping_add(id as u64);
     let inputs = (0..count).map(|id| DivisionInput { seed: seed(id), ..input.clone() });
-    let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, divide)?;
+    let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, solve)?;
     let solved = divisions.into_iter().enumerate().filter_map(|(id, division)| Some((seed(id), division?)));
     Ok(Replicates { divisions: solved.collect(), undecided: unsolved, summary })
 }

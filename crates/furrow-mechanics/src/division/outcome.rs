@@ -80,6 +80,9 @@ pub struct Division {
     pub slow_growth_rate: Option<f64>,
     /// The regulator φ at the furrow at pinch-off, or at u = ½ of the shape at rest; `None` without a regulator.
     pub phi: Option<f64>,
+    /// Distance of the neck's centre, or of the waist's in a cell at rest, from the axis at the end, in L_h; `None` with axial
+    /// symmetry, and without a waist.
+    pub neck_offset: Option<f64>,
     /// Largest relative deviation of the cell volume over the whole division.
     pub volume_drift: f64,
     /// Work it took.
@@ -202,6 +205,8 @@ pub struct DivisionRow {
     pub slow_growth_rate: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phi: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neck_offset: Option<f64>,
     pub volume_drift: f64,
     #[serde(flatten)]
     pub work: Work,
@@ -219,6 +224,7 @@ impl From<Division> for DivisionRow {
             growth_rate: division.growth_rate(),
             slow_growth_rate: division.slow_growth_rate,
             phi: division.phi,
+            neck_offset: division.neck_offset,
             volume_drift: division.volume_drift,
             work: division.work,
         }
@@ -236,8 +242,8 @@ impl TryFrom<DivisionRow> for Division {
             }
             _ => return Err("a division into two has chi, u_furrow and daughters"),
         };
-        let DivisionRow { t_end, slow_growth_rate, phi, volume_drift, work, .. } = row;
-        Ok(Division { ending, t_end, slow_growth_rate, phi, volume_drift, work })
+        let DivisionRow { t_end, slow_growth_rate, phi, neck_offset, volume_drift, work, .. } = row;
+        Ok(Division { ending, t_end, slow_growth_rate, phi, neck_offset, volume_drift, work })
     }
 }
 
@@ -303,6 +309,14 @@ pub enum DivisionError {
         "the cell with R0 = {r0} still moves at t = {t:.3} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; lower xi_s or the cue's amplitude"
     )]
     Restless { r0: f64, t: f64, steps: usize },
+    /// The equations with axial symmetry were asked for a cell without it, or the other way round for what only they have.
+    #[error("{what}: {instead}")]
+    Unsupported { what: &'static str, instead: &'static str },
+    /// The equations of a cell without axial symmetry could not be solved.
+    #[error(
+        "the surface of the cell with R0 = {r0} stalled at t = {t:.4} with step {dt:.1e} ({reason}), its neck at {neck:.3} R0; try more elements or modes"
+    )]
+    SurfaceStalled { r0: f64, t: f64, dt: f64, neck: f64, reason: String },
     /// The caller stopped the division.
     #[error("the division of the cell with R0 = {r0} was cancelled at t = {t:.3} τ")]
     Cancelled { r0: f64, t: f64 },

@@ -134,6 +134,10 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let observe = observer.unwrap_or(&mut unobserved);
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
+    if numerics.modes > 0 {
+        let instead = "leave out --three-dimensional, and set modes = 0";
+        return Err(DivisionError::Unsupported { what: "computed with axial symmetry alone", instead });
+    }
     let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
     let mut stepper = start.stepper(cell, numerics)?;
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
@@ -459,6 +463,7 @@ impl Run {
             ending,
             t_end: stepper.history[0].t,
             slow_growth_rate: self.slow_growth_rate,
+            neck_offset: None,
             phi: phi_at(stepper, 0, 0.5),
             volume_drift: self.drift,
             work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },

@@ -10,15 +10,15 @@ use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 /// The columns. No column has a declared type: in a column of reals SQLite would store −0 as 0.
 pub const COLUMNS: &str = "key, solver, \
     r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, \
-    stages, intervals, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \
-    outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, phi, volume_drift, \
+    stages, intervals, modes, elements, contact, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \
+    outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, phi, neck_offset, volume_drift, \
     steps, rejected, newton_iterations, factorisations, remeshings, checksum";
 
 /// How many columns there are.
-pub const WIDTH: usize = 46;
+pub const WIDTH: usize = 50;
 
 /// Where the columns of the outcome begin.
-const OUTCOME: usize = 29;
+const OUTCOME: usize = 32;
 
 /// The values of all columns, in their order.
 pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division) -> Vec<Value> {
@@ -38,6 +38,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
         growth_rate,
         slow_growth_rate,
         phi,
+        neck_offset,
         volume_drift,
         work: Work { steps, rejected, iterations, factorisations, remeshings },
     } = division.clone().into();
@@ -55,7 +56,8 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     row.extend(numerics.map(Value::Real));
     row.push(Value::Text(outcome.name().to_owned()));
     let [first, second] = daughters.map_or([None; 2], |radii| radii.map(Some));
-    let outcome = [chi, chi_signed, u_furrow, Some(t_end), first, second, growth_rate, slow_growth_rate, phi];
+    let rates = [growth_rate, slow_growth_rate];
+    let outcome = [chi, chi_signed, u_furrow, Some(t_end), first, second, rates[0], rates[1], phi, neck_offset];
     row.extend(outcome.map(Value::from));
     row.push(Value::Real(volume_drift));
     row.extend([steps, rejected, iterations, factorisations, remeshings].map(count));
@@ -86,6 +88,7 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
         growth_rate: real()?,
         slow_growth_rate: real()?,
         phi: real()?,
+        neck_offset: real()?,
         volume_drift: real()??,
         work: {
             let mut count = || usize::try_from(next()?.as_i64().ok()?).ok();
@@ -113,6 +116,7 @@ pub fn in_range(division: &Division) -> bool {
         && division.growth_rate().is_none_or(f64::is_finite)
         && division.slow_growth_rate.is_none_or(f64::is_finite)
         && division.phi.is_none_or(f64::is_finite)
+        && division.neck_offset.is_none_or(positive)
         && positive(division.t_end)
         && positive(division.volume_drift)
 }

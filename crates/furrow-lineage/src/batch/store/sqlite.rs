@@ -18,7 +18,7 @@ use furrow_mechanics::division::{Division, DivisionInput};
 pub const FILE: &str = "furrow.sqlite";
 
 /// Version of the table, the database's `user_version`.
-const SCHEMA: i64 = 3;
+const SCHEMA: i64 = 4;
 
 /// How long a lock that another process holds is waited for. It holds it for milliseconds unless it is stopped.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -268,7 +268,7 @@ fn immutable(file: &Path) -> Result<Connection, StoreError> {
 fn checked(connection: &Connection, file: &Path) -> Result<(), StoreError> {
     match connection.pragma_query_value(None, "user_version", |row| row.get(0)).map_err(failed(file))? {
         SCHEMA | 0 => Ok(()),
-        1 | 2 => set_aside(connection).map_err(failed(file)),
+        1..SCHEMA => set_aside(connection).map_err(failed(file)),
         schema => Err(StoreError::Newer { file: file.to_owned(), schema }),
     }
 }

@@ -67,7 +67,7 @@ proptest! {
     fn a_division_comes_back_bit_for_bit(
         outcome in 0..3_usize,
         reals in vec(number(), 6),
-        maybe in vec(option::of(number()), 3),
+        maybe in vec(option::of(number()), 4),
         counts in any::<[u32; 5]>().prop_map(|counts| counts.map(|count| count as usize)),
     ) {
         let [steps, rejected, iterations, factorisations, remeshings] = counts;
@@ -84,6 +84,7 @@ proptest! {
             t_end: reals[4],
             slow_growth_rate: maybe[1],
             phi: maybe[2],
+            neck_offset: maybe[3],
             volume_drift: reals[5],
             work: furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings },
         };

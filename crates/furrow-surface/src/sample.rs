@@ -1,0 +1,58 @@
+//! A surface sampled for pictures and files.
+
+use crate::law::{Geometry, Vector, active_stress};
+use crate::problem::{Problem, State};
+use crate::space::Space;
+
+/// A place of a sampled surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The point (x, y, z), in L_h.
+    pub x: Vector<f64>,
+    /// Outward normal.
+    pub normal: Vector<f64>,
+    /// Mean active tension ½ T^k_k, in κ0/L_h².
+    pub tension: f64,
+}
+
+/// Samples on `rows` rings from the pole u = 0 to u = 1, both included, and `columns` meridians around the axis, row by row. Rings are
+/// dense where the mesh is.
+pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> Vec<Sample> {
+    let space = &problem.space;
+    let place = |j: usize| space.meridian(std::f64::consts::TAU * j as f64 / columns as f64);
+    let meridians: Vec<_> = (0..columns).map(place).collect();
+    let mut functions = Vec::new();
+    let mut out = Vec::with_capacity(rows * columns);
+    for row in 0..rows {
+        // The normal at a pole is that of a ring close to it.
+        let u = (row as f64 / (rows - 1) as f64).clamp(1e-4, 1.0 - 1e-4);
+        space.functions(&state.surface, &space.station(u), &mut functions);
+        let share = problem.share_at(&state.surface, u);
+        let place = problem.place_at(share, problem.contour_length(&state.surface));
+        for meridian in &meridians {
+            let shape = space.shape(&functions, meridian);
+            let geometry = Geometry::new(&shape);
+            let stress = active_stress(&place, &geometry);
+            let metric = [(1, 1), (1, 2), (2, 2)].map(|(a, b)| (0..3).map(|k| shape[a][k] * shape[b][k]).sum::<f64>());
+            let tension = 0.5 * (stress[0] * metric[0] + 2.0 * stress[1] * metric[1] + stress[2] * metric[2]);
+            out.push(Sample { x: shape[0], normal: geometry.normal, tension });
+        }
+        if row == 0 || row + 1 == rows {
+            close(space, &state.surface, row == 0, &mut out, columns);
+        }
+    }
+    out
+}
+
+/// Moves the last ring of samples to its pole.
+fn close(space: &Space, surface: &[f64], first: bool, out: &mut [Sample], columns: usize) {
+    let mut functions = Vec::new();
+    space.functions(surface, &space.station(if first { 0.0 } else { 1.0 }), &mut functions);
+    let [pole, ..] = space.shape(&functions, &space.meridian(0.0));
+    let start = out.len() - columns;
+    let ring = &mut out[start..];
+    let mean: Vector<f64> = std::array::from_fn(|k| ring.iter().map(|sample| sample.normal[k]).sum());
+    let length = mean.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let tension = ring.iter().map(|sample| sample.tension).sum::<f64>() / columns as f64;
+    ring.fill(Sample { x: pole, normal: mean.map(|x| x / length), tension });
+}
