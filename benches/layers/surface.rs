@@ -1,7 +1,7 @@
 //! Divisions without axial symmetry.
 
 use divan::black_box;
-use furrow_cell::{Cell, Cue, ThreeDimensional};
+use furrow_cell::{Cell, Cue, Numerics};
 use furrow_mechanics::division::DivisionInput;
 use furrow_surface::division::{SurfaceDivision, divide};
 use furrow_surface::space::Space;
@@ -12,17 +12,23 @@ use crate::clock;
 const KINDS: [(&str, f64, bool); 3] =
     [("one-sided 2.0", 2.0, false), ("bent rest 1.4", 1.4, false), ("cued 5.4", 5.4, true)];
 
+fn numerics() -> Numerics {
+    Numerics { modes: 4, ..Numerics::default() }
+}
+
 #[divan::bench(args = KINDS.map(|(kind, ..)| kind), sample_count = 3, sample_size = 1)]
 fn surface(kind: &str) -> SurfaceDivision {
     let (_, r0, cued) = KINDS.into_iter().find(|(name, ..)| *name == kind).unwrap();
     let cell = Cell::new(black_box(r0));
     let cell = if cued { cell.with_cue(Cue::published()) } else { cell };
-    divide(&DivisionInput::new(cell), &ThreeDimensional::default(), &mut |_, _| {}).unwrap()
+    divide(&DivisionInput { numerics: numerics(), ..DivisionInput::new(cell) }, &mut |_, _| {}).unwrap()
 }
 
 /// The work of each.
 pub fn print_work() {
-    println!("surface            outcome        chi modes unknowns steps rejected newton factorisations processor time");
+    println!(
+        "surface            outcome        chi modes unknowns steps rejected newton factorisations processor time"
+    );
     for (kind, ..) in KINDS {
         let start = clock::now();
         let SurfaceDivision { division: d, modes, .. } = surface(kind);
@@ -31,7 +37,7 @@ pub fn print_work() {
             format!("{:?}", d.outcome()),
             d.chi().map_or("-".to_owned(), |chi| format!("{chi:.4}")),
             modes,
-            Space::new(ThreeDimensional::default().elements, modes).unknowns(),
+            Space::new(numerics().elements, modes).unknowns(),
             d.work.steps,
             d.work.rejected,
             d.work.iterations,

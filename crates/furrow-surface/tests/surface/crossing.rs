@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use furrow_cell::{Cell, ThreeDimensional};
+use furrow_cell::{Cell, Numerics};
 use furrow_surface::crossing::crossing;
 use furrow_surface::embed::project;
 use furrow_surface::problem::{Problem, State};
@@ -70,8 +70,8 @@ fn walls_cross_without_contact_alone() {
     println!("with contact {touching:?} of {softness} allowed");
     assert_eq!(touching[0], 0.0);
     within("walls in contact", touching.iter().copied().fold(0.0, f64::max), softness);
-    let settings = ThreeDimensional { modes: 2, elements: 32, contact: false };
-    let passing: Vec<f64> = during(Cell::new(2.0), &settings, &[0.0]).iter().map(depth).collect();
+    let numerics = Numerics { modes: 2, elements: 32, contact: false, ..Numerics::default() };
+    let passing: Vec<f64> = during(Cell::new(2.0), numerics, &[0.0]).iter().map(depth).collect();
     println!("without {passing:?}");
     assert!(passing[0] == 0.0 && passing[1] > 3.0 * softness, "walls cross: {passing:?}");
 }

@@ -5,14 +5,14 @@ use furrow_surface::law::Contact;
 use furrow_surface::problem::{Problem, Residual, State};
 use furrow_surface::space::Harmonic;
 
-use crate::states::{Draws, bent, place, uneven_cell, within};
+use crate::states::{Draws, bent, place, turn_about_y, uneven_cell, within};
 
 /// Puts walls of different kinds before some points.
 fn put_walls(problem: &mut Problem) {
     let mut draws = Draws(3);
     let points = problem.space.stations.len() * problem.space.meridians.len();
     let wall = |k: usize| {
-        if k % 3 != 0 {
+        if !k.is_multiple_of(3) {
             return Contact::default();
         }
         let [normal, origin] = [0; 2].map(|_| [draws.next(), draws.next(), draws.next()]);
@@ -104,19 +104,10 @@ fn kept(problem: &Problem, state: &State) -> Vec<Vec<f64>> {
         direction
     };
     let only = |of: Harmonic| move |_: usize, harmonic: usize| f64::from(u8::from(Some(harmonic) == place(space, of)));
-    let x = |spline: usize, of: Harmonic| place(space, of).map_or(0.0, |k| state.surface[spline * count + k]);
-    // δx = z and δz = −x.
-    let turned = |spline: usize, harmonic: usize| match space.harmonics[harmonic] {
-        Harmonic::Across(0) => x(spline, Harmonic::Along(0)),
-        Harmonic::Across(k) => 0.5 * x(spline, Harmonic::Along(k.abs())),
-        Harmonic::Along(0) => -x(spline, Harmonic::Across(0)),
-        Harmonic::Along(m) => -x(spline, Harmonic::Across(m)) - x(spline, Harmonic::Across(-m)),
-    };
-    let mut draws = (0..space.splines() * count).map({
-        let mut draws = Draws(5);
-        move |_| draws.next()
-    });
-    let drawn: Vec<f64> = draws.by_ref().collect();
+    let turned =
+        |spline: usize, harmonic: usize| turn_about_y(space, &state.surface, spline, space.harmonics[harmonic]);
+    let mut draws = Draws(5);
+    let drawn: Vec<f64> = (0..space.coefficients()).map(|_| draws.next()).collect();
     vec![
         all(0, &|spline, harmonic| state.surface[spline * count + harmonic]),
         all(0, &only(Harmonic::Along(0))),

@@ -1,13 +1,10 @@
 //! Divisions with axial symmetry, m = 0 alone, against those of furrow-mechanics with the same noise.
 
-use furrow_cell::{Cell, Cue, Numerics, ThreeDimensional};
+use furrow_cell::{Cell, Cue, Numerics};
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_surface::division;
 
 use crate::states::within;
-
-/// Axial symmetry on a fine mesh.
-const AXISYMMETRIC: ThreeDimensional = ThreeDimensional { modes: 0, elements: 44, contact: true };
 
 /// |χ| and t_end differ by: absolute, relative. `share` is that of the default tolerance in time.
 fn differences(cell: Cell, share: f64) -> [f64; 2] {
@@ -15,7 +12,7 @@ fn differences(cell: Cell, share: f64) -> [f64; 2] {
     let numerics = Numerics { time_tolerance: share * default.time_tolerance, ..default };
     let expected = divide(&DivisionInput::new(cell.clone())).unwrap();
     let input = DivisionInput { numerics, ..DivisionInput::new(cell) };
-    let found = division::divide(&input, &AXISYMMETRIC, &mut |_, _| {}).unwrap().division;
+    let found = division::divide(&input, &mut |_, _| {}).unwrap().division;
     let of = |found: &furrow_mechanics::division::Division| found.chi_signed().unwrap();
     println!(
         "R0 = {}: χ {:.5} and {:.5}, t {:.5} and {:.5}, {} steps, volume off by {:.1e}",

@@ -8,11 +8,12 @@ use furrow_surface::problem::{Problem, State};
 use furrow_surface::rates::Rate;
 use furrow_surface::space::{Harmonic, Space};
 
-use crate::states::{bent, place, uneven_cell, within};
+use crate::states::{bent, turn_about_y, uneven_cell, within};
 
 /// The coefficients of the field turned by half a turn about the axis: x and y change their signs, and φ goes on by π.
 fn turned(space: &Space, coefficients: &[f64]) -> Vec<f64> {
-    let sign = |k: usize| if space.harmonics[k % space.harmonics.len()].azimuthal() % 2 == 0 { 1.0 } else { -1.0 };
+    let sign =
+        |k: usize| if space.harmonics[k % space.harmonics.len()].azimuthal().is_multiple_of(2) { 1.0 } else { -1.0 };
     coefficients.iter().enumerate().map(|(k, x)| sign(k) * x).collect()
 }
 
@@ -75,6 +76,9 @@ fn the_balances_of_a_mirror_image_are_mirrored() {
     });
 }
 
+/// A field by spline and harmonic.
+type Motion<'a> = &'a dyn Fn(usize, Harmonic) -> f64;
+
 /// Inner forces have no resultant and no torque: without shell, friction and pressure the balances vanish on rigid motions.
 #[test]
 fn inner_forces_do_no_work_on_rigid_motions() {
@@ -88,16 +92,9 @@ fn inner_forces_do_no_work_on_rigid_motions() {
     let space = &problem.space;
     let count = space.harmonics.len();
     let [_, forces] = fields(&problem, &state);
-    let x = |spline: usize, of: Harmonic| place(space, of).map_or(0.0, |k| state.surface[spline * count + k]);
-    // δx = z and δz = −x.
-    let turn = |spline: usize, of: Harmonic| match of {
-        Harmonic::Across(0) => x(spline, Harmonic::Along(0)),
-        Harmonic::Across(k) => 0.5 * x(spline, Harmonic::Along(k.abs())),
-        Harmonic::Along(0) => -x(spline, Harmonic::Across(0)),
-        Harmonic::Along(m) => -x(spline, Harmonic::Across(m)) - x(spline, Harmonic::Across(-m)),
-    };
+    let turn = |spline: usize, of: Harmonic| turn_about_y(space, &state.surface, spline, of);
     let shift = |along: Harmonic| move |_: usize, of: Harmonic| f64::from(u8::from(of == along));
-    let motions: [(&str, &dyn Fn(usize, Harmonic) -> f64); 3] =
+    let motions: [(&str, Motion<'_>); 3] =
         [("along x", &shift(Harmonic::Across(0))), ("along z", &shift(Harmonic::Along(0))), ("about y", &turn)];
     for (what, motion) in motions {
         let (mut power, mut size) = (0.0, 0.0);

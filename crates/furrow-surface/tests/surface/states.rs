@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use furrow_bvp::{Gauss, Work};
-use furrow_cell::{Cell, Numerics, ThreeDimensional};
+use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::cortex::Domain;
 use furrow_mechanics::cortex::equations::{COMPONENTS, PRESSURE, PSI, R, V, Z};
 use furrow_mechanics::cortex::symmetry::unfold;
@@ -107,20 +107,32 @@ pub fn place(space: &Space, harmonic: Harmonic) -> Option<usize> {
     space.harmonics.iter().position(|of| *of == harmonic)
 }
 
+/// The coefficient of δx = z, δz = −x: the surface turns about y.
+pub fn turn_about_y(space: &Space, surface: &[f64], spline: usize, of: Harmonic) -> f64 {
+    let x = |of: Harmonic| place(space, of).map_or(0.0, |k| surface[spline * space.harmonics.len() + k]);
+    match of {
+        Harmonic::Across(0) => x(Harmonic::Along(0)),
+        Harmonic::Across(k) => 0.5 * x(Harmonic::Along(k.abs())),
+        Harmonic::Along(0) => -x(Harmonic::Across(0)),
+        Harmonic::Along(m) => -x(Harmonic::Across(m)) - x(Harmonic::Across(-m)),
+    }
+}
+
 /// States of a division from one side, R0 = 2.0, with contact of its walls; the last at pinch-off.
 pub fn one_sided() -> &'static [(Problem, State)] {
     static STATES: LazyLock<Vec<(Problem, State)>> = LazyLock::new(|| {
-        let settings = ThreeDimensional { modes: 3, elements: 32, contact: true };
-        during(Cell::new(2.0), &settings, &[0.0005, 0.5, 1.2, 1.43])
+        let numerics = Numerics { modes: 3, elements: 32, ..Numerics::default() };
+        during(Cell::new(2.0), numerics, &[0.0005, 0.5, 1.2, 1.43])
     });
     &STATES
 }
 
 /// The first states of a division after the given times, each with the problem of its last step.
-pub fn during(cell: Cell, settings: &ThreeDimensional, times: &[f64]) -> Vec<(Problem, State)> {
+pub fn during(cell: Cell, numerics: Numerics, times: &[f64]) -> Vec<(Problem, State)> {
+    let input = DivisionInput { numerics, ..DivisionInput::new(cell) };
     let mut out = Vec::new();
     let mut last = None;
-    let found = divide(&DivisionInput::new(cell), settings, &mut |problem, level| {
+    let found = divide(&input, &mut |problem, level| {
         if times.get(out.len()).is_some_and(|t| level.t >= *t) {
             out.push((problem.clone(), level.state.clone()));
         }

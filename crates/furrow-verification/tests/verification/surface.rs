@@ -8,7 +8,7 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use furrow_cell::{Cell, RigidityGradient, ThreeDimensional};
+use furrow_cell::{Cell, Numerics, RigidityGradient};
 use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
 use furrow_surface::division::start;
 use furrow_surface::embed::project;
@@ -321,8 +321,8 @@ fn the_mesh_moves_with_the_normal_velocity_alone() {
 #[test]
 fn a_mesh_is_spread_as_its_density_says() {
     let cell = Cell::new(2.5);
-    let settings = ThreeDimensional { modes: 1, elements: 40, contact: true };
-    let (problem, state) = start(&cell, &furrow_cell::Numerics::default(), &settings).unwrap();
+    let numerics = Numerics { modes: 1, elements: 40, ..Numerics::default() };
+    let (problem, state) = start(&cell, &numerics).unwrap();
     let (speeds, length) = problem.speeds(&state.surface);
     let space = &problem.space;
     let shares = problem.mesh.shares(space);
