@@ -278,8 +278,8 @@ class Cell:
         self, folder: str | os.PathLike[str], seed: SupportsIndex = 0, *, every: SupportsFloat | None = None
     ) -> None:
         """Writes the shapes of the division into a folder as CSV, after every step or every so many τ, as ``furrow divide
-        --frames`` does; :func:`furrow.compare.contours` of the command line reads it. A name that ends in ``.ply`` or
-        ``.glb`` writes surfaces, as files of that name or as one file."""
+        --frames`` does; :func:`furrow.compare.contours` of the command line reads it. If the name ends in ``.ply`` or
+        ``.glb``, it writes surfaces: a file for each frame, or one file."""
         step = None if every is None else _number("every", every)
         _furrow.write_shapes(self._inputs, seed_of(seed), path_of("folder", folder), step)
 

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What the list of frames says of one, beside its file.
+/// The entry of a frame in the list, without its file name.
 #[derive(Serialize)]
 struct About {
     /// Time, in τ.
@@ -47,9 +47,9 @@ impl About {
 
 /// Name of the list of frames in a folder of contours.
 pub const INDEX: &str = "frames.json";
-/// Columns of the surface of a cell that keeps its axis.
+/// Columns of an axisymmetric surface.
 const COLUMNS_AROUND: usize = 64;
-/// What the surface of such a cell shows.
+/// The values of an axisymmetric surface.
 const TENSION: &str = "mean tension ½(T_uu + T_φφ), active and viscous, in κ0/L_h²";
 
 /// The files of the frames of a division.

@@ -112,7 +112,7 @@ fn palette(stage: &Stage<'_, '_>) -> Result<Palette, FigureError> {
     Ok(Palette::of(&samples, width, &stage.colours()))
 }
 
-/// All frames in one palette, each with what changes alone.
+/// All frames in one palette; each stores only the pixels that change.
 fn gif(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, FigureError> {
     let times = &stage.scene.times;
     let [width, height] = SIZE.map(|length| length as usize);
@@ -141,7 +141,7 @@ fn gif(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, Figure
     Ok(out)
 }
 
-/// All frames in full colour, each with the rectangle that changes.
+/// All frames in full colour; each stores only the rectangle that changes.
 fn apng(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, FigureError> {
     let times = &stage.scene.times;
     let [width, height] = SIZE.map(|length| length as usize);
@@ -169,8 +169,8 @@ fn apng(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, Figur
     Ok(out)
 }
 
-/// The smallest rectangle with all pixels, of `parts` bytes each, that are not as they were; all without a frame before,
-/// and one pixel where nothing changes.
+/// The smallest rectangle that contains all changed pixels, of `parts` bytes each: the whole frame without a frame before,
+/// one pixel if nothing changes.
 fn changed(before: &[u8], now: &[u8], [width, height]: [usize; 2], parts: usize) -> Window {
     if before.len() != now.len() {
         return Window { corner: [0, 0], size: [width, height] };

@@ -1,4 +1,4 @@
-//! The light on a surface, and what it hides from itself.
+//! The lighting of a surface, with ambient occlusion.
 
 use furrow_formats::surface::blended;
 
@@ -8,32 +8,31 @@ use super::raster::Part;
 const LIGHT: [f32; 3] = [-0.38, 0.66, 0.65];
 /// Half way between the light and the viewer, where the highlight is.
 const HALF: [f32; 3] = [-0.209, 0.363, 0.908];
-/// Light from everywhere, from above alone, and from the lamp.
+/// Strengths of ambient light, sky light and the lamp.
 const AMBIENT: f32 = 0.55;
 const SKY: f32 = 0.13;
 const LAMP: f32 = 0.42;
-/// The colours of the light from everywhere and of the lamp.
+/// Colours of ambient light and of the lamp.
 const COOL: [f32; 3] = [0.91, 0.98, 1.08];
 const WARM: [f32; 3] = [1.03, 1.0, 0.96];
-/// How far the lamp reaches around the surface.
+/// How far the lamp's light wraps around the surface.
 const WRAP: f32 = 0.25;
 /// Strength of the highlight, as a share of white.
 const HIGHLIGHT: f32 = 0.22;
 /// Colour and strength of the rim, where the surface turns away from the viewer.
 const RIM: [f32; 3] = [38.0, 84.0, 122.0];
 const RIM_SHARE: f32 = 0.62;
-/// Darkening where the surface hides the light from itself, and the distance within which it does, in pixels for one
-/// pixel in a unit of the canvas.
+/// Strength of ambient occlusion, and the distance within which it is sampled, in units of the canvas.
 const HIDDEN: f32 = 1.25;
 const REACH: f32 = 46.0;
-/// Distance within which what hides the light does so fully, in the same pixels, and the rise that hides none.
+/// Distance at which an occluder counts half, in the same unit, and the slope up to which it does not count.
 const FADES: f32 = 69.0;
 const FLAT: f32 = 0.05;
-/// Places around a pixel: directions, and rings of growing distance.
+/// Samples around a pixel: directions, and radii relative to the largest distance.
 const DIRECTIONS: usize = 8;
 const RINGS: [f32; 3] = [0.16, 0.45, 1.0];
 
-/// The colour of a part of a surface, from 0 to 255. `open` is the share of the light from everywhere that reaches it.
+/// The colour of a part of a surface, from 0 to 255. `open` is the share of ambient light that reaches it.
 pub fn lit(part: &Part, open: f32) -> [f32; 3] {
     let dot = |a: [f32; 3]| a[0] * part.normal[0] + a[1] * part.normal[1] + a[2] * part.normal[2];
     let lamp = ((dot(LIGHT) + WRAP) / (1.0 + WRAP)).max(0.0);
@@ -51,8 +50,8 @@ pub fn lit(part: &Part, open: f32) -> [f32; 3] {
     })
 }
 
-/// The share of the light from everywhere that reaches the nearest part of each pixel: the rest is hidden by what rises
-/// above the plane of the surface around it. A convex surface hides nothing.
+/// The share of ambient light that reaches the nearest part of each pixel. Nearby parts block it where they rise above the
+/// tangent plane, so that a convex surface is lit in full.
 pub fn open(parts: &[[Part; 2]], width: usize, density: f32) -> Vec<f32> {
     let height = parts.len() / width.max(1);
     let reach = (REACH * density).ceil() as usize;
@@ -85,10 +84,10 @@ pub fn open(parts: &[[Part; 2]], width: usize, density: f32) -> Vec<f32> {
     parts.iter().enumerate().map(pixel).collect()
 }
 
-/// The places around a pixel that may hide the light from it.
+/// Offsets of the samples around a pixel.
 fn offsets(density: f32) -> Vec<[isize; 2]> {
     let ring = |(k, share): (usize, &f32)| {
-        // Every ring is turned against the one within.
+        // Each ring is rotated against the one inside it.
         let turn =
             move |j: usize| (j as f32 + k as f32 / RINGS.len() as f32) / DIRECTIONS as f32 * std::f32::consts::TAU;
         let radius = share * REACH * density;

@@ -2,10 +2,10 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `scene` | what a movie shows: surfaces with or without an axis, forces, words |
+//! | `scene` | the contents of a movie: surfaces, forces, title, legend |
 //! | `division` | the division of a cell that keeps its axis, as a scene |
 //! | `view` | the direction from which the cell is seen |
-//! | `raster` | the surface in pixels: what each pixel shows of it |
+//! | `raster` | the surface in pixels |
 //! | `light` | the light on the surface |
 //! | `shell` | the shell as glass |
 //! | `picture` | one frame |

@@ -7,7 +7,7 @@ const HASTE: i32 = 10;
 /// Bits of each part of a colour by which its place in the palette is remembered.
 const BITS: usize = 7;
 
-/// At most 255 colours; the number after the last stands for what does not change.
+/// At most 255 colours. The index after the last marks unchanged pixels.
 pub struct Palette {
     /// Red, green and blue of each.
     pub colours: Vec<[u8; 3]>,
@@ -23,7 +23,7 @@ impl Palette {
         let mut colours: Vec<[u8; 3]> = exact.to_vec();
         let palette = chosen.palette.unwrap_or_default();
         colours.extend(palette.chunks_exact(3).map(|colour| [colour[0], colour[1], colour[2]]));
-        // Of the two that are most alike one goes, until there is room.
+        // One of the two most similar colours is removed until the others fit.
         while colours.len() > 255 {
             let pairs = (exact.len()..colours.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
             let Some((_, k)) = pairs.min_by_key(|(j, k)| apart(colours[*j], colours[*k])) else { break };
@@ -48,7 +48,7 @@ impl Palette {
         pixels.chunks_exact(3).map(|pixel| self.number([pixel[0], pixel[1], pixel[2]])).collect()
     }
 
-    /// The number for what does not change.
+    /// The index that marks unchanged pixels.
     pub fn unchanged(&self) -> u8 {
         self.colours.len() as u8
     }
@@ -69,7 +69,7 @@ pub fn png(pixels: &[u8], [width, height]: [u32; 2], palette: &mut Palette) -> R
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(palette.bytes());
-    // Filters are for colours that add up; these are numbers of a list.
+    // Filters compress intensities, not indices.
     encoder.set_filter(png::Filter::NoFilter);
     encoder.write_header()?.write_image_data(&palette.numbers(pixels))?;
     Ok(bytes)

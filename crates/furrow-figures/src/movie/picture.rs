@@ -30,7 +30,7 @@ const MARGIN: f64 = 3.0;
 
 /// The data that all frames of a movie share.
 pub struct Stage<'s, 'a> {
-    /// What is shown.
+    /// The scene.
     pub scene: &'s Scene<'a>,
     view: View,
     /// The force of the longest arrow.
@@ -103,7 +103,7 @@ impl<'s, 'a> Stage<'s, 'a> {
             let behind = [pixel.red(), pixel.green(), pixel.blue()].map(f32::from);
             let shown = covered(behind, both, open[k]);
             let [r, g, b] = over(shown, GLASS, self.glass[k]).map(|light| light.round() as u8);
-            // Opaque colours are their own premultiplied ones.
+            // Premultiplication does not change opaque colours.
             *pixel = PremultipliedColorU8::from_rgba(r, g, b, 255).unwrap_or(*pixel);
         }
     }
@@ -124,7 +124,7 @@ impl<'s, 'a> Stage<'s, 'a> {
                 self.view.turned(outwards)[2] < 0.0
             };
             let is_shown = |k: usize| hidden(place(k)) == behind;
-            // From where the line begins; the whole ring is on one side where it begins nowhere.
+            // The start of the visible arc; 0 if the whole ring is on one side.
             let first = (1..=RING).find(|k| is_shown(*k) && !is_shown(k - 1)).unwrap_or(0);
             let line = (first..=first + RING).take_while(|k| is_shown(*k)).map(|k| self.view.point(place(k)));
             canvas.polyline(&line.collect::<Vec<_>>(), thin);
@@ -201,7 +201,7 @@ impl Frame {
     }
 }
 
-/// The colour of a pixel with the parts of a surface before what lies behind it.
+/// The colour of a pixel: the parts of a surface over the background.
 fn covered(behind: [f32; 3], parts: &[Part; 2], open: f32) -> [f32; 3] {
     let [first, second] = parts;
     let shares = first.cover + second.cover;
@@ -213,7 +213,7 @@ fn covered(behind: [f32; 3], parts: &[Part; 2], open: f32) -> [f32; 3] {
     [0, 1, 2].map(|c| first.cover * near[c] + second.cover * far[c] + (1.0 - shares) * behind[c])
 }
 
-/// A colour under a share of another.
+/// A colour with a share of another blended over it.
 fn over(under: [f32; 3], colour: [f32; 3], share: f32) -> [f32; 3] {
     [0, 1, 2].map(|c| under[c] + share * (colour[c] - under[c]))
 }

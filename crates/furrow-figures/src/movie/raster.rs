@@ -1,4 +1,4 @@
-//! A closed surface in pixels: which part of it each pixel shows.
+//! A closed surface in pixels.
 
 use furrow_formats::surface::SurfaceMesh;
 
@@ -10,7 +10,7 @@ const APART: f32 = 24.0;
 /// Weights of corners may be negative by this much, so that rounding leaves no gaps between triangles.
 const INSIDE: f32 = 1e-4;
 
-/// What a pixel shows of a surface.
+/// The part of a surface in a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Part {
     /// Share of the pixel.
@@ -77,7 +77,7 @@ fn corner(mesh: &SurfaceMesh, k: usize, view: &View, density: f64, window: Windo
     }
 }
 
-/// Fills the samples in a triangle that are nearer than what is there. Triangles that face away are left out.
+/// Draws a triangle where it is nearer than the samples drawn before. Triangles that face away are skipped.
 fn fill(samples: &mut [Sample], [width, height]: [usize; 2], corners: [Corner; 3]) {
     let [a, b, c] = corners.map(|corner| corner.at);
     // Twice the area: negative of what faces the viewer, as y runs downwards.
@@ -114,7 +114,7 @@ fn fill(samples: &mut [Sample], [width, height]: [usize; 2], corners: [Corner; 3
     }
 }
 
-/// The mean of the nearest samples of a pixel and that of those behind them.
+/// Averages the samples of a pixel: those of the nearest part, and those behind it.
 fn resolve<'s>(samples: impl Iterator<Item = &'s Sample> + Clone, count: usize) -> [Part; 2] {
     let nearest = samples.clone().map(|sample| sample.near).fold(f32::NEG_INFINITY, f32::max);
     let mut parts = [Part::default(); 2];

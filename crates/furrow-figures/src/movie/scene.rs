@@ -1,4 +1,4 @@
-//! What a movie shows.
+//! The contents of a movie.
 
 use super::encode::{self, MovieFormat};
 use crate::drawing::FigureError;
@@ -22,7 +22,7 @@ pub struct Scene<'a> {
     pub shell: [f64; 2],
     /// The times of the frames, in τ.
     pub times: Vec<f64>,
-    /// The surface at one of these times. Its values are what tints it, from −1 (blue) to 1 (orange).
+    /// The surface at one of these times. Its values, from −1 (blue) to 1 (orange), set its tint.
     pub surface: &'a (dyn Fn(f64) -> SurfaceGrid + Sync),
     /// The active forces at one of these times, which are drawn as arrows.
     pub forces: &'a (dyn Fn(f64) -> Vec<Force> + Sync),

@@ -1,11 +1,11 @@
-//! The shell, as glass that is seen where it turns away from the viewer.
+//! The shell, as glass that is visible mainly at its edge.
 
 use super::raster::Window;
 use super::view::View;
 
 /// Colour of the glass.
 pub const GLASS: [f32; 3] = [104.0, 130.0, 150.0];
-/// Share of the glass where it faces the viewer, and what is added at its edge.
+/// Opacity of the glass where it faces the viewer, and the opacity added at its edge.
 const FACING: f64 = 0.015;
 const EDGE: f64 = 0.30;
 /// Samples of a pixel along each side.

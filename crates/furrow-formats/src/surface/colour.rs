@@ -2,11 +2,11 @@
 
 use super::SurfaceFrame;
 
-/// The cortex without any value.
-pub const CORTEX: [u8; 3] = [186, 222, 244];
-/// Positive values, and what a cue raises.
+/// The colour of the value 0.
+const CORTEX: [u8; 3] = [186, 222, 244];
+/// The colour of positive values and of fields that a cue raises.
 pub const RAISED: [u8; 3] = [0xe6, 0x9f, 0x00];
-/// Negative values, and what a cue lowers.
+/// The colour of negative values and of fields that a cue lowers.
 pub const LOWERED: [u8; 3] = [0x00, 0x72, 0xb2];
 /// Share of the tint at the largest value.
 const STRENGTH: f64 = 0.85;

@@ -18,7 +18,7 @@ const INDICES: u32 = 34963;
 const TURN: [f32; 4] = [0.5; 4];
 
 /// Frames as one binary glTF file: a mesh for each, with normals, colours and the attribute `_VALUE`, and an animation
-/// that shows one after another by their scales. `value` says what the value is.
+/// that shows them in turn by their scales. `value` describes the values.
 ///
 /// # Errors
 /// [`SurfaceError`].
@@ -109,7 +109,7 @@ struct Buffer {
 }
 
 impl Buffer {
-    /// Adds bytes with their accessor, whose number it returns. All parts are multiples of four bytes.
+    /// Adds bytes and their accessor, and returns the accessor's index. Lengths are multiples of four bytes.
     fn add(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>, mut accessor: Value) -> usize {
         let start = self.bytes.len();
         self.bytes.extend(bytes);
@@ -167,7 +167,7 @@ impl Buffer {
     }
 }
 
-/// A part of a colour on the screen, from 0 to 255, as light, of which glTF's colours are shares.
+/// A component of an sRGB colour, from 0 to 255, as the linear one that glTF uses.
 fn linear(part: f64) -> u8 {
     let share = part / 255.0;
     let light = if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) };

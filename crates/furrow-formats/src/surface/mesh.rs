@@ -12,7 +12,7 @@ pub struct SurfaceMesh {
     pub points: Vec<[f64; 3]>,
     /// Outward normals of length 1.
     pub normals: Vec<[f64; 3]>,
-    /// What the surface shows at every vertex.
+    /// The value at every vertex.
     pub values: Vec<f64>,
     /// Numbers of the vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,

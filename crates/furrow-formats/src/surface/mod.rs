@@ -11,7 +11,8 @@ mod glb;
 mod mesh;
 mod ply;
 
-pub use colour::{CORTEX, LOWERED, RAISED, blended, colour, strongest};
+pub(crate) use colour::strongest;
+pub use colour::{LOWERED, RAISED, blended};
 pub use glb::glb;
 pub use mesh::SurfaceMesh;
 pub use ply::ply;
@@ -45,7 +46,7 @@ pub struct SurfaceGrid {
     pub points: Vec<[f64; 3]>,
     /// Outward normals of length 1.
     pub normals: Vec<[f64; 3]>,
-    /// What the surface shows at every point.
+    /// The value at every point.
     pub values: Vec<f64>,
 }
 
@@ -81,7 +82,7 @@ pub enum SurfaceError {
     /// A list that is not as long as the grid has points.
     #[error("a surface has {found} {name}: {wanted}, one for each point of its grid, are needed")]
     Count {
-        /// What the list holds.
+        /// The name of the list.
         name: &'static str,
         /// The length of the list.
         found: usize,
@@ -91,7 +92,7 @@ pub enum SurfaceError {
     /// A number that is infinite or not a number.
     #[error("{name} of a surface at row {row}, column {column} must be finite")]
     NotFinite {
-        /// What holds the number.
+        /// The quantity.
         name: &'static str,
         /// The row, from 0.
         row: usize,
@@ -116,7 +117,7 @@ pub enum SurfaceError {
 pub struct SurfaceFrame {
     /// The surface.
     pub surface: SurfaceGrid,
-    /// What the list of frames and a glTF's extras say of it, such as its time `t` in τ.
+    /// Metadata for the list of frames and for glTF's extras, such as the time `t` in τ.
     pub about: serde_json::Map<String, serde_json::Value>,
 }
 

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::colour::colour;
 use super::{SurfaceError, SurfaceFrame};
 
-/// A surface as a binary PLY file: vertices with normals, the value and its colour, and triangles. `value` says what the
-/// value is; `strongest` has the strongest colour.
+/// A surface as a binary PLY file: vertices with normals, values and colours, and triangles. `value` describes the values;
+/// `strongest` is the value with the strongest colour.
 ///
 /// # Errors
 /// [`SurfaceError`].

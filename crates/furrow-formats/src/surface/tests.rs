@@ -82,7 +82,7 @@ fn what_is_no_closed_surface_is_refused() {
     assert_eq!(refused(&|grid| grid.points[130][0] = 0.5), SurfaceError::OpenPole { row: 16, apart: 0.5 });
 }
 
-/// The normals of a cell's tangent angles are those of the triangles, and its volume does not change.
+/// Normals from tangent angles agree with the triangles' normals, and the volume stays constant.
 #[test]
 fn a_dividing_cell_keeps_its_volume_as_a_mesh() {
     let film = Trajectory::compute(&DivisionInput::new(Cell::gao2026_thresholds(2.5))).unwrap();

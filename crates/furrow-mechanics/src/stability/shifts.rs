@@ -15,8 +15,8 @@ pub(crate) const REACH: f64 = 50.0;
 const NEARER: f64 = 1.0 / 16.0;
 const MOST_NEARER: usize = 3;
 
-/// Factor by which the Krylov space is larger where no shift separates the slow modes of a regulator: a nearer shift may
-/// reach none of them.
+/// Factor by which the Krylov space is enlarged where no shift separates the slow modes of a regulator, since nearer
+/// shifts may miss all modes.
 const LARGER: usize = 4;
 
 /// Bounds on the growth rates of a shape before their computation.
