@@ -54,12 +54,13 @@ impl Movie<'_> {
         let cue = &film.cell().cue;
         let length = stills.first().map_or(1.0, |still| still.length);
         let legend = cue_colours(&changes(cue, length)).into_iter().chain(phi.into_iter().flat_map(PhiRange::colours));
-        let surface = |t: f64| surface(&film.at(t), film, phi);
-        let forces = |t: f64| forces(&film.at(t));
+        let still = |t: f64| &stills[times.partition_point(|time| *time < t).min(last)];
+        let surface = |t: f64| surface(still(t), film, phi);
+        let forces = |t: f64| forces(still(t));
         use_it(&Scene {
             title: title(cell),
             shell: film.shell(),
-            times,
+            times: times.clone(),
             surface: &surface,
             forces: &forces,
             legend: legend.collect(),

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use super::palette::Palette;
 use super::picture::{Frame, SIZE, Stage};
 use super::raster::Window;
@@ -14,8 +16,8 @@ const DELAY: u16 = 5;
 const LAST: u16 = 150;
 /// Pixels of the surface in a unit of an SVG.
 const DENSITY: f64 = 1.5;
-/// Most frames that are drawn at once.
-const MOST_AT_ONCE: usize = 8;
+/// Frames that are drawn, and kept in memory, at once.
+const AT_ONCE: usize = 8;
 /// Frames, after the first, from which the palette of a movie is chosen.
 const SAMPLES: usize = 2;
 
@@ -77,23 +79,17 @@ fn delay(k: usize, times: &[f64]) -> u16 {
     if k + 1 == times.len() { LAST } else { DELAY }
 }
 
-/// Draws the frames at these times, as many at once as there are processors, and uses one after another.
+/// Draws the frames at these times, several at once, and uses one after another.
 fn drawn<T: Send>(
     stage: &Stage<'_, '_>,
     times: &[f64],
     finish: impl Fn(Frame) -> Result<T, FigureError> + Sync,
     mut using: impl FnMut(usize, T) -> Result<(), FigureError>,
 ) -> Result<(), FigureError> {
-    let at_once = std::thread::available_parallelism().map_or(1, |count| count.get().min(MOST_AT_ONCE));
-    let one = |t: f64| finish(stage.frame(t)?);
-    for (number, batch) in times.chunks(at_once).enumerate() {
-        let frames = std::thread::scope(|scope| {
-            let drawing: Vec<_> = batch.iter().map(|t| scope.spawn(|| one(*t))).collect();
-            let joined = drawing.into_iter().map(|frame| frame.join().unwrap_or_else(|p| std::panic::resume_unwind(p)));
-            joined.collect::<Result<Vec<T>, FigureError>>()
-        })?;
-        for (k, frame) in frames.into_iter().enumerate() {
-            using(number * at_once + k, frame)?;
+    for (number, batch) in times.chunks(AT_ONCE).enumerate() {
+        let frames: Result<Vec<T>, FigureError> = batch.par_iter().map(|t| finish(stage.frame(*t)?)).collect();
+        for (k, frame) in frames?.into_iter().enumerate() {
+            using(number * AT_ONCE + k, frame)?;
         }
     }
     Ok(())

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use super::light;
@@ -185,7 +187,7 @@ impl Frame {
             all.get(from..from + 3 * width).unwrap_or_default()
         };
         let shown: Vec<u8> = (0..height).flat_map(row).copied().collect();
-        let image = base64(&png(&shown, [width as u32, height as u32], palette)?);
+        let image = STANDARD.encode(png(&shown, [width as u32, height as u32], palette)?);
         let [x, y, width, height] = [left, top, width, height].map(|length| length as f64 / stage.density);
         Ok(format!(
             "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" href=\"data:image/png;base64,{image}\"/>{}",
@@ -220,29 +222,4 @@ fn over(under: [f32; 3], colour: [f32; 3], share: f32) -> [f32; 3] {
 
 fn length([x, y, z]: [f64; 3]) -> f64 {
     (x * x + y * y + z * z).sqrt()
-}
-
-/// Bytes as letters, four for three.
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let four = |three: &[u8]| {
-        let part = |k: usize| u32::from(three.get(k).copied().unwrap_or(0));
-        let all = part(0) << 16 | part(1) << 8 | part(2);
-        let letter = move |k: usize| char::from(LETTERS[(all >> (18 - 6 * k)) as usize & 63]);
-        let known = three.len();
-        (0..4).map(move |k| if k <= known { letter(k) } else { '=' })
-    };
-    bytes.chunks(3).flat_map(four).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn letters_are_those_of_the_standard() {
-        for (bytes, letters) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
-            assert_eq!(base64(bytes.as_bytes()), letters);
-        }
-    }
 }

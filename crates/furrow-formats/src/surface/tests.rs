@@ -129,7 +129,7 @@ fn a_ply_reads_back_as_it_was() {
         points.push([number(0), number(1), number(2)]);
         normals.push([number(3), number(4), number(5)]);
         assert!((number(6) - mesh.values[k]).abs() < 1e-6);
-        assert_eq!(vertex[28..], colour(mesh.values[k]));
+        assert_eq!(vertex[28..], super::colour::colour(mesh.values[k]));
     }
     let corner = |face: &[u8], j: usize| u32::from_le_bytes(face[1 + 4 * j..5 + 4 * j].try_into().unwrap());
     assert!(faces.chunks_exact(13).all(|face| face[0] == 3));
