@@ -8,7 +8,9 @@ use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
 use furrow_cell::Numerics;
-use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler, solve};
+use furrow_lineage::batch::{
+    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler, solve,
+};
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
 };

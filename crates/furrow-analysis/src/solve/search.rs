@@ -5,8 +5,8 @@ use std::cell::RefCell;
 use argmin::core::{CostFunction, Error, Executor};
 use argmin::solver::brent::BrentRoot;
 use furrow_cell::{Parameter, Settings};
-use furrow_lineage::batch::{self, phase::spaced};
 use furrow_lineage::batch::scheduler::{self, Solved};
+use furrow_lineage::batch::{self, phase::spaced};
 use furrow_lineage::batch::{Memo, SchedulerOptions, StoreWarning};
 use furrow_mechanics::division::{Division, DivisionInput};
 
@@ -97,7 +97,8 @@ impl Search<'_> {
             }
         }
         let (values, inputs): (Vec<f64>, Vec<DivisionInput>) = inputs.into_iter().unzip();
-        let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, self.memo, self.options, batch::solve)?;
+        let Solved { divisions, unsolved, summary } =
+            scheduler::solve_all(inputs, self.memo, self.options, batch::solve)?;
         self.warnings.extend(summary.warnings);
         if summary.interrupted {
             return Err(SolveError::Interrupted { divisions: self.tried.len() });

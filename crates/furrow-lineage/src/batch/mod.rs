@@ -24,7 +24,7 @@ pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
 pub use replicates::{Replicates, replicates};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
+pub use solve::solve;
 #[cfg(feature = "store")]
 pub use store::StoreError;
-pub use solve::solve;
 pub use store::{Store, StoreWarning};

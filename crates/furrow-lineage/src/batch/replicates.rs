@@ -1,8 +1,8 @@
 //! One cell divided several times, with noise of different seeds.
 
 use super::memo::Memo;
-use super::solve::solve;
 use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary, Unsolved};
+use super::solve::solve;
 use furrow_mechanics::division::{Division, DivisionInput};
 
 /// Divisions of one cell with noise of several seeds.
