@@ -59,6 +59,14 @@ const CLOSING: f64 = 0.04;
 const ERROR: f64 = 6.0;
 /// Longest step, in τ: growing modes must not be damped.
 const LONGEST: f64 = 0.05;
+/// Longest step relative to the time since the start: among the first motions are some that are small and grow fast.
+const EARLY: f64 = 0.03;
+/// How much a motion of R0, as a root mean square over the surface, changes the wanted mesh, where the closing of the neck by a
+/// factor e changes it by 1.
+const MOVED: f64 = 50.0;
+/// How fast the mesh follows the wanted one, for a change of 1. Were it moved by a share in every step, shorter steps would not be
+/// smoother.
+const FOLLOWING: f64 = 1.2;
 /// Shortest step, in τ.
 const SHORTEST: f64 = 1e-9;
 /// Largest relative narrowing of the neck in a step.
@@ -151,8 +159,8 @@ fn stalled(r0: f64, [t, dt, neck]: [f64; 3], source: NewtonError) -> DivisionErr
 /// [`DivisionError`].
 pub fn start(cell: &Cell, numerics: &Numerics) -> Result<(Problem, State), DivisionError> {
     let name = CellName::of(cell);
-    let (half, _) = equilibria::passive(cell, numerics)
-        .map_err(|source| DivisionError::NoPassiveShape { cell: name, source })?;
+    let (half, _) =
+        equilibria::passive(cell, numerics).map_err(|source| DivisionError::NoPassiveShape { cell: name, source })?;
     let full = unfold(&half);
     let gauss = Gauss::new(numerics.stages).unwrap_or_default();
     let space = Space::new(numerics.elements, numerics.modes.min(FIRST_MODES));
@@ -164,9 +172,7 @@ pub fn start(cell: &Cell, numerics: &Numerics) -> Result<(Problem, State), Divis
     };
     let shares = problem.mesh.shares(&problem.space);
     let mut state = embed(&problem.space, &shares, full.scalars[PRESSURE], contour);
-    problem
-        .settle(&mut state, &mut Work::default())
-        .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source))?;
+    problem.settle(&mut state, &mut Work::default()).map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source))?;
     problem.constants = Constants::new(cell, |_, value| value);
     Ok((problem, state))
 }
@@ -186,7 +192,11 @@ impl Problem {
             self.solve(&newton, state, &mut None, work)?;
             if round + 1 < SETTLING {
                 let wanted = self.wanted_density(&state.surface);
-                self.mesh.density.iter_mut().zip(wanted).for_each(|(density, wanted)| *density += 0.5 * (wanted - *density));
+                self.mesh
+                    .density
+                    .iter_mut()
+                    .zip(wanted)
+                    .for_each(|(density, wanted)| *density += 0.5 * (wanted - *density));
             }
         }
         Ok(())
@@ -234,6 +244,7 @@ impl Run<'_> {
                     stepper.work.rejected += 1;
                     let (t, dt) = (stepper.history[0].t, self.dt);
                     self.dt *= 0.25;
+                    stepper.slow_down();
                     if self.dt < SHORTEST {
                         let neck = self.necks.last().map_or(1.0, |at| at.neck.radius / self.r0);
                         return Err(stalled(self.r0, [t, dt, neck], source));
@@ -244,24 +255,28 @@ impl Run<'_> {
     }
 
     fn accept(&mut self, stepper: &mut Stepper, level: Level, error: Option<f64>) {
-        let volume = stepper.problem.constants.volume;
-        self.drift = self.drift.max((stepper.problem.volume(&level.state.surface) / volume - 1.0).abs());
+        let problem = &stepper.problem;
+        self.drift = self.drift.max((problem.volume(&level.state.surface) / problem.constants.volume - 1.0).abs());
         let t = level.t;
-        let found = neck(&stepper.problem.space, &level.state.surface);
-        stepper.accept(level);
+        let found = neck(&problem.space, &level.state.surface);
+        let moved = problem.normal_distance(&level.state.surface, &stepper.history[0].state.surface);
         let mut growth = error.map_or(1.0, |error| (0.8 / error.max(1e-3).cbrt()).clamp(0.5, 2.0));
+        let mut change = MOVED * moved / self.r0;
         if let Some(neck) = found {
             if let Some(before) = self.necks.last() {
                 let speed = (before.neck.radius - neck.radius) / (t - before.t);
                 if speed > 0.0 {
                     growth = growth.min(NARROWING * neck.radius / speed / self.dt);
+                    change += (before.neck.radius / neck.radius).ln();
                 }
             }
             self.necks.push(NeckAt { t, neck });
         }
+        stepper.accept(level, 1.0 - (-FOLLOWING * change).exp());
         // Equal steps keep the derivatives of the last one useful.
         if !(0.9..1.25).contains(&growth) {
-            self.dt = (self.dt * growth * self.numerics.step_factor.min(1.0)).min(LONGEST * self.numerics.step_factor);
+            let longest = LONGEST.min(2.0 * self.numerics.first_step + EARLY * t);
+            self.dt = (self.dt * growth * self.numerics.step_factor.min(1.0)).min(longest * self.numerics.step_factor);
         }
     }
 

@@ -3,9 +3,7 @@
 
 use multiversion::multiversion;
 
-use crate::law::{
-    BALANCES, Balance, Flow, Geometry, Place, Shape, Vector, balance, by_centre, by_flow, by_pressure,
-};
+use crate::law::{BALANCES, Balance, Flow, Geometry, Place, Shape, Vector, balance, by_centre, by_flow, by_pressure};
 use crate::linear::Bordered;
 use crate::number::Gradient;
 use crate::problem::{Problem, State, mesh_entries, mesh_row};

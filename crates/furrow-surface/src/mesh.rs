@@ -108,7 +108,8 @@ impl Problem {
             space.meridians.iter().map(bend).fold(0.0, f64::max)
         };
         let bends: Vec<f64> = space.stations.iter().map(steepest).collect();
-        let mut monitor: Vec<f64> = bends.iter().map(|bend| 1.0 + CURVATURE * length / std::f64::consts::TAU * bend).collect();
+        let mut monitor: Vec<f64> =
+            bends.iter().map(|bend| 1.0 + CURVATURE * length / std::f64::consts::TAU * bend).collect();
         for _ in 0..PASSES {
             let last = monitor.len() - 1;
             let at = |k: usize| 0.25 * (monitor[k.saturating_sub(1)] + 2.0 * monitor[k] + monitor[(k + 1).min(last)]);
@@ -116,8 +117,14 @@ impl Problem {
         }
         // The integral of the monitor over arclength up to every station.
         let mut sum = 0.0;
-        let pieces = monitor.iter().zip(&speeds).zip(&space.stations).map(|((m, speed), station)| m * speed * station.weight);
-        let until: Vec<f64> = pieces.map(|piece| { sum += piece; sum - 0.5 * piece }).collect();
+        let pieces =
+            monitor.iter().zip(&speeds).zip(&space.stations).map(|((m, speed), station)| m * speed * station.weight);
+        let until: Vec<f64> = pieces
+            .map(|piece| {
+                sum += piece;
+                sum - 0.5 * piece
+            })
+            .collect();
         let splines = space.splines();
         // The mean of a spline's knots, where its coefficient is the function's value to second order.
         let place = |spline: usize| {

@@ -37,7 +37,9 @@ pub fn local_values(elements: usize, element: usize, x: f64) -> LocalValues {
     let slope = |lower: &[f64; LOCAL], d: usize| -> [f64; LOCAL] {
         std::array::from_fn(|r| {
             let start = first - d as isize + r as isize;
-            let part = |value: f64, from: isize| if value == 0.0 { 0.0 } else { value / (knot(from + d as isize) - knot(from)) };
+            let part = |value: f64, from: isize| {
+                if value == 0.0 { 0.0 } else { value / (knot(from + d as isize) - knot(from)) }
+            };
             let before = if r > 0 && r <= d { part(lower[r - 1], start) } else { 0.0 };
             let after = if r < d { part(lower[r], start + 1) } else { 0.0 };
             d as f64 * (before - after)

@@ -30,6 +30,8 @@ pub struct Stepper {
     /// Whether walls of a furrow touch, or pass through each other.
     pub contact: bool,
     factored: Option<Factored>,
+    /// The density of rings in the last step.
+    density_before: Vec<f64>,
     /// Rate of the step whose derivatives are known.
     known_rate: f64,
 }
@@ -37,15 +39,21 @@ pub struct Stepper {
 /// Derivatives are kept while the rate of the step changes by less than this factor.
 const SAME_RATE: f64 = 1.7;
 
-/// Share of the way to the wanted density of rings that is gone in one step.
-const MESH_SHARE: f64 = 0.3;
-
 impl Stepper {
     /// A cell at rest at t = 0.
     pub fn new(problem: Problem, state: State) -> Stepper {
         let newton = Newton { tolerance: 1e-7, share: 0.02, iterations: 20, slow: 0.4 };
         let history = vec![Level { t: 0.0, state }];
-        Stepper { problem, history, work: Work::default(), newton, contact: true, factored: None, known_rate: 0.0 }
+        Stepper {
+            problem,
+            history,
+            work: Work::default(),
+            newton,
+            contact: true,
+            factored: None,
+            density_before: Vec::new(),
+            known_rate: 0.0,
+        }
     }
 
     /// Starts anew from the newest state, after a sudden change of the forces: steps that knew the velocity before it would go on with
@@ -87,7 +95,7 @@ impl Stepper {
         (0..times.len()).map(weight).collect()
     }
 
-    /// A step of length `dt`: the state, and its local error relative to the allowed one 1, where three states are known.
+    /// A step of length `dt`: the state, and its local error where three states are known.
     ///
     /// # Errors
     /// [`NewtonError`].
@@ -138,15 +146,23 @@ impl Stepper {
         Ok((Level { t, state }, error))
     }
 
-    /// Accepts a step, and moves the density of rings towards the wanted one.
-    pub fn accept(&mut self, level: Level) {
+    /// Accepts a step, and moves the density of rings by a share of the way to the wanted one.
+    pub fn accept(&mut self, level: Level, share: f64) {
         self.work.steps += 1;
         let wanted = self.problem.wanted_density(&level.state.surface);
+        self.density_before.clone_from(&self.problem.mesh.density);
         for (density, wanted) in self.problem.mesh.density.iter_mut().zip(wanted) {
-            *density += MESH_SHARE * (wanted - *density);
+            *density += share * (wanted - *density);
         }
         self.history.insert(0, level);
         self.history.truncate(3);
+    }
+
+    /// Takes back half of the last move of the density: a shorter step does not shorten how far the rings move.
+    pub fn slow_down(&mut self) {
+        for (density, before) in self.problem.mesh.density.iter_mut().zip(&self.density_before) {
+            *density = 0.5 * (*density + before);
+        }
     }
 }
 
