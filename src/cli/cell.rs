@@ -127,6 +127,28 @@ impl ActiveCellArgs {
     }
 }
 
+// Whether cells keep their axis.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
+pub struct AxisArgs {
+    /// Computes cells without axial symmetry: they may bend, and their furrow may close from one side
+    #[arg(long)]
+    three_dimensional: bool,
+    /// Most azimuthal modes cos mφ of a surface, m up to M; a surface uses as many as its shape needs
+    #[arg(long, value_name = "M", requires = "three_dimensional", default_value_t = MODES, value_parser = clap::value_parser!(u8).range(1..=12))]
+    modes: u8,
+}
+
+/// Most azimuthal modes of a surface unless the user says otherwise.
+const MODES: u8 = 4;
+
+impl AxisArgs {
+    /// The entry of `--set` that says the same.
+    pub fn setting(&self) -> Option<String> {
+        self.three_dimensional.then(|| format!("modes={}", self.modes))
+    }
+}
+
 // The first cell of a lineage, and the constants of all its cells.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]

@@ -1,40 +1,48 @@
 //! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
 
-use super::cell::{ActiveCellArgs, positive};
+use super::cell::{ActiveCellArgs, AxisArgs, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
 use super::output::{filled, merged, number, print_as, writable_file, writable_folder};
-use super::picture::{DENSE, MovieArgs, PlotArgs};
+use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
+use super::surface;
 use clap::Args;
 use furrow_cell::Cell;
 use furrow_figures::drawing::style::described;
+use furrow_figures::movie::{Movie, SurfaceMovie};
 use furrow_figures::plot;
 use furrow_formats::frames::{FrameFiles, INDEX, check_step, write_frames};
 use furrow_input::InputError;
 use furrow_lineage::Units;
+use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
-use furrow_lineage::batch::{Failure, Memo, replicates};
+use furrow_lineage::batch::{self, Failure, Memo, replicates, replicates_by};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use furrow_surface::film::Film;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow divide --r0 2.5 --plot division.svg
   furrow divide --r0 5.4 --cue germline --json --movie zygote.gif --movie-frames 5
+  furrow divide --r0 2 --three-dimensional --movie one-sided.gif
   furrow divide --r0 2 --xi 23 --from-steady --plot distance.svg
   furrow divide --r0 2 --replicates 3 --frames contours --frame-step 0.2")]
 pub struct DivideArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Seed of the noise in the first step
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -204,6 +212,12 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
     let until = args.from_steady.then(|| positive("--until", args.until)).transpose()?;
+    if input.numerics.modes > 0 {
+        let allowed = "absent with --three-dimensional: disturbances of stationary shapes have axial symmetry";
+        InputError::require(until.is_none(), "--from-steady", "from_steady", true, allowed)?;
+        surface::check_frames(args.frames.as_deref())?;
+        return without_axis(args, &context, &input, (picture, movie, every));
+    }
     let found = match until {
         Some(until) => disturb(args, &context, &input, until)?,
         None => divide(args, &context, &input)?,
@@ -223,7 +237,10 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         if until.is_none() {
             picture.write(|| plot::division::draw(&input.cell, &film))?;
         }
-        movie.write(&input.cell, &film, context.progress)?;
+        let of_film = |format, frames, shown: &dyn Fn(usize, usize)| {
+            Movie { cell: &input.cell, film: &film, frames }.bytes_shown(format, shown)
+        };
+        movie.write(of_film, context.progress)?;
     }
     if until.is_some() {
         let named = |one: &Replicate| Some((format!("seed {}", one.seed), one.perturbation.clone()?));
@@ -234,6 +251,49 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     // Results from a stationary shape are in natural units alone.
     let units = if until.is_some() { Units::default() } else { context.units };
     print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
+}
+
+/// Divides the cell without axial symmetry; its shapes are computed where the memo does not answer all that is asked.
+fn without_axis(
+    args: &DivideArgs,
+    context: &Context,
+    input: &DivisionInput,
+    (picture, movie, every): (Picture, MovieFile, Option<f64>),
+) -> Result<(), CliError> {
+    let memo = context.memo()?;
+    let input = &memo.canonical(input);
+    let first = OnceLock::new();
+    let keep_first = |one: &DivisionInput| {
+        if one.seed != input.seed {
+            return batch::solve(one);
+        }
+        let film = Film::compute(one)?;
+        let division = film.found.division.clone();
+        Ok(first.get_or_init(|| film)).map(|_| division)
+    };
+    let found = solve(args, context, (input, args.replicates as usize), &memo, keep_first)?;
+    let draws = args.frames.is_some() || picture.is_wanted() || movie.is_wanted();
+    let film = match first.into_inner() {
+        None if draws || context.json => {
+            Some(Film::compute(&DivisionInput { seed: found.replicates[0].seed, ..input.clone() })?)
+        }
+        film => film,
+    };
+    if let Some(film) = &film {
+        surface::write(args.frames.as_deref(), film, every)?;
+        picture.write(|| plot::surface::draw(&input.cell, film))?;
+        let of_film = |format, frames, shown: &dyn Fn(usize, usize)| {
+            SurfaceMovie { cell: &input.cell, film, frames }.bytes_shown(format, shown)
+        };
+        movie.write(of_film, context.progress)?;
+    }
+    let document = || {
+        merged(
+            document(&input.cell, &context.units, None, &found),
+            film.as_ref().map_or(Value::Null, surface::document),
+        )
+    };
+    print_as(context.json, &document(), || text(&input.cell, &context.units, &found))
 }
 
 /// Checks that the frames can be written, before the work that they show.
@@ -273,7 +333,8 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
 /// The replicates, with the effects of the noise and of the mesh on the first.
 fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Divisions, CliError> {
     let memo = context.memo()?;
-    let mut found = solve(args, context, input, &memo)?;
+    // The second tells whether the noise matters.
+    let mut found = solve(args, context, (input, args.replicates.max(2) as usize), &memo, batch::solve)?;
     let Replicate { seed, division, .. } = &found.replicates[0];
     found.mesh = MeshEffect::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, context)?;
     found.noise = NoiseEffect::of(&found.replicates[0].division, &found.replicates[1..], &input.cell);
@@ -282,27 +343,29 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
     Ok(found)
 }
 
-/// Solves all replicates, two at least, as the second tells whether the noise matters; at least one succeeds.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput, memo: &Memo) -> Result<Divisions, CliError> {
+/// Solves `count` replicates, of which those beyond the number asked for may fail; at least one succeeds.
+fn solve(
+    args: &DivideArgs,
+    context: &Context,
+    (input, count): (&DivisionInput, usize),
+    memo: &Memo,
+    solver: impl Solve,
+) -> Result<Divisions, CliError> {
     if args.replicates == 1 {
-        let known = |seed| {
-            Some(Replicate {
-                seed,
-                division: memo.known(&DivisionInput { seed, ..input.clone() })?,
-                perturbation: None,
-            })
+        let known = |k: usize| {
+            let seed = input.seed.wrapping_add(k as u64);
+            let division = memo.known(&DivisionInput { seed, ..input.clone() })?;
+            Some(Replicate { seed, division, perturbation: None })
         };
-        let [first, second] = [input.seed, input.seed.wrapping_add(1)].map(known);
-        if let (Some(first), Some(second)) = (first, second) {
-            return at_least_one(vec![first, second], vec![]);
+        if let Some(known) = (0..count).map(known).collect() {
+            return at_least_one(known, vec![]);
         }
     }
     interrupt::listen();
     interrupt::finish();
-    let count = args.replicates.max(2) as usize;
     let found = match args.replicates {
-        1 => replicates(input, count, memo, &context.scheduling(&|_| ()))?,
-        _ => context.scheduled(|options| replicates(input, count, memo, options))?,
+        1 => replicates_by(solver, input, count, memo, &context.scheduling(&|_| ()))?,
+        _ => context.scheduled(|options| replicates_by(solver, input, count, memo, options))?,
     };
     messages::warn_of(&found.summary.warnings);
     if found.divisions.len() + found.undecided.len() < count {
@@ -387,6 +450,9 @@ fn division_text(d: &Division, units: &Units) -> String {
         let stable = d.growth_rate().map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
         let _ = writeln!(out, "at rest at t = {t_end:.2} τ{minutes}{stable}");
     }
+    if let Some(offset) = d.neck_offset {
+        let _ = writeln!(out, "neck {offset:.4} L_h from the axis at the end");
+    }
     if let Some(phi) = d.phi {
         let place = if d.u_furrow().is_some() { "the furrow" } else { "u = 0.5" };
         let _ = writeln!(out, "regulator φ = {phi:.4} at {place}");
@@ -402,7 +468,8 @@ fn division_text(d: &Division, units: &Units) -> String {
 
 /// The prediction of linear theory for a cell that does not divide, where a disturbance that is not axisymmetric grows.
 fn one_sided(cell: &Cell, solved: &[Replicate]) -> String {
-    let rests = solved.iter().any(|one| one.division.chi().is_none());
+    // Without axial symmetry the bend is computed.
+    let rests = solved.iter().any(|one| one.division.chi().is_none() && one.division.neck_offset.is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
             "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory, which does not say how it ends; see furrow steady --azimuthal 1\n"

@@ -27,6 +27,7 @@ mod progress;
 mod reproduce;
 mod solve;
 mod steady;
+mod surface;
 mod sweep;
 mod tree;
 mod vary;
@@ -34,6 +35,7 @@ mod vary;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use context::{Context, Globals};
 pub use error::CliError;
+use furrow_input::InputError;
 use std::process::ExitCode;
 
 /// Predicts cell divisions of embryos from mechanics: how unequal they are, how many rounds there are, and when a lineage stops.
@@ -187,11 +189,41 @@ fn survive_full_disks() {
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
+/// The options, with what --three-dimensional sets; refused by the commands that have equations with axial symmetry alone.
+fn without_axis(globals: &Globals, command: &Command) -> Result<Globals, CliError> {
+    let mut globals = globals.clone();
+    match command {
+        Command::Tree(tree::TreeArgs { axis, .. })
+        | Command::Divide(divide::DivideArgs { axis, .. })
+        | Command::Steady(steady::SteadyArgs { axis, .. })
+        | Command::Sweep(sweep::SweepArgs { axis, .. })
+        | Command::Solve(solve::SolveArgs { axis, .. }) => globals.set.extend(axis.setting()),
+        Command::Branch(_)
+        | Command::Pitchfork(_)
+        | Command::Boundary(_)
+        | Command::Polarity(_)
+        | Command::Calibrate(_)
+        | Command::Fit(_)
+        | Command::Phase(_)
+        | Command::Reproduce(_)
+        | Command::Explore(_)
+            if globals.config.is_some() || !globals.set.is_empty() =>
+        {
+            let modes = Context::new(&globals)?.settings.numerics.modes;
+            let allowed = "0 for this command, which computes cells with axial symmetry alone";
+            InputError::require(modes == 0, "settings", "modes", modes, allowed)?;
+        }
+        _ => (),
+    }
+    Ok(globals)
+}
+
 fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
     // A known division is answered in less time than it takes to listen to Ctrl-C: `divide` does so itself.
     if !matches!(command, Command::Divide(_)) {
         interrupt::listen();
     }
+    let globals = &without_axis(globals, &command)?;
     match command {
         Command::Tree(args) => tree::run(&args, &Context::new(globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(globals)?),

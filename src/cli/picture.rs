@@ -8,11 +8,9 @@ use super::error::CliError;
 use super::interrupt::write_deferred;
 use super::output::writable_file;
 use super::progress::ProgressLine;
-use furrow_cell::Cell;
-use furrow_figures::drawing::{Canvas, Format};
-use furrow_figures::movie::{Movie, MovieFormat};
+use furrow_figures::drawing::{Canvas, FigureError, Format};
+use furrow_figures::movie::MovieFormat;
 use furrow_input::InputError;
-use furrow_mechanics::division::Trajectory;
 
 /// Places of each mesh interval in pictures and movies.
 pub const DENSE: usize = 6;
@@ -112,15 +110,19 @@ impl Picture {
 
 impl MovieFile {
     /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all. The line shows the
-    /// frames if `progress` says so.
+    /// frames if `progress` says so. `movie` makes it from its format and its number of frames, and reports those that are done.
     ///
     /// # Errors
     /// It cannot be drawn or written.
-    pub fn write(&self, cell: &Cell, film: &Trajectory, progress: bool) -> Result<(), CliError> {
+    pub fn write(
+        &self,
+        movie: impl FnOnce(MovieFormat, usize, &dyn Fn(usize, usize)) -> Result<Vec<u8>, FigureError>,
+        progress: bool,
+    ) -> Result<(), CliError> {
         let Some((path, (format, frames))) = &self.0 else { return Ok(()) };
         let line = ProgressLine::new(progress);
         let shown = |done, of| line.show_share(done, of, || "frames".to_owned());
-        let bytes = Movie { cell, film, frames: *frames }.bytes_shown(*format, &shown)?;
+        let bytes = movie(*format, *frames, &shown)?;
         drop(line);
         write_deferred(path, &bytes)
     }

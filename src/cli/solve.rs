@@ -1,7 +1,6 @@
 //! `furrow solve`: the values of one parameter that give a wanted division.
 
-use super::cell::CueArgs;
-use super::cell::length;
+use super::cell::{AxisArgs, CueArgs, length};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -57,6 +56,8 @@ pub struct SolveArgs {
     xi: Option<f64>,
     #[command(flatten)]
     cue: CueArgs,
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Seed of the noise in the first step
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,

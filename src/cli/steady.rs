@@ -1,6 +1,6 @@
 //! `furrow steady`: one stationary shape and its stability.
 
-use super::cell::ActiveCellArgs;
+use super::cell::{ActiveCellArgs, AxisArgs};
 use super::context::Context;
 use super::error::CliError;
 use super::output::{filled, merged, print_as};
@@ -10,9 +10,11 @@ use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_input::InputError;
 use furrow_mechanics::azimuthal::mode::Mode;
+use furrow_mechanics::division::DivisionInput;
 use furrow_mechanics::equilibria::stationary;
 use furrow_report::{AzimuthalStability, stationary_report};
-use serde_json::json;
+use furrow_surface::steady::steady;
+use serde_json::{Value, json};
 use std::fmt::Write;
 
 #[derive(Debug, Args)]
@@ -25,6 +27,8 @@ Examples:
 pub struct SteadyArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Also computes growth rates of disturbances cos mφ, m up to M, which are not axisymmetric
     #[arg(help_heading = "Output", long, value_name = "M", value_parser = clap::value_parser!(u8).range(0..=MOST_AZIMUTHAL))]
     azimuthal: Option<u8>,
@@ -56,9 +60,55 @@ fn lines(found: &[AzimuthalStability]) -> String {
     out
 }
 
+/// The state at rest without axial symmetry, with its leading growth rates.
+fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
+    let input = DivisionInput { numerics: context.settings.numerics, ..DivisionInput::new(cell) };
+    let found = steady(&input)?;
+    let rest = found.rest.as_ref().ok_or(NoRest { r0: input.cell.r0, t: found.division.t_end })?;
+    let Cell { r0, epsilon, xi_s, cue, .. } = &input.cell;
+    let rates: Vec<Value> = rest.rates.iter().map(|rate| json!({ "re": rate.re, "im": rate.im })).collect();
+    let document = filled(json!({
+        "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue,
+        "r0_um": context.units.micrometres(*r0),
+        "L": rest.length(), "p": rest.state.pressure, "H": rest.elongation(), "r_eq": rest.equator_radius(),
+        "stable": rest.growth_rate() < 0.0, "growth_rate": rest.growth_rate(), "growth_rates": rates,
+        "neck_offset": found.division.neck_offset, "modes": found.modes,
+    }));
+    print_as(context.json, &document, || {
+        let verdict = if rest.growth_rate() < 0.0 { "stable" } else { "unstable" };
+        let size = context.units.in_micrometres(*r0);
+        let mut out = format!("R0 = {r0}{size}, ε = {epsilon}, ξ_s = {xi_s}, without axial symmetry: {verdict}\n");
+        let (l, p, h) = (rest.length(), rest.state.pressure, rest.elongation());
+        let _ = writeln!(out, "L = {l:.6}, p = {p:.6}, H = {h:.6}, equator radius {:.6}", rest.equator_radius());
+        if let Some(offset) = found.division.neck_offset {
+            let _ = writeln!(out, "waist {offset:.6} L_h from the axis");
+        }
+        out += "growth rates of all modes (1/τ):\n";
+        for rate in &rest.rates {
+            let imaginary = if rate.im == 0.0 { String::new() } else { format!(" {:+.6}i", rate.im) };
+            let _ = writeln!(out, "  {:>14.6}{imaginary}", rate.re);
+        }
+        out
+    })
+}
+
+/// A cell that divides where a state at rest was asked for.
+#[derive(Debug, thiserror::Error)]
+#[error("R0 = {r0}: no state at rest without axial symmetry: the cell divides at t = {t:.3} τ; lower --xi")]
+struct NoRest {
+    r0: f64,
+    t: f64,
+}
+
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let picture = args.plot.file()?;
+    if context.settings.numerics.modes > 0 {
+        let only = "absent without axial symmetry, where growth rates are those of all modes";
+        InputError::require(args.azimuthal.is_none(), "--azimuthal", "M", args.azimuthal.unwrap_or(0), only)?;
+        InputError::require(!picture.is_wanted(), "--plot", "plot", "a picture of azimuthal modes", only)?;
+        return without_axis(cell, &context);
+    }
     let most = args.azimuthal.unwrap_or(0);
     InputError::require(
         !picture.is_wanted() || most > 0,

@@ -1,6 +1,6 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
-use super::cell::warn_of_size;
+use super::cell::{AxisArgs, warn_of_size};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -11,10 +11,11 @@ use super::progress::ProgressLine;
 use super::tree::tell_who_gets;
 use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
-use furrow_analysis::{AxisValue, Run, Shard, Sweep, SweepProgress, Target};
+use furrow_analysis::{AxisValue, Kind, Run, Shard, Sweep, SweepProgress, Target};
 use furrow_cell::settings::{Overrides, Settings};
 use furrow_figures::plot;
 use furrow_formats::files::WriteError;
+use furrow_input::InputError;
 use furrow_lineage::Length;
 use serde_json::json;
 use std::path::PathBuf;
@@ -36,6 +37,8 @@ pub struct SweepArgs {
     #[arg(help_heading = "Run", long, value_name = "K/N")]
     shard: Option<Shard>,
     #[command(flatten)]
+    pub axis: AxisArgs,
+    #[command(flatten)]
     plot: PlotArgs,
 }
 
@@ -46,6 +49,12 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
+    // Kinds other than these have equations with axial symmetry alone.
+    if !matches!(sweep.kind, Kind::Division | Kind::Tree) {
+        let modes = sweep.settings.numerics.modes;
+        let allowed = "0 in sweeps of pitchforks and critical radii, which are those of cells with axial symmetry";
+        InputError::require(modes == 0, "settings", "modes", modes, allowed)?;
+    }
     messages::warn_of(sweep.lineage.doubtful_radii());
     warn_of_size(&sweep.lineage.units(), radii(&sweep));
     if sweep.sets_cues_of_trees() {

@@ -1,6 +1,6 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
-use super::cell::{FirstCellArgs, load_lineage, one_of, warn_of_size};
+use super::cell::{AxisArgs, FirstCellArgs, load_lineage, one_of, warn_of_size};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -39,6 +39,8 @@ pub struct TreeArgs {
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     pub cell: FirstCellArgs,
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Output folder; files of an earlier tree in it are overwritten. Default furrow-out, and with --constants no files
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,

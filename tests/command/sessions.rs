@@ -76,6 +76,11 @@ fn refusals() {
 }
 
 #[test]
+fn surfaces() {
+    check_session("command/sessions/surfaces.txt");
+}
+
+#[test]
 fn scenarios() {
     check_session("command/sessions/scenarios.txt");
 }

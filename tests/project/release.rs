@@ -73,7 +73,7 @@ fn every_crate_is_described_as_a_registry_wants_it() {
         );
         published += 1;
     }
-    assert_eq!(published, 12);
+    assert_eq!(published, 13);
     let python = read("python/pyproject.toml");
     assert!(python.contains("dynamic = [\"version\", \"authors\", \"urls\"]\n"), "they come from Cargo.toml");
 }

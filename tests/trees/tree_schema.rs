@@ -51,9 +51,12 @@ fn documents() -> Vec<Value> {
         let r0 = input.cell.r0;
         match r0 < 2.0 {
             true => Ok(division(r0, Outcome::Arrested, 0.0)),
-            false => {
-                Ok(Division { slow_growth_rate: Some(1e-4), phi: Some(0.1), ..division(r0, Outcome::Asymmetric, 0.3) })
-            }
+            false => Ok(Division {
+                slow_growth_rate: Some(1e-4),
+                phi: Some(0.1),
+                neck_offset: Some(0.3),
+                ..division(r0, Outcome::Asymmetric, 0.3)
+            }),
         }
     };
     let undecided = |input: &DivisionInput| match input.cell.r0 < 3.0 {

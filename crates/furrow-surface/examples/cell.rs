@@ -1,4 +1,5 @@
-//! Divides one cell without axial symmetry: `cargo run --release --example cell R0 [CUE] [MODES] [ELEMENTS]`.
+//! Divides one cell without axial symmetry and prints its outcome; arguments are KEY=VALUE, as in `r0=2 cue=germline m=4 n=44`, and `v`
+//! prints the neck after every step.
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::division::DivisionInput;
 use furrow_surface::division::divide;

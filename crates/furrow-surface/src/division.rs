@@ -73,6 +73,10 @@ const SHORTEST: f64 = 1e-9;
 const NARROWING: f64 = 0.25;
 /// A surface slower than this, relative to R0 and in 1/τ, may be at rest.
 const SLOW: f64 = 2e-5;
+/// A cell leaves an unstable state within this many times by which its fastest disturbance grows by a factor e.
+const GROWN: f64 = 12.0;
+/// Longest time, in τ, after which a cell near an unstable state counts as resting in it.
+const WAIT: f64 = 20.0;
 /// Most steps of a division.
 const MOST_STEPS: usize = 4000;
 /// Azimuthal numbers of the shape at the start.
@@ -117,6 +121,7 @@ pub(crate) fn run(
         drift: 0.0,
         looked: false,
         unstable_too: symmetric,
+        unstable: None,
     };
     loop {
         if let Err(error) = run.advance(&mut stepper) {
@@ -172,32 +177,39 @@ pub fn start(cell: &Cell, numerics: &Numerics) -> Result<(Problem, State), Divis
     };
     let shares = problem.mesh.shares(&problem.space);
     let mut state = embed(&problem.space, &shares, full.scalars[PRESSURE], contour);
-    problem.settle(&mut state, &mut Work::default()).map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source))?;
+    problem
+        .settle(&mut state, Problem::wanted_density, &mut Work::default())
+        .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source))?;
     problem.constants = Constants::new(cell, |_, value| value);
     Ok((problem, state))
 }
 
-/// Rounds in which the mesh of a stationary surface is adapted.
+/// Rounds in which the mesh of a stationary surface is changed.
 const SETTLING: usize = 8;
 
 impl Problem {
-    /// Makes a state stationary, on a mesh that follows its shape.
+    /// Makes a state stationary. Its mesh goes to the density that `wanted` gives by halves.
     ///
     /// # Errors
     /// [`NewtonError`].
-    pub fn settle(&mut self, state: &mut State, work: &mut Work) -> Result<(), NewtonError> {
+    pub fn settle(
+        &mut self,
+        state: &mut State,
+        wanted: impl Fn(&Problem, &[f64]) -> Vec<f64>,
+        work: &mut Work,
+    ) -> Result<(), NewtonError> {
         let newton = Newton { tolerance: 1e-7, share: 1.0, iterations: 25, slow: 0.5 };
-        for round in 0..SETTLING {
+        for round in 0..=SETTLING {
             self.spread(&state.surface);
             self.solve(&newton, state, &mut None, work)?;
-            if round + 1 < SETTLING {
-                let wanted = self.wanted_density(&state.surface);
-                self.mesh
-                    .density
-                    .iter_mut()
-                    .zip(wanted)
-                    .for_each(|(density, wanted)| *density += 0.5 * (wanted - *density));
-            }
+            let way = match SETTLING - round {
+                0 => break,
+                1 => 1.0,
+                _ => 0.5,
+            };
+            let wanted = wanted(self, &state.surface);
+            let densities = self.mesh.density.iter_mut().zip(wanted);
+            densities.for_each(|(density, wanted)| *density += way * (wanted - *density));
         }
         Ok(())
     }
@@ -216,8 +228,10 @@ struct Run<'a> {
     drift: f64,
     /// Whether the present slow shape was found not to be at rest.
     looked: bool,
-    /// Whether a state at rest may be unstable.
+    /// Whether a state at rest may be unstable, to disturbances that this cell does not have.
     unstable_too: bool,
+    /// When a cell that is near an unstable state would have left it.
+    unstable: Option<f64>,
 }
 
 impl Run<'_> {
@@ -313,24 +327,34 @@ impl Run<'_> {
 
     /// The division, if the cell rests: its surface is close to a stationary one that is stable to all modes.
     fn rested(&mut self, stepper: &mut Stepper) -> Option<SurfaceDivision> {
-        let [now, before, ..] = stepper.history.as_slice() else { return None };
-        let distance = stepper.problem.normal_distance(&now.state.surface, &before.state.surface);
-        let speed = distance / (now.t - before.t) / self.r0;
+        let [now, last, ..] = stepper.history.as_slice() else { return None };
+        let distance = stepper.problem.normal_distance(&now.state.surface, &last.state.surface);
+        let speed = distance / (now.t - last.t) / self.r0;
         if speed > SLOW {
-            self.looked = false;
+            (self.looked, self.unstable) = (false, None);
             return None;
         }
-        if std::mem::replace(&mut self.looked, true) {
+        let known = self.unstable.map_or(self.looked, |until| now.t < until);
+        self.looked = true;
+        if known {
             return None;
         }
         let mut problem = stepper.problem.clone();
         let mut state = now.state.clone();
         problem.motion = Default::default();
-        problem.settle(&mut state, &mut stepper.work).ok()?;
-        let apart = problem.normal_distance(&state.surface, &now.state.surface);
+        // It is to be stable to all modes that the numerics allow.
+        problem.take_modes(self.numerics.modes, [&mut state]);
+        let before = state.surface.clone();
+        // At rest no part is small, and equal distances are the most accurate.
+        problem.settle(&mut state, |problem, _| vec![1.0; problem.mesh.density.len()], &mut stepper.work).ok()?;
+        let apart = problem.normal_distance(&state.surface, &before);
         let rates = problem.rates(&state, 6, None).ok()?;
         let growth_rate = rates.first()?.re;
-        if growth_rate >= 0.0 && !self.unstable_too || apart > 0.02 * self.r0 {
+        if apart > 0.02 * self.r0 {
+            return None;
+        }
+        if growth_rate >= 0.0 && self.unstable.is_none() {
+            self.unstable = self.unstable_too.then_some(now.t + (GROWN / growth_rate).min(WAIT));
             return None;
         }
         let division = self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) }, now.t);

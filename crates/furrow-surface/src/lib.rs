@@ -1,9 +1,24 @@
 //! A dividing cell's cortex as a surface without axial symmetry.
+//!
+//! The surface and its flow are splines of degree 4 along the contour times Fourier modes around it. Numbers such as S.3 are those of
+//! the equations in the module that states them.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`law`] | balance of forces by virtual power, for any type of number: S.1–S.6 |
+//! | [`splines`], [`space`] | functions on the surface, regular at the poles |
+//! | [`problem`], [`newton`], [`linear`] | the discrete equations and their solution |
+//! | [`mesh`] | how rings are spread along the surface |
+//! | [`contact`], [`crossing`] | walls of a furrow that touch, and surfaces that cross themselves |
+//! | [`stepper`], [`division`], [`noise`] | motion in time up to pinch-off or rest |
+//! | [`steady`], [`rates`] | states at rest and their growth rates |
+//! | [`neck`], [`sample`], [`film`] | what is seen of a shape |
 
 pub mod contact;
 pub mod crossing;
 pub mod division;
 pub mod embed;
+pub mod film;
 mod jacobian;
 pub mod law;
 pub mod linear;

@@ -17,7 +17,7 @@ pub struct Neck {
 }
 
 /// Length over 2π of the ring at u.
-fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
+pub(crate) fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
     let mut functions = Vec::new();
     space.functions(surface, &space.station(u), &mut functions);
     let lengths = space.meridians.iter().map(|meridian| {

@@ -7,6 +7,8 @@ use crate::space::Space;
 /// A place of a sampled surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
+    /// Share s of the mean meridian from the pole u = 0, where the cue is read.
+    pub share: f64,
     /// The point (x, y, z), in L_h.
     pub x: Vector<f64>,
     /// Outward normal.
@@ -35,7 +37,7 @@ pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> 
             let stress = active_stress(&place, &geometry);
             let metric = [(1, 1), (1, 2), (2, 2)].map(|(a, b)| (0..3).map(|k| shape[a][k] * shape[b][k]).sum::<f64>());
             let tension = 0.5 * (stress[0] * metric[0] + 2.0 * stress[1] * metric[1] + stress[2] * metric[2]);
-            out.push(Sample { x: shape[0], normal: geometry.normal, tension });
+            out.push(Sample { share, x: shape[0], normal: geometry.normal, tension });
         }
         if row == 0 || row + 1 == rows {
             close(space, &state.surface, row == 0, &mut out, columns);
@@ -54,5 +56,5 @@ fn close(space: &Space, surface: &[f64], first: bool, out: &mut [Sample], column
     let mean: Vector<f64> = std::array::from_fn(|k| ring.iter().map(|sample| sample.normal[k]).sum());
     let length = mean.iter().map(|x| x * x).sum::<f64>().sqrt();
     let tension = ring.iter().map(|sample| sample.tension).sum::<f64>() / columns as f64;
-    ring.fill(Sample { x: pole, normal: mean.map(|x| x / length), tension });
+    ring.fill(Sample { share: if first { 0.0 } else { 1.0 }, x: pole, normal: mean.map(|x| x / length), tension });
 }

@@ -2,7 +2,8 @@
 
 use furrow_mechanics::division::{DivisionError, DivisionInput};
 
-use crate::division::{SurfaceDivision, run};
+use crate::division::{AtRest, SurfaceDivision, run};
+use crate::neck::radius_at;
 
 /// The state at rest that a cell reaches from the passive shape, stable or not: a cell whose poles are alike is not disturbed in what
 /// is odd about its middle. Without [`rest`](SurfaceDivision::rest) the cell divides instead.
@@ -11,4 +12,41 @@ use crate::division::{SurfaceDivision, run};
 /// [`DivisionError`].
 pub fn steady(input: &DivisionInput) -> Result<SurfaceDivision, DivisionError> {
     run(input, input.cell.is_mirror_symmetric(), &mut |_, _| ())
+}
+
+/// Halvings of the interval in which the middle of the mean meridian lies.
+const HALVINGS: usize = 50;
+
+impl AtRest {
+    /// Length of the mean meridian, in L_h.
+    pub fn length(&self) -> f64 {
+        self.problem.contour_length(&self.state.surface)
+    }
+
+    /// Distance of the poles along the axis of the shell, relative to R0.
+    pub fn elongation(&self) -> f64 {
+        let height = |u: f64| {
+            let mut functions = Vec::new();
+            let space = &self.problem.space;
+            space.functions(&self.state.surface, &space.station(u), &mut functions);
+            space.shape(&functions, &space.meridian(0.0))[0][2]
+        };
+        (height(0.0) - height(1.0)) / self.problem.radius()
+    }
+
+    /// Length over 2π of the ring in the middle of the mean meridian, in L_h.
+    pub fn equator_radius(&self) -> f64 {
+        let surface = &self.state.surface;
+        let [mut low, mut high] = [0.0, 1.0];
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.problem.share_at(surface, middle) < 0.5 { low = middle } else { high = middle }
+        }
+        radius_at(&self.problem.space, surface, low)
+    }
+
+    /// The leading growth rate over all modes that the surface holds, odd ones too, in 1/τ.
+    pub fn growth_rate(&self) -> f64 {
+        self.rates.first().map_or(f64::NEG_INFINITY, |rate| rate.re)
+    }
 }

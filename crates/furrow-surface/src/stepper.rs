@@ -65,14 +65,7 @@ impl Stepper {
 
     /// Goes on with azimuthal numbers up to `modes`.
     pub fn take_modes(&mut self, modes: usize) {
-        let space = Space::new(self.problem.space.elements, modes);
-        for Level { state, .. } in &mut self.history {
-            state.surface = space.adopt(&state.surface, &self.problem.space);
-            state.flow = space.adopt(&state.flow, &self.problem.space);
-        }
-        self.problem.space = space;
-        self.problem.contacts.clear();
-        self.problem.noise.clear();
+        self.problem.take_modes(modes, self.history.iter_mut().map(|level| &mut level.state));
         self.factored = None;
     }
 
@@ -167,6 +160,18 @@ impl Stepper {
 }
 
 impl Problem {
+    /// Goes on with azimuthal numbers up to `modes`, as do the given states.
+    pub fn take_modes<'a>(&mut self, modes: usize, states: impl IntoIterator<Item = &'a mut State>) {
+        let space = Space::new(self.space.elements, modes);
+        for state in states {
+            state.surface = space.adopt(&state.surface, &self.space);
+            state.flow = space.adopt(&state.flow, &self.space);
+        }
+        self.space = space;
+        self.contacts.clear();
+        self.noise.clear();
+    }
+
     /// Root mean square over the surface of the normal part of the distance between two surfaces.
     pub fn normal_distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let space = &self.space;

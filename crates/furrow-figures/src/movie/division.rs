@@ -9,7 +9,7 @@ use crate::drawing::style;
 use furrow_cell::Cell;
 use furrow_formats::surface::SurfaceGrid;
 use furrow_mechanics::cortex::forces::Place;
-use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
+use furrow_mechanics::division::{Division, Outcome, Snapshot, Trajectory};
 
 /// Columns of the surface.
 const COLUMNS: usize = 96;
@@ -46,9 +46,8 @@ impl Movie<'_> {
     /// Its scene, for a picture of one time or for a movie.
     pub fn with_scene<T>(&self, use_it: impl FnOnce(&Scene<'_>) -> T) -> T {
         let Movie { cell, film, frames } = self;
-        let end = film.times().last().copied().unwrap_or(0.0);
-        let last = (*frames).max(2) - 1;
-        let times: Vec<f64> = (0..=last).map(|k| end * k as f64 / last as f64).collect();
+        let times = even_times(film.times().last().copied().unwrap_or(0.0), *frames);
+        let last = times.len() - 1;
         let stills: Vec<Snapshot> = times.iter().map(|t| film.at(*t)).collect();
         let phi = PhiRange::of(stills.iter().flat_map(|still| &still.places));
         let cue = &film.cell().cue;
@@ -64,19 +63,25 @@ impl Movie<'_> {
             surface: &surface,
             forces: &forces,
             legend: legend.collect(),
-            outcome: outcome(film),
+            outcome: ending(&film.division),
         })
     }
 }
 
-fn title(cell: &Cell) -> String {
+/// At least two times, evenly spaced from 0 to `end`.
+pub(super) fn even_times(end: f64, frames: usize) -> Vec<f64> {
+    let last = frames.max(2) - 1;
+    (0..=last).map(|k| end * k as f64 / last as f64).collect()
+}
+
+pub(super) fn title(cell: &Cell) -> String {
     let Cell { r0, epsilon, xi_s, cue, .. } = cell;
     let cued = if cue.is_none() { "no cue" } else { "with a cue" };
     format!("R₀ = {r0}, ε = {epsilon}, ξₛ = {xi_s}, {cued}")
 }
 
-fn outcome(film: &Trajectory) -> (f64, String, style::Colour) {
-    let division = &film.division;
+/// When a movie says how the division ends, in which words and colour.
+pub(super) fn ending(division: &Division) -> (f64, String, style::Colour) {
     let (word, colour) = match (division.outcome(), division.chi()) {
         (Outcome::Arrested, _) => ("stays at rest".to_owned(), style::MUTED),
         (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),

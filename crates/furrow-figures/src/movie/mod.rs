@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `scene` | the contents of a movie: surfaces, forces, title, legend |
 //! | `division` | the division of a cell that keeps its axis, as a scene |
+//! | `surface` | the division of a cell without axial symmetry, as a scene |
 //! | `view` | the direction from which the cell is seen |
 //! | `raster` | the surface in pixels |
 //! | `light` | the light on the surface |
@@ -20,8 +21,10 @@ mod picture;
 mod raster;
 mod scene;
 mod shell;
+mod surface;
 mod view;
 
 pub use division::Movie;
 pub use encode::MovieFormat;
 pub use scene::{Force, Scene};
+pub use surface::{SurfaceMovie, grid};

@@ -3,6 +3,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`division`] | a cell as it divides, χ and its neck over time, the normal forces half-way |
+//! | [`surface`] | the same without axial symmetry: sections, the neck's radius and distance from the axis over time |
 //! | [`azimuthal`] | modes of a stationary shape that are not axisymmetric |
 //! | [`branch`] | a bifurcation diagram, with shapes |
 //! | [`boundary`] | curves of pitchforks and folds, the critical value |
@@ -34,4 +35,5 @@ pub mod perturbation;
 pub mod phase;
 pub mod reproduction;
 pub mod rounds;
+pub mod surface;
 pub mod sweep;

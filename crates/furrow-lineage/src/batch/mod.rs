@@ -22,7 +22,7 @@ pub use key::{Key, SOLVER_VERSION};
 pub use memo::{Failure, Memo};
 pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
-pub use replicates::{Replicates, replicates};
+pub use replicates::{Replicates, replicates, replicates_by};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
 pub use solve::solve;
 #[cfg(feature = "store")]

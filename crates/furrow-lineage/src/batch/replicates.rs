@@ -1,6 +1,6 @@
 //! One cell divided several times, with noise of different seeds.
 
-use super::memo::Memo;
+use super::memo::{Memo, Solve};
 use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary, Unsolved};
 use super::solve::solve;
 use furrow_mechanics::division::{Division, DivisionInput};
@@ -36,6 +36,20 @@ pub struct Replicates {
 /// # Errors
 /// [`SchedulerError`] if no workers can be started.
 pub fn replicates(
+    input: &DivisionInput,
+    count: usize,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Replicates, SchedulerError> {
+    replicates_by(solve, input, count, memo, options)
+}
+
+/// The same by a solver that may keep more than the divisions, such as their shapes. It is not called for divisions that the memo knows.
+///
+/// # Errors
+/// [`SchedulerError`] if no workers can be started.
+pub fn replicates_by(
+    solve: impl Solve,
     input: &DivisionInput,
     count: usize,
     memo: &Memo,

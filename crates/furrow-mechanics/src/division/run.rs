@@ -136,7 +136,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     check(cell)?;
     if numerics.modes > 0 {
         let instead = "leave out --three-dimensional, and set modes = 0";
-        return Err(DivisionError::Unsupported { what: "computed with axial symmetry alone", instead });
+        return Err(DivisionError::Unsupported { what: "these equations have axial symmetry", instead });
     }
     let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
     let mut stepper = start.stepper(cell, numerics)?;

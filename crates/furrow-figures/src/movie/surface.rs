@@ -1,0 +1,63 @@
+//! The division of a cell without axial symmetry, as a scene.
+
+use furrow_cell::Cell;
+use furrow_formats::surface::SurfaceGrid;
+use furrow_surface::film::{COLUMNS, Film, ROWS, Still};
+use furrow_surface::sample::Sample;
+
+use super::division::{ending, even_times, title};
+use super::encode::MovieFormat;
+use super::scene::Scene;
+use crate::drawing::FigureError;
+use crate::drawing::cell::{changes, cue_colours, strongest};
+
+/// A division without axial symmetry as frames at evenly spaced times, up to its last shape. Its arrows are left out.
+pub struct SurfaceMovie<'a> {
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Its division.
+    pub film: &'a Film,
+    /// Number of frames.
+    pub frames: usize,
+}
+
+impl SurfaceMovie<'_> {
+    /// The movie as a file in the given format; `shown` is called with the numbers of drawn and of all frames.
+    ///
+    /// # Errors
+    /// [`FigureError`].
+    pub fn bytes_shown(&self, format: MovieFormat, shown: &dyn Fn(usize, usize)) -> Result<Vec<u8>, FigureError> {
+        self.with_scene(|scene| scene.bytes(format, shown))
+    }
+
+    /// Its scene, for a picture of one time or for a movie.
+    pub fn with_scene<T>(&self, use_it: impl FnOnce(&Scene<'_>) -> T) -> T {
+        let SurfaceMovie { cell, film, frames } = self;
+        let length = film.stills.first().map_or(1.0, |still| still.length);
+        let surface = |t: f64| {
+            let still = film.at(t);
+            let changes = changes(&film.cell.cue, still.length);
+            grid(&still, |at| if t > 0.0 { strongest(&changes, at.share) } else { 0.0 })
+        };
+        use_it(&Scene {
+            title: title(cell),
+            shell: film.shell,
+            times: even_times(film.end(), *frames),
+            surface: &surface,
+            forces: &|_| Vec::new(),
+            legend: cue_colours(&changes(&film.cell.cue, length)),
+            outcome: ending(&film.found.division),
+        })
+    }
+}
+
+/// The sampled surface as a grid with a value at each place.
+pub fn grid(still: &Still, value: impl Fn(&Sample) -> f64) -> SurfaceGrid {
+    SurfaceGrid {
+        rows: ROWS,
+        columns: COLUMNS,
+        points: still.samples.iter().map(|at| at.x).collect(),
+        normals: still.samples.iter().map(|at| at.normal).collect(),
+        values: still.samples.iter().map(value).collect(),
+    }
+}

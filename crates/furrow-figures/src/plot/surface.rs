@@ -1,0 +1,103 @@
+//! A cell that divides without axial symmetry: sections through it and its shell, the neck and χ over time, and how far the neck is from
+//! the axis.
+
+use crate::drawing::cell::{self as drawn, Site};
+use crate::drawing::legend::{Key, Legend, titled};
+use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::style::{self, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_cell::Cell;
+use furrow_mechanics::division::Outcome;
+use furrow_surface::film::{Film, Still};
+
+const WIDTH: f64 = 1160.0;
+/// Height of the row of sections.
+const CELLS: f64 = 192.0;
+/// Height of a chart with its legend.
+const CHART: f64 = 400.0;
+/// Number of sections.
+const STILLS: usize = 6;
+
+/// Draws a division without axial symmetry.
+pub fn draw(cell: &Cell, film: &Film) -> Canvas {
+    let division = &film.found.division;
+    let outcome = match (division.outcome(), division.chi()) {
+        (Outcome::Arrested, _) => "stays at rest".to_owned(),
+        (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
+        (outcome, None) => outcome.to_string(),
+    };
+    let title = format!("{}, without axial symmetry: {outcome}", style::described(cell, &[]));
+    let (mut canvas, top) = titled(WIDTH, CELLS + 46.0 + CHART, &title, &Legend::default());
+    sections(&mut canvas, film, top);
+    let what = "sections by the plane in which the neck moves";
+    canvas.text([0.5 * WIDTH, top + CELLS + 18.0], what, text::TICK, Anchor::Middle, style::MUTED);
+    over_time(&mut canvas, cell, film, top + CELLS + 46.0);
+    canvas
+}
+
+/// Times between which the neck closes, or the contour grows, by equal parts.
+fn times(film: &Film) -> Vec<f64> {
+    let Some(first) = film.stills.first() else { return Vec::new() };
+    let radius = |still: &Still| still.neck.map_or(film.shell[1], |neck| neck.radius);
+    let closes = film.found.division.chi().is_some();
+    let progress = |still: &Still| {
+        let longer = (still.length / first.length).ln();
+        if closes { 0.5 * longer + 1.0 - radius(still) / film.shell[1] } else { longer }
+    };
+    let passed = film.stills.iter().scan(f64::MIN, |before: &mut f64, still| {
+        *before = before.max(progress(still));
+        Some(*before)
+    });
+    let passed: Vec<f64> = passed.collect();
+    let (start, end) = (passed[0], passed[passed.len() - 1]);
+    let time = |k: usize| {
+        let wanted = start + (end - start) * k as f64 / (STILLS - 1) as f64;
+        let at = passed.partition_point(|p| *p < wanted);
+        film.stills.get(at).map_or(film.end(), |still| still.t)
+    };
+    (0..STILLS - 1).map(time).chain([film.end()]).collect()
+}
+
+fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
+    let width = (WIDTH - 40.0) / STILLS as f64;
+    let shell = film.shell;
+    let scale = (0.46 * width / shell[0]).min(0.42 * (CELLS - 30.0) / shell[1]);
+    // The side of the axis on which the neck ends is drawn below.
+    let side = film.stills.iter().rev().find_map(|still| still.neck).map_or(1.0, |neck| -neck.offset.signum());
+    for (k, t) in times(film).into_iter().enumerate() {
+        let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
+        drawn::shell(canvas, shell, &site);
+        if k == 0 {
+            drawn::poles(canvas, &site, [0.46 * width / scale, shell[1]]);
+        }
+        let outline: Vec<[f64; 2]> = film.at(t).section().iter().map(|[x, z]| site.point([side * x, *z])).collect();
+        canvas.polygon(&outline, style::CYTOPLASM, 1.0, Some(Stroke::solid(style::INK, 2.0)));
+        let word = format!("t = {} τ", style::time(t));
+        canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
+    }
+}
+
+fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
+    let necks = || film.stills.iter().filter_map(|still| Some((still.t, still.neck?, still.asymmetry)));
+    let curves: [(Vec<[f64; 2]>, style::Colour, &str); 3] = [
+        (necks().map(|(t, neck, _)| [t, neck.radius / cell.r0]).collect(), style::SYMMETRIC, "neck radius / R₀"),
+        (
+            necks().map(|(t, neck, _)| [t, neck.offset.abs() / cell.r0]).collect(),
+            style::INK,
+            "neck's distance from the axis / R₀",
+        ),
+        (necks().map(|(t, _, chi)| [t, chi.abs()]).collect(), style::ASYMMETRIC, "asymmetry χ about the neck"),
+    ];
+    let mut legend = Legend::default();
+    for (curve, colour, name) in &curves {
+        legend = legend.with_if(!curve.is_empty(), Key::Line(*colour), *name);
+    }
+    legend.draw(canvas, [70.0, top + 10.0], WIDTH - 90.0);
+    let most = curves.iter().flat_map(|(curve, ..)| curve).map(|[_, value]| *value).fold(0.5, f64::max);
+    let y = Axis::new("neck radius and distance / R₀,  χ", [0.0, widened([0.0, most], 0.08)[1]]);
+    let x = Axis::new(style::TIME, [0.0, film.end()]);
+    let mut chart = Chart::new(canvas, [0.0, top + 40.0], [WIDTH, CHART - 40.0], x, y);
+    for (curve, colour, _) in curves {
+        chart.line(curve, Stroke::solid(colour, style::CURVE));
+    }
+}

@@ -1,0 +1,141 @@
+//! A division with all its shapes, for pictures and files.
+
+use furrow_cell::Cell;
+use furrow_mechanics::cortex::{Cortex, Domain, forces};
+use furrow_mechanics::division::{DivisionError, DivisionInput};
+use furrow_mechanics::polarity;
+
+use crate::division::{SurfaceDivision, divide};
+use crate::neck::{Neck, asymmetry, neck};
+use crate::problem::Problem;
+use crate::sample::{Sample, sample};
+use crate::stepper::Level;
+
+/// Rings of samples, with both poles.
+pub const ROWS: usize = 129;
+/// Meridians of samples.
+pub const COLUMNS: usize = 64;
+
+/// The surface at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Still {
+    /// Time, in τ.
+    pub t: f64,
+    /// Samples on [`ROWS`] × [`COLUMNS`] places, row by row from the pole u = 0. Column j is the meridian φ = 2π j / [`COLUMNS`].
+    pub samples: Vec<Sample>,
+    /// The neck; `None` without a waist.
+    pub neck: Option<Neck>,
+    /// (V_above − V_below)/V for the parts on both sides of the neck; 0 without a neck.
+    pub asymmetry: f64,
+    /// Length of the mean meridian, in L_h.
+    pub length: f64,
+    /// Pressure, in κ0/L_h³.
+    pub pressure: f64,
+}
+
+/// A division with its shapes.
+///
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_mechanics::division::DivisionInput;
+/// use furrow_surface::film::Film;
+///
+/// let numerics = Numerics { modes: 2, elements: 24, ..Numerics::default() };
+/// let film = Film::compute(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(2.5)) })?;
+/// let middle = film.at(0.5 * film.found.division.t_end);
+/// assert!(middle.neck.is_some_and(|neck| neck.radius < 2.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// The division.
+    pub found: SurfaceDivision,
+    /// The cell, with the resolved position of its cue.
+    pub cell: Cell,
+    /// The half axes of the shell along z and across, in L_h.
+    pub shell: [f64; 2],
+    /// The shapes after every step, the first at t = 0.
+    pub stills: Vec<Still>,
+}
+
+impl Film {
+    /// Computes a division and samples its shapes.
+    ///
+    /// # Errors
+    /// [`DivisionError`].
+    pub fn compute(input: &DivisionInput) -> Result<Film, DivisionError> {
+        let mut stills = Vec::new();
+        let found = divide(input, &mut |problem, level| stills.push(Still::of(problem, level)))?;
+        let cell = polarity::resolved(&input.cell).map_err(|source| DivisionError::Polarity { source })?.into_owned();
+        let shell = forces::shell_axes(&Cortex::new(&cell, Domain::Full, &[]));
+        Ok(Film { found, cell, shell, stills })
+    }
+
+    /// The last time, in τ.
+    pub fn end(&self) -> f64 {
+        self.stills.last().map_or(0.0, |still| still.t)
+    }
+
+    /// The surface at a time between the first step and the last, interpolated between two steps.
+    pub fn at(&self, t: f64) -> Still {
+        let behind = self.stills.partition_point(|still| still.t < t);
+        match (behind.checked_sub(1).and_then(|k| self.stills.get(k)), self.stills.get(behind)) {
+            (Some(before), Some(after)) => before.between(after, (t - before.t) / (after.t - before.t)),
+            (None, Some(still)) | (Some(still), None) => still.clone(),
+            (None, None) => Still::default(),
+        }
+    }
+}
+
+impl Still {
+    fn of(problem: &Problem, level: &Level) -> Still {
+        let surface = &level.state.surface;
+        let neck = neck(&problem.space, surface);
+        Still {
+            t: level.t,
+            samples: sample(problem, &level.state, ROWS, COLUMNS),
+            neck,
+            asymmetry: neck.map_or(0.0, |neck| asymmetry(&problem.space, surface, &neck)),
+            length: problem.contour_length(surface),
+            pressure: level.state.pressure,
+        }
+    }
+
+    /// The still at a share of the way to another.
+    fn between(&self, other: &Still, share: f64) -> Still {
+        let blend = |a: f64, b: f64| a + share * (b - a);
+        let vector = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| blend(a[k], b[k]));
+        let sample = |(a, b): (&Sample, &Sample)| {
+            let normal: [f64; 3] = vector(a.normal, b.normal);
+            let size = normal.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+            Sample {
+                share: blend(a.share, b.share),
+                x: vector(a.x, b.x),
+                normal: normal.map(|x| x / size),
+                tension: blend(a.tension, b.tension),
+            }
+        };
+        let neck = |(a, b): (Neck, Neck)| Neck {
+            u: blend(a.u, b.u),
+            radius: blend(a.radius, b.radius),
+            offset: blend(a.offset, b.offset),
+            height: blend(a.height, b.height),
+        };
+        Still {
+            t: blend(self.t, other.t),
+            samples: self.samples.iter().zip(&other.samples).map(sample).collect(),
+            neck: self.neck.zip(other.neck).map(neck),
+            asymmetry: blend(self.asymmetry, other.asymmetry),
+            length: blend(self.length, other.length),
+            pressure: blend(self.pressure, other.pressure),
+        }
+    }
+
+    /// The section by the plane y = 0, in which a cell bends that bends to one side: (x, z) from the pole u = 0 along φ = 0 and
+    /// back along φ = π.
+    pub fn section(&self) -> Vec<[f64; 2]> {
+        let meridian = |column: usize| self.samples.iter().skip(column).step_by(COLUMNS).map(|at| [at.x[0], at.x[2]]);
+        let back: Vec<_> = meridian(COLUMNS / 2).collect();
+        meridian(0).chain(back.into_iter().rev()).collect()
+    }
+}

@@ -1,0 +1,77 @@
+//! Results that only cells without axial symmetry have.
+
+use super::error::CliError;
+use super::interrupt;
+use furrow_figures::movie::grid;
+use furrow_formats::frames::{FrameFiles, write_surfaces};
+use furrow_formats::surface::SurfaceFrame;
+use furrow_input::InputError;
+use furrow_surface::film::{Film, Still};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// What the values of written surfaces are.
+const TENSION: &str = "mean active tension, in κ0/L_h²";
+
+/// The number of azimuthal modes at the end, and the neck over time.
+pub fn document(film: &Film) -> Value {
+    let necks = &film.found.necks;
+    let over_time = |value: fn(&furrow_surface::division::NeckAt) -> f64| necks.iter().map(value).collect::<Vec<_>>();
+    json!({
+        "modes": film.found.modes,
+        "neck": {
+            "t": over_time(|at| at.t),
+            "radius": over_time(|at| at.neck.radius),
+            "offset": over_time(|at| at.neck.offset),
+            "position": over_time(|at| at.neck.height),
+        },
+    })
+}
+
+/// Writes the surfaces of a division, if a path is given: after every step, or every `every` τ and the last.
+///
+/// # Errors
+/// A path that is not a .ply or .glb file, or a file that cannot be written.
+pub fn write(path: Option<&Path>, film: &Film, every: Option<f64>) -> Result<(), CliError> {
+    let Some(path) = path else { return Ok(()) };
+    let step = |step: f64| (0..).map(move |k| f64::from(k) * step);
+    let stills: Vec<Still> = match every {
+        None => film.stills.clone(),
+        Some(every) => {
+            let end = film.end();
+            step(every).take_while(|t| *t < end * (1.0 - 1e-9)).chain([end]).map(|t| film.at(t)).collect()
+        }
+    };
+    let frame = |still: &Still| SurfaceFrame { surface: grid(still, |at| at.tension), about: about(still) };
+    let frames: Vec<SurfaceFrame> = stills.iter().map(frame).collect();
+    interrupt::defer(|| write_surfaces(&FrameFiles::of(path), &frames, TENSION))?;
+    Ok(())
+}
+
+/// Refuses a folder of contours, which surfaces without axial symmetry do not have.
+///
+/// # Errors
+/// Names the option and what is allowed.
+pub fn check_frames(path: Option<&Path>) -> Result<(), InputError> {
+    let contours = path.filter(|path| matches!(FrameFiles::of(path), FrameFiles::Csv(_)));
+    let allowed = "a file whose name ends in .ply or .glb: without axial symmetry a cell has no contour";
+    contours.map_or(Ok(()), |path| Err(InputError::not_allowed("--frames", "frames", format!("{path:?}"), allowed)))
+}
+
+/// The entry of a frame in the list.
+fn about(still: &Still) -> Map<String, Value> {
+    let neck = still.neck;
+    let entry = json!({
+        "t": still.t,
+        "neck_radius": neck.map(|neck| neck.radius),
+        "neck_offset": neck.map(|neck| neck.offset),
+        "neck_u": neck.map(|neck| neck.u),
+        "length": still.length,
+        "pressure": still.pressure,
+        "chi": neck.map(|_| still.asymmetry.abs()),
+    });
+    match entry {
+        Value::Object(fields) => fields,
+        _ => Map::new(),
+    }
+}
