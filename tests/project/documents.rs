@@ -54,7 +54,7 @@ fn the_citation_names_this_version() {
 /// Numbers of equations in a text, such as M.6, with the text behind them.
 fn numbers(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let starts = text.char_indices().filter(|(at, c)| {
-        "MNFPA".contains(*c) && !text[..*at].ends_with(|before: char| before.is_alphanumeric() || before == '_')
+        "MNFPAS".contains(*c) && !text[..*at].ends_with(|before: char| before.is_alphanumeric() || before == '_')
     });
     starts.filter_map(|(at, _)| {
         let digits = text[at + 1..].strip_prefix('.')?;
