@@ -88,6 +88,9 @@ class Cell:
         noise: float
         noise_time: float
         chi_symmetric: float
+        modes: int
+        elements: int
+        contact: str
 
     def __init__(
         self,

@@ -245,7 +245,7 @@ def grow(
     """
     known = shared_memo() if memo is None else memo
     born: dict[str, Cell] = {}
-    numerics = ("stages", "intervals")
+    numerics = ("stages", "intervals", "modes", "elements")
 
     def rule(
         cell: str,

@@ -225,6 +225,7 @@ class Division(Result):
     ``factorisations``: Factorisations of a Jacobian.
     ``remeshings``: Changes of the mesh.
     ``phi``: The regulator φ at the furrow at pinch-off, or at u = 0.5 at rest; None without one.
+    ``neck_offset``: Distance of the neck's centre from the axis at the end, in L_h; None with axial symmetry.
     ``frames``: Its shapes, if requested.
     """
 
@@ -245,6 +246,7 @@ class Division(Result):
     factorisations: int
     remeshings: int
     phi: float | None = None
+    neck_offset: float | None = None
     frames: Frames | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -280,6 +282,7 @@ def division(cell: Cell, seed: int, record: Mapping[str, Any], frames: Frames | 
         factorisations=record["factorisations"],
         remeshings=record["remeshings"],
         phi=record.get("phi"),
+        neck_offset=record.get("neck_offset"),
         frames=frames,
     )
 

@@ -219,7 +219,7 @@ impl Inputs {
         let mut map = serde_json::Map::new();
         for (_, name, value) in settings::listing(&self.settings()) {
             let value = match (name, value) {
-                ("stages" | "intervals", Value::Number(number)) => (number as u64).into(),
+                ("stages" | "intervals" | "modes" | "elements", Value::Number(number)) => (number as u64).into(),
                 (_, Value::Number(number)) => number.into(),
                 (_, Value::Text(text)) => text.into(),
             };

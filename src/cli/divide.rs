@@ -261,7 +261,6 @@ fn without_axis(
     (picture, movie, every): (Picture, MovieFile, Option<f64>),
 ) -> Result<(), CliError> {
     let memo = context.memo()?;
-    let input = &memo.canonical(input);
     let first = OnceLock::new();
     let keep_first = |one: &DivisionInput| {
         if one.seed != input.seed {
@@ -275,7 +274,7 @@ fn without_axis(
     let draws = args.frames.is_some() || picture.is_wanted() || movie.is_wanted();
     let film = match first.into_inner() {
         None if draws || context.json => {
-            Some(Film::compute(&DivisionInput { seed: found.replicates[0].seed, ..input.clone() })?)
+            Some(Film::compute(&DivisionInput { seed: found.replicates[0].seed, ..memo.canonical(input) })?)
         }
         film => film,
     };

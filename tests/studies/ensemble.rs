@@ -161,7 +161,7 @@ fn whole_and_resumed<T: std::fmt::Debug>(
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes of every core"]
 fn an_interrupted_sample_resumes_with_the_same_result() {
     let ([whole, resumed], known) = whole_and_resumed((2, 7), ensemble);
     assert_eq!(whole, resumed);

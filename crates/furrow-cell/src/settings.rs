@@ -152,7 +152,7 @@ fields! {
         noise_time at numerics.noise_time => f64, "0, or from 0.001 to 1000", |v| v == 0.0 || (1e-3..=1e3).contains(&v);
         chi_symmetric at numerics.chi_symmetric => f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
         modes at numerics.modes => usize, "a whole number from 0 (with axial symmetry) to 12", |v| (0..=12).contains(&v);
-        elements at numerics.elements => usize, "a whole number from 16 to 256", |v| (16..=256).contains(&v);
+        elements at numerics.elements => usize, "a whole number from 32 to 256", |v| (32..=256).contains(&v);
         contact at numerics.contact => bool, "true or false", |_v| true;
     }
 }

@@ -35,7 +35,7 @@ pub struct Stage<'s, 'a> {
     /// The scene.
     pub scene: &'s Scene<'a>,
     view: View,
-    /// The force of the longest arrow.
+    /// The force of the longest arrow; 0 without forces.
     largest: f64,
     /// Pixels in a unit of the canvas.
     density: f64,
@@ -68,7 +68,7 @@ impl<'s, 'a> Stage<'s, 'a> {
         let forces = scene.times.iter().flat_map(|t| (scene.forces)(*t));
         let mut sizes: Vec<f64> = forces.map(|force| length(force.vector)).collect();
         sizes.sort_by(f64::total_cmp);
-        let largest = sizes.get(sizes.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-9);
+        let largest = sizes.get(sizes.len() * 97 / 100).map_or(0.0, |size| size.max(1e-9));
         let glass = glass(scene.shell, &view, density, window);
         Stage { scene, view, largest, density, window, glass }
     }
@@ -152,9 +152,12 @@ impl<'s, 'a> Stage<'s, 'a> {
         let time = format!("t = {} τ", style::time(t));
         canvas.text([SIZE[0] - 20.0, 30.0], &time, text::LABEL, Anchor::End, style::INK);
         let bottom = SIZE[1] - 18.0;
-        canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
-        canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
-        let (mut x, mut y) = (176.0, bottom);
+        let (mut x, mut y) = (20.0, bottom);
+        if self.largest > 0.0 {
+            canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
+            canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
+            x = 176.0;
+        }
         for (colour, word) in legend {
             let width = 24.0 + font::width(word, text::TICK);
             if x + width > SIZE[0] - 12.0 {
