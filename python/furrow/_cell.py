@@ -90,7 +90,7 @@ class Cell:
         chi_symmetric: float
         modes: int
         elements: int
-        contact: str
+        contact: bool
 
     def __init__(
         self,

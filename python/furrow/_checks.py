@@ -81,6 +81,4 @@ def text_of(field: str, value: object) -> str:
 def given_of(parameters: Mapping[str, Any], preset: str, config: str | os.PathLike[str] | None, r0: Any | None = None) -> Given:
     """Parameters, the radius among them if there is one, with a preset and a configuration file."""
     given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
-    if isinstance(contact := given.get("contact"), bool):
-        given["contact"] = str(contact).lower()
     return given, text_of("preset", preset), optional_path("config", config)

@@ -81,7 +81,7 @@ pub fn film<'py>(
             Some(count) => film.with_places(count),
             None => film,
         };
-        check_step(ARGUMENTS, &film, every)?;
+        check_step(ARGUMENTS, film.division.t_end, every)?;
         let stills = stills(&film, every);
         // The first frame begins at 0.
         let ends = stills.iter().scan(0, |end, still| {
@@ -129,7 +129,7 @@ pub fn steady<'py>(
     azimuthal: Option<usize>,
 ) -> Result<(Document, Bound<'py, PyDict>), Error> {
     inputs.settings().check_activity(ARGUMENTS)?;
-    let Inputs { cell, numerics } = inputs.clone();
+    let Inputs { cell, numerics } = inputs.axisymmetric()?;
     let (found, places) = supervised(py, Interrupt::Abandons, None, move |_| {
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
@@ -148,7 +148,7 @@ pub fn steady<'py>(
 #[pyfunction]
 pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<Document, Error> {
     let options = BranchOptions { xi: [0.0, positive("xi_max", xi_max, ABOVE_0)?], ..BranchOptions::default() };
-    let Inputs { cell, numerics } = inputs.clone();
+    let Inputs { cell, numerics } = inputs.axisymmetric()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
         Ok(threshold_report(&found).into())
@@ -170,7 +170,7 @@ pub fn branch<'py>(
     let azimuthal = azimuthal.unwrap_or(0);
     let options = BranchOptions { xi, growth_rates: true, azimuthal, ..BranchOptions::default() };
     let options = options.with_max_step(positive("max_step", max_step, ABOVE_0)?);
-    let Inputs { cell, numerics } = inputs.clone();
+    let Inputs { cell, numerics } = inputs.axisymmetric()?;
     let found = supervised(py, Interrupt::Abandons, None, move |_| {
         diagram(&cell, &numerics, &options).map_err(Error::no_outcome)
     })?;

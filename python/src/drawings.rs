@@ -136,7 +136,7 @@ pub fn write_shapes(
     every.map(|step| positive("every", step, "a finite number of τ above 0")).transpose()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
         let film = Trajectory::compute(&input)?;
-        check_step(ARGUMENTS, &film, every)?;
+        check_step(ARGUMENTS, film.division.t_end, every)?;
         write_frames(&folder, &film, every).map_err(Error::system)
     })
 }

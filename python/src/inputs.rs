@@ -71,14 +71,14 @@ impl<'py> FromPyObject<'_, 'py> for Named {
     }
 }
 
-/// A number, which keeps every bit, or a word. InputError for any other value.
+/// A number, which keeps every bit, or a word; True and False are words. InputError for any other value.
 pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Value::Text(text.to_str()?.trim().to_owned()));
     }
     let wrong_type = |_| wrong_type(name, value, "a number, or a word where the parameter has words");
-    if value.is_instance_of::<PyBool>() {
-        return Err(wrong_type(()));
+    if let Ok(flag) = value.cast::<PyBool>() {
+        return Ok(Value::Text(flag.is_true().to_string()));
     }
     // A whole number of more than 308 digits is no f64.
     if value.is_instance_of::<PyInt>() {
@@ -196,6 +196,12 @@ impl Inputs {
         Ok(DivisionInput { cell: settings.cell, numerics: self.numerics, seed })
     }
 
+    /// The same, refused with azimuthal modes: for what has equations with axial symmetry alone.
+    pub fn axisymmetric(&self) -> Result<Inputs, Error> {
+        self.settings().check_axisymmetric(ARGUMENTS)?;
+        Ok(self.clone())
+    }
+
     /// As parameters.
     pub fn settings(&self) -> Settings {
         Settings { cell: self.cell.clone(), numerics: self.numerics }
@@ -221,7 +227,7 @@ impl Inputs {
             let value = match (name, value) {
                 ("stages" | "intervals" | "modes" | "elements", Value::Number(number)) => (number as u64).into(),
                 (_, Value::Number(number)) => number.into(),
-                (_, Value::Text(text)) => text.into(),
+                (_, Value::Text(text)) => text.parse::<bool>().map_or_else(|_| text.into(), serde_json::Value::from),
             };
             map.insert(name.to_owned(), value);
         }

@@ -54,7 +54,7 @@ pub fn boundary(
     if range[0] == range[1] {
         return Err(Error::not_allowed("last", range[1], "different from the first value"));
     }
-    let numerics = inputs.numerics;
+    let Inputs { numerics, .. } = inputs.axisymmetric()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
         let options = BoundaryOptions { folds, critical, azimuthal };
         let found = followed(&cell, &numerics, parameter, range, options).map_err(Error::no_outcome)?;
@@ -82,7 +82,7 @@ pub fn phase(
         return Err(Error::not_allowed("xi_s", xi, "a finite number, 0 or above"));
     }
     let (parameter, cell) = varied(inputs, vary, [from, to])?;
-    inputs.settings().check_divisions(ARGUMENTS)?;
+    inputs.axisymmetric()?.settings().check_divisions(ARGUMENTS)?;
     let (across, up) = (spaced(from, to, points), spaced(xi_from, xi_to, xi_points));
     let plane = PhasePlane { cell, numerics: inputs.numerics, parameter, across, up, seed };
     let memo = memo.solved()?;
@@ -108,7 +108,7 @@ pub fn phase(
 /// The radius below which cells like this one do not divide.
 #[pyfunction]
 pub fn critical_radius(py: Python<'_>, inputs: &Inputs) -> Result<Document, Error> {
-    let Inputs { cell, numerics } = inputs.clone();
+    let Inputs { cell, numerics } = inputs.axisymmetric()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
         let found = searched(&cell, &numerics).map_err(Error::no_outcome)?;
         Ok(json!({ "r0": found.r0, "kind": found.kind, "slope": found.slope }).into())

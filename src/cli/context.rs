@@ -113,6 +113,16 @@ impl Context {
         })
     }
 
+    /// The same for a command that has equations with axial symmetry alone.
+    ///
+    /// # Errors
+    /// As [`Context::new`], and of settings with azimuthal modes.
+    pub fn axisymmetric(globals: &Globals) -> Result<Context, CliError> {
+        let context = Context::new(globals)?;
+        context.settings.check_axisymmetric("settings")?;
+        Ok(context)
+    }
+
     /// The parameters, with a radius in µm by these units.
     ///
     /// # Errors

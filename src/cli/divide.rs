@@ -230,7 +230,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
             None => Trajectory::compute(&input)?,
         };
         if let Some(folder) = &args.frames {
-            check_step("--frame-step", &film, every)?;
+            check_step("--frame-step", film.division.t_end, every)?;
             interrupt::defer(|| write_frames(folder, &film, every))?;
         }
         let film = film.with_places(DENSE);
@@ -342,7 +342,7 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
     Ok(found)
 }
 
-/// Solves `count` replicates, of which those beyond the number asked for may fail; at least one succeeds.
+/// Solves `count` replicates. At least one of those asked for must succeed; the others may fail without a word.
 fn solve(
     args: &DivideArgs,
     context: &Context,

@@ -35,7 +35,7 @@ mod vary;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use context::{Context, Globals};
 pub use error::CliError;
-use furrow_input::InputError;
+use std::borrow::Cow;
 use std::process::ExitCode;
 
 /// Predicts cell divisions of embryos from mechanics: how unequal they are, how many rounds there are, and when a lineage stops.
@@ -189,33 +189,20 @@ fn survive_full_disks() {
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
-/// The options, with what --three-dimensional sets; refused by the commands that have equations with axial symmetry alone.
-fn without_axis(globals: &Globals, command: &Command) -> Result<Globals, CliError> {
+/// The options, with the parameter that --three-dimensional stands for.
+fn with_axis<'a>(globals: &'a Globals, command: &Command) -> Cow<'a, Globals> {
+    let setting = match command {
+        Command::Tree(args) => args.axis.setting(),
+        Command::Divide(args) => args.axis.setting(),
+        Command::Steady(args) => args.axis.setting(),
+        Command::Sweep(args) => args.axis.setting(),
+        Command::Solve(args) => args.axis.setting(),
+        _ => None,
+    };
+    let Some(setting) = setting else { return Cow::Borrowed(globals) };
     let mut globals = globals.clone();
-    match command {
-        Command::Tree(tree::TreeArgs { axis, .. })
-        | Command::Divide(divide::DivideArgs { axis, .. })
-        | Command::Steady(steady::SteadyArgs { axis, .. })
-        | Command::Sweep(sweep::SweepArgs { axis, .. })
-        | Command::Solve(solve::SolveArgs { axis, .. }) => globals.set.extend(axis.setting()),
-        Command::Branch(_)
-        | Command::Pitchfork(_)
-        | Command::Boundary(_)
-        | Command::Polarity(_)
-        | Command::Calibrate(_)
-        | Command::Fit(_)
-        | Command::Phase(_)
-        | Command::Reproduce(_)
-        | Command::Explore(_)
-            if globals.config.is_some() || !globals.set.is_empty() =>
-        {
-            let modes = Context::new(&globals)?.settings.numerics.modes;
-            let allowed = "0 for this command, which computes cells with axial symmetry alone";
-            InputError::require(modes == 0, "settings", "modes", modes, allowed)?;
-        }
-        _ => (),
-    }
-    Ok(globals)
+    globals.set.push(setting);
+    Cow::Owned(globals)
 }
 
 fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
@@ -223,25 +210,25 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
     if !matches!(command, Command::Divide(_)) {
         interrupt::listen();
     }
-    let globals = &without_axis(globals, &command)?;
+    let globals = &*with_axis(globals, &command);
     match command {
         Command::Tree(args) => tree::run(&args, &Context::new(globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(globals)?),
-        Command::Branch(args) => branch::run(&args, Context::new(globals)?),
-        Command::Pitchfork(args) => pitchfork::run(&args, Context::new(globals)?),
-        Command::Boundary(args) => boundary::run(&args, Context::new(globals)?),
-        Command::Polarity(args) => polarity::run(&args, Context::new(globals)?),
-        Command::Calibrate(args) => calibrate::run(&args, &Context::new(globals)?),
-        Command::Fit(args) => fit::run(&args, &Context::new(globals)?),
+        Command::Branch(args) => branch::run(&args, Context::axisymmetric(globals)?),
+        Command::Pitchfork(args) => pitchfork::run(&args, Context::axisymmetric(globals)?),
+        Command::Boundary(args) => boundary::run(&args, Context::axisymmetric(globals)?),
+        Command::Polarity(args) => polarity::run(&args, Context::axisymmetric(globals)?),
+        Command::Calibrate(args) => calibrate::run(&args, &Context::axisymmetric(globals)?),
+        Command::Fit(args) => fit::run(&args, &Context::axisymmetric(globals)?),
         Command::Compare(args) => compare::run(&args, &Context::new(globals)?),
-        Command::Phase(args) => phase::run(&args, Context::new(globals)?),
+        Command::Phase(args) => phase::run(&args, Context::axisymmetric(globals)?),
         Command::Solve(args) => solve::run(&args, Context::new(globals)?),
         Command::Sweep(args) => sweep::run(&args, &Context::new(globals)?),
         Command::Merge(args) => merge::run(&args, globals),
         Command::Export(args) => export::run(&args, globals),
-        Command::Reproduce(args) => reproduce::run(&args, &Context::new(globals)?),
-        Command::Explore(args) => explore::run(&args, &Context::new(globals)?),
+        Command::Reproduce(args) => reproduce::run(&args, &Context::axisymmetric(globals)?),
+        Command::Explore(args) => explore::run(&args, &Context::axisymmetric(globals)?),
         Command::NewLineage(args) => new_lineage::run(&args, globals),
         Command::Cache(args) => cache::run(&args, globals),
         Command::Completions(args) => completions::run(&args, &mut self::command()),

@@ -3,14 +3,15 @@
 use super::error::CliError;
 use super::interrupt;
 use furrow_figures::movie::grid;
-use furrow_formats::frames::{FrameFiles, write_surfaces};
+use furrow_formats::frames::{About, FrameFiles, check_step, write_surfaces};
 use furrow_formats::surface::SurfaceFrame;
 use furrow_input::InputError;
-use furrow_surface::film::{Film, Still};
-use serde_json::{Map, Value, json};
+use furrow_mechanics::division::uniform_times;
+use furrow_surface::film::{Film, Observables, Step, Still};
+use serde_json::{Value, json};
 use std::path::Path;
 
-/// What the values of written surfaces are.
+/// The values of written surfaces.
 const TENSION: &str = "mean active tension, in κ0/L_h²";
 
 /// The number of azimuthal modes at the end, and the neck over time.
@@ -31,18 +32,16 @@ pub fn document(film: &Film) -> Value {
 /// Writes the surfaces of a division, if a path is given: after every step, or every `every` τ and the last.
 ///
 /// # Errors
-/// A path that is not a .ply or .glb file, or a file that cannot be written.
+/// Too small a step, or a file that cannot be written.
 pub fn write(path: Option<&Path>, film: &Film, every: Option<f64>) -> Result<(), CliError> {
     let Some(path) = path else { return Ok(()) };
-    let step = |step: f64| (0..).map(move |k| f64::from(k) * step);
+    check_step("--frame-step", film.found.division.t_end, every)?;
     let stills: Vec<Still> = match every {
-        None => film.stills.clone(),
-        Some(every) => {
-            let end = film.end();
-            step(every).take_while(|t| *t < end * (1.0 - 1e-9)).chain([end]).map(|t| film.at(t)).collect()
-        }
+        None => film.steps.iter().map(Step::still).collect(),
+        Some(every) => uniform_times(film.end(), every).into_iter().map(|t| film.at(t)).collect(),
     };
-    let frame = |still: &Still| SurfaceFrame { surface: grid(still, |at| at.tension), about: about(still) };
+    let frame =
+        |still: &Still| SurfaceFrame { surface: grid(still, |at| at.tension), about: about(&still.shape).fields() };
     let frames: Vec<SurfaceFrame> = stills.iter().map(frame).collect();
     interrupt::defer(|| write_surfaces(&FrameFiles::of(path), &frames, TENSION))?;
     Ok(())
@@ -51,7 +50,7 @@ pub fn write(path: Option<&Path>, film: &Film, every: Option<f64>) -> Result<(),
 /// Refuses a folder of contours, which surfaces without axial symmetry do not have.
 ///
 /// # Errors
-/// Names the option and what is allowed.
+/// Names the option and its allowed values.
 pub fn check_frames(path: Option<&Path>) -> Result<(), InputError> {
     let contours = path.filter(|path| matches!(FrameFiles::of(path), FrameFiles::Csv(_)));
     let allowed = "a file whose name ends in .ply or .glb: without axial symmetry a cell has no contour";
@@ -59,19 +58,15 @@ pub fn check_frames(path: Option<&Path>) -> Result<(), InputError> {
 }
 
 /// The entry of a frame in the list.
-fn about(still: &Still) -> Map<String, Value> {
-    let neck = still.neck;
-    let entry = json!({
-        "t": still.t,
-        "neck_radius": neck.map(|neck| neck.radius),
-        "neck_offset": neck.map(|neck| neck.offset),
-        "neck_u": neck.map(|neck| neck.u),
-        "length": still.length,
-        "pressure": still.pressure,
-        "chi": neck.map(|_| still.asymmetry.abs()),
-    });
-    match entry {
-        Value::Object(fields) => fields,
-        _ => Map::new(),
+fn about(shape: &Observables) -> About {
+    let Observables { t, neck, asymmetry, length, pressure } = *shape;
+    About {
+        t,
+        neck_radius: neck.map(|neck| neck.radius),
+        neck_u: neck.map(|neck| neck.u),
+        neck_offset: neck.map(|neck| neck.offset),
+        length,
+        pressure,
+        chi: neck.map(|_| asymmetry.abs()),
     }
 }

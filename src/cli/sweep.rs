@@ -15,7 +15,6 @@ use furrow_analysis::{AxisValue, Kind, Run, Shard, Sweep, SweepProgress, Target}
 use furrow_cell::settings::{Overrides, Settings};
 use furrow_figures::plot;
 use furrow_formats::files::WriteError;
-use furrow_input::InputError;
 use furrow_lineage::Length;
 use serde_json::json;
 use std::path::PathBuf;
@@ -49,11 +48,8 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
-    // Kinds other than these have equations with axial symmetry alone.
     if !matches!(sweep.kind, Kind::Division | Kind::Tree) {
-        let modes = sweep.settings.numerics.modes;
-        let allowed = "0 in sweeps of pitchforks and critical radii, which are those of cells with axial symmetry";
-        InputError::require(modes == 0, "settings", "modes", modes, allowed)?;
+        sweep.settings.check_axisymmetric("settings")?;
     }
     messages::warn_of(sweep.lineage.doubtful_radii());
     warn_of_size(&sweep.lineage.units(), radii(&sweep));

@@ -341,6 +341,13 @@ impl Settings {
         Ok(())
     }
 
+    /// Refuses azimuthal modes, for what has equations with axial symmetry alone.
+    pub fn check_axisymmetric(&self, source_name: &str) -> Result<(), InputError> {
+        let modes = self.numerics.modes;
+        let allowed = "0: only divisions, trees and states at rest can be computed without axial symmetry";
+        InputError::require(modes == 0, source_name, "modes", modes, allowed)
+    }
+
     /// Checks the activity of a cell that is to be computed at it; errors say it came from `source_name`. Branches, curves
     /// and diagrams run over ξ_s and take no notice of it.
     pub fn check_activity(&self, source_name: &str) -> Result<(), InputError> {

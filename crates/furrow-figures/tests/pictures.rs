@@ -96,7 +96,7 @@ fn a_regulator_is_drawn_on_the_contours_and_over_their_length() {
     assert!(!plot::division::draw(&cell, &film).svg().contains("regulator"));
 }
 
-/// The positions [x, y] of the surface's pixels in a frame whose colours meet a condition.
+/// Positions [x, y] of the pixels whose colours meet a condition.
 fn pixels(cell: &Cell, film: &Trajectory, share: f64, is: impl Fn([f64; 3]) -> bool) -> Vec<[usize; 2]> {
     let png = Movie { cell, film, frames: 3 }.with_scene(|scene| scene.png(share * scene.times[2], 1.0).unwrap());
     let (pixels, width) = decoded(&png);

@@ -12,33 +12,41 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// The entry of a frame in the list, without its file name.
-#[derive(Serialize)]
-struct About {
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct About {
     /// Time, in τ.
-    t: f64,
+    pub t: f64,
     /// Radius of the neck, in L_h; null without a waist.
-    neck_radius: Option<f64>,
+    pub neck_radius: Option<f64>,
     /// Where it is.
-    neck_u: Option<f64>,
+    pub neck_u: Option<f64>,
+    /// Distance of its centre from the axis, towards +x, in L_h; absent with axial symmetry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neck_offset: Option<f64>,
     /// Contour length L, in L_h.
-    length: f64,
+    pub length: f64,
     /// Pressure p, in κ0/L_h³.
-    pressure: f64,
+    pub pressure: f64,
     /// |V_above − V_below|/V of the parts on both sides of the neck.
-    chi: Option<f64>,
+    pub chi: Option<f64>,
 }
 
 impl About {
-    fn of(still: &Snapshot) -> Map<String, Value> {
-        let about = About {
+    fn of(still: &Snapshot) -> About {
+        About {
             t: still.t,
             neck_radius: still.neck.map(|neck| neck.radius),
             neck_u: still.neck.map(|neck| neck.u),
+            neck_offset: None,
             length: still.length,
             pressure: still.pressure,
             chi: still.neck.map(|_| still.asymmetry.abs()),
-        };
-        match json!(about) {
+        }
+    }
+
+    /// As metadata of a surface.
+    pub fn fields(&self) -> Map<String, Value> {
+        match json!(self) {
             Value::Object(fields) => fields,
             _ => Map::new(),
         }
@@ -127,12 +135,12 @@ const MOST_FRAMES: f64 = 100_000.0;
 ///
 /// # Errors
 /// Names the least allowed step.
-pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> Result<(), InputError> {
-    let least = film.division.t_end / MOST_FRAMES;
+pub fn check_step(source_name: &str, t_end: f64, every: Option<f64>) -> Result<(), InputError> {
+    let least = t_end / MOST_FRAMES;
     match every.filter(|step| *step < least) {
         None => Ok(()),
         Some(step) => {
-            let allowed = format!("at least {least:.3e}: the division takes {:.3} τ", film.division.t_end);
+            let allowed = format!("at least {least:.3e}: the division takes {t_end:.3} τ");
             Err(InputError::not_allowed(source_name, "frame_step", step, allowed))
         }
     }
@@ -155,11 +163,11 @@ pub fn write_frames(path: &Path, film: &Trajectory, every: Option<f64>) -> Resul
     let files = FrameFiles::of(path);
     if let FrameFiles::Csv(folder) = &files {
         let series = Series { folder, stem: "frame", extension: "csv", index: INDEX.to_owned() };
-        return series.write(stills.iter().map(|still| Ok((csv(still).into_bytes(), About::of(still)))));
+        return series.write(stills.iter().map(|still| Ok((csv(still).into_bytes(), About::of(still).fields()))));
     }
     let frame = |still: &Snapshot| SurfaceFrame {
         surface: SurfaceGrid::revolved(&still.places, COLUMNS_AROUND, |place| 0.5 * (place.t_uu + place.t_pp)),
-        about: About::of(still),
+        about: About::of(still).fields(),
     };
     write_surfaces(&files, &stills.iter().map(frame).collect::<Vec<_>>(), TENSION)
 }

@@ -118,6 +118,7 @@ pub(crate) fn run(
         tolerance: ERROR * numerics.time_tolerance * cell.r0,
         dt: numerics.first_step,
         necks: Vec::new(),
+        speed: f64::INFINITY,
         drift: 0.0,
         looked: false,
         unstable_too: symmetric,
@@ -224,6 +225,8 @@ struct Run<'a> {
     /// Length of the next step, in τ.
     dt: f64,
     necks: Vec<NeckAt>,
+    /// Normal speed in the last step, as a root mean square over the surface relative to R0, in 1/τ.
+    speed: f64,
     /// Largest relative deviation of the volume.
     drift: f64,
     /// Whether the present slow shape was found not to be at rest.
@@ -275,6 +278,7 @@ impl Run<'_> {
         let found = neck(&problem.space, &level.state.surface);
         let moved = problem.normal_distance(&level.state.surface, &stepper.history[0].state.surface);
         let mut growth = error.map_or(1.0, |error| (0.8 / error.max(1e-3).cbrt()).clamp(0.5, 2.0));
+        self.speed = moved / (t - stepper.history[0].t) / self.r0;
         let mut change = MOVED * moved / self.r0;
         if let Some(neck) = found {
             if let Some(before) = self.necks.last() {
@@ -306,7 +310,7 @@ impl Run<'_> {
         let space = &stepper.problem.space;
         let chi = asymmetry(space, &level.state.surface, &now.neck);
         let chi_signed = chi + left * (chi - asymmetry(space, &last.state.surface, &before.neck));
-        let share = stepper.problem.share_at(&level.state.surface, now.neck.u);
+        let share = stepper.problem.mean_meridian(&level.state.surface).share_at(now.neck.u);
         let symmetric = chi_signed.abs() < self.numerics.chi_symmetric;
         let ending = Ending::Divided { symmetric, chi_signed, u_furrow: share, daughters: [0.0; 2] };
         let division = self.division(stepper, ending, now.t + left * (now.t - before.t)).with_daughters_of(self.r0);
@@ -327,10 +331,8 @@ impl Run<'_> {
 
     /// The division, if the cell rests: its surface is close to a stationary one that is stable to all modes.
     fn rested(&mut self, stepper: &mut Stepper) -> Option<SurfaceDivision> {
-        let [now, last, ..] = stepper.history.as_slice() else { return None };
-        let distance = stepper.problem.normal_distance(&now.state.surface, &last.state.surface);
-        let speed = distance / (now.t - last.t) / self.r0;
-        if speed > SLOW {
+        let now = stepper.history.first()?;
+        if self.speed > SLOW {
             (self.looked, self.unstable) = (false, None);
             return None;
         }

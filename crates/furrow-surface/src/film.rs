@@ -7,7 +7,7 @@ use furrow_mechanics::polarity;
 
 use crate::division::{SurfaceDivision, divide};
 use crate::neck::{Neck, asymmetry, neck};
-use crate::problem::Problem;
+use crate::problem::{Problem, State};
 use crate::sample::{Sample, sample};
 use crate::stepper::Level;
 
@@ -16,13 +16,20 @@ pub const ROWS: usize = 129;
 /// Meridians of samples.
 pub const COLUMNS: usize = 64;
 
-/// The surface at one time.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Still {
+/// The shape after one step.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Its observables.
+    pub shape: Observables,
+    problem: Problem,
+    state: State,
+}
+
+/// The observables of a shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observables {
     /// Time, in τ.
     pub t: f64,
-    /// Samples on [`ROWS`] × [`COLUMNS`] places, row by row from the pole u = 0. Column j is the meridian φ = 2π j / [`COLUMNS`].
-    pub samples: Vec<Sample>,
     /// The neck; `None` without a waist.
     pub neck: Option<Neck>,
     /// (V_above − V_below)/V for the parts on both sides of the neck; 0 without a neck.
@@ -33,6 +40,15 @@ pub struct Still {
     pub pressure: f64,
 }
 
+/// The surface at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Still {
+    /// Its observables.
+    pub shape: Observables,
+    /// Samples on [`ROWS`] × [`COLUMNS`] places, row by row from the pole u = 0. Column j is the meridian φ = 2π j / [`COLUMNS`].
+    pub samples: Vec<Sample>,
+}
+
 /// A division with its shapes.
 ///
 /// ```
@@ -40,10 +56,10 @@ pub struct Still {
 /// use furrow_mechanics::division::DivisionInput;
 /// use furrow_surface::film::Film;
 ///
-/// let numerics = Numerics { modes: 2, elements: 24, ..Numerics::default() };
+/// let numerics = Numerics { modes: 2, elements: 32, ..Numerics::default() };
 /// let film = Film::compute(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(2.5)) })?;
 /// let middle = film.at(0.5 * film.found.division.t_end);
-/// assert!(middle.neck.is_some_and(|neck| neck.radius < 2.5));
+/// assert!(middle.shape.neck.is_some_and(|neck| neck.radius < 2.5));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -55,52 +71,82 @@ pub struct Film {
     /// The half axes of the shell along z and across, in L_h.
     pub shell: [f64; 2],
     /// The shapes after every step, the first at t = 0.
-    pub stills: Vec<Still>,
+    pub steps: Vec<Step>,
 }
 
 impl Film {
-    /// Computes a division and samples its shapes.
+    /// Computes a division and keeps its shapes.
     ///
     /// # Errors
     /// [`DivisionError`].
     pub fn compute(input: &DivisionInput) -> Result<Film, DivisionError> {
-        let mut stills = Vec::new();
-        let found = divide(input, &mut |problem, level| stills.push(Still::of(problem, level)))?;
+        let mut steps = Vec::new();
+        let found = divide(input, &mut |problem, level| steps.push(Step::of(problem, level)))?;
         let cell = polarity::resolved(&input.cell).map_err(|source| DivisionError::Polarity { source })?.into_owned();
         let shell = forces::shell_axes(&Cortex::new(&cell, Domain::Full, &[]));
-        Ok(Film { found, cell, shell, stills })
+        Ok(Film { found, cell, shell, steps })
     }
 
     /// The last time, in τ.
     pub fn end(&self) -> f64 {
-        self.stills.last().map_or(0.0, |still| still.t)
+        self.steps.last().map_or(0.0, |step| step.shape.t)
     }
 
     /// The surface at a time between the first step and the last, interpolated between two steps.
     pub fn at(&self, t: f64) -> Still {
-        let behind = self.stills.partition_point(|still| still.t < t);
-        match (behind.checked_sub(1).and_then(|k| self.stills.get(k)), self.stills.get(behind)) {
-            (Some(before), Some(after)) => before.between(after, (t - before.t) / (after.t - before.t)),
-            (None, Some(still)) | (Some(still), None) => still.clone(),
+        let behind = self.steps.partition_point(|step| step.shape.t < t);
+        match (behind.checked_sub(1).and_then(|k| self.steps.get(k)), self.steps.get(behind)) {
+            (Some(before), Some(after)) => {
+                let share = (t - before.shape.t) / (after.shape.t - before.shape.t);
+                before.still().between(&after.still(), share)
+            }
+            (None, Some(step)) | (Some(step), None) => step.still(),
             (None, None) => Still::default(),
         }
     }
 }
 
-impl Still {
-    fn of(problem: &Problem, level: &Level) -> Still {
+impl Step {
+    fn of(problem: &Problem, level: &Level) -> Step {
         let surface = &level.state.surface;
         let neck = neck(&problem.space, surface);
-        Still {
+        let shape = Observables {
             t: level.t,
-            samples: sample(problem, &level.state, ROWS, COLUMNS),
             neck,
             asymmetry: neck.map_or(0.0, |neck| asymmetry(&problem.space, surface, &neck)),
             length: problem.contour_length(surface),
             pressure: level.state.pressure,
-        }
+        };
+        Step { shape, problem: problem.clone(), state: level.state.clone() }
     }
 
+    /// Its samples.
+    pub fn still(&self) -> Still {
+        Still { shape: self.shape, samples: sample(&self.problem, &self.state, ROWS, COLUMNS) }
+    }
+}
+
+impl Observables {
+    /// The observables at a share of the way to others.
+    fn between(&self, other: &Observables, share: f64) -> Observables {
+        let blend = |a: f64, b: f64| a + share * (b - a);
+        let neck = |(a, b): (Neck, Neck)| Neck {
+            u: blend(a.u, b.u),
+            radius: blend(a.radius, b.radius),
+            offset: blend(a.offset, b.offset),
+            height: blend(a.height, b.height),
+        };
+        Observables {
+            t: blend(self.t, other.t),
+            neck: self.neck.zip(other.neck).map(neck),
+            asymmetry: blend(self.asymmetry, other.asymmetry),
+            length: blend(self.length, other.length),
+            pressure: blend(self.pressure, other.pressure),
+        }
+    }
+}
+
+impl Still {
     /// The still at a share of the way to another.
     fn between(&self, other: &Still, share: f64) -> Still {
         let blend = |a: f64, b: f64| a + share * (b - a);
@@ -115,24 +161,13 @@ impl Still {
                 tension: blend(a.tension, b.tension),
             }
         };
-        let neck = |(a, b): (Neck, Neck)| Neck {
-            u: blend(a.u, b.u),
-            radius: blend(a.radius, b.radius),
-            offset: blend(a.offset, b.offset),
-            height: blend(a.height, b.height),
-        };
         Still {
-            t: blend(self.t, other.t),
+            shape: self.shape.between(&other.shape, share),
             samples: self.samples.iter().zip(&other.samples).map(sample).collect(),
-            neck: self.neck.zip(other.neck).map(neck),
-            asymmetry: blend(self.asymmetry, other.asymmetry),
-            length: blend(self.length, other.length),
-            pressure: blend(self.pressure, other.pressure),
         }
     }
 
-    /// The section by the plane y = 0, in which a cell bends that bends to one side: (x, z) from the pole u = 0 along φ = 0 and
-    /// back along φ = π.
+    /// The section by the plane y = 0, the plane of one-sided bends: (x, z) from the pole u = 0 along φ = 0 and back along φ = π.
     pub fn section(&self) -> Vec<[f64; 2]> {
         let meridian = |column: usize| self.samples.iter().skip(column).step_by(COLUMNS).map(|at| [at.x[0], at.x[2]]);
         let back: Vec<_> = meridian(COLUMNS / 2).collect();

@@ -1,7 +1,7 @@
 //! A dividing cell's cortex as a surface without axial symmetry.
 //!
-//! The surface and its flow are splines of degree 4 along the contour times Fourier modes around it. Numbers such as S.3 are those of
-//! the equations in the module that states them.
+//! The surface and its flow are splines of degree 4 along the contour times Fourier modes around it. The book numbers the
+//! equations S.1 to S.6.
 //!
 //! | module | content |
 //! |---|---|
@@ -12,7 +12,7 @@
 //! | [`contact`], [`crossing`] | walls of a furrow that touch, and surfaces that cross themselves |
 //! | [`stepper`], [`division`], [`noise`] | motion in time up to pinch-off or rest |
 //! | [`steady`], [`rates`] | states at rest and their growth rates |
-//! | [`neck`], [`sample`], [`film`] | what is seen of a shape |
+//! | [`neck`], [`sample`], [`film`] | observables and samples of a shape |
 
 pub mod contact;
 pub mod crossing;

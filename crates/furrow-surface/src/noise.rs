@@ -12,7 +12,7 @@ const EXCITED: usize = 2;
 
 /// The factor 1 + Σ r_nm cos(nπu) cos(mφ) on the activity at every station and meridian, with u the share of the contour: the
 /// noise of the axisymmetric division with the same seed, n = 1 … 10, and n = 0 … 9 for m = 1 and 2.
-/// `even` leaves out what is odd about u = ½.
+/// With `even` only the terms that are even about u = ½ are kept.
 pub fn factors(problem: &Problem, surface: &[f64], numerics: &Numerics, seed: u64, even: bool) -> Vec<f64> {
     let mut noise = Noise::new(seed, numerics);
     let sets: Vec<[f64; 10]> = (0..=EXCITED.min(problem.space.modes)).map(|m| noise.set(m)).collect();

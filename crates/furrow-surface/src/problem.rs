@@ -106,14 +106,11 @@ impl Problem {
         }
     }
 
-    /// The share of the contour, by the mean meridian, from the pole u = 0 to a coordinate u of the mesh.
-    pub fn share_at(&self, surface: &[f64], u: f64) -> f64 {
+    /// The arclength of the mean meridian.
+    pub fn mean_meridian(&self, surface: &[f64]) -> MeanMeridian {
         let (speeds, length) = self.speeds(surface);
         let shares = self.shares(&speeds, length);
-        let stations = &self.space.stations;
-        let k = stations.partition_point(|station| station.u < u).clamp(1, stations.len() - 1);
-        let part = (u - stations[k - 1].u) / (stations[k].u - stations[k - 1].u);
-        shares[k - 1] + part * (shares[k] - shares[k - 1])
+        MeanMeridian { shares: self.space.stations.iter().map(|station| station.u).zip(shares).collect(), length }
     }
 
     /// The mean over meridians of |X_u| at every station, and the contour length L of the mean meridian.
@@ -272,5 +269,32 @@ fn scatter(space: &Space, station: &Station, tested: &[f64], balances: &mut [f64
                 balances[row] += basis[0] * tested[3 * count + harmonic];
             }
         }
+    }
+}
+
+/// The arclength of the mean meridian, linear between the stations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeanMeridian {
+    /// Coordinate u of the mesh and share of the length from the pole u = 0, by station.
+    shares: Vec<(f64, f64)>,
+    /// Its length, in L_h.
+    pub length: f64,
+}
+
+impl MeanMeridian {
+    /// The share of the length from the pole u = 0 to a coordinate u of the mesh.
+    pub fn share_at(&self, u: f64) -> f64 {
+        self.interpolated(u, |at| at)
+    }
+
+    /// The coordinate u of the mesh at a share of the length.
+    pub fn u_at(&self, share: f64) -> f64 {
+        self.interpolated(share, |(u, share)| (share, u))
+    }
+
+    fn interpolated(&self, x: f64, axes: impl Fn((f64, f64)) -> (f64, f64)) -> f64 {
+        let k = self.shares.partition_point(|at| axes(*at).0 < x).clamp(1, self.shares.len() - 1);
+        let [(x0, y0), (x1, y1)] = [self.shares[k - 1], self.shares[k]].map(axes);
+        y0 + (x - x0) / (x1 - x0) * (y1 - y0)
     }
 }

@@ -23,14 +23,15 @@ pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> 
     let space = &problem.space;
     let place = |j: usize| space.meridian(std::f64::consts::TAU * j as f64 / columns as f64);
     let meridians: Vec<_> = (0..columns).map(place).collect();
+    let mean = problem.mean_meridian(&state.surface);
     let mut functions = Vec::new();
     let mut out = Vec::with_capacity(rows * columns);
     for row in 0..rows {
-        // The normal at a pole is that of a ring close to it.
+        // A pole takes its normal from a ring close to it.
         let u = (row as f64 / (rows - 1) as f64).clamp(1e-4, 1.0 - 1e-4);
         space.functions(&state.surface, &space.station(u), &mut functions);
-        let share = problem.share_at(&state.surface, u);
-        let place = problem.place_at(share, problem.contour_length(&state.surface));
+        let share = mean.share_at(u);
+        let place = problem.place_at(share, mean.length);
         for meridian in &meridians {
             let shape = space.shape(&functions, meridian);
             let geometry = Geometry::new(&shape);

@@ -5,17 +5,14 @@ use furrow_mechanics::division::{DivisionError, DivisionInput};
 use crate::division::{AtRest, SurfaceDivision, run};
 use crate::neck::radius_at;
 
-/// The state at rest that a cell reaches from the passive shape, stable or not: a cell whose poles are alike is not disturbed in what
-/// is odd about its middle. Without [`rest`](SurfaceDivision::rest) the cell divides instead.
+/// The state at rest that a cell reaches from the passive shape. Mirror-symmetric cells get mirror-symmetric noise, so that their state
+/// may be unstable to odd disturbances. Without [`rest`](SurfaceDivision::rest) the cell divides.
 ///
 /// # Errors
 /// [`DivisionError`].
 pub fn steady(input: &DivisionInput) -> Result<SurfaceDivision, DivisionError> {
     run(input, input.cell.is_mirror_symmetric(), &mut |_, _| ())
 }
-
-/// Halvings of the interval in which the middle of the mean meridian lies.
-const HALVINGS: usize = 50;
 
 impl AtRest {
     /// Length of the mean meridian, in L_h.
@@ -37,12 +34,7 @@ impl AtRest {
     /// Length over 2π of the ring in the middle of the mean meridian, in L_h.
     pub fn equator_radius(&self) -> f64 {
         let surface = &self.state.surface;
-        let [mut low, mut high] = [0.0, 1.0];
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if self.problem.share_at(surface, middle) < 0.5 { low = middle } else { high = middle }
-        }
-        radius_at(&self.problem.space, surface, low)
+        radius_at(&self.problem.space, surface, self.problem.mean_meridian(surface).u_at(0.5))
     }
 
     /// The leading growth rate over all modes that the surface holds, odd ones too, in 1/τ.

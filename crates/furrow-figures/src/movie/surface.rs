@@ -27,19 +27,14 @@ impl SurfaceMovie<'_> {
     /// # Errors
     /// [`FigureError`].
     pub fn bytes_shown(&self, format: MovieFormat, shown: &dyn Fn(usize, usize)) -> Result<Vec<u8>, FigureError> {
-        self.with_scene(|scene| scene.bytes(format, shown))
-    }
-
-    /// Its scene, for a picture of one time or for a movie.
-    pub fn with_scene<T>(&self, use_it: impl FnOnce(&Scene<'_>) -> T) -> T {
         let SurfaceMovie { cell, film, frames } = self;
-        let length = film.stills.first().map_or(1.0, |still| still.length);
+        let length = film.steps.first().map_or(1.0, |step| step.shape.length);
         let surface = |t: f64| {
             let still = film.at(t);
-            let changes = changes(&film.cell.cue, still.length);
+            let changes = changes(&film.cell.cue, still.shape.length);
             grid(&still, |at| if t > 0.0 { strongest(&changes, at.share) } else { 0.0 })
         };
-        use_it(&Scene {
+        let scene = Scene {
             title: title(cell),
             shell: film.shell,
             times: even_times(film.end(), *frames),
@@ -47,7 +42,8 @@ impl SurfaceMovie<'_> {
             forces: &|_| Vec::new(),
             legend: cue_colours(&changes(&film.cell.cue, length)),
             outcome: ending(&film.found.division),
-        })
+        };
+        scene.bytes(format, shown)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::drawing::regulator::PhiRange;
 use crate::drawing::style::{self, FORCES, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::Cell;
-use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
+use furrow_mechanics::division::{Division, Outcome, Snapshot, Trajectory};
 
 const WIDTH: f64 = 1160.0;
 /// Height of a row of contours.
@@ -25,12 +25,7 @@ const STILLS: usize = 6;
 
 /// Draws a division.
 pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
-    let title = match (film.division.outcome(), film.division.chi()) {
-        (Outcome::Arrested, _) => "stays at rest".to_owned(),
-        (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
-        (outcome, None) => outcome.to_string(),
-    };
-    let title = format!("{}: {title}", style::described(cell, &[]));
+    let title = format!("{}: {}", style::described(cell, &[]), ending(&film.division));
     let stills = stills(film);
     let phi = PhiRange::of(stills.iter().flat_map(|still| &still.places));
     let legend = drawn::cue_legend(&film.cell().cue, film.step(film.times().len().saturating_sub(1)).length, phi);
@@ -58,23 +53,12 @@ fn stills(film: &Trajectory) -> Vec<Snapshot> {
         // At first the cell lengthens without a neck.
         _ => 0.5 * (still.length / first.length).ln() + 1.0 - waist(still) / waist(&first),
     };
-    let passed = (0..times.len()).scan(0.0, |before: &mut f64, k| {
-        *before = before.max(progress(&film.step(k)));
-        Some(*before)
-    });
-    let passed: Vec<f64> = passed.collect();
-    let end = passed.last().copied().unwrap_or(0.0);
-    let still = |k: usize| {
-        if k + 1 == STILLS || times.len() < 2 {
-            return film.step(times.len().saturating_sub(1));
-        }
-        let wanted = end * k as f64 / (STILLS - 1) as f64;
-        let at = passed.partition_point(|p| *p < wanted).clamp(1, passed.len() - 1);
-        let ([a, b], [t, t2]) = ([passed[at - 1], passed[at]], [times[at - 1], times[at]]);
-        let share = if b > a { ((wanted - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
-        film.at(t + share * (t2 - t))
-    };
-    (0..STILLS).map(still).collect()
+    let passed: Vec<f64> = (0..times.len()).map(|k| progress(&film.step(k))).collect();
+    let last = times.len().saturating_sub(1);
+    let mut stills: Vec<Snapshot> =
+        evenly_passed(&times, &passed, STILLS - 1).into_iter().map(|t| film.at(t)).collect();
+    stills.push(film.step(last));
+    stills
 }
 
 /// The cell when its neck is half as wide as the cell was at first; the last shape if it stays at rest.
@@ -83,6 +67,39 @@ fn half_way(film: &Trajectory) -> Snapshot {
     let widest = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
     let narrow = |k: &usize| film.step(*k).neck.is_some_and(|neck| neck.radius < 0.5 * widest);
     film.step((0..times.len()).find(narrow).unwrap_or(times.len().saturating_sub(1)))
+}
+
+/// How a division ended, in words.
+pub(super) fn ending(division: &Division) -> String {
+    match (division.outcome(), division.chi()) {
+        (Outcome::Arrested, _) => "stays at rest".to_owned(),
+        (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
+        (outcome, None) => outcome.to_string(),
+    }
+}
+
+/// `count` times before the last one, from the first on, between which equal parts of the progress are made; `progress` is given at
+/// `times`, and counts where it exceeds all before it.
+pub(super) fn evenly_passed(times: &[f64], progress: &[f64], count: usize) -> Vec<f64> {
+    let passed: Vec<f64> = progress
+        .iter()
+        .scan(0.0, |before: &mut f64, p| {
+            *before = before.max(*p);
+            Some(*before)
+        })
+        .collect();
+    let [.., end] = passed[..] else { return Vec::new() };
+    let time = |k: usize| {
+        if times.len() < 2 {
+            return times[0];
+        }
+        let wanted = end * k as f64 / count as f64;
+        let at = passed.partition_point(|p| *p < wanted).clamp(1, passed.len() - 1);
+        let ([a, b], [t, t2]) = ([passed[at - 1], passed[at]], [times[at - 1], times[at]]);
+        let share = if b > a { ((wanted - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
+        t + share * (t2 - t)
+    };
+    (0..count).map(time).collect()
 }
 
 fn contours(

@@ -7,8 +7,9 @@ use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
-use furrow_mechanics::division::Outcome;
-use furrow_surface::film::{Film, Still};
+use furrow_surface::film::{Film, Observables, Step};
+
+use super::division::{ending, evenly_passed};
 
 const WIDTH: f64 = 1160.0;
 /// Height of the row of sections.
@@ -20,13 +21,7 @@ const STILLS: usize = 6;
 
 /// Draws a division without axial symmetry.
 pub fn draw(cell: &Cell, film: &Film) -> Canvas {
-    let division = &film.found.division;
-    let outcome = match (division.outcome(), division.chi()) {
-        (Outcome::Arrested, _) => "stays at rest".to_owned(),
-        (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
-        (outcome, None) => outcome.to_string(),
-    };
-    let title = format!("{}, without axial symmetry: {outcome}", style::described(cell, &[]));
+    let title = format!("{}, without axial symmetry: {}", style::described(cell, &[]), ending(&film.found.division));
     let (mut canvas, top) = titled(WIDTH, CELLS + 46.0 + CHART, &title, &Legend::default());
     sections(&mut canvas, film, top);
     let what = "sections by the plane in which the neck moves";
@@ -35,27 +30,20 @@ pub fn draw(cell: &Cell, film: &Film) -> Canvas {
     canvas
 }
 
-/// Times between which the neck closes, or the contour grows, by equal parts.
+/// Times between which the neck closes, or the mean meridian grows, by equal parts.
 fn times(film: &Film) -> Vec<f64> {
-    let Some(first) = film.stills.first() else { return Vec::new() };
-    let radius = |still: &Still| still.neck.map_or(film.shell[1], |neck| neck.radius);
+    let Some(first) = film.steps.first() else { return Vec::new() };
+    let radius = |shape: &Observables| shape.neck.map_or(film.shell[1], |neck| neck.radius);
     let closes = film.found.division.chi().is_some();
-    let progress = |still: &Still| {
-        let longer = (still.length / first.length).ln();
-        if closes { 0.5 * longer + 1.0 - radius(still) / film.shell[1] } else { longer }
+    let progress = |step: &Step| {
+        let longer = (step.shape.length / first.shape.length).ln();
+        if closes { 0.5 * longer + 1.0 - radius(&step.shape) / film.shell[1] } else { longer }
     };
-    let passed = film.stills.iter().scan(f64::MIN, |before: &mut f64, still| {
-        *before = before.max(progress(still));
-        Some(*before)
-    });
-    let passed: Vec<f64> = passed.collect();
-    let (start, end) = (passed[0], passed[passed.len() - 1]);
-    let time = |k: usize| {
-        let wanted = start + (end - start) * k as f64 / (STILLS - 1) as f64;
-        let at = passed.partition_point(|p| *p < wanted);
-        film.stills.get(at).map_or(film.end(), |still| still.t)
-    };
-    (0..STILLS - 1).map(time).chain([film.end()]).collect()
+    let times: Vec<f64> = film.steps.iter().map(|step| step.shape.t).collect();
+    let passed: Vec<f64> = film.steps.iter().map(progress).collect();
+    let mut stills = evenly_passed(&times, &passed, STILLS - 1);
+    stills.push(film.end());
+    stills
 }
 
 fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
@@ -63,7 +51,7 @@ fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
     let shell = film.shell;
     let scale = (0.46 * width / shell[0]).min(0.42 * (CELLS - 30.0) / shell[1]);
     // The side of the axis on which the neck ends is drawn below.
-    let side = film.stills.iter().rev().find_map(|still| still.neck).map_or(1.0, |neck| -neck.offset.signum());
+    let side = film.steps.iter().rev().find_map(|step| step.shape.neck).map_or(1.0, |neck| -neck.offset.signum());
     for (k, t) in times(film).into_iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
         drawn::shell(canvas, shell, &site);
@@ -78,7 +66,8 @@ fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
 }
 
 fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
-    let necks = || film.stills.iter().filter_map(|still| Some((still.t, still.neck?, still.asymmetry)));
+    let shapes = || film.steps.iter().map(|step| step.shape);
+    let necks = || shapes().filter_map(|shape| Some((shape.t, shape.neck?, shape.asymmetry)));
     let curves: [(Vec<[f64; 2]>, style::Colour, &str); 3] = [
         (necks().map(|(t, neck, _)| [t, neck.radius / cell.r0]).collect(), style::SYMMETRIC, "neck radius / R₀"),
         (

@@ -36,7 +36,7 @@ pub use outcome::{Division, DivisionError, DivisionRow, Ending, Outcome};
 pub use run::{DivisionOptions, Frame, divide, divide_with};
 pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;
-pub use trajectory::{Recorder, Snapshot, Trajectory};
+pub use trajectory::{Recorder, Snapshot, Trajectory, uniform_times};
 
 use furrow_cell::settings::MOST_INTERVALS;
 use furrow_cell::{Cell, Numerics};

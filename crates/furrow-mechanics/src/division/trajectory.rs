@@ -158,13 +158,9 @@ impl Trajectory {
         self.snapshot(t, before, Some((after, share)), places)
     }
 
-    /// The times k·step, and the last time; only the last if `step` is not above 0.
+    /// [`uniform_times`] up to the last one.
     pub fn uniform_times(&self, step: f64) -> Vec<f64> {
-        let end = self.steps.last().map_or(0.0, |step| step.t);
-        let count = if step > 0.0 { ((end - 1e-9 * step) / step).ceil().max(0.0) as usize } else { 0 };
-        let mut times: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
-        times.push(end);
-        times
+        uniform_times(self.steps.last().map_or(0.0, |step| step.t), step)
     }
 
     fn snapshot(&self, t: f64, before: &Step, after: Option<(&Step, f64)>, places: Vec<Place>) -> Snapshot {
@@ -189,6 +185,14 @@ impl Trajectory {
             places,
         }
     }
+}
+
+/// The times k·step below `end`, and `end`; only `end` if `step` is not above 0.
+pub fn uniform_times(end: f64, step: f64) -> Vec<f64> {
+    let count = if step > 0.0 { ((end - 1e-9 * step) / step).ceil().max(0.0) as usize } else { 0 };
+    let mut times: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
+    times.push(end);
+    times
 }
 
 #[cfg(test)]
