@@ -99,7 +99,7 @@ async function marksExtrapolated(page) {
 
 /** The sections below the lineage are those that the command line writes of the same tree. */
 async function sections(page, browser) {
-  const below = (of) => of.worth(`document.getElementById("of-tree").innerText.replace(/, commit \\w+/, "")`);
+  const below = (of) => of.worth(`document.getElementById("of-tree").innerText.replace(/, commit [\\w-]+/, "")`);
   const curve = (of) => of.worth(`[...document.querySelectorAll("#over-time path")].map((path) => path.getAttribute("d")).join(" ")`);
   const before = [await below(page), await curve(page), await text(page, "summary")];
   await page.worth(`document.getElementById("regrow-cue").value = "none"`);
