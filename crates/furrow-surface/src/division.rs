@@ -14,7 +14,7 @@ use crate::neck::{Neck, asymmetry, neck};
 use crate::newton::{Newton, NewtonError};
 use crate::noise;
 use crate::problem::{Problem, State};
-use crate::rates::Rate;
+use crate::rates::{Among, Rate};
 use crate::space::Space;
 use crate::stepper::{Level, Stepper};
 
@@ -78,7 +78,7 @@ const GROWN: f64 = 12.0;
 /// Longest time, in τ, after which a cell near an unstable state counts as resting in it.
 const WAIT: f64 = 20.0;
 /// Most steps of a division.
-const MOST_STEPS: usize = 4000;
+const MOST_STEPS: f64 = 4000.0;
 /// Azimuthal numbers of the shape at the start.
 const FIRST_MODES: usize = 2;
 /// Size of the harmonics with the largest azimuthal number, relative to R0, above which the shape takes one more.
@@ -115,7 +115,8 @@ pub(crate) fn run(
         r0: cell.r0,
         epsilon: cell.epsilon,
         numerics,
-        tolerance: ERROR * numerics.time_tolerance * cell.r0,
+        // The local error is of third order.
+        tolerance: ERROR * numerics.time_tolerance * cell.r0 * numerics.step_factor.powi(3),
         dt: numerics.first_step,
         necks: Vec::new(),
         speed: f64::INFINITY,
@@ -154,9 +155,9 @@ fn check(cell: &Cell, numerics: &Numerics) -> Result<(), DivisionError> {
     Ok(())
 }
 
-/// The error of a step that Newton's method could not solve.
-fn stalled(r0: f64, [t, dt, neck]: [f64; 3], source: NewtonError) -> DivisionError {
-    DivisionError::SurfaceStalled { r0, t, dt, neck, reason: source.to_string() }
+/// The error of a step that no shorter step makes accurate.
+fn stalled(r0: f64, [t, dt, neck]: [f64; 3], reason: String) -> DivisionError {
+    DivisionError::SurfaceStalled { r0, t, dt, neck, reason }
 }
 
 /// The passive surface of a cell, in a problem with its activity and cue.
@@ -180,7 +181,7 @@ pub fn start(cell: &Cell, numerics: &Numerics) -> Result<(Problem, State), Divis
     let mut state = embed(&problem.space, &shares, full.scalars[PRESSURE], contour);
     problem
         .settle(&mut state, Problem::wanted_density, &mut Work::default())
-        .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source))?;
+        .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source.to_string()))?;
     problem.constants = Constants::new(cell, |_, value| value);
     Ok((problem, state))
 }
@@ -246,27 +247,26 @@ impl Run<'_> {
             stepper.restart();
         }
         loop {
-            match stepper.attempt(self.dt) {
+            let reason = match stepper.attempt(self.dt) {
                 Ok((level, error)) => {
                     let relative = error.map(|error| error / self.tolerance);
-                    if relative.is_some_and(|error| error > 1.5) {
-                        stepper.work.rejected += 1;
-                        self.dt *= 0.5;
-                        continue;
-                    }
-                    self.accept(stepper, level, relative);
-                    return Ok(());
+                    let Some(large) = relative.filter(|error| *error > 1.5) else {
+                        self.accept(stepper, level, relative);
+                        return Ok(());
+                    };
+                    self.dt *= 0.5;
+                    format!("the local error is {large:.1} times what is allowed")
                 }
                 Err(source) => {
-                    stepper.work.rejected += 1;
-                    let (t, dt) = (stepper.history[0].t, self.dt);
                     self.dt *= 0.25;
                     stepper.slow_down();
-                    if self.dt < SHORTEST {
-                        let neck = self.necks.last().map_or(1.0, |at| at.neck.radius / self.r0);
-                        return Err(stalled(self.r0, [t, dt, neck], source));
-                    }
+                    source.to_string()
                 }
+            };
+            stepper.work.rejected += 1;
+            if self.dt < SHORTEST {
+                let neck = self.necks.last().map_or(1.0, |at| at.neck.radius / self.r0);
+                return Err(stalled(self.r0, [stepper.history[0].t, self.dt, neck], reason));
             }
         }
     }
@@ -284,7 +284,7 @@ impl Run<'_> {
             if let Some(before) = self.necks.last() {
                 let speed = (before.neck.radius - neck.radius) / (t - before.t);
                 if speed > 0.0 {
-                    growth = growth.min(NARROWING * neck.radius / speed / self.dt);
+                    growth = growth.min(NARROWING * self.numerics.step_factor * neck.radius / speed / self.dt);
                     change += (before.neck.radius / neck.radius).ln();
                 }
             }
@@ -294,7 +294,7 @@ impl Run<'_> {
         // Equal steps keep the derivatives of the last one useful.
         if !(0.9..1.25).contains(&growth) {
             let longest = LONGEST.min(2.0 * self.numerics.first_step + EARLY * t);
-            self.dt = (self.dt * growth * self.numerics.step_factor.min(1.0)).min(longest * self.numerics.step_factor);
+            self.dt = (self.dt * growth).min(longest * self.numerics.step_factor);
         }
     }
 
@@ -350,7 +350,7 @@ impl Run<'_> {
         // At rest no part is small, and equal distances are the most accurate.
         problem.settle(&mut state, |problem, _| vec![1.0; problem.mesh.density.len()], &mut stepper.work).ok()?;
         let apart = problem.normal_distance(&state.surface, &before);
-        let rates = problem.rates(&state, 6, None).ok()?;
+        let rates = problem.rates(&state, 6, Among::All).ok()?;
         let growth_rate = rates.first()?.re;
         if apart > 0.02 * self.r0 {
             return None;
@@ -369,7 +369,7 @@ impl Run<'_> {
         if t > self.numerics.t_max {
             return Err(DivisionError::Undecided { r0, epsilon: self.epsilon, t_max: self.numerics.t_max });
         }
-        if steps > MOST_STEPS { Err(DivisionError::Restless { r0, t, steps }) } else { Ok(()) }
+        if steps as f64 > MOST_STEPS / self.numerics.step_factor { Err(DivisionError::Restless { r0, t, steps }) } else { Ok(()) }
     }
 
     /// One more azimuthal number if the largest is in use.

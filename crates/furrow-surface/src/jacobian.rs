@@ -6,17 +6,17 @@ use multiversion::multiversion;
 use crate::law::{BALANCES, Balance, Flow, Geometry, Place, Shape, Vector, balance, by_centre, by_flow, by_pressure};
 use crate::linear::Bordered;
 use crate::number::Gradient;
-use crate::problem::{Problem, State, mesh_entries, mesh_row};
+use crate::problem::{MESH_ROW, Problem, State, mesh_entries};
 use crate::space::{Meridian, Space, Station};
 use crate::splines::LOCAL;
 
-/// What the balance at a point depends on: X and its five derivatives, v and its two, p, the centre of the ring.
-const INPUTS: usize = 29;
+/// What the balance at a point depends on: X and its five derivatives, v and its two, p, x₀ and z₀ of the ring's centre.
+const INPUTS: usize = 30;
 /// The numbers among them by which the balance is differentiated: X and its derivatives. It is linear in the others.
 const SHAPE: usize = 18;
 /// The input p.
 const PRESSURE: usize = 27;
-/// The centre of the ring.
+/// The inputs x₀ and z₀.
 const CENTRE: usize = 28;
 /// Number of entries of a balance.
 const OUTPUTS: usize = 3 * BALANCES;
@@ -31,14 +31,14 @@ type Dual = Gradient<SHAPE>;
 type Local = [[f64; OUTPUTS]; INPUTS];
 
 #[inline(always)]
-fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, [pressure, centre]: [f64; 2], out: &mut Local) {
+fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, pressure: f64, centre: [f64; 2], out: &mut Local) {
     let mut carried: Shape<Dual> = [[Dual::from(0.0); 3]; 6];
     for (k, (to, from)) in carried.as_flattened_mut().iter_mut().zip(x.as_flattened()).enumerate() {
         *to = Dual::variable(*from, k);
     }
     let constant = |v: &Vector<f64>| -> Vector<Dual> { [Dual::from(v[0]), Dual::from(v[1]), Dual::from(v[2])] };
     let flow: Flow<Dual> = [constant(&v[0]), constant(&v[1]), constant(&v[2])];
-    let balance = balance(place, &carried, &flow, Dual::from(pressure), Dual::from(centre));
+    let balance = balance(place, &carried, &flow, Dual::from(pressure), centre.map(Dual::from));
     for (k, value) in balance.as_flattened().iter().enumerate() {
         for input in 0..SHAPE {
             out[input][k] = value.by[input];
@@ -51,7 +51,10 @@ fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, [pressure, centre]: [f64;
         out[SHAPE + input] = flatten(&by_flow(place, &geometry, x, &unit));
     }
     out[PRESSURE] = flatten(&by_pressure(&geometry));
-    out[CENTRE] = flatten(&by_centre(place, &geometry));
+    for (out, by) in out[CENTRE..].iter_mut().zip(by_centre(place, &geometry)) {
+        *out = [0.0; OUTPUTS];
+        out[MESH_ROW..].copy_from_slice(&by);
+    }
 }
 
 fn flatten(balance: &Balance<f64>) -> [f64; OUTPUTS] {
@@ -104,9 +107,10 @@ impl Ring {
         }
         let pressure = &mut self.gathered[(width - 1) * OUTPUTS..][..OUTPUTS];
         pressure.iter_mut().zip(&derivatives[PRESSURE]).for_each(|(c, r)| *c = weight * r);
-        if let Some(centre) = space.centre() {
+        for (centre, by) in space.centre().into_iter().zip(&derivatives[CENTRE..]) {
+            let Some(centre) = centre else { continue };
             let column = &mut self.gathered[centre * OUTPUTS..][..OUTPUTS];
-            column.iter_mut().zip(&derivatives[CENTRE]).for_each(|(c, r)| *c += weight * r);
+            column.iter_mut().zip(by).for_each(|(c, r)| *c += weight * r);
         }
         for column in 0..width {
             for output in 0..OUTPUTS {
@@ -116,8 +120,7 @@ impl Ring {
         for harmonic in 0..count {
             let entries = &meridian.entries[harmonic];
             let tests = (0..3).flat_map(|d| entries[d].list().iter().map(move |(k, factor)| (d, *k, *factor)));
-            let row = mesh_row(space, harmonic);
-            let mesh = mesh_entries(&entries[0]).map(|(k, factor)| (3, row + k, factor));
+            let mesh = mesh_entries(&entries[0]).map(|(k, factor)| (3, MESH_ROW + k, factor));
             for (test, output, factor) in tests.chain(mesh) {
                 let from = &self.columns[output * width..][..width];
                 let to = &mut self.tested[(test * count + harmonic) * width..][..width];
@@ -193,11 +196,11 @@ impl Element {
         }
         for k in (0..size).filter(|k| k / count % 2 == 1) {
             if let Some(row) = unknowns[k] {
-                into.column[row] += self.pressure[k];
+                into.borders[0].column[row] += self.pressure[k];
             }
             // The volume grows by ∫ n·δX dA, which is what p multiplies with the sign changed.
             if let Some(column) = unknowns[k - count] {
-                into.row[column] -= self.pressure[k];
+                into.borders[0].row[column] -= self.pressure[k];
             }
         }
         self.matrix.fill(0.0);
@@ -224,7 +227,7 @@ fn assemble(problem: &Problem, state: &State, out: &mut Bordered) {
     let last = space.meridians.len() - 1;
     problem.for_each_point(state, |q, j, place, x, v, centre| {
         let station = &space.stations[q];
-        local(place, x, v, [state.pressure, centre], &mut derivatives);
+        local(place, x, v, state.pressure, centre, &mut derivatives);
         ring.add(space, &space.meridians[j], &derivatives, station.weight * space.meridian_weight());
         if j == last {
             element.add(station, &ring.tested);

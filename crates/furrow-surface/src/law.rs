@@ -10,8 +10,9 @@
 //!   with the Christoffel symbols Γ^k_ij, where κ and γ move with the material.
 //!
 //! The velocity v is the material's. The mesh only shares its normal part, \[S.4 surface\] (∂_tX − v)·n = 0, and is spread
-//! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b X_φφ = c (x₀, 0, 0): a harmonic map, which alone
-//! would leave the poles free to move along the surface; near them the centres x₀ of the rings are drawn to the axis.
+//! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b (X_φφ + X − (x₀, 0, z₀)) = c (x₀, 0, 0), where
+//! (x₀, 0, z₀) is the centre of the ring: every meridian is a string under tension, and rings are drawn to circles. Alone this would
+//! leave the poles free to move along the surface; near them the centres of the rings are drawn to the axis.
 
 use crate::number::Number;
 use furrow_mechanics::cortex::equations::{LocalCoefficients, ShellCoefficients};
@@ -26,11 +27,11 @@ pub type Shape<D> = [Vector<D>; 6];
 pub type Flow<D> = [Vector<D>; 3];
 
 /// What multiplies W, W_u, W_φ, W_uu, W_uφ, W_φφ in the virtual power, per du dφ; and, at the end, what multiplies a
-/// test field of the mesh in S.4 and S.5, an axisymmetric one and any other.
+/// test field of the mesh in S.4 and S.5. It must be the same for all test fields: n W is none of them, but a sum of all.
 pub type Balance<D> = [Vector<D>; BALANCES];
 
 /// Number of vectors in a [`Balance`].
-pub const BALANCES: usize = 8;
+pub const BALANCES: usize = 7;
 
 /// Everything at a point that does not depend on the unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +46,8 @@ pub struct Place {
     pub rate: f64,
     /// Rest of the implicit step: ∂_tX = rate·X + past.
     pub past: Vector<f64>,
-    /// The mesh's a, ∂_ua, b and c, for axisymmetric test fields and for others.
-    pub mesh: [[f64; 4]; 2],
+    /// The mesh's a, ∂_ua, b and c.
+    pub mesh: [f64; 4],
     /// The wall that this point may touch.
     pub contact: Contact,
 }
@@ -192,9 +193,9 @@ fn add_tension<D: Number>(out: &mut Balance<D>, tension: &Symmetric<D>, x: &Shap
     }
 }
 
-/// The balance at a point: see [`Balance`]. `centre` is the distance x₀ of the ring's centre from the axis.
+/// The balance at a point: see [`Balance`]. `centre` is x₀ and z₀ of the ring's centre.
 #[inline(always)]
-pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D, centre: D) -> Balance<D> {
+pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D, centre: [D; 2]) -> Balance<D> {
     let geometry = Geometry::new(x);
     let Geometry { area, normal, inverse_metric: g, curvature, mean } = &geometry;
     let local = &place.local;
@@ -219,9 +220,7 @@ pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D,
         add(&mut out[0], slope * g[1], &x[2]);
     }
     let moved = (0..3).fold(D::from(0.0), |sum, k| sum + (x[0][k] * place.rate + place.past[k]) * normal[k]) * *area;
-    for (out, mesh) in out[6..].iter_mut().zip(&place.mesh) {
-        add(out, D::from(1.0), &mesh_balance(mesh, normal, x, moved, centre));
-    }
+    add(&mut out[6], D::from(1.0), &mesh_balance(&place.mesh, normal, x, moved, centre));
     out
 }
 
@@ -236,7 +235,6 @@ pub fn by_flow<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v
     add(&mut out[0], *area * place.local.friction, &v[0]);
     add(&mut out[0], -v_n * place.local.friction, normal);
     add(&mut out[6], -v_n, normal);
-    add(&mut out[7], -v_n, normal);
     out
 }
 
@@ -247,26 +245,32 @@ pub fn by_pressure(geometry: &Geometry<f64>) -> Balance<f64> {
     out
 }
 
-/// What multiplies the centre of the ring in the balance.
-pub fn by_centre(place: &Place, geometry: &Geometry<f64>) -> Balance<f64> {
-    let mut out = [[0.0; 3]; BALANCES];
-    for (out, mesh) in out[6..].iter_mut().zip(&place.mesh) {
-        let along = -mesh[3] * geometry.normal[0];
-        *out = geometry.normal.map(|n| along * n);
-        out[0] += mesh[3];
-    }
-    out
+/// What multiplies x₀ and z₀ of the ring's centre in the mesh's balance.
+pub fn by_centre(place: &Place, geometry: &Geometry<f64>) -> [Vector<f64>; 2] {
+    let [.., b, c] = place.mesh;
+    [(0, b + c), (2, b)].map(|(axis, weight)| {
+        let along = -weight * geometry.normal[axis];
+        let mut out = geometry.normal.map(|n| along * n);
+        out[axis] += weight;
+        out
+    })
 }
 
 /// The normal part is S.4 without the flow, `moved` = J ∂_tX·n; the tangential part is S.5.
 #[inline(always)]
-fn mesh_balance<D: Number>(mesh: &[f64; 4], normal: &Vector<D>, x: &Shape<D>, moved: D, centre: D) -> Vector<D> {
+fn mesh_balance<D: Number>(
+    mesh: &[f64; 4],
+    normal: &Vector<D>,
+    x: &Shape<D>,
+    moved: D,
+    centre: [D; 2],
+) -> Vector<D> {
     let [a, a_u, b, c] = *mesh;
-    let mut spread = [D::from(0.0); 3];
+    let mut spread = [centre[0] * -(b + c), D::from(0.0), centre[1] * -b];
+    add(&mut spread, D::from(b), &x[0]);
     add(&mut spread, D::from(a), &x[3]);
     add(&mut spread, D::from(a_u), &x[1]);
     add(&mut spread, D::from(b), &x[5]);
-    spread[0] += centre * -c;
     let along = moved + dot(&spread, normal);
     [along * normal[0] - spread[0], along * normal[1] - spread[1], along * normal[2] - spread[2]]
 }

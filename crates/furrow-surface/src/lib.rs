@@ -14,6 +14,7 @@
 //! | [`steady`], [`rates`] | states at rest and their growth rates |
 //! | [`neck`], [`sample`], [`film`] | observables and samples of a shape |
 
+pub mod bent;
 pub mod contact;
 pub mod crossing;
 pub mod division;

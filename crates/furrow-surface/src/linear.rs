@@ -1,7 +1,8 @@
-//! A block-tridiagonal matrix with one bordering row and column, and its factorisation.
+//! A block-tridiagonal matrix with bordering rows and columns, and its factorisation.
 //!
 //! Splines of degree 4 couple four neighbours on each side, so that blocks of four splines are coupled to their neighbours
-//! alone. Rows are exchanged within a block only. The border is the pressure with the condition on the volume.
+//! alone. Rows are exchanged within a block only. The first border is the pressure with the condition on the volume; a branch
+//! adds its parameter with the condition on its amplitude.
 
 use std::ops::Range;
 
@@ -19,9 +20,16 @@ pub struct Bordered {
     lower: Vec<Mat<f64>>,
     /// Block (k, k + 1).
     upper: Vec<Mat<f64>>,
-    /// Last column.
+    /// The borders, the pressure first. What they have in common is 0.
+    pub borders: Vec<Border>,
+}
+
+/// A column and a row beside the blocks.
+#[derive(Clone, Debug)]
+pub struct Border {
+    /// What multiplies the border's unknown.
     pub column: Vec<f64>,
-    /// Last row; its diagonal entry is 0.
+    /// The border's equation.
     pub row: Vec<f64>,
 }
 
@@ -31,7 +39,7 @@ pub struct Bordered {
 pub struct Singular;
 
 impl Bordered {
-    /// A matrix of zeros.
+    /// A matrix of zeros, with one border.
     pub fn zeros(blocks: &[Range<usize>]) -> Bordered {
         let size = blocks.last().map_or(0, |block| block.end);
         let square = |rows: &Range<usize>, columns: &Range<usize>| Mat::zeros(rows.len(), columns.len());
@@ -42,12 +50,11 @@ impl Bordered {
             lower: blocks.windows(2).map(|pair| square(&pair[1], &pair[0])).collect(),
             upper: blocks.windows(2).map(|pair| square(&pair[0], &pair[1])).collect(),
             blocks: blocks.to_vec(),
-            column: vec![0.0; size],
-            row: vec![0.0; size],
+            borders: vec![Border { column: vec![0.0; size], row: vec![0.0; size] }],
         }
     }
 
-    /// Number of unknowns without the border.
+    /// Number of unknowns without the borders.
     pub fn size(&self) -> usize {
         self.block_of.len()
     }
@@ -64,7 +71,7 @@ impl Bordered {
         part[(row - self.blocks[i].start, column - self.blocks[j].start)] += value;
     }
 
-    /// The matrix without its border times a vector.
+    /// The matrix without its borders times a vector.
     pub fn apply(&self, x: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.size()];
         let mut add = |part: MatRef<'_, f64>, rows: &Range<usize>, columns: &Range<usize>| {
@@ -118,13 +125,19 @@ impl Bordered {
             }
             factors.push(self.diagonal[k].partial_piv_lu());
         }
-        let Bordered { blocks, lower, upper, column, row, .. } = self;
-        let mut factored = Factored { blocks, factors, lower, upper, row, column, schur: 0.0 };
-        let mut column = std::mem::take(&mut factored.column);
-        factored.solve_blocks(&mut column);
-        factored.schur = dot(&factored.row, &column);
-        factored.column = column;
-        if factored.schur.is_finite() && factored.schur != 0.0 { Ok(factored) } else { Err(Singular) }
+        let Bordered { blocks, lower, upper, borders, .. } = self;
+        let inner = Inner { blocks, factors, lower, upper };
+        let solved = |Border { mut column, row }| {
+            inner.solve(&mut column);
+            Border { column, row }
+        };
+        let borders: Vec<Border> = borders.into_iter().map(solved).collect();
+        let schur = Mat::from_fn(borders.len(), borders.len(), |i, j| dot(&borders[i].row, &borders[j].column));
+        let volume = schur.determinant();
+        if !volume.is_finite() || volume == 0.0 {
+            return Err(Singular);
+        }
+        Ok(Factored { inner, borders, schur: schur.partial_piv_lu() })
     }
 }
 
@@ -132,22 +145,27 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// A factorised [`Bordered`].
+/// The factorised blocks.
 #[derive(Clone, Debug)]
-pub struct Factored {
+struct Inner {
     blocks: Vec<Range<usize>>,
     factors: Vec<PartialPivLu<f64>>,
     lower: Vec<Mat<f64>>,
     /// D_k⁻¹ U_k.
     upper: Vec<Mat<f64>>,
-    row: Vec<f64>,
-    /// The solution for the bordering column.
-    column: Vec<f64>,
-    schur: f64,
 }
 
-impl Factored {
-    fn solve_blocks(&self, x: &mut [f64]) {
+/// A factorised [`Bordered`].
+#[derive(Clone, Debug)]
+pub struct Factored {
+    inner: Inner,
+    /// Rows, and the solutions for the columns.
+    borders: Vec<Border>,
+    schur: PartialPivLu<f64>,
+}
+
+impl Inner {
+    fn solve(&self, x: &mut [f64]) {
         let column = |x: &[f64]| Mat::from_fn(x.len(), 1, |i, _| x[i]);
         let subtract = |from: &mut [f64], matrix: MatRef<'_, f64>, by: &[f64]| {
             let mut change = Mat::zeros(from.len(), 1);
@@ -172,12 +190,17 @@ impl Factored {
             subtract(&mut here[block], self.upper[k].as_ref(), &below[..next.len()]);
         }
     }
+}
 
-    /// Solves for a right-hand side and the value of the last row; returns the last unknown.
-    pub fn solve(&self, x: &mut [f64], last: f64) -> f64 {
-        self.solve_blocks(x);
-        let pressure = (dot(&self.row, x) - last) / self.schur;
-        x.iter_mut().zip(&self.column).for_each(|(x, column)| *x -= pressure * column);
-        pressure
+impl Factored {
+    /// Solves for a right-hand side and the values of the borders' rows; returns the borders' unknowns.
+    pub fn solve(&self, x: &mut [f64], rows: &[f64]) -> Vec<f64> {
+        self.inner.solve(x);
+        let mut found = Mat::from_fn(rows.len(), 1, |i, _| dot(&self.borders[i].row, x) - rows[i]);
+        self.schur.solve_in_place(found.as_mut());
+        for (j, border) in self.borders.iter().enumerate() {
+            x.iter_mut().zip(&border.column).for_each(|(x, column)| *x -= found[(j, 0)] * column);
+        }
+        (0..rows.len()).map(|j| found[(j, 0)]).collect()
     }
 }

@@ -10,14 +10,14 @@ use crate::splines::DEGREE;
 pub struct Mesh {
     /// Coefficients of the density ρ = (1/L) ds/du of the mean meridian; by spline.
     pub density: Vec<f64>,
-    /// a, ∂_ua, b and c of S.5 at every station, for axisymmetric test fields and for others.
-    pub weights: Vec<[[f64; 4]; 2]>,
+    /// a, ∂_ua, b and c of S.5 at every station.
+    pub weights: Vec<[f64; 4]>,
 }
 
 impl Mesh {
     /// Rings at equal distances.
     pub fn uniform(space: &Space) -> Mesh {
-        Mesh { density: vec![1.0; space.splines()], weights: vec![[[1.0, 0.0, 0.0, 0.0]; 2]; space.stations.len()] }
+        Mesh { density: vec![1.0; space.splines()], weights: vec![[1.0, 0.0, 0.0, 0.0]; space.stations.len()] }
     }
 
     /// The share of the mean meridian from the pole u = 0 to every station.
@@ -60,26 +60,19 @@ impl Mesh {
                 slope += basis[1] * self.density[station.element + r];
             }
             space.functions(surface, station, &mut functions);
-            let [radius, radius_u] = ring(space, &functions);
-            let axisymmetric = [1.0 / density, -slope / (density * density), 0.0, 0.0];
-            let a = radius / (length * density);
-            let a_u = a * (radius_u / radius - slope / density);
-            let held = AXIS * (2.0 * station.u - 1.0).powi(8) * radius * density / length;
-            self.weights.push([axisymmetric, [a, a_u, length * density / radius, held]]);
+            let radius = ring(space, &functions);
+            // Strings and rings pull alike where the mesh is as wide around the axis as along it.
+            let rings = (length / radius).powi(2) * density;
+            let held = AXIS * (2.0 * station.u - 1.0).powi(8) * density;
+            self.weights.push([1.0 / density, -slope / (density * density), rings, held]);
         }
     }
 }
 
-/// The mean radius of a ring, (mean |X_φ|²)^½, and its derivative by u.
-pub fn ring(space: &Space, functions: &[[f64; 3]]) -> [f64; 2] {
-    let [mut square, mut product] = [0.0; 2];
-    for (harmonic, f) in space.harmonics.iter().zip(functions) {
-        let share = harmonic.turning();
-        square += share * f[0] * f[0];
-        product += share * f[0] * f[1];
-    }
-    let radius = square.sqrt();
-    [radius, product / radius]
+/// The mean radius of a ring, (mean |X_φ|²)^½.
+pub fn ring(space: &Space, functions: &[[f64; 3]]) -> f64 {
+    let squares = space.harmonics.iter().zip(functions).map(|(harmonic, f)| harmonic.turning() * f[0] * f[0]);
+    squares.sum::<f64>().sqrt()
 }
 
 /// How strongly the centres of rings at the poles are drawn to the axis, relative to how the mesh is spread: the square of a wave number on a

@@ -67,8 +67,8 @@ impl Problem {
     fn keep_volume(&self, state: &mut State, factored: &Factored) {
         let excess = self.volume(&state.surface) - self.constants.volume;
         let mut change = vec![0.0; self.space.unknowns()];
-        let pressure = factored.solve(&mut change, -excess);
-        self.change(state, &change, pressure);
+        let border = factored.solve(&mut change, &[-excess]);
+        self.change(state, &change, border[0]);
     }
 
     /// Solves for a state near the given one. `known` may hold derivatives of a problem nearby, and keeps the last ones.
@@ -97,7 +97,7 @@ impl Problem {
             work.iterations += 1;
             let Residual { mut balances, volume } = self.residual(state);
             balances.iter_mut().for_each(|b| *b = -*b);
-            let pressure = factored.solve(&mut balances, -volume);
+            let pressure = factored.solve(&mut balances, &[-volume])[0];
             change = self.change(state, &balances, pressure) / scale;
             if !(change.is_finite() && pressure.is_finite()) {
                 return Err(NewtonError::NotConverged { change, iterations: iteration + 1 });

@@ -101,7 +101,7 @@ impl Problem {
             noise: 1.0,
             rate: 0.0,
             past: [0.0; 3],
-            mesh: [[0.0; 4]; 2],
+            mesh: [0.0; 4],
             contact: Contact::default(),
         }
     }
@@ -177,11 +177,11 @@ impl Problem {
 
     #[inline(always)]
     /// Calls `each` at every point of the quadrature with its station, meridian, place, surface, flow and the
-    /// centre of its ring.
+    /// centre x₀, z₀ of its ring.
     pub fn for_each_point(
         &self,
         state: &State,
-        mut each: impl FnMut(usize, usize, &Place, &Shape<f64>, &Flow<f64>, f64),
+        mut each: impl FnMut(usize, usize, &Place, &Shape<f64>, &Flow<f64>, [f64; 2]),
     ) {
         let space = &self.space;
         let coefficients = self.coefficients(&state.surface);
@@ -192,7 +192,7 @@ impl Problem {
             if !self.motion.past.is_empty() {
                 space.functions(&self.motion.past, station, &mut past);
             }
-            let centre = space.centre().map_or(0.0, |centre| surface[centre][0]);
+            let centre = space.centre().map(|of| of.map_or(0.0, |of| surface[of][0]));
             for (j, meridian) in space.meridians.iter().enumerate() {
                 let x = space.shape(&surface, meridian);
                 let [v, v_u, v_p, ..] = space.shape(&flow, meridian);
@@ -241,16 +241,13 @@ fn test(space: &Space, meridian: &Meridian, balance: &Balance<f64>, weight: f64,
             let sum: f64 = entries.list().iter().map(|(k, factor)| flat[*k] * factor).sum();
             tested[d * count + harmonic] += weight * sum;
         }
-        let row = mesh_row(space, harmonic);
-        let sum: f64 = mesh_entries(&entries[0]).map(|(k, factor)| flat[row + k] * factor).sum();
+        let sum: f64 = mesh_entries(&entries[0]).map(|(k, factor)| flat[MESH_ROW + k] * factor).sum();
         tested[3 * count + harmonic] += weight * sum;
     }
 }
 
-/// The entry of a [`Balance`] at which the mesh's part for a harmonic begins.
-pub(crate) fn mesh_row(space: &Space, harmonic: usize) -> usize {
-    if space.harmonics[harmonic].azimuthal() == 0 { 18 } else { 21 }
-}
+/// The entry of a [`Balance`] at which the mesh's part begins.
+pub(crate) const MESH_ROW: usize = 18;
 
 /// The entries of the field itself, without derivatives by φ.
 pub(crate) fn mesh_entries(entries: &Entries) -> impl Iterator<Item = (usize, f64)> {

@@ -7,6 +7,7 @@ use furrow_spectra::{Arnoldi, EigenError, Krylov, NoEigenvalues};
 
 use crate::linear::Singular;
 use crate::problem::{Motion, Problem, State};
+use crate::space::Harmonic;
 
 /// A growth rate, in 1/τ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,16 +32,28 @@ pub enum RatesError {
     Dense(#[from] NoEigenvalues),
 }
 
+/// Disturbances among which growth rates are sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Among {
+    /// All that the space holds.
+    All,
+    /// Those with one azimuthal number m, of an axisymmetric surface.
+    Azimuthal(usize),
+    /// Those that keep the mirror symmetry u → 1 − u of a surface.
+    Even,
+    /// Those that break it.
+    Odd,
+}
+
 /// Where rates are sought, in 1/τ: somewhat above the fastest that cells at rest have.
 const SHIFT: f64 = 6.0;
 
 impl Problem {
-    /// The `wanted` growth rates nearest to the shift, largest real part first; those of disturbances with azimuthal number
-    /// `only` if the surface is axisymmetric and `only` is given.
+    /// The `wanted` growth rates nearest to the shift, largest real part first.
     ///
     /// # Errors
     /// [`RatesError`].
-    pub fn rates(&self, state: &State, wanted: usize, only: Option<usize>) -> Result<Vec<Rate>, RatesError> {
+    pub fn rates(&self, state: &State, wanted: usize, among: Among) -> Result<Vec<Rate>, RatesError> {
         let at = |rate: f64| {
             // At rest, ∂_tX = 0.
             let past = state.surface.iter().map(|x| -rate * x).collect();
@@ -51,8 +64,7 @@ impl Problem {
         };
         let (still, shifted) = (at(0.0), at(SHIFT));
         let size = still.size();
-        let kept = self.kept(only);
-        let keep = |x: &mut [f64]| x.iter_mut().zip(&kept).for_each(|(x, kept)| *x *= kept);
+        let keep = self.projection(among);
         let moving = shifted.clone();
         let factored = shifted.factor()?;
         let apply = |from: &[f64], to: &mut [f64]| -> Result<(), RatesError> {
@@ -60,7 +72,7 @@ impl Problem {
             keep(&mut from);
             let (a, b) = (moving.apply(&from), still.apply(&from));
             to.iter_mut().zip(a.iter().zip(b)).for_each(|(to, (a, b))| *to = (a - b) / SHIFT);
-            factored.solve(to, 0.0);
+            factored.solve(to, &[0.0]);
             keep(to);
             Ok(())
         };
@@ -75,18 +87,36 @@ impl Problem {
         Ok(rates)
     }
 
-    /// 1 for the unknowns with azimuthal number `only`, 0 for others.
-    fn kept(&self, only: Option<usize>) -> Vec<f64> {
-        let space = &self.space;
-        let mut kept = vec![1.0; space.unknowns()];
-        for spline in 0..space.splines() {
-            for (harmonic, of) in space.harmonics.iter().enumerate() {
-                let unknowns = [0, 1].map(|field| space.unknown(spline, field, harmonic));
-                if only.is_some_and(|m| m != of.azimuthal()) {
-                    unknowns.into_iter().flatten().for_each(|k| kept[k] = 0.0);
-                }
+    /// Takes from a disturbance what is not among those that are sought.
+    pub(crate) fn projection(&self, among: Among) -> impl Fn(&mut [f64]) + use<> {
+        let parts = self.partners(among);
+        move |x: &mut [f64]| {
+            let from = x.to_vec();
+            for (x, (k, share, partner)) in x.iter_mut().zip(&parts) {
+                *x = share * *x + partner * from[*k];
             }
         }
-        kept
+    }
+
+    /// For each unknown another one, and the factors of both.
+    fn partners(&self, among: Among) -> Vec<(usize, f64, f64)> {
+        let space = &self.space;
+        let last = space.splines() - 1;
+        let mut parts: Vec<(usize, f64, f64)> = (0..space.unknowns()).map(|k| (k, 1.0, 0.0)).collect();
+        for (spline, field) in (0..=last).flat_map(|spline| [(spline, 0), (spline, 1)]) {
+            for (harmonic, of) in space.harmonics.iter().enumerate() {
+                let Some(k) = space.unknown(spline, field, harmonic) else { continue };
+                let mirrored = space.unknown(last - spline, field, harmonic).unwrap_or(k);
+                // The mirror turns z around.
+                let sign = if matches!(of, Harmonic::Along(_)) { -0.5 } else { 0.5 };
+                parts[k] = match among {
+                    Among::All => (k, 1.0, 0.0),
+                    Among::Azimuthal(m) => (k, if m == of.azimuthal() { 1.0 } else { 0.0 }, 0.0),
+                    Among::Even => (mirrored, 0.5, sign),
+                    Among::Odd => (mirrored, 0.5, -sign),
+                };
+            }
+        }
+        parts
     }
 }

@@ -129,9 +129,9 @@ impl Space {
         space
     }
 
-    /// The harmonic of the rings' centres, if there is any without axial symmetry.
-    pub fn centre(&self) -> Option<usize> {
-        self.harmonics.iter().position(|harmonic| *harmonic == Harmonic::Across(0))
+    /// The harmonics of x₀ and z₀ of the rings' centres; there is no x₀ with axial symmetry.
+    pub fn centre(&self) -> [Option<usize>; 2] {
+        [Harmonic::Across(0), Harmonic::Along(0)].map(|of| self.harmonics.iter().position(|harmonic| *harmonic == of))
     }
 
     /// The largest coefficient of the harmonics with the largest azimuthal number; 0 with axial symmetry.

@@ -74,7 +74,10 @@ struct Threshold {
 
 /// The first shape of the primary branch at which perturbations of azimuthal number m begin to grow as ξ_s rises. The
 /// search ends at a fold beyond which the shapes pinch off.
-fn first(cell: &Cell, numerics: &Numerics, m: usize) -> Result<(Cortex, ShapePoint, Solution)> {
+///
+/// # Errors
+/// [`ShapeError`]; [`ShapeError::NoGrowth`] if they never grow.
+pub fn first(cell: &Cell, numerics: &Numerics, m: usize) -> Result<(Cortex, ShapePoint, Solution)> {
     let cell = &*resolved(cell)?;
     let options = BranchOptions::default();
     let mut branch = primary::start(cell, numerics, &options.settings)?;

@@ -36,12 +36,12 @@ fn off(problem: &Problem, state: &State, direction: &[f64], pressure: f64) -> [f
     let slope = |of: &dyn Fn(&Residual) -> f64| (8.0 * (of(&high) - of(&low)) - of(&higher) + of(&lower)) / (12.0 * h);
     let jacobian = problem.jacobian(state);
     let mut expected = jacobian.apply(direction);
-    expected.iter_mut().zip(&jacobian.column).for_each(|(e, c)| *e += pressure * c);
+    expected.iter_mut().zip(&jacobian.borders[0].column).for_each(|(e, c)| *e += pressure * c);
     let mut worst: f64 = 0.0;
     for (row, expected) in expected.iter().enumerate() {
         worst = worst.max((slope(&|residual| residual.balances[row]) - expected).abs());
     }
-    let volume: f64 = jacobian.row.iter().zip(direction).map(|(row, d)| row * d).sum();
+    let volume: f64 = jacobian.borders[0].row.iter().zip(direction).map(|(row, d)| row * d).sum();
     let off = (slope(&|residual| residual.volume) - volume).abs();
     [worst / expected.iter().fold(0.0, |most: f64, expected| most.max(expected.abs())), off / problem.radius().powi(2)]
 }

@@ -4,6 +4,7 @@ use furrow_bvp::Work;
 use furrow_cell::Cell;
 use furrow_surface::embed::{ContourPoint, embed};
 use furrow_surface::newton::Newton;
+use furrow_surface::rates::Among;
 use furrow_surface::problem::{Problem, State};
 use furrow_surface::rates::Rate;
 use furrow_surface::space::{Harmonic, Space};
@@ -124,7 +125,7 @@ fn rates_of_a_sphere_do_not_depend_on_the_axis() {
     problem.spread(&state.surface);
     let newton = Newton { tolerance: 1e-10, share: 1.0, iterations: 20, slow: 0.1 };
     problem.solve(&newton, &mut state, &mut None, &mut Work::default()).unwrap();
-    let rates = [0, 1, 2, 3].map(|m| problem.rates(&state, 6, Some(m)).unwrap());
+    let rates = [0, 1, 2, 3].map(|m| problem.rates(&state, 6, Among::Azimuthal(m)).unwrap());
     for (m, of) in rates.iter().enumerate() {
         println!("m = {m}: {:?}", of.iter().map(|rate| rate.re).collect::<Vec<_>>());
     }

@@ -2,7 +2,9 @@
 
 use std::collections::HashSet;
 
-use furrow_cell::RigidityGradient;
+use furrow_cell::{Cell, Numerics, RigidityGradient};
+use furrow_mechanics::division::DivisionInput;
+use furrow_surface::division::divide;
 use furrow_surface::law::{Contact, Flow, Geometry, Place, Shape, Vector};
 use furrow_surface::number::Gradient;
 use furrow_surface::problem::{Problem, State};
@@ -140,5 +142,66 @@ fn activity_pays_for_dissipation_and_energy() {
         assert!(found.dissipation > 0.0, "{found:?}");
         let volume = problem.volume(&state.surface) / problem.constants.volume - 1.0;
         within("volume", volume.abs(), 1e-8);
+    }
+}
+
+/// The bending energy of a state; without a cue κ is the same everywhere.
+fn energy(problem: &Problem, state: &State) -> f64 {
+    let space = &problem.space;
+    let mut out = 0.0;
+    problem.for_each_point(state, |q, _, place, x, _, _| {
+        let geometry = Geometry::new(x);
+        let density = 0.5 * place.local.kappa * geometry.mean * geometry.mean + place.local.tension;
+        out += space.stations[q].weight * space.meridian_weight() * geometry.area * density;
+    });
+    out
+}
+
+/// A moment of a division.
+struct Moment {
+    t: f64,
+    energy: f64,
+    powers: Powers,
+    imbalance: f64,
+}
+
+/// A division of R0 = 2 from one side, after every step; the tolerance of steps is `share` of the default.
+fn moments([modes, elements]: [usize; 2], share: f64) -> Vec<Moment> {
+    let default = Numerics::default();
+    let numerics = Numerics {
+        modes,
+        elements,
+        step_factor: share,
+        ..default
+    };
+    let mut out = Vec::new();
+    let mut observe = |problem: &Problem, level: &furrow_surface::stepper::Level| {
+        let (powers, imbalance) = powers(problem, &level.state);
+        out.push(Moment { t: level.t, energy: energy(problem, &level.state), powers, imbalance });
+    };
+    divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(2.0)) }, &mut observe).unwrap();
+    out
+}
+
+#[test]
+fn debug_power() {
+    for (mesh, share) in [([4, 44], 1.0), ([4, 60], 1.0), ([6, 60], 1.0), ([4, 44], 0.5)] {
+        println!("{mesh:?}");
+        let all = moments(mesh, share);
+        println!("{} steps", all.len());
+        let mut worst = [0.0f64; 3];
+        let mut sum = 0.0;
+        for k in 3..all.len() {
+            let [a, b] = [&all[k - 1], &all[k]];
+            let dt = b.t - a.t;
+            let stored = 0.5 * dt * (a.powers.elastic + b.powers.elastic);
+            let spent = 0.5 * dt * (a.powers.dissipation + b.powers.dissipation);
+            let off = (b.energy - a.energy - stored) / spent;
+            sum += b.energy - a.energy - stored;
+            worst[0] = worst[0].max(b.imbalance.abs() / b.powers.size());
+            worst[1] = worst[1].max(off.abs());
+            if k % 5 == 0 { println!("{:.4} {:.2e} {:.2e} E {:.3} {:?}", b.t, off, b.imbalance.abs() / b.powers.size(), b.energy, b.powers.dissipation); }
+        }
+        println!("share {share}: {worst:?} sum {sum}");
     }
 }

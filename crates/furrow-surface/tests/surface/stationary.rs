@@ -3,6 +3,7 @@
 use furrow_cell::{Cell, RigidityGradient};
 use furrow_mechanics::stability::{Parity, Spectrum};
 use furrow_surface::problem::{Problem, State};
+use furrow_surface::rates::Among;
 
 use crate::states::{at_rest, within};
 
@@ -73,7 +74,7 @@ fn rates(elements: usize) -> f64 {
         let (shape, problem, state) = at_rest(&cell(of), elements, 3);
         for m in 0..=3 {
             let expected = if m == 0 { shape.spectrum() } else { shape.azimuthal(m).leading() }.unwrap();
-            let found = problem.rates(&state, 8, Some(m)).unwrap();
+            let found = problem.rates(&state, 8, Among::Azimuthal(m)).unwrap();
             let leading: Vec<String> =
                 expected.values.iter().take(3).map(|rate| format!("{:.6} {:?}", rate.re, rate.parity)).collect();
             println!("R0 = {}, m = {m}, {elements} elements: {:.1e}; {leading:?}", of[0], off(&found, &expected));
