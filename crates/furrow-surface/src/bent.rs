@@ -1,0 +1,339 @@
+//! Branches of bent states at rest, which leave the axisymmetric branch where a disturbance m = 1 begins to grow.
+//!
+//! A bent state is mirror-symmetric, in u → 1 − u too. The branch is followed by its bend, the distance of the middle ring from the
+//! axis over R0, which goes on to grow where the activity turns back at a fold: with J the derivatives of the balances,
+//! J x′ + ∂_ξF ξ′ = 0 and bend(x′) = 1. Disturbances that break the mirror symmetry begin to grow at the odd pitchfork.
+
+use furrow_bvp::{Gauss, Work};
+use furrow_cell::{Cell, Numerics};
+use furrow_mechanics::cortex::Domain;
+use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, PSI, R, V, Z};
+use furrow_mechanics::cortex::symmetry::unfold;
+use furrow_mechanics::equilibria::{ShapeError, azimuthal_threshold};
+
+use crate::division::AtRest;
+use crate::embed::{ContourPoint, embed};
+use crate::linear::{Border, Factored, Singular};
+use crate::neck::neck;
+use crate::newton::{Newton, NewtonError};
+use crate::problem::{Problem, Residual, State};
+use crate::rates::{Among, RatesError};
+use crate::space::Space;
+
+/// A bent state at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BentPoint {
+    /// Activity ξ_s at which it rests, in κ0/L_h.
+    pub xi_s: f64,
+    /// Distance of the middle ring from the axis, relative to R0.
+    pub bend: f64,
+    /// dξ_s/d bend along the branch: negative beyond the fold.
+    pub slope: f64,
+    /// Largest growth rate of disturbances that keep the mirror symmetry, in 1/τ.
+    pub even: f64,
+    /// The same of those that break it.
+    pub odd: f64,
+    /// Length of the mean meridian, in L_h.
+    pub length: f64,
+    /// Pressure, in κ0/L_h³.
+    pub pressure: f64,
+    /// Distance of the poles over R0.
+    pub elongation: f64,
+    /// Radius of the neck over R0, if there is a waist.
+    pub neck: Option<f64>,
+    /// Distance of the neck's centre from the axis, in L_h.
+    pub neck_offset: Option<f64>,
+}
+
+impl BentPoint {
+    /// Whether no disturbance grows.
+    pub fn is_stable(&self) -> bool {
+        self.even < 0.0 && self.odd < 0.0
+    }
+}
+
+/// The branch near the threshold: ξ_s = ξ₁ + c bend².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalForm {
+    /// Threshold ξ₁ of disturbances m = 1.
+    pub xi_s: f64,
+    /// c, in κ0/L_h: bent states lie above the threshold, and are stable there, if it is positive.
+    pub coefficient: f64,
+}
+
+/// The bent states of a cell.
+#[derive(Clone, Debug)]
+pub struct BentBranch {
+    /// The threshold.
+    pub threshold: NormalForm,
+    /// States, from the threshold on.
+    pub points: Vec<BentPoint>,
+    /// Where disturbances that break the mirror symmetry begin to grow.
+    pub pitchfork: Option<BentPoint>,
+    /// Where the activity is largest.
+    pub fold: Option<BentPoint>,
+}
+
+/// Why bent states were not found.
+#[derive(Debug, thiserror::Error)]
+pub enum BentError {
+    /// The cue breaks the mirror symmetry, or needs equations that surfaces do not have.
+    #[error("bent states are followed for cells without a cue that breaks the mirror symmetry u → 1 − u")]
+    NoMirror,
+    /// Disturbances m = 1 of the axisymmetric branch.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// A bent state.
+    #[error("the bent states are followed to a bend of {bend:.4} R0: {reason}")]
+    Lost {
+        /// Bend of the state.
+        bend: f64,
+        /// Why.
+        reason: NewtonError,
+    },
+    /// Growth rates.
+    #[error(transparent)]
+    Rates(#[from] RatesError),
+}
+
+/// Bend, beside its half, from which the normal form follows.
+const SMALL: f64 = 0.02;
+/// Longest step in bend.
+const STEP: f64 = 0.02;
+/// Shortest step in bend.
+const SHORTEST: f64 = 1e-4;
+/// Largest bend.
+const LARGEST: f64 = 0.6;
+/// Bend beyond the fold to which states are followed.
+const BEYOND: f64 = 0.06;
+/// Accuracy of points in bend.
+const CLOSE: f64 = 1e-7;
+/// Iterations that bring out the disturbance at the threshold.
+const INVERSE_ITERATIONS: usize = 6;
+/// Most steps of the search for a point.
+const SEARCH: usize = 30;
+
+/// A bent state, with what the next one needs.
+#[derive(Clone, Debug)]
+struct Bent {
+    cell: Cell,
+    problem: Problem,
+    state: State,
+    /// Derivatives by the bend: surface, flow and pressure by unknown, and dξ_s/d bend.
+    tangent: Vec<f64>,
+    pressure_tangent: f64,
+    slope: f64,
+}
+
+impl Bent {
+    /// The axisymmetric state at the threshold.
+    fn at_threshold(cell: &Cell, numerics: &Numerics) -> Result<Bent, BentError> {
+        let (cortex, point, shape) = azimuthal_threshold::first(cell, numerics, 1)?;
+        let full = match cortex.domain {
+            Domain::Half => unfold(&shape),
+            Domain::Full => shape,
+        };
+        let gauss = Gauss::new(numerics.stages).unwrap_or_default();
+        let cell = Cell { xi_s: point.xi_s, ..cell.clone() };
+        let mut problem = Problem::new(&cell, Space::new(numerics.elements, numerics.modes));
+        let shares = problem.mesh.shares(&problem.space);
+        let state = embed(&problem.space, &shares, full.scalars[PRESSURE], |u| {
+            let mut y = [0.0; COMPONENTS];
+            full.eval(&gauss, u, &mut y);
+            let (sin, cos) = y[PSI].sin_cos();
+            ContourPoint { r: y[R], z: y[Z], v_r: y[V] * cos, v_z: -y[V] * sin }
+        });
+        problem.spread(&state.surface);
+        let mut bent = Bent { cell, problem, state, tangent: Vec::new(), pressure_tangent: 0.0, slope: 0.0 };
+        bent.tangent = bent.growing().map_err(RatesError::from)?;
+        Ok(bent)
+    }
+
+    /// The disturbance m = 1 with bend 1 that neither grows nor decays at the threshold, by inverse iteration.
+    fn growing(&self) -> Result<Vec<f64>, Singular> {
+        let factored = self.problem.jacobian(&self.state).factor()?;
+        let row = self.row();
+        let keep = self.problem.projection(Among::Azimuthal(1));
+        let mut found = row.clone();
+        for _ in 0..INVERSE_ITERATIONS {
+            keep(&mut found);
+            factored.solve(&mut found, &[0.0]);
+            let bend: f64 = found.iter().zip(&row).map(|(x, row)| x * row).sum();
+            found.iter_mut().for_each(|x| *x /= bend);
+        }
+        keep(&mut found);
+        Ok(found)
+    }
+
+    fn take(&mut self, xi_s: f64) {
+        self.cell.xi_s = xi_s;
+        self.problem.constants = Constants::new(&self.cell, |_, value| value);
+    }
+
+    /// The bend as a row over the unknowns.
+    fn row(&self) -> Vec<f64> {
+        let space = &self.problem.space;
+        let mut row = vec![0.0; space.unknowns()];
+        let station = space.station(0.5);
+        for (r, basis) in station.basis.iter().enumerate() {
+            let unknown = space.centre()[0].and_then(|centre| space.unknown(station.element + r, 0, centre));
+            if let Some(k) = unknown {
+                row[k] += basis[0] / self.problem.radius();
+            }
+        }
+        row
+    }
+
+    fn bend(&self) -> f64 {
+        let space = &self.problem.space;
+        let centre = space.centre()[0].map(|centre| space.function(&self.state.surface, &space.station(0.5), centre)[0]);
+        centre.unwrap_or(0.0) / self.problem.radius()
+    }
+
+    /// The derivatives, bordered by the activity and the bend.
+    fn factored(&self) -> Result<Factored, Singular> {
+        let mut jacobian = self.problem.jacobian(&self.state);
+        // The balances are linear in the activity.
+        let mut other = self.clone();
+        other.take(self.cell.xi_s + 1.0);
+        let (here, there) = (self.problem.residual(&self.state), other.problem.residual(&self.state));
+        let column = there.balances.iter().zip(&here.balances).map(|(there, here)| there - here).collect();
+        jacobian.borders.push(Border { column, row: self.row() });
+        jacobian.factor()
+    }
+
+    /// Goes on to the state with this bend, which is near.
+    fn advance(&mut self, bend: f64, work: &mut Work) -> Result<(), NewtonError> {
+        let step = bend - self.bend();
+        let change: Vec<f64> = self.tangent.iter().map(|t| t * step).collect();
+        self.problem.change(&mut self.state, &change, self.pressure_tangent * step);
+        self.take(self.cell.xi_s + self.slope * step);
+        let newton = Newton { tolerance: 1e-9, share: 1.0, iterations: 14, slow: 0.0 };
+        let mut changed = f64::INFINITY;
+        for iteration in 0..newton.iterations {
+            self.problem.spread(&self.state.surface);
+            let factored = self.factored()?;
+            work.factorisations += 1;
+            work.iterations += 1;
+            let Residual { mut balances, volume } = self.problem.residual(&self.state);
+            balances.iter_mut().for_each(|b| *b = -*b);
+            let border = factored.solve(&mut balances, &[-volume, bend - self.bend()]);
+            changed = self.problem.change(&mut self.state, &balances, border[0]) / self.problem.radius();
+            self.take(self.cell.xi_s + border[1]);
+            if !changed.is_finite() || changed > 1.0 {
+                return Err(NewtonError::NotConverged { change: changed, iterations: iteration + 1 });
+            }
+            if changed < newton.tolerance {
+                let mut tangent = vec![0.0; self.tangent.len()];
+                let border = factored.solve(&mut tangent, &[0.0, 1.0]);
+                (self.tangent, self.pressure_tangent, self.slope) = (tangent, border[0], border[1]);
+                return Ok(());
+            }
+        }
+        Err(NewtonError::NotConverged { change: changed, iterations: newton.iterations })
+    }
+
+    fn rate(&self, among: Among) -> Result<f64, RatesError> {
+        Ok(self.problem.rates(&self.state, 3, among)?.first().map_or(f64::NEG_INFINITY, |rate| rate.re))
+    }
+
+    fn point(&self) -> Result<BentPoint, RatesError> {
+        let rest = AtRest { problem: self.problem.clone(), state: self.state.clone(), rates: Vec::new() };
+        let neck = neck(&self.problem.space, &self.state.surface);
+        Ok(BentPoint {
+            xi_s: self.cell.xi_s,
+            bend: self.bend(),
+            slope: self.slope,
+            even: self.rate(Among::Even)?,
+            odd: self.rate(Among::Odd)?,
+            length: rest.length(),
+            pressure: self.state.pressure,
+            elongation: rest.elongation(),
+            neck: neck.map(|neck| neck.radius / self.cell.r0),
+            neck_offset: neck.map(|neck| neck.offset.abs()),
+        })
+    }
+}
+
+/// The bent states of a cell without a cue that breaks the mirror symmetry, from the threshold up to `xi_max` and beyond the fold.
+///
+/// # Errors
+/// [`BentError`]; a branch that is lost beyond its fold ends there.
+pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranch, BentError> {
+    if !cell.is_mirror_symmetric() || cell.cue.regulator().is_some() {
+        return Err(BentError::NoMirror);
+    }
+    let mut work = Work::default();
+    let mut bent = Bent::at_threshold(cell, numerics)?;
+    let lost = |bend: f64| move |reason: NewtonError| BentError::Lost { bend, reason };
+    bent.advance(0.5 * SMALL, &mut work).map_err(lost(0.5 * SMALL))?;
+    let near = bent.clone();
+    bent.advance(SMALL, &mut work).map_err(lost(SMALL))?;
+    let threshold = normal_form(&near, &bent);
+    let mut before = bent.point()?;
+    let points = vec![near.point()?, before];
+    let mut found = BentBranch { threshold, points, pitchfork: None, fold: None };
+    let mut step = STEP;
+    while before.bend < LARGEST && before.xi_s <= xi_max {
+        let mut next = bent.clone();
+        if let Err(reason) = next.advance(before.bend + step, &mut work) {
+            step *= 0.5;
+            match found.fold {
+                _ if step > SHORTEST => continue,
+                Some(_) => break,
+                None => return Err(lost(before.bend)(reason)),
+            }
+        }
+        let now = next.point()?;
+        let bends = [before.bend, now.bend];
+        if found.pitchfork.is_none() && before.odd < 0.0 && now.odd >= 0.0 {
+            let odd = |bent: &Bent| bent.rate(Among::Odd).map_err(BentError::from);
+            found.pitchfork = Some(zero(&bent, bends, [before.odd, now.odd], odd)?.point()?);
+        }
+        if found.fold.is_none() && before.slope > 0.0 && now.slope <= 0.0 {
+            found.fold = Some(zero(&bent, bends, [before.slope, now.slope], |bent| Ok(bent.slope))?.point()?);
+        }
+        found.points.push(now);
+        if found.fold.is_some_and(|fold| now.bend > fold.bend + BEYOND) {
+            break;
+        }
+        (bent, before, step) = (next, now, (1.5 * step).min(STEP));
+    }
+    Ok(found)
+}
+
+/// From the slopes at two bends of ξ_s = ξ₁ + c bend² + d bend⁴.
+fn normal_form(near: &Bent, far: &Bent) -> NormalForm {
+    let [b, b_far] = [near.bend(), far.bend()];
+    let [s, s_far] = [near.slope / b, far.slope / b_far];
+    let d = (s_far - s) / (4.0 * (b_far * b_far - b * b));
+    let c = 0.5 * s - 2.0 * d * b * b;
+    NormalForm { xi_s: near.cell.xi_s - (c + d * b * b) * b * b, coefficient: c }
+}
+
+/// The state between two bends at which a value vanishes, by the rule of Illinois.
+fn zero(
+    from: &Bent,
+    [mut low, mut high]: [f64; 2],
+    [mut below, mut above]: [f64; 2],
+    value: impl Fn(&Bent) -> Result<f64, BentError>,
+) -> Result<Bent, BentError> {
+    let mut work = Work::default();
+    let mut bent = from.clone();
+    for _ in 0..SEARCH {
+        let bend = low + (high - low) * below / (below - above);
+        bent.advance(bend, &mut work).map_err(|reason| BentError::Lost { bend, reason })?;
+        let here = value(&bent)?;
+        if here == 0.0 || (high - low).min((bend - low).abs().min((high - bend).abs())) < CLOSE {
+            break;
+        }
+        if (here > 0.0) == (above > 0.0) {
+            (high, above) = (bend, here);
+            below *= 0.5;
+        } else {
+            (low, below) = (bend, here);
+            above *= 0.5;
+        }
+    }
+    Ok(bent)
+}
