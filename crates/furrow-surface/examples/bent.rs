@@ -15,7 +15,10 @@ fn main() {
         Ok(found) => {
             println!("{:?}", found.threshold);
             for p in &found.points {
-                println!("{:.5} bend {:.4} slope {:.3} even {:.4} odd {:.4} neck {:?} {:?}", p.xi_s, p.bend, p.slope, p.even, p.odd, p.neck, p.neck_offset);
+                println!(
+                    "{:.5} bend {:.4} slope {:.3} even {:.4} odd {:.4} neck {:?} {:?}",
+                    p.xi_s, p.bend, p.slope, p.even, p.odd, p.neck, p.neck_offset
+                );
             }
             println!("pitchfork {:?}\nfold {:?}", found.pitchfork, found.fold);
         }

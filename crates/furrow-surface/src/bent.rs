@@ -186,7 +186,8 @@ impl Bent {
 
     fn bend(&self) -> f64 {
         let space = &self.problem.space;
-        let centre = space.centre()[0].map(|centre| space.function(&self.state.surface, &space.station(0.5), centre)[0]);
+        let centre =
+            space.centre()[0].map(|centre| space.function(&self.state.surface, &space.station(0.5), centre)[0]);
         centre.unwrap_or(0.0) / self.problem.radius()
     }
 
@@ -210,8 +211,9 @@ impl Bent {
         self.take(self.cell.xi_s + self.slope * step);
         let newton = Newton { tolerance: 1e-9, share: 1.0, iterations: 14, slow: 0.0 };
         let mut changed = f64::INFINITY;
+        // The mesh keeps to the predicted surface: weights that changed in every iteration would slow it down.
+        self.problem.spread(&self.state.surface);
         for iteration in 0..newton.iterations {
-            self.problem.spread(&self.state.surface);
             let factored = self.factored()?;
             work.factorisations += 1;
             work.iterations += 1;

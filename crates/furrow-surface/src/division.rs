@@ -53,8 +53,13 @@ pub struct SurfaceDivision {
 
 /// A neck narrower than this, relative to R0, closes: volumes and time at the radius of M.20 follow from the last step.
 pub const CLOSED: f64 = 0.015;
+/// A neck at one side has closed at this radius, relative to R0: it becomes a thread beside the other wall, in which volumes no longer
+/// change and which no mesh here resolves.
+pub const THREAD: f64 = 0.05;
+/// Distance of the neck from the axis, relative to R0, from which on it is at one side.
+const ONE_SIDED: f64 = 0.3;
 /// A neck narrower than this, relative to R0, has closed too if its last steps cannot be computed.
-const CLOSING: f64 = 0.04;
+const CLOSING: f64 = 0.08;
 /// Local error of a step, relative to R0, for each unit of the numerics' tolerance.
 const ERROR: f64 = 6.0;
 /// Longest step, in τ: growing modes must not be damped.
@@ -127,10 +132,10 @@ pub(crate) fn run(
     };
     loop {
         if let Err(error) = run.advance(&mut stepper) {
-            return run.divided(&stepper, CLOSING).ok_or(error);
+            return run.divided(&stepper, true).ok_or(error);
         }
         observe(&stepper.problem, &stepper.history[0]);
-        if let Some(found) = run.divided(&stepper, CLOSED).or_else(|| run.rested(&mut stepper)) {
+        if let Some(found) = run.divided(&stepper, false).or_else(|| run.rested(&mut stepper)) {
             return Ok(found);
         }
         run.limits(&stepper)?;
@@ -298,14 +303,19 @@ impl Run<'_> {
         }
     }
 
-    /// The division, if the neck has closed.
-    fn divided(&self, stepper: &Stepper, closed: f64) -> Option<SurfaceDivision> {
+    /// The division, if the neck has closed; `failed` if no further step can be computed.
+    fn divided(&self, stepper: &Stepper, failed: bool) -> Option<SurfaceDivision> {
         let [.., before, now] = self.necks.as_slice() else { return None };
-        if now.neck.radius >= closed * self.r0 {
+        let [closed, target] = match now.neck.offset.abs() > ONE_SIDED * self.r0 {
+            true => [THREAD; 2],
+            false => [CLOSED, PINCH_OFF],
+        };
+        if now.neck.radius >= if failed { CLOSING } else { closed } * self.r0 {
             return None;
         }
-        // What is left until the radius of M.20, relative to the last step.
-        let left = (now.neck.radius - PINCH_OFF * self.r0) / (before.neck.radius - now.neck.radius);
+        // What is left until then, relative to the last step.
+        let left = (now.neck.radius - target * self.r0) / (before.neck.radius - now.neck.radius);
+        let left = if failed { 0.0 } else { left };
         let [level, last, ..] = stepper.history.as_slice() else { return None };
         let space = &stepper.problem.space;
         let chi = asymmetry(space, &level.state.surface, &now.neck);
@@ -369,7 +379,11 @@ impl Run<'_> {
         if t > self.numerics.t_max {
             return Err(DivisionError::Undecided { r0, epsilon: self.epsilon, t_max: self.numerics.t_max });
         }
-        if steps as f64 > MOST_STEPS / self.numerics.step_factor { Err(DivisionError::Restless { r0, t, steps }) } else { Ok(()) }
+        if steps as f64 > MOST_STEPS / self.numerics.step_factor {
+            Err(DivisionError::Restless { r0, t, steps })
+        } else {
+            Ok(())
+        }
     }
 
     /// One more azimuthal number if the largest is in use.

@@ -258,13 +258,7 @@ pub fn by_centre(place: &Place, geometry: &Geometry<f64>) -> [Vector<f64>; 2] {
 
 /// The normal part is S.4 without the flow, `moved` = J ∂_tX·n; the tangential part is S.5.
 #[inline(always)]
-fn mesh_balance<D: Number>(
-    mesh: &[f64; 4],
-    normal: &Vector<D>,
-    x: &Shape<D>,
-    moved: D,
-    centre: [D; 2],
-) -> Vector<D> {
+fn mesh_balance<D: Number>(mesh: &[f64; 4], normal: &Vector<D>, x: &Shape<D>, moved: D, centre: [D; 2]) -> Vector<D> {
     let [a, a_u, b, c] = *mesh;
     let mut spread = [centre[0] * -(b + c), D::from(0.0), centre[1] * -b];
     add(&mut spread, D::from(b), &x[0]);

@@ -61,8 +61,7 @@ impl Mesh {
             }
             space.functions(surface, station, &mut functions);
             let radius = ring(space, &functions);
-            // Strings and rings pull alike where the mesh is as wide around the axis as along it.
-            let rings = (length / radius).powi(2) * density;
+            let rings = RINGS * (length / radius).powi(2) * density;
             let held = AXIS * (2.0 * station.u - 1.0).powi(8) * density;
             self.weights.push([1.0 / density, -slope / (density * density), rings, held]);
         }
@@ -74,6 +73,9 @@ pub fn ring(space: &Space, functions: &[[f64; 3]]) -> f64 {
     let squares = space.harmonics.iter().zip(functions).map(|(harmonic, f)| harmonic.turning() * f[0] * f[0]);
     squares.sum::<f64>().sqrt()
 }
+
+/// How strongly rings are drawn to circles, relative to the tension of meridians. With 1, deep furrows tangle the mesh.
+const RINGS: f64 = 3.0;
 
 /// How strongly the centres of rings at the poles are drawn to the axis, relative to how the mesh is spread: the square of a wave number on a
 /// contour of length 1.

@@ -1,7 +1,7 @@
 //! Rings of the mesh, the neck among them, and the parts of the cell on both sides.
 
 use crate::problem::volume_density;
-use crate::space::{Harmonic, Space};
+use crate::space::Space;
 
 /// The neck: the shortest ring of the mesh between two longer ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,15 +16,24 @@ pub struct Neck {
     pub height: f64,
 }
 
-/// Length over 2π of the ring at u.
-pub(crate) fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
+/// Length over 2π of the ring at u, and its centre of mass x, z.
+fn ring(space: &Space, surface: &[f64], u: f64) -> (f64, [f64; 2]) {
     let mut functions = Vec::new();
     space.functions(surface, &space.station(u), &mut functions);
-    let lengths = space.meridians.iter().map(|meridian| {
-        let [_, _, p, ..] = space.shape(&functions, meridian);
-        (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt()
-    });
-    lengths.sum::<f64>() / space.meridians.len() as f64
+    let [mut length, mut x, mut z] = [0.0; 3];
+    for meridian in &space.meridians {
+        let [at, _, along, ..] = space.shape(&functions, meridian);
+        let part = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+        length += part;
+        x += part * at[0];
+        z += part * at[2];
+    }
+    (length / space.meridians.len() as f64, [x / length, z / length])
+}
+
+/// Length over 2π of the ring at u.
+pub(crate) fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
+    ring(space, surface, u).0
 }
 
 /// Places between two stations at which the neck is sought.
@@ -46,17 +55,8 @@ pub fn neck(space: &Space, surface: &[f64]) -> Option<Neck> {
         if radius_at(space, surface, a) < radius_at(space, surface, b) { high = b } else { low = a }
     }
     let u = 0.5 * (low + high);
-    let station = space.station(u);
-    let centre = |harmonic: Harmonic| {
-        let place = space.harmonics.iter().position(|of| *of == harmonic);
-        place.map_or(0.0, |place| space.function(surface, &station, place)[0])
-    };
-    Some(Neck {
-        u,
-        radius: radius_at(space, surface, u),
-        offset: centre(Harmonic::Across(0)),
-        height: centre(Harmonic::Along(0)),
-    })
+    let (radius, [offset, height]) = ring(space, surface, u);
+    Some(Neck { u, radius, offset, height })
 }
 
 /// (V_above − V_below)/V for the parts from u above and below the neck.

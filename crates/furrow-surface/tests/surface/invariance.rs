@@ -4,8 +4,8 @@ use furrow_bvp::Work;
 use furrow_cell::Cell;
 use furrow_surface::embed::{ContourPoint, embed};
 use furrow_surface::newton::Newton;
-use furrow_surface::rates::Among;
 use furrow_surface::problem::{Problem, State};
+use furrow_surface::rates::Among;
 use furrow_surface::rates::Rate;
 use furrow_surface::space::{Harmonic, Space};
 

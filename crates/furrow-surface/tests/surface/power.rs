@@ -2,14 +2,13 @@
 
 use std::collections::HashSet;
 
-use furrow_cell::{Cell, Numerics, RigidityGradient};
-use furrow_mechanics::division::DivisionInput;
-use furrow_surface::division::divide;
+use furrow_cell::RigidityGradient;
 use furrow_surface::law::{Contact, Flow, Geometry, Place, Shape, Vector};
+use furrow_surface::neck::neck;
 use furrow_surface::number::Gradient;
 use furrow_surface::problem::{Problem, State};
 
-use crate::states::{Draws, bent, one_sided, uneven_cell, within};
+use crate::states::{Draws, bent, one_sided, one_sided_steps, uneven_cell, within};
 
 fn dot(a: &Vector<f64>, b: &Vector<f64>) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -134,7 +133,7 @@ fn powers_of_any_state_are_those_of_its_balances() {
 /// During a one-sided division activity pays for dissipation and energy.
 #[test]
 fn activity_pays_for_dissipation_and_energy() {
-    for (problem, state) in one_sided() {
+    for (_, problem, state) in one_sided() {
         let (found, power) = powers(problem, state);
         within("power", (found.parts().iter().sum::<f64>() - power).abs() / found.size(), 1e-10);
         within("imbalance", power.abs() / found.size(), 1e-5);
@@ -157,51 +156,25 @@ fn energy(problem: &Problem, state: &State) -> f64 {
     out
 }
 
-/// A moment of a division.
-struct Moment {
-    t: f64,
-    energy: f64,
-    powers: Powers,
-    imbalance: f64,
-}
-
-/// A division of R0 = 2 from one side, after every step; the tolerance of steps is `share` of the default.
-fn moments([modes, elements]: [usize; 2], share: f64) -> Vec<Moment> {
-    let default = Numerics::default();
-    let numerics = Numerics {
-        modes,
-        elements,
-        step_factor: share,
-        ..default
-    };
-    let mut out = Vec::new();
-    let mut observe = |problem: &Problem, level: &furrow_surface::stepper::Level| {
-        let (powers, imbalance) = powers(problem, &level.state);
-        out.push(Moment { t: level.t, energy: energy(problem, &level.state), powers, imbalance });
-    };
-    divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(2.0)) }, &mut observe).unwrap();
-    out
-}
-
+/// From step to step the energy grows by its power: the surface moves as the flow says, however the mesh moves.
 #[test]
-fn debug_power() {
-    for (mesh, share) in [([4, 44], 1.0), ([4, 60], 1.0), ([6, 60], 1.0), ([4, 44], 0.5)] {
-        println!("{mesh:?}");
-        let all = moments(mesh, share);
-        println!("{} steps", all.len());
-        let mut worst = [0.0f64; 3];
-        let mut sum = 0.0;
-        for k in 3..all.len() {
-            let [a, b] = [&all[k - 1], &all[k]];
-            let dt = b.t - a.t;
-            let stored = 0.5 * dt * (a.powers.elastic + b.powers.elastic);
-            let spent = 0.5 * dt * (a.powers.dissipation + b.powers.dissipation);
-            let off = (b.energy - a.energy - stored) / spent;
-            sum += b.energy - a.energy - stored;
-            worst[0] = worst[0].max(b.imbalance.abs() / b.powers.size());
-            worst[1] = worst[1].max(off.abs());
-            if k % 5 == 0 { println!("{:.4} {:.2e} {:.2e} E {:.3} {:?}", b.t, off, b.imbalance.abs() / b.powers.size(), b.energy, b.powers.dissipation); }
+fn the_energy_grows_by_its_power() {
+    let [mut off, mut spent] = [0.0; 2];
+    let mut before: Option<(f64, f64, Powers)> = None;
+    // The first state does not move yet.
+    for (t, problem, state) in one_sided_steps().iter().skip(1) {
+        let (found, imbalance) = powers(problem, state);
+        within("imbalance", imbalance.abs() / found.size(), 1e-4);
+        let stored = energy(problem, state);
+        if let Some((last, was, powers)) = before.replace((*t, stored, found)) {
+            let dt = t - last;
+            off += (stored - was - 0.5 * dt * (powers.elastic + found.elastic)).abs();
+            spent += 0.5 * dt * (powers.dissipation + found.dissipation);
         }
-        println!("share {share}: {worst:?} sum {sum}");
+        if neck(&problem.space, &state.surface).is_some_and(|neck| neck.radius < 0.6) {
+            break;
+        }
     }
+    println!("{off} of {spent}");
+    within("energy beside its power", off / spent, 0.005);
 }

@@ -118,27 +118,24 @@ pub fn turn_about_y(space: &Space, surface: &[f64], spline: usize, of: Harmonic)
     }
 }
 
-/// States of a division from one side, R0 = 2.0, with contact of its walls; the last at pinch-off.
-pub fn one_sided() -> &'static [(Problem, State)] {
-    static STATES: LazyLock<Vec<(Problem, State)>> = LazyLock::new(|| {
-        let numerics = Numerics { modes: 3, elements: 32, ..Numerics::default() };
-        during(Cell::new(2.0), numerics, &[0.0005, 0.5, 1.2, 1.43])
-    });
-    &STATES
+/// Every step of a division: its time, the problem and the state.
+pub fn steps(cell: Cell, numerics: Numerics) -> Vec<(f64, Problem, State)> {
+    let mut out = Vec::new();
+    let input = DivisionInput { numerics, ..DivisionInput::new(cell) };
+    let found = divide(&input, &mut |problem, level| out.push((level.t, problem.clone(), level.state.clone())));
+    println!("{:?}", found.map(|found| (found.division.t_end, found.division.volume_drift, found.division.work)));
+    out
 }
 
-/// The first states of a division after the given times, each with the problem of its last step.
-pub fn during(cell: Cell, numerics: Numerics, times: &[f64]) -> Vec<(Problem, State)> {
-    let input = DivisionInput { numerics, ..DivisionInput::new(cell) };
-    let mut out = Vec::new();
-    let mut last = None;
-    let found = divide(&input, &mut |problem, level| {
-        if times.get(out.len()).is_some_and(|t| level.t >= *t) {
-            out.push((problem.clone(), level.state.clone()));
-        }
-        last = Some((problem.clone(), level.state.clone()));
-    });
-    println!("{:?}", found.map(|found| (found.division.t_end, found.division.volume_drift, found.division.work)));
-    out.extend(last);
-    out
+/// A division from one side, R0 = 2.0, with contact of its walls.
+pub fn one_sided_steps() -> &'static [(f64, Problem, State)] {
+    static STEPS: LazyLock<Vec<(f64, Problem, State)>> =
+        LazyLock::new(|| steps(Cell::new(2.0), Numerics { modes: 3, elements: 36, ..Numerics::default() }));
+    &STEPS
+}
+
+/// Five of its states, the last at pinch-off.
+pub fn one_sided() -> Vec<&'static (f64, Problem, State)> {
+    let after = |t: &f64| one_sided_steps().iter().find(|(time, ..)| time >= t);
+    [0.0005, 0.5, 1.2, 1.43].iter().filter_map(after).chain(one_sided_steps().last()).collect()
 }

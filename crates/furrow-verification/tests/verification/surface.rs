@@ -246,7 +246,7 @@ impl Surface {
                 noise: self.noise[k],
                 rate: 1.7,
                 past: [0.3, -0.2, 0.5],
-                mesh: [[1.1, 0.2, 0.0, 0.0], [0.8, -0.3, 0.6, 0.9]],
+                mesh: [0.8, -0.3, 0.6, 0.9],
                 contact: self.wall(k).0,
             };
             (place, x, [v[0], v[1], v[2]])
@@ -282,7 +282,7 @@ fn the_power_of_a_general_surface_is_that_of_the_axisymmetric_balance() {
             let moved = surface.field(&along, &around, &out).skew();
             let power = |k: usize| {
                 let (place, x, v) = &told[k];
-                let balance = balance(place, x, v, surface.pressure, 0.4);
+                let balance = balance(place, x, v, surface.pressure, [0.4, -0.3]);
                 weights[k] * (0..6).map(|row| dot(&balance[row], &moved[k][row])).sum::<f64>()
             };
             let expected: f64 = (0..PLACES).map(|k| -area[k] * (tangential[k] * along[k] + normal[k] * out[k])).sum();
@@ -297,7 +297,7 @@ fn the_power_of_a_general_surface_is_that_of_the_axisymmetric_balance() {
 #[test]
 fn the_mesh_moves_with_the_normal_velocity_alone() {
     let surface = Surface::new(true);
-    let centre = 0.4;
+    let centre = [0.4, -0.3];
     let mut worst: f64 = 0.0;
     for (k, (place, x, v)) in surface.told().iter().enumerate() {
         let balance = balance(place, x, v, surface.pressure, centre);
@@ -305,13 +305,13 @@ fn the_mesh_moves_with_the_normal_velocity_alone() {
         let normal = [surface.sin[k] * cos, surface.sin[k] * sin, surface.cos[k]];
         let area = surface.r[k] * surface.speed[k];
         let moved: Vector<f64> = from_fn(|i| place.rate * x[0][i] + place.past[i]);
-        for (out, [a, a_u, b, c]) in balance[6..].iter().zip(place.mesh) {
-            worst = worst.max((dot(out, &normal) - area * (dot(&moved, &normal) - surface.v[1][k])).abs());
-            let spread: Vector<f64> =
-                from_fn(|i| a * x[3][i] + a_u * x[1][i] + b * x[5][i] - if i == 0 { c * centre } else { 0.0 });
-            for tangent in &x[1..3] {
-                worst = worst.max((dot(out, tangent) + dot(&spread, tangent)).abs());
-            }
+        let (out, [a, a_u, b, c]) = (&balance[6], place.mesh);
+        worst = worst.max((dot(out, &normal) - area * (dot(&moved, &normal) - surface.v[1][k])).abs());
+        let from_centre = [x[0][0] - centre[0], x[0][1], x[0][2] - centre[1]];
+        let held = [c * centre[0], 0.0, 0.0];
+        let spread: Vector<f64> = from_fn(|i| a * x[3][i] + a_u * x[1][i] + b * (x[5][i] + from_centre[i]) - held[i]);
+        for tangent in &x[1..3] {
+            worst = worst.max((dot(out, tangent) + dot(&spread, tangent)).abs());
         }
     }
     within("the mesh's balance", worst, 1e-9);
@@ -331,31 +331,28 @@ fn a_mesh_is_spread_as_its_density_says() {
     within("shares", off, 1e-5);
     let least = speeds.iter().copied().fold(f64::INFINITY, f64::min) / length;
     assert!(least < 0.95, "the mesh is not uniform: {least}");
-    // The slopes of both weights a, by Lagrange's polynomials through the places of an element.
+    // The slope of the weight a, by Lagrange's polynomials through the places of an element.
     let stations: Vec<_> = (0..space.stations.len()).map(|q| (space.stations[q].u, problem.mesh.weights[q])).collect();
     let mut worst = 0.0f64;
     for element in stations.chunks_exact(5) {
         for (i, (u, weights)) in element.iter().enumerate() {
-            for kind in 0..2 {
-                let by = |j: usize| {
-                    let others =
-                        |i: usize| element.iter().enumerate().filter(move |(k, _)| *k != i).map(|(_, (u, _))| *u);
-                    if i == j {
-                        return others(i).map(|other| 1.0 / (u - other)).sum::<f64>();
-                    }
-                    let product = |at: f64, of: usize, without: usize| -> f64 {
-                        element
-                            .iter()
-                            .enumerate()
-                            .filter(|(k, _)| *k != of && *k != without)
-                            .map(|(_, (other, _))| at - other)
-                            .product()
-                    };
-                    product(*u, i, j) / (product(element[j].0, j, j))
+            let by = |j: usize| {
+                let others = |i: usize| element.iter().enumerate().filter(move |(k, _)| *k != i).map(|(_, (u, _))| *u);
+                if i == j {
+                    return others(i).map(|other| 1.0 / (u - other)).sum::<f64>();
+                }
+                let product = |at: f64, of: usize, without: usize| -> f64 {
+                    element
+                        .iter()
+                        .enumerate()
+                        .filter(|(k, _)| *k != of && *k != without)
+                        .map(|(_, (other, _))| at - other)
+                        .product()
                 };
-                let slope: f64 = (0..element.len()).map(|j| by(j) * element[j].1[kind][0]).sum();
-                worst = worst.max((slope - weights[kind][1]).abs() / (1.0 + slope.abs()));
-            }
+                product(*u, i, j) / (product(element[j].0, j, j))
+            };
+            let slope: f64 = (0..element.len()).map(|j| by(j) * element[j].1[0]).sum();
+            worst = worst.max((slope - weights[1]).abs() / (1.0 + slope.abs()));
         }
     }
     within("slope of the weights", worst, 1e-3);
