@@ -209,7 +209,7 @@ impl Bent {
         let change: Vec<f64> = self.tangent.iter().map(|t| t * step).collect();
         self.problem.change(&mut self.state, &change, self.pressure_tangent * step);
         self.take(self.cell.xi_s + self.slope * step);
-        let newton = Newton { tolerance: 1e-9, share: 1.0, iterations: 14, slow: 0.0 };
+        let newton = Newton { tolerance: 1e-7, share: 1.0, iterations: 14, slow: 0.0 };
         let mut changed = f64::INFINITY;
         // The mesh keeps to the predicted surface: weights that changed in every iteration would slow it down.
         self.problem.spread(&self.state.surface);
