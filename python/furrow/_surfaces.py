@@ -37,6 +37,9 @@ class Neck(Result):
         """One row per step."""
         return frame({name: getattr(self, name) for name in ("t", "radius", "offset", "position")})
 
+    def __repr__(self) -> str:
+        return f"<Neck after {len(self)} steps>"
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:
@@ -95,7 +98,7 @@ class SurfaceFrame:
     surface: Surface
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surfaces(Series[SurfaceFrame]):
     """The shapes of a dividing cell without axial symmetry. Numbers of all frames are arrays; ``surfaces[k]`` is one frame,
     whose surface is a view.
@@ -122,10 +125,10 @@ class Surfaces(Series[SurfaceFrame]):
     neck_position: Array
     chi: Array
     shell: tuple[float, float]
-    u: Array = field(repr=False)
-    positions: Array = field(repr=False)
-    normals: Array = field(repr=False)
-    tension: Array = field(repr=False)
+    u: Array
+    positions: Array
+    normals: Array
+    tension: Array
 
     def _one(self, k: int) -> SurfaceFrame:
         return SurfaceFrame(

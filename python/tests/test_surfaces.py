@@ -28,9 +28,10 @@ def test_states_at_rest_are_those_of_the_command_line(cli):
         assert getattr(ours, name) == theirs.get(name), name
     assert ours.to_dict()["growth_rates"] == [[rate["re"], rate["im"]] for rate in theirs["growth_rates"]]
     assert ours.stable and ours.growth_rate == ours.growth_rates[0].real < 0
-    # Its shape is close to the axisymmetric one.
+    # It is bent, but close to the axisymmetric shape.
     even = furrow.Cell(1).steady()
-    np.testing.assert_allclose([ours.L, ours.H, ours.p, ours.r_eq], [even.L, even.H, even.p, even.r_eq], rtol=1e-3)
+    np.testing.assert_allclose([ours.L, ours.H, ours.r_eq], [even.L, even.H, even.r_eq], rtol=3e-3)
+    assert 0.05 < ours.neck_offset < 0.1
     assert even.surface is None and even.modes is None
     poles = ours.surface.positions[[0, -1], 0, 2]
     assert (poles[0] - poles[1]) / ours.cell.r0 == pytest.approx(ours.H, rel=1e-9)
@@ -52,7 +53,7 @@ def test_divisions_and_necks_are_those_of_the_command_line(cli, divided):
     for name in ("outcome", "chi", "chi_signed", "u_furrow", "t_end", "neck_offset", "modes", "steps"):
         assert getattr(divided, name) == theirs.get(name), name
     assert divided.to_dict()["neck"] == theirs["neck"]
-    assert len(divided.neck) == len(divided.neck.to_pandas()) > 100
+    assert len(divided.neck) == len(divided.neck.to_pandas()) > 50
     # The frames are fewer, and the memo does not change them.
     assert len(divided.surfaces) < 10 and divided.frames is None
     again = furrow.Cell(2.5, **COARSE).divide(frames=True)
@@ -74,11 +75,11 @@ def test_surfaces_are_closed_and_have_the_volume_of_the_cell(divided):
     assert (surface.u[0], surface.u[-1]) == (0, 1) and np.all(np.diff(surface.u) > 0)
     assert np.ptp(surface.positions[0], axis=0).max() == 0 and surface.positions[0, 0, 2] > 0 > surface.positions[-1, 0, 2]
     np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=-1), 1, atol=1e-12)
-    # V = ∫ x · dA / 3 over parallelograms between the points.
+    # V = ∫ x · dA / 3 over quadrilaterals, whose area is half the product of their diagonals.
     x = np.concatenate((surface.positions, surface.positions[:, :1]), axis=1)
-    along, around = x[1:, :-1] - x[:-1, :-1], x[:-1, 1:] - x[:-1, :-1]
-    other = (x[1:, :-1] - x[1:, 1:], x[:-1, 1:] - x[1:, 1:])
-    volume = sum(np.sum(corner * np.cross(a, b)) for corner, a, b in ((x[:-1, :-1], along, around), (x[1:, 1:], *other))) / 6
+    corners = np.array([x[:-1, :-1], x[1:, 1:], x[:-1, 1:], x[1:, :-1]])
+    areas = 0.5 * np.cross(corners[1] - corners[0], corners[2] - corners[3])
+    volume = np.sum(corners.mean(axis=0) * areas) / 3
     assert volume == pytest.approx(4 / 3 * math.pi * 2.5**3, rel=0.01)
     assert frame.chi is not None and 0 < frame.neck_radius < 2.5 and frames.to_pandas()["t"].tolist() == frames.t.tolist()
     assert surface.section.shape == (258, 2) and surface.section[0].tolist() == surface.section[-1].tolist()

@@ -14,7 +14,7 @@ const TENSION: &str = "mean active tension, in κ0/L_h²";
 /// Refuses a folder of contours, which surfaces without axial symmetry do not have. Errors name `source_name` and `field`.
 ///
 /// # Errors
-/// Says what the name of the file ends in.
+/// The path names a folder of contours.
 pub fn check_path(source_name: &str, field: &str, path: &Path) -> Result<(), InputError> {
     let allowed = "a file whose name ends in .ply or .glb: without axial symmetry a cell has no contour";
     let surfaces = !matches!(FrameFiles::of(path), FrameFiles::Csv(_));
