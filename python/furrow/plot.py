@@ -246,7 +246,7 @@ def division(found: Division) -> Figure:
         from ._checks import refused
 
         raise refused("frames", False, "True, in cell.divide(frames=True), for a picture of a division")
-    stills = _stills(frames, float(frames[0].contour.r.max()))
+    stills = _stills(frames, float(frames[0].contour.r.max()), found.divided)
     heights = (1.0, 2.2, 1.5) if _phi(stills) else (1.0, 2.2)
     figure = _figure(11.0, 2.0 * sum(heights))
     _title(figure, title_of(found))
@@ -274,7 +274,7 @@ def _sections(found: Division, frames: Surfaces) -> Figure:
     # The side of the axis on which the neck ends is drawn below.
     offsets = frames.neck_offset[~np.isnan(frames.neck_offset)]
     side = -1.0 if len(offsets) and offsets[-1] > 0.0 else 1.0
-    for k, frame in enumerate(_stills(frames, frames.shell[1])):
+    for k, frame in enumerate(_stills(frames, frames.shell[1], found.divided)):
         axes = figure.add_subplot(row[k])
         x, z = frame.surface.section.T
         _shell(axes, frames.shell)
@@ -298,11 +298,11 @@ def _still_title(axes: Axes, t: float, *, first: bool) -> None:
             axes.text(x, 1.0, pole, transform=axes.transAxes, ha=side, va="bottom", fontsize=9, color=MUTED)
 
 
-def _stills(frames: Frames | Surfaces, widest: float) -> list[Any]:
+def _stills(frames: Frames | Surfaces, widest: float, divides: bool) -> list[Any]:
     """Frames between which the neck closes, or the contour of a resting cell grows, by about equal amounts."""
     waist = np.where(np.isnan(frames.neck_radius), widest, frames.neck_radius) / widest
     grown = np.log(frames.length / frames.length[0])
-    progress = np.maximum.accumulate(0.5 * grown + 1.0 - np.minimum(waist, 1.0))
+    progress = np.maximum.accumulate(0.5 * grown + 1.0 - np.minimum(waist, 1.0) if divides else grown)
     wanted = np.linspace(progress[0], progress[-1], STILLS)
     return [frames[min(int(k), len(frames) - 1)] for k in np.searchsorted(progress, wanted - 1e-12)]
 
