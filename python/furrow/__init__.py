@@ -26,6 +26,7 @@ from ._results import PLACE_COLUMNS, Contour, Division, Frame, Frames, Replicate
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase, Polarity, polarity
 from ._solve import solve
 from ._studies import Calibration, Constants, Front, Ranges, calibrate, ensemble, front
+from ._surfaces import Neck, Surface, SurfaceFrame, Surfaces
 from ._sweep import Sweep, sweep
 from ._tree import Tree, TreeCell, read_tree
 
@@ -50,6 +51,7 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Memo",
+    "Neck",
     "NewCell",
     "NoOutcome",
     "Perturbation",
@@ -62,6 +64,9 @@ __all__ = [
     "Reproduction",
     "Scenarios",
     "Steady",
+    "Surface",
+    "SurfaceFrame",
+    "Surfaces",
     "Sweep",
     "Tree",
     "TreeCell",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ._cell import Cell
+    from ._surfaces import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +35,16 @@ class Steady(Result):
     ``growth_rates``: The rightmost ones, by decreasing real part.
     ``parities``: Whether each mode is ``even``, ``odd`` or ``mixed`` under u → 1 − u.
     ``folds_passed``: Activities of the folds passed on the branch before this shape.
-    ``contour``: The shape, with the forces on it.
+    ``contour``: The shape, with the forces on it; a cell without axial symmetry has ``surface`` instead.
     ``regulator``: The regulator φ at u = 0.5, ``phi_mid``, and at u = 0, ``phi_pole``; None without a regulator.
     ``azimuthal``: Disturbances cos mφ, from ``m`` = 0 on: ``growth_rate``, and for m ≥ 1 the ``parity`` of the leading mode;
         for m = 1 also how much of it is a rigid shift or tilt, ``rigid``. None unless asked for.
+    ``neck_offset``: Without axial symmetry: distance of the waist's centre from the axis, in L_h; None without a waist.
+    ``modes``: Without axial symmetry: largest azimuthal number in use on the way to the shape.
+    ``surface``: Without axial symmetry: the shape, with its mean active tension.
+
+    Without axial symmetry growth rates are those of all azimuthal numbers up to the cell's ``modes``; ``L`` is the length of
+    the mean meridian, ``r_eq`` the length over 2π of the ring at its middle; ``parities`` and ``folds_passed`` are empty.
     """
 
     cell: Cell = field(repr=False)
@@ -50,16 +57,27 @@ class Steady(Result):
     growth_rates: NDArray[np.complex128] = field(repr=False)
     parities: tuple[str, ...] = field(repr=False)
     folds_passed: tuple[float, ...]
-    contour: Contour = field(repr=False)
+    _contour: Contour | None = field(repr=False)
     regulator: Mapping[str, float] | None = None
     azimuthal: tuple[Mapping[str, Any], ...] | None = field(default=None, repr=False)
+    neck_offset: float | None = None
+    modes: int | None = None
+    surface: Surface | None = field(default=None, repr=False)
+
+    @property
+    def contour(self) -> Contour:
+        """The shape, with the forces on it."""
+        if self._contour is None:
+            raise AttributeError("without axial symmetry a cell has no contour: surface is its shape")
+        return self._contour
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists; growth rates as pairs of real and imaginary part."""
         plain = super().to_dict()
         plain["growth_rates"] = [[rate.real, rate.imag] for rate in self.growth_rates]
         plain["azimuthal"] = None if self.azimuthal is None else [dict(row) for row in self.azimuthal]
-        plain["contour"] = {name: column.tolist() for name, column in self.contour.columns.items()}
+        contour = plain.pop("_contour")
+        plain["contour"] = None if contour is None else {name: column.tolist() for name, column in contour.columns.items()}
         return plain
 
 

@@ -16,11 +16,12 @@ from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Contour, Division, Frames, Replicates, division
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase
+from ._surfaces import Neck, Surfaces, surface
 from ._tables import html_table
 from ._tables import shown as shown_value
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from typing import TypeAlias
 
     from ._furrow import Drawing, Memo
@@ -240,6 +241,9 @@ class Cell:
         one every 0.2 τ, at the collocation points or at ``places`` points per mesh interval. ``replicates=N`` computes
         N divisions with consecutive seeds, on all cores or ``threads``. Divisions in the memo are not solved again.
 
+        Without axial symmetry, for a cell with ``modes=4``, frames are the ``surfaces`` of the division, about 0.5 MB each;
+        with them the division has its ``neck`` after every step.
+
         >>> import furrow
         >>> division = furrow.Cell(r0=5.4, cue="germline").divide()
         >>> division.outcome, round(division.chi, 3)
@@ -253,6 +257,8 @@ class Cell:
         count = 1 if replicates is None else whole("replicates", replicates, 1, 1_000_000)
         if replicates is not None and frames is not False:
             raise refused("frames", frames, "False with replicates")
+        if self.modes > 0 and frames is not False:
+            return self._filmed(first, known, frames, places)
         if count == 1:
             found = _furrow.divide(self._inputs, known, first, 1, 1)
         else:
@@ -260,7 +266,7 @@ class Cell:
                 found = _furrow.divide(self._inputs, known, first, count, threads_of(threads), tell)
         solved, undecided = found
         if replicates is None:
-            return division(self, first, solved[0][1], self._frames(first, frames, places))
+            return division(self, first, solved[0][1], frames=self._frames(first, frames, places))
         return Replicates(tuple(division(self, seed, record) for seed, record in solved), dict(undecided))
 
     def movie(
@@ -275,20 +281,20 @@ class Cell:
         spaced in time, 80 by default, 20 in SVG."""
         count = None if frames is None else whole("frames", frames, 2, 2000)
         with shown(progress, "frames") as tell:
-            _furrow.write_movie(self._inputs, seed_of(seed), path_of("path", path), count, tell)
+            _furrow.write_movie(self._inputs, shared_memo(), seed_of(seed), path_of("path", path), count, tell)
 
     def write_frames(
         self, folder: str | os.PathLike[str], seed: SupportsIndex = 0, *, every: SupportsFloat | None = None
     ) -> None:
         """Writes the shapes of the division into a folder as CSV, after every step or every so many τ, as ``furrow divide
         --frames`` does; :func:`furrow.compare.contours` of the command line reads it. If the name ends in ``.ply`` or
-        ``.glb``, it writes surfaces: a file for each frame, or one file."""
+        ``.glb``, it writes surfaces: a file for each frame, or one file. Without axial symmetry only these can be written."""
         step = None if every is None else _number("every", every)
-        _furrow.write_shapes(self._inputs, seed_of(seed), path_of("folder", folder), step)
+        _furrow.write_shapes(self._inputs, shared_memo(), seed_of(seed), path_of("folder", folder), step)
 
     def draw(self, seed: SupportsIndex = 0) -> Drawing:
         """The picture of the division that ``furrow divide --plot`` draws."""
-        return _furrow.draw_division(self._inputs, seed_of(seed))
+        return _furrow.draw_division(self._inputs, shared_memo(), seed_of(seed))
 
     def perturb(
         self,
@@ -398,34 +404,59 @@ class Cell:
             if places is not None:
                 raise refused("places", places, "given with frames")
             return None
-        try:
-            every = None if frames is True else float(frames)
-        except (TypeError, ValueError):
-            raise refused("frames", frames, "True, False or a number of τ") from None
+        every = _every(frames)
         count = None if places is None else whole("places", places, 1, 64)
         _, of, ends, columns, shell = _furrow.film(self._inputs, seed, every, count)
         return Frames(**of, shell=(shell[0], shell[1]), _places=columns, _ends=ends)
+
+    def _filmed(self, seed: int, memo: Memo, frames: bool | float, places: SupportsIndex | None) -> Division:
+        """The division without axial symmetry, with its surfaces."""
+        if places is not None:
+            raise refused("places", places, "None without axial symmetry, where all frames have the same rings and meridians")
+        found, of, grids, shell = _furrow.surfaces(self._inputs, memo, seed, _every(frames))
+        surfaces = Surfaces(**of, **grids, shell=(shell[0], shell[1]))
+        neck = Neck(**{name: np.array(values) for name, values in found["neck"].items()})
+        return division(self, seed, found["division"], surfaces=surfaces, neck=neck, modes=found["modes"])
 
     def steady(self, *, azimuthal: SupportsIndex | None = None) -> Steady:
         """The stationary shape at the cell's activity, on the branch of the passive shape, and its growth rates.
 
         ``azimuthal=M`` also computes the growth rates of disturbances cos mφ, m up to M ≤ 16, which are not axisymmetric.
 
+        Without axial symmetry, for a cell with ``modes=4``, it is the state at rest that the cell reaches from the passive
+        shape, with the growth rates of all its modes.
+
+        >>> import furrow
+        >>> steady = furrow.Cell(1.0, modes=2, elements=32).steady()
+        >>> steady.stable, steady.surface
+        (True, <Surface of 129 rings × 64 meridians>)
+
         Raises :class:`~furrow.NoOutcome` if there is none, as for a cell that must divide.
         """
         most = None if azimuthal is None else whole("azimuthal", azimuthal, 0, MOST_AZIMUTHAL)
+        if self.modes > 0:
+            return self._steady_surface(azimuthal)
         found, places = _furrow.steady(self._inputs, most)
         rates = found.pop("growth_rates")
         modes = found.pop("azimuthal", None)
         return Steady(
             cell=self,
-            growth_rates=np.array([complex(rate["re"], rate["im"]) for rate in rates]),
+            growth_rates=_complex(rates),
             parities=tuple(rate["parity"] for rate in rates),
             folds_passed=tuple(found.pop("folds_passed")),
-            contour=Contour(_whole(places)),
+            _contour=Contour(_whole(places)),
             azimuthal=None if modes is None else tuple(modes),
             **found,
         )
+
+    def _steady_surface(self, azimuthal: object) -> Steady:
+        if azimuthal is not None:
+            only = "None without axial symmetry, where growth rates are those of all modes"
+            raise refused("azimuthal", azimuthal, only)
+        found, grids = _furrow.steady_surface(self._inputs)
+        rates = _complex(found.pop("growth_rates"))
+        nothing: dict[str, Any] = {"parities": (), "folds_passed": (), "_contour": None}
+        return Steady(cell=self, growth_rates=rates, surface=surface(grids), **nothing, **found)
 
     def pitchfork(self, xi_max: SupportsFloat = 100.0) -> Pitchfork:
         """The first pitchfork of the mirror-symmetric shapes, for ξ_s up to ``xi_max``.
@@ -467,6 +498,18 @@ def _number(field: str, value: SupportsFloat) -> float:
         return float(value)
     except (TypeError, ValueError, OverflowError):
         raise refused(field, value, "a number") from None
+
+
+def _every(frames: bool | float) -> float | None:
+    """The interval between frames, in τ; None for all."""
+    try:
+        return None if frames is True else float(frames)
+    except (TypeError, ValueError):
+        raise refused("frames", frames, "True, False or a number of τ") from None
+
+
+def _complex(rates: Sequence[Mapping[str, float]]) -> NDArray[np.complex128]:
+    return np.array([complex(rate["re"], rate["im"]) for rate in rates])
 
 
 def _from_json(text: str) -> Cell:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ._cell import Cell
+    from ._surfaces import Neck, Surfaces
 
 Array = NDArray[np.float64]
+
+#: A shape at one time.
+One = TypeVar("One")
 
 #: The columns of a contour, with their units.
 PLACE_COLUMNS: Mapping[str, str] = {
@@ -104,8 +108,48 @@ class Frame:
     contour: Contour
 
 
-@dataclass(frozen=True, eq=False)
-class Frames(Sequence[Frame]):
+class Series(Sequence[One]):
+    """Shapes over time."""
+
+    if TYPE_CHECKING:
+        t: Array
+
+    def _one(self, k: int) -> One:
+        raise NotImplementedError
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @overload
+    def __getitem__(self, index: int) -> One: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[One]: ...
+    def __getitem__(self, index: int | slice) -> One | list[One]:
+        if isinstance(index, slice):
+            return [self._one(k) for k in range(*index.indices(len(self)))]
+        k = index + len(self) if index < 0 else index
+        if not 0 <= k < len(self):
+            raise IndexError(f"frame {index} of {len(self)}")
+        return self._one(k)
+
+    def __iter__(self) -> Iterator[One]:
+        return (self._one(k) for k in range(len(self)))
+
+    def at(self, t: float) -> One:
+        """The frame closest to a time."""
+        return self[int(np.argmin(np.abs(self.t - t)))]
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {len(self)} from t = 0 to {self.t[-1]:.4g} τ>"
+
+
+def number(value: np.float64) -> float | None:
+    """A number, and None if it is NaN."""
+    return None if np.isnan(value) else float(value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Frames(Series[Frame]):
     """The shapes of a dividing cell. Numbers of all frames are arrays; ``frames[k]`` is one frame, whose contour is a
     view.
 
@@ -128,49 +172,23 @@ class Frames(Sequence[Frame]):
     _places: Mapping[str, Array] = field(repr=False)
     _ends: NDArray[np.int64] = field(repr=False)
 
-    def __len__(self) -> int:
-        return len(self.t)
-
-    @overload
-    def __getitem__(self, index: int) -> Frame: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Frame]: ...
-    def __getitem__(self, index: int | slice) -> Frame | list[Frame]:
-        if isinstance(index, slice):
-            return [self[k] for k in range(*index.indices(len(self)))]
-        k = index + len(self) if index < 0 else index
-        if not 0 <= k < len(self):
-            raise IndexError(f"frame {index} of {len(self)}")
+    def _one(self, k: int) -> Frame:
         begin = int(self._ends[k - 1]) if k else 0
         places = {name: column[begin : int(self._ends[k])] for name, column in self._places.items()}
-
-        def number(column: Array) -> float | None:
-            return None if np.isnan(column[k]) else float(column[k])
-
         return Frame(
             t=float(self.t[k]),
             length=float(self.length[k]),
             pressure=float(self.pressure[k]),
-            neck_radius=number(self.neck_radius),
-            neck_u=number(self.neck_u),
-            chi=number(self.chi),
+            neck_radius=number(self.neck_radius[k]),
+            neck_u=number(self.neck_u[k]),
+            chi=number(self.chi[k]),
             contour=Contour(places),
         )
-
-    def __iter__(self) -> Iterator[Frame]:
-        return (self[k] for k in range(len(self)))
-
-    def at(self, t: float) -> Frame:
-        """The frame closest to a time."""
-        return self[int(np.argmin(np.abs(self.t - t)))]
 
     def to_pandas(self) -> pd.DataFrame:
         """One row per frame; ``frames[k].contour.to_pandas()`` has the points of one."""
         names = ("t", "length", "pressure", "neck_radius", "neck_u", "chi")
         return frame({name: getattr(self, name) for name in names})
-
-    def __repr__(self) -> str:
-        return f"<Frames: {len(self)} from t = 0 to {self.t[-1]:.4g} τ>"
 
 
 def _plain(value: Any) -> Any:
@@ -184,12 +202,16 @@ def _plain(value: Any) -> Any:
     return value
 
 
+#: Fields that results as numbers leave out.
+_SHAPES = ("frames", "surfaces")
+
+
 class Result:
     """Methods of all results."""
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists for JSON."""
-        return {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name != "frames"}  # type: ignore[arg-type]
+        return {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name not in _SHAPES}  # type: ignore[arg-type]
 
     def to_pandas(self) -> pd.DataFrame:
         """One row with every scalar value."""
@@ -226,7 +248,10 @@ class Division(Result):
     ``remeshings``: Changes of the mesh.
     ``phi``: The regulator φ at the furrow at pinch-off, or at u = 0.5 at rest; None without one.
     ``neck_offset``: Distance of the neck's centre from the axis at the end, in L_h; None with axial symmetry.
-    ``frames``: Its shapes, if requested.
+    ``frames``: Its shapes, if requested; None without axial symmetry.
+    ``surfaces``: Its shapes without axial symmetry, if frames are requested.
+    ``neck``: Its neck after every step without axial symmetry, if frames are requested.
+    ``modes``: Largest azimuthal number in use at the end, as ``neck``.
     """
 
     cell: Cell = field(repr=False)
@@ -248,6 +273,9 @@ class Division(Result):
     phi: float | None = None
     neck_offset: float | None = None
     frames: Frames | None = field(default=None, repr=False, compare=False)
+    surfaces: Surfaces | None = field(default=None, repr=False, compare=False)
+    neck: Neck | None = field(default=None, repr=False, compare=False)
+    modes: int | None = field(default=None, repr=False, compare=False)
 
     @property
     def divided(self) -> bool:
@@ -255,14 +283,15 @@ class Division(Result):
         return self.outcome != "failed"
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Contours, asymmetry and the balance of forces; needs matplotlib and frames."""
+        """Contours, asymmetry and the balance of forces, or sections, neck and asymmetry without axial symmetry; needs
+        matplotlib and frames."""
         from . import plot
 
         return plot.saved(plot.division(self), path)
 
 
-def division(cell: Cell, seed: int, record: Mapping[str, Any], frames: Frames | None = None) -> Division:
-    """The result from a record of the library."""
+def division(cell: Cell, seed: int, record: Mapping[str, Any], **shapes: Any) -> Division:
+    """The result from a record of the library, and its shapes."""
     daughters = record.get("daughters")
     return Division(
         cell=cell,
@@ -283,7 +312,7 @@ def division(cell: Cell, seed: int, record: Mapping[str, Any], frames: Frames | 
         remeshings=record["remeshings"],
         phi=record.get("phi"),
         neck_offset=record.get("neck_offset"),
-        frames=frames,
+        **shapes,
     )
 
 
@@ -331,7 +360,7 @@ class Replicates(Sequence[Division]):
 
     def to_pandas(self) -> pd.DataFrame:
         """One row per division."""
-        names = [f.name for f in fields(Division) if f.name not in ("cell", "frames", "daughters")]
+        names = [f.name for f in fields(Division) if f.name not in ("cell", *_SHAPES, "neck", "modes", "daughters")]
         return frame({name: [getattr(d, name) for d in self.divisions] for name in names})
 
     def __repr__(self) -> str:

@@ -364,7 +364,7 @@ def contours(
     """
     frames: Iterable[Frame] | None = model.frames if isinstance(model, Division) else model
     if frames is None:
-        raise refused("model", model, "a division with frames: cell.divide(frames=True)")
+        raise refused("model", model, "a division with axial symmetry and frames: cell.divide(frames=True)")
     outlines = [_outline(k, points) for k, points in enumerate(measured)]
     sections = []
     for one in frames:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ._cell import Cell
     from ._results import Division, Frame, Frames
     from ._studies import Ranges
+    from ._surfaces import Surfaces
     from ._tree import Tree
     from .compare import ContoursComparison, VolumesComparison
 
@@ -140,14 +141,18 @@ def contour(
     """
     r, z = frame.contour.r, frame.contour.z
     if shell is not None:
-        angle = np.linspace(0.0, 2.0 * np.pi, 200)
-        axes.plot(shell[0] * np.cos(angle), shell[1] * np.sin(angle), color=SHELL, linestyle="--", linewidth=1.0)
+        _shell(axes, shell)
     axes.fill(np.concatenate((z, z[::-1])), np.concatenate((r, -r[::-1])), facecolor=CYTOPLASM, edgecolor=INK, linewidth=1.6)
     if cell is not None and cell.cue != "none":
         _cue(axes, frame, cell, most)
     axes.set_aspect("equal")
     axes.axis("off")
     return axes
+
+
+def _shell(axes: Axes, shell: tuple[float, float]) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    axes.plot(shell[0] * np.cos(angle), shell[1] * np.sin(angle), color=SHELL, linestyle="--", linewidth=1.0)
 
 
 def _cue(axes: Axes, frame: Frame, cell: Cell, most: float | None) -> None:
@@ -233,13 +238,15 @@ def _cue_legend(figure: Figure, found: Division, length: float, frames: Sequence
 
 def division(found: Division) -> Figure:
     """A division: contours in their shell, neck and asymmetry over time, and the normal forces half-way; with a regulator
-    also φ along the contours."""
+    also φ along the contours. Without axial symmetry: sections, neck and asymmetry over time."""
+    if found.surfaces is not None:
+        return _sections(found, found.surfaces)
     frames = found.frames
     if frames is None:
         from ._checks import refused
 
         raise refused("frames", False, "True, in cell.divide(frames=True), for a picture of a division")
-    stills = _stills(frames)
+    stills = _stills(frames, float(frames[0].contour.r.max()), found.divided)
     heights = (1.0, 2.2, 1.5) if _phi(stills) else (1.0, 2.2)
     figure = _figure(11.0, 2.0 * sum(heights))
     _title(figure, title_of(found))
@@ -247,10 +254,7 @@ def division(found: Division) -> Figure:
     row = grid[0].subgridspec(1, STILLS)
     for k, frame in enumerate(stills):
         axes = contour(figure.add_subplot(row[k]), frame, frames.shell, found.cell if k else None, _most(stills))
-        axes.set_title(f"t = {frame.t:.3g} τ", y=-0.22, fontsize=9, color=MUTED)
-        if k == 0:
-            for x, side, pole in ((0.0, "left", "anterior"), (1.0, "right", "posterior")):
-                axes.text(x, 1.0, pole, transform=axes.transAxes, ha=side, va="bottom", fontsize=9, color=MUTED)
+        _still_title(axes, frame.t, first=k == 0)
     charts = grid[1].subgridspec(1, 2, width_ratios=(0.82, 1.0))
     _over_time(style(figure.add_subplot(charts[0])), found, frames)
     _balance(style(figure.add_subplot(charts[1])), _half_way(frames))
@@ -261,12 +265,44 @@ def division(found: Division) -> Figure:
     return figure
 
 
-def _stills(frames: Frames) -> list[Frame]:
+def _sections(found: Division, frames: Surfaces) -> Figure:
+    """A division without axial symmetry."""
+    figure = _figure(11.0, 6.4)
+    _title(figure, title_of(found).replace(": ", ", without axial symmetry: "))
+    grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 2.2))
+    row = grid[0].subgridspec(1, STILLS)
+    # The side of the axis on which the neck ends is drawn below.
+    offsets = frames.neck_offset[~np.isnan(frames.neck_offset)]
+    side = -1.0 if len(offsets) and offsets[-1] > 0.0 else 1.0
+    for k, frame in enumerate(_stills(frames, frames.shell[1], found.divided)):
+        axes = figure.add_subplot(row[k])
+        x, z = frame.surface.section.T
+        _shell(axes, frames.shell)
+        axes.fill(z, side * x, facecolor=CYTOPLASM, edgecolor=INK, linewidth=1.6)
+        axes.set_aspect("equal")
+        axes.axis("off")
+        _still_title(axes, frame.t, first=k == 0)
+    axes = style(figure.add_subplot(grid[1]))
+    distance = np.abs(frames.neck_offset) / found.cell.r0
+    axes.plot(frames.t, distance, color=INK, linewidth=2.0, label="neck's distance from the axis / R₀")
+    _over_time(axes, found, frames)
+    axes.set_ylabel("neck radius and distance / R₀,  χ")
+    return figure
+
+
+def _still_title(axes: Axes, t: float, *, first: bool) -> None:
+    """The time below a cell, and the names of the poles above the first."""
+    axes.set_title(f"t = {t:.3g} τ", y=-0.22, fontsize=9, color=MUTED)
+    if first:
+        for x, side, pole in ((0.0, "left", "anterior"), (1.0, "right", "posterior")):
+            axes.text(x, 1.0, pole, transform=axes.transAxes, ha=side, va="bottom", fontsize=9, color=MUTED)
+
+
+def _stills(frames: Frames | Surfaces, widest: float, divides: bool) -> list[Any]:
     """Frames between which the neck closes, or the contour of a resting cell grows, by about equal amounts."""
-    widest = float(frames[0].contour.r.max())
     waist = np.where(np.isnan(frames.neck_radius), widest, frames.neck_radius) / widest
     grown = np.log(frames.length / frames.length[0])
-    progress = np.maximum.accumulate(0.5 * grown + 1.0 - np.minimum(waist, 1.0))
+    progress = np.maximum.accumulate(0.5 * grown + 1.0 - np.minimum(waist, 1.0) if divides else grown)
     wanted = np.linspace(progress[0], progress[-1], STILLS)
     return [frames[min(int(k), len(frames) - 1)] for k in np.searchsorted(progress, wanted - 1e-12)]
 
@@ -277,12 +313,12 @@ def _half_way(frames: Frames) -> Frame:
     return frames[int(narrow[0])] if len(narrow) else frames[-1]
 
 
-def _over_time(axes: Axes, found: Division, frames: Frames) -> None:
+def _over_time(axes: Axes, found: Division, frames: Frames | Surfaces) -> None:
     axes.plot(frames.t, frames.neck_radius / found.cell.r0, color=SYMMETRIC, linewidth=2.0, label="neck radius / R₀")
     axes.plot(frames.t, frames.chi, color=ASYMMETRIC, linewidth=2.0, label="asymmetry χ about the neck")
     axes.set(xlabel=LABELS["t"], ylabel="neck radius / R₀,  χ", xlim=(0.0, float(frames.t[-1])))
     axes.set_ylim(bottom=0.0)
-    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=9)
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
 
 
 def _balance(axes: Axes, frame: Frame) -> None:

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use furrow_figures::drawing::{Canvas, Format};
-use furrow_figures::movie::{Movie, MovieFormat};
+use furrow_figures::movie::{Movie, MovieFormat, SurfaceMovie};
 use furrow_figures::plot;
+use furrow_formats::film::{check_path, write_film};
 use furrow_formats::frames::{check_step, write_frames};
 use furrow_formats::write_atomically;
 use furrow_mechanics::division::Trajectory;
@@ -13,7 +14,9 @@ use pyo3::types::PyBytes;
 
 use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::{Inputs, positive};
+use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
+use crate::surfaces::filmed;
 
 /// A picture, as the command line draws it. Notebooks show it.
 #[pyclass(frozen, module = "furrow._furrow")]
@@ -97,10 +100,11 @@ const DENSE: usize = 6;
 
 /// Computes a division and writes it as a movie, with the given or the usual number of frames, in the format of the file's extension.
 #[pyfunction]
-#[pyo3(signature = (inputs, seed, path, frames=None, progress=None))]
+#[pyo3(signature = (inputs, memo, seed, path, frames=None, progress=None))]
 pub fn write_movie(
     py: Python<'_>,
     inputs: &Inputs,
+    memo: &Memo,
     seed: u64,
     path: PathBuf,
     frames: Option<usize>,
@@ -109,11 +113,18 @@ pub fn write_movie(
     let input = inputs.division(seed)?;
     let allowed = "a file that ends in .gif, .png, .apng or .svg";
     let format = MovieFormat::of(&path).ok_or_else(|| Error::not_allowed("path", path.display(), allowed))?;
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Abandons, progress, move |watch| {
-        let film = Trajectory::compute(&input)?.with_places(DENSE);
-        let frames = frames.unwrap_or(format.usual_frames());
-        let movie = Movie { cell: &input.cell, film: &film, frames };
-        let bytes = movie.bytes_shown(format, &|done, of| watch.set([0, done, of])).map_err(Error::system)?;
+        let (cell, frames) = (&input.cell, frames.unwrap_or(format.usual_frames()));
+        let shown = |done, of| watch.set([0, done, of]);
+        let bytes = if input.numerics.modes > 0 {
+            let (_, film) = filmed(&input, &memo)?;
+            SurfaceMovie { cell, film: &film, frames }.bytes_shown(format, &shown)
+        } else {
+            let film = Trajectory::compute(&input)?.with_places(DENSE);
+            Movie { cell, film: &film, frames }.bytes_shown(format, &shown)
+        };
+        let bytes = bytes.map_err(Error::system)?;
         // Whoever interrupted the call expects no file.
         if watch.stop.load(std::sync::atomic::Ordering::SeqCst) {
             return Err(Error::Interrupted(0));
@@ -124,28 +135,42 @@ pub fn write_movie(
 
 /// Computes a division and writes its shapes into a folder, as `furrow divide --frames` does.
 #[pyfunction]
-#[pyo3(signature = (inputs, seed, folder, every=None))]
+#[pyo3(signature = (inputs, memo, seed, folder, every=None))]
 pub fn write_shapes(
     py: Python<'_>,
     inputs: &Inputs,
+    memo: &Memo,
     seed: u64,
     folder: PathBuf,
     every: Option<f64>,
 ) -> Result<(), Error> {
     let input = inputs.division(seed)?;
     every.map(|step| positive("every", step, "a finite number of τ above 0")).transpose()?;
+    if input.numerics.modes > 0 {
+        check_path(ARGUMENTS, "folder", &folder)?;
+    }
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
+        if input.numerics.modes > 0 {
+            let (division, film) = filmed(&input, &memo)?;
+            check_step(ARGUMENTS, division.t_end, every)?;
+            return write_film(&folder, &film, every).map_err(Error::system);
+        }
         let film = Trajectory::compute(&input)?;
         check_step(ARGUMENTS, film.division.t_end, every)?;
         write_frames(&folder, &film, every).map_err(Error::system)
     })
 }
 
-/// Computes a division and draws its contours, asymmetry and balance of forces.
+/// Computes a division and draws its contours or sections, its asymmetry, and its balance of forces or its neck.
 #[pyfunction]
-pub fn draw_division(py: Python<'_>, inputs: &Inputs, seed: u64) -> Result<Drawing, Error> {
+pub fn draw_division(py: Python<'_>, inputs: &Inputs, memo: &Memo, seed: u64) -> Result<Drawing, Error> {
     let input = inputs.division(seed)?;
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
+        if input.numerics.modes > 0 {
+            return Ok(Drawing::of(plot::surface::draw(&input.cell, &filmed(&input, &memo)?.1)));
+        }
         let film = Trajectory::compute(&input)?.with_places(DENSE);
         Ok(Drawing::of(plot::division::draw(&input.cell, &film)))
     })

@@ -10,6 +10,7 @@
 //! | `memo` | solved divisions |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
 //! | `shapes` | where division begins: boundaries, phase diagrams, critical radii, PAR polarity |
+//! | `surfaces` | one cell without axial symmetry: its shapes, its state at rest |
 //! | `drawings` | pictures and movies |
 //! | `trees` | lineages |
 //! | `recursion` | trees with each cell's parameters from a function |
@@ -36,6 +37,7 @@ mod shapes;
 mod solve;
 mod studies;
 mod supervise;
+mod surfaces;
 mod sweeps;
 mod trees;
 
@@ -58,6 +60,7 @@ mod _furrow {
         shapes::{boundary, critical_radius, perturb, phase, polarity},
         solve::solve,
         studies::{calibrate, ensemble, ranges},
+        surfaces::{steady_surface, surfaces},
         sweeps::sweep,
         trees::{GrownTree, grow, grow_spread, read_tree, scenarios_files},
     };

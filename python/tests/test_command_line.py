@@ -87,10 +87,9 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         _of(
             "",
             CELL,
+            AXIS,
             azimuthal="furrow.Cell.steady(azimuthal)",
             plot="the result has the contour; growth rates are in azimuthal",
-            three_dimensional="not yet: states at rest have axial symmetry in Python",
-            modes="not yet: states at rest have axial symmetry in Python",
         ),
     ),
     "branch": (

@@ -7,28 +7,28 @@ use super::interrupt;
 use super::messages;
 use super::output::{filled, merged, number, print_as, writable_file, writable_folder};
 use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
-use super::surface;
 use clap::Args;
 use furrow_cell::Cell;
 use furrow_figures::drawing::style::described;
 use furrow_figures::movie::{Movie, SurfaceMovie};
 use furrow_figures::plot;
+use furrow_formats::film::{check_path, write_film};
 use furrow_formats::frames::{FrameFiles, INDEX, check_step, write_frames};
 use furrow_input::InputError;
 use furrow_lineage::Units;
 use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
-use furrow_lineage::batch::{self, Failure, Memo, replicates, replicates_by};
+use furrow_lineage::batch::{self, Failure, Filming, Memo, replicates, replicates_by};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use furrow_report::surfaces::neck_report;
 use furrow_surface::film::Film;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -215,7 +215,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     if input.numerics.modes > 0 {
         let allowed = "absent with --three-dimensional: disturbances of stationary shapes have axial symmetry";
         InputError::require(until.is_none(), "--from-steady", "from_steady", true, allowed)?;
-        surface::check_frames(args.frames.as_deref())?;
+        args.frames.iter().try_for_each(|path| check_path("--frames", "frames", path))?;
         return without_axis(args, &context, &input, (picture, movie, every));
     }
     let found = match until {
@@ -261,25 +261,21 @@ fn without_axis(
     (picture, movie, every): (Picture, MovieFile, Option<f64>),
 ) -> Result<(), CliError> {
     let memo = context.memo()?;
-    let first = OnceLock::new();
-    let keep_first = |one: &DivisionInput| {
-        if one.seed != input.seed {
-            return batch::solve(one);
-        }
-        let film = Film::compute(one)?;
-        let division = film.found.division.clone();
-        Ok(first.get_or_init(|| film)).map(|_| division)
-    };
-    let found = solve(args, context, (input, args.replicates as usize), &memo, keep_first)?;
+    let filming = Filming::of(input.seed);
+    let found =
+        solve(args, context, (input, args.replicates as usize), &memo, |one: &DivisionInput| filming.solve(one))?;
     let draws = args.frames.is_some() || picture.is_wanted() || movie.is_wanted();
-    let film = match first.into_inner() {
+    let film = match filming.into_film() {
         None if draws || context.json => {
             Some(Film::compute(&DivisionInput { seed: found.replicates[0].seed, ..memo.canonical(input) })?)
         }
         film => film,
     };
     if let Some(film) = &film {
-        surface::write(args.frames.as_deref(), film, every)?;
+        if let Some(path) = &args.frames {
+            check_step("--frame-step", film.found.division.t_end, every)?;
+            interrupt::defer(|| write_film(path, film, every))?;
+        }
         picture.write(|| plot::surface::draw(&input.cell, film))?;
         let of_film = |format, frames, shown: &dyn Fn(usize, usize)| {
             SurfaceMovie { cell: &input.cell, film, frames }.bytes_shown(format, shown)
@@ -289,7 +285,7 @@ fn without_axis(
     let document = || {
         merged(
             document(&input.cell, &context.units, None, &found),
-            film.as_ref().map_or(Value::Null, surface::document),
+            film.as_ref().map_or(Value::Null, |film| neck_report(&film.found)),
         )
     };
     print_as(context.json, &document(), || text(&input.cell, &context.units, &found))

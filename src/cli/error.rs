@@ -10,6 +10,7 @@ use furrow_lineage::batch::StoreError;
 use furrow_mechanics::division::DivisionError;
 use furrow_mechanics::equilibria::{PointKind, ShapeError, StationaryError};
 use furrow_mechanics::perturbation::PerturbationError;
+use furrow_surface::steady::NoRest;
 
 /// The reason for the end of a command: one of its own errors, or an error of the library.
 #[derive(Debug)]
@@ -58,6 +59,9 @@ impl fmt::Display for CliError {
 /// What helps, added to an error of the library.
 fn hint(error: &(dyn Error + 'static)) -> &'static str {
     const RESUMES: &str = "; solved divisions are kept in the cache (unless --no-cache), and the same command resumes";
+    if error.is::<NoRest>() {
+        return "; lower --xi";
+    }
     let (grow, fit, shape) = (error.downcast_ref(), error.downcast_ref(), error.downcast_ref());
     match (grow, fit, shape, error.downcast_ref()) {
         (Some(GrowError::Interrupted { .. }), ..) => RESUMES,

@@ -27,7 +27,6 @@ mod progress;
 mod reproduce;
 mod solve;
 mod steady;
-mod surface;
 mod sweep;
 mod tree;
 mod vary;

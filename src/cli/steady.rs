@@ -12,9 +12,10 @@ use furrow_input::InputError;
 use furrow_mechanics::azimuthal::mode::Mode;
 use furrow_mechanics::division::DivisionInput;
 use furrow_mechanics::equilibria::stationary;
+use furrow_report::surfaces::rest_report;
 use furrow_report::{AzimuthalStability, stationary_report};
 use furrow_surface::steady::steady;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fmt::Write;
 
 #[derive(Debug, Args)]
@@ -64,16 +65,12 @@ fn lines(found: &[AzimuthalStability]) -> String {
 fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
     let input = DivisionInput { numerics: context.settings.numerics, ..DivisionInput::new(cell) };
     let found = steady(&input)?;
-    let rest = found.rest.as_ref().ok_or(NoRest { r0: input.cell.r0, t: found.division.t_end })?;
+    let rest = found.at_rest(input.cell.r0)?;
     let Cell { r0, epsilon, xi_s, cue, .. } = &input.cell;
-    let rates: Vec<Value> = rest.rates.iter().map(|rate| json!({ "re": rate.re, "im": rate.im })).collect();
-    let document = filled(json!({
-        "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue,
-        "r0_um": context.units.micrometres(*r0),
-        "L": rest.length(), "p": rest.state.pressure, "H": rest.elongation(), "r_eq": rest.equator_radius(),
-        "stable": rest.growth_rate() < 0.0, "growth_rate": rest.growth_rate(), "growth_rates": rates,
-        "neck_offset": found.division.neck_offset, "modes": found.modes,
-    }));
+    let of_cell = json!({
+        "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue, "r0_um": context.units.micrometres(*r0),
+    });
+    let document = filled(merged(of_cell, rest_report(&found, rest)));
     print_as(context.json, &document, || {
         let verdict = if rest.growth_rate() < 0.0 { "stable" } else { "unstable" };
         let size = context.units.in_micrometres(*r0);
@@ -90,14 +87,6 @@ fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
         }
         out
     })
-}
-
-/// A cell that divides where a state at rest was asked for.
-#[derive(Debug, thiserror::Error)]
-#[error("R0 = {r0}: no state at rest without axial symmetry: the cell divides at t = {t:.3} τ; lower --xi")]
-struct NoRest {
-    r0: f64,
-    t: f64,
 }
 
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {

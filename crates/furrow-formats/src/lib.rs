@@ -5,6 +5,7 @@
 //! | [`tree_json`] | `tree.json`: writing it, reading it with checks, the founders' table in it |
 //! | [`exchange`] | Newick, NHX, NEXUS, GraphML, iTOL, CSV |
 //! | [`frames`] | the shapes of one division: contours as CSV, surfaces as PLY or glTF |
+//! | `film` | the surfaces of one division without axial symmetry as PLY or glTF |
 //! | [`surface`] | the surface of a cell as a grid, with or without an axis of symmetry, and as triangles |
 //! | [`files`] | files that are written whole or not at all |
 //! | `temporary` | names of temporary files, and removal of stale ones |
@@ -12,6 +13,8 @@
 
 pub mod exchange;
 pub mod files;
+#[cfg(not(target_family = "wasm"))]
+pub mod film;
 pub mod frames;
 pub mod provenance;
 pub mod surface;

@@ -8,6 +8,7 @@
 //! | [`mod@html`], `page` | the interactive page: its content, its frame with scripts and solver |
 //! | [`summary`] | counts over a tree |
 //! | [`shapes`] | records of stationary shapes, folds and pitchforks |
+//! | `surfaces` | records of cells without axial symmetry |
 //! | [`reproduction`] | the paper's statements beside computed ones |
 
 pub mod html;
@@ -21,6 +22,8 @@ pub mod shapes;
 mod spread;
 pub mod spread_table;
 pub mod summary;
+#[cfg(not(target_family = "wasm"))]
+pub mod surfaces;
 pub mod svg;
 pub mod table;
 pub mod time_axis;

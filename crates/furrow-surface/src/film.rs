@@ -2,7 +2,7 @@
 
 use furrow_cell::Cell;
 use furrow_mechanics::cortex::{Cortex, Domain, forces};
-use furrow_mechanics::division::{DivisionError, DivisionInput};
+use furrow_mechanics::division::{DivisionError, DivisionInput, uniform_times};
 use furrow_mechanics::polarity;
 
 use crate::division::{SurfaceDivision, divide};
@@ -92,6 +92,14 @@ impl Film {
         self.steps.last().map_or(0.0, |step| step.shape.t)
     }
 
+    /// The surfaces after every step, or every `every` τ and the last.
+    pub fn stills(&self, every: Option<f64>) -> Vec<Still> {
+        match every {
+            None => self.steps.iter().map(Step::still).collect(),
+            Some(every) => uniform_times(self.end(), every).into_iter().map(|t| self.at(t)).collect(),
+        }
+    }
+
     /// The surface at a time between the first step and the last, interpolated between two steps.
     pub fn at(&self, t: f64) -> Still {
         let behind = self.steps.partition_point(|step| step.shape.t < t);
@@ -127,6 +135,11 @@ impl Step {
 }
 
 impl Observables {
+    /// |V_above − V_below|/V about the neck; `None` without a waist.
+    pub fn chi(&self) -> Option<f64> {
+        self.neck.map(|_| self.asymmetry.abs())
+    }
+
     /// The observables at a share of the way to others.
     fn between(&self, other: &Observables, share: f64) -> Observables {
         let blend = |a: f64, b: f64| a + share * (b - a);

@@ -3,7 +3,9 @@
 use furrow_mechanics::division::{DivisionError, DivisionInput};
 
 use crate::division::{AtRest, SurfaceDivision, run};
+use crate::film::{COLUMNS, ROWS};
 use crate::neck::radius_at;
+use crate::sample::{Sample, sample};
 
 /// The state at rest that a cell reaches from the passive shape. Mirror-symmetric cells get mirror-symmetric noise, so that their state
 /// may be unstable to odd disturbances. Without [`rest`](SurfaceDivision::rest) the cell divides.
@@ -14,7 +16,30 @@ pub fn steady(input: &DivisionInput) -> Result<SurfaceDivision, DivisionError> {
     run(input, input.cell.is_mirror_symmetric(), &mut |_, _| ())
 }
 
+/// A cell that divides where a state at rest was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("R0 = {r0}: no state at rest without axial symmetry: the cell divides at t = {t:.3} τ")]
+pub struct NoRest {
+    r0: f64,
+    t: f64,
+}
+
+impl SurfaceDivision {
+    /// The state at rest of a cell of this radius.
+    ///
+    /// # Errors
+    /// It divides.
+    pub fn at_rest(&self, r0: f64) -> Result<&AtRest, NoRest> {
+        self.rest.as_ref().ok_or(NoRest { r0, t: self.division.t_end })
+    }
+}
+
 impl AtRest {
+    /// Its surface, on the places of a [`Still`](crate::film::Still).
+    pub fn samples(&self) -> Vec<Sample> {
+        sample(&self.problem, &self.state, ROWS, COLUMNS)
+    }
+
     /// Length of the mean meridian, in L_h.
     pub fn length(&self) -> f64 {
         self.problem.contour_length(&self.state.surface)

@@ -27,4 +27,4 @@ mod view;
 pub use division::Movie;
 pub use encode::MovieFormat;
 pub use scene::{Force, Scene};
-pub use surface::{SurfaceMovie, grid};
+pub use surface::SurfaceMovie;

@@ -1,9 +1,8 @@
 //! The division of a cell without axial symmetry, as a scene.
 
 use furrow_cell::Cell;
-use furrow_formats::surface::SurfaceGrid;
-use furrow_surface::film::{COLUMNS, Film, ROWS, Still};
-use furrow_surface::sample::Sample;
+use furrow_formats::film::grid;
+use furrow_surface::film::Film;
 
 use super::division::{ending, even_times, title};
 use super::encode::MovieFormat;
@@ -44,16 +43,5 @@ impl SurfaceMovie<'_> {
             outcome: ending(&film.found.division),
         };
         scene.bytes(format, shown)
-    }
-}
-
-/// The sampled surface as a grid with a value at each place.
-pub fn grid(still: &Still, value: impl Fn(&Sample) -> f64) -> SurfaceGrid {
-    SurfaceGrid {
-        rows: ROWS,
-        columns: COLUMNS,
-        points: still.samples.iter().map(|at| at.x).collect(),
-        normals: still.samples.iter().map(|at| at.normal).collect(),
-        values: still.samples.iter().map(value).collect(),
     }
 }

@@ -24,6 +24,8 @@ pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
 pub use replicates::{Replicates, replicates, replicates_by};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
+#[cfg(not(target_family = "wasm"))]
+pub use solve::Filming;
 pub use solve::solve;
 #[cfg(feature = "store")]
 pub use store::StoreError;

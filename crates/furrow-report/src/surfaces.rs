@@ -1,0 +1,28 @@
+//! Cells without axial symmetry as records.
+
+use furrow_surface::division::{AtRest, NeckAt, SurfaceDivision};
+use serde_json::{Value, json};
+
+/// A state at rest, and its leading growth rates over all modes; `found` led to it.
+pub fn rest_report(found: &SurfaceDivision, rest: &AtRest) -> Value {
+    let rates: Vec<Value> = rest.rates.iter().map(|rate| json!({ "re": rate.re, "im": rate.im })).collect();
+    json!({
+        "L": rest.length(), "p": rest.state.pressure, "H": rest.elongation(), "r_eq": rest.equator_radius(),
+        "stable": rest.growth_rate() < 0.0, "growth_rate": rest.growth_rate(), "growth_rates": rates,
+        "neck_offset": found.division.neck_offset, "modes": found.modes,
+    })
+}
+
+/// The number of azimuthal modes at the end of a division, and its neck over time.
+pub fn neck_report(found: &SurfaceDivision) -> Value {
+    let over_time = |value: fn(&NeckAt) -> f64| found.necks.iter().map(value).collect::<Vec<_>>();
+    json!({
+        "modes": found.modes,
+        "neck": {
+            "t": over_time(|at| at.t),
+            "radius": over_time(|at| at.neck.radius),
+            "offset": over_time(|at| at.neck.offset),
+            "position": over_time(|at| at.neck.height),
+        },
+    })
+}
