@@ -2,13 +2,15 @@
 
 use super::error::CliError;
 use super::interrupt;
-use furrow_figures::movie::grid;
+use furrow_figures::movie::{even_times, grid};
 use furrow_formats::frames::{About, FrameFiles, check_step, write_surfaces};
 use furrow_formats::surface::SurfaceFrame;
 use furrow_input::InputError;
-use furrow_mechanics::division::uniform_times;
+use furrow_mechanics::division::{DivisionInput, uniform_times};
+use furrow_report::FilmPage;
 use furrow_surface::film::{Film, Observables, Step, Still};
 use serde_json::{Value, json};
+use std::io;
 use std::path::Path;
 
 /// The values of written surfaces.
@@ -40,11 +42,22 @@ pub fn write(path: Option<&Path>, film: &Film, every: Option<f64>) -> Result<(),
         None => film.steps.iter().map(Step::still).collect(),
         Some(every) => uniform_times(film.end(), every).into_iter().map(|t| film.at(t)).collect(),
     };
-    let frame =
-        |still: &Still| SurfaceFrame { surface: grid(still, |at| at.tension), about: about(&still.shape).fields() };
     let frames: Vec<SurfaceFrame> = stills.iter().map(frame).collect();
     interrupt::defer(|| write_surfaces(&FrameFiles::of(path), &frames, TENSION))?;
     Ok(())
+}
+
+/// The film of a division as a page, with so many frames.
+///
+/// # Errors
+/// [`FilmPage::html`].
+pub fn page(input: &DivisionInput, film: &Film, frames: usize) -> io::Result<String> {
+    let frames: Vec<_> = even_times(film.end(), frames).into_iter().map(|t| frame(&film.at(t))).collect();
+    FilmPage { input, division: &film.found.division, shell: film.shell, value: TENSION, frames: &frames }.html()
+}
+
+fn frame(still: &Still) -> SurfaceFrame {
+    SurfaceFrame { surface: grid(still, |at| at.tension), about: about(&still.shape).fields() }
 }
 
 /// Refuses a folder of contours, which surfaces without axial symmetry do not have.
