@@ -10,10 +10,10 @@ use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
 use clap::Args;
 use furrow_cell::Cell;
 use furrow_figures::drawing::style::described;
-use furrow_figures::movie::{Movie, SurfaceMovie};
+use furrow_figures::movie::{Movie, SurfaceMovie, even_times};
 use furrow_figures::plot;
-use furrow_formats::film::{check_path, write_film};
-use furrow_formats::frames::{FrameFiles, INDEX, check_step, write_frames};
+use furrow_formats::film::{self, check_path, write_film};
+use furrow_formats::frames::{self, FrameFiles, INDEX, check_step, write_frames};
 use furrow_input::InputError;
 use furrow_lineage::Units;
 use furrow_lineage::batch::memo::Solve;
@@ -23,11 +23,13 @@ use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use furrow_report::FilmPage;
 use furrow_report::surfaces::neck_report;
 use furrow_surface::film::Film;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::io;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
@@ -35,7 +37,7 @@ use std::path::{Path, PathBuf};
 Examples:
   furrow divide --r0 2.5 --plot division.svg
   furrow divide --r0 5.4 --cue germline --json --movie zygote.gif --movie-frames 5
-  furrow divide --r0 2 --three-dimensional --movie one-sided.gif
+  furrow divide --r0 2 --three-dimensional --movie one-sided.html
   furrow divide --r0 2 --xi 23 --from-steady --plot distance.svg
   furrow divide --r0 2 --replicates 3 --frames contours --frame-step 0.2")]
 pub struct DivideArgs {
@@ -240,7 +242,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         let of_film = |format, frames, shown: &dyn Fn(usize, usize)| {
             Movie { cell: &input.cell, film: &film, frames }.bytes_shown(format, shown)
         };
-        movie.write(of_film, context.progress)?;
+        movie.write(of_film, |frames| page(&input, &film, frames), context.progress)?;
     }
     if until.is_some() {
         let named = |one: &Replicate| Some((format!("seed {}", one.seed), one.perturbation.clone()?));
@@ -251,6 +253,19 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     // Results from a stationary shape are in natural units alone.
     let units = if until.is_some() { Units::default() } else { context.units };
     print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
+}
+
+/// The film of a division that keeps its axis as a page.
+fn page(input: &DivisionInput, film: &Trajectory, frames: usize) -> io::Result<String> {
+    let times = even_times(film.times().last().copied().unwrap_or(0.0), frames);
+    let frames: Vec<_> = times.into_iter().map(|t| frames::surface(&film.at(t))).collect();
+    FilmPage { input, division: &film.division, shell: film.shell(), value: frames::TENSION, frames: &frames }.html()
+}
+
+/// The film of a division without axial symmetry as a page.
+fn surface_page(input: &DivisionInput, film: &Film, frames: usize) -> io::Result<String> {
+    let frames: Vec<_> = even_times(film.end(), frames).into_iter().map(|t| film::frame(&film.at(t))).collect();
+    FilmPage { input, division: &film.found.division, shell: film.shell, value: film::TENSION, frames: &frames }.html()
 }
 
 /// Divides the cell without axial symmetry; its shapes are computed where the memo does not answer all that is asked.
@@ -280,7 +295,7 @@ fn without_axis(
         let of_film = |format, frames, shown: &dyn Fn(usize, usize)| {
             SurfaceMovie { cell: &input.cell, film, frames }.bytes_shown(format, shown)
         };
-        movie.write(of_film, context.progress)?;
+        movie.write(of_film, |frames| surface_page(input, film, frames), context.progress)?;
     }
     let document = || {
         merged(

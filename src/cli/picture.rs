@@ -1,5 +1,6 @@
 //! `--plot` and `--movie`: a command's results as a picture or a movie.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,6 +11,7 @@ use super::output::writable_file;
 use super::progress::ProgressLine;
 use furrow_figures::drawing::{Canvas, FigureError, Format};
 use furrow_figures::movie::MovieFormat;
+use furrow_formats::files::WriteError;
 use furrow_input::InputError;
 
 /// Places of each mesh interval in pictures and movies.
@@ -26,8 +28,11 @@ pub struct PlotArgs {
 // The options of a movie.
 #[derive(Debug, Args)]
 pub struct MovieArgs {
-    /// Writes a movie of the first replicate: GIF, animated PNG or animated SVG by the file's extension
-    #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg")]
+    /// Writes a movie of the first replicate: GIF, animated PNG, animated SVG or a page by the file's extension
+    ///
+    /// The page FILE.html is one file that browsers show without a network. In it the cell can be turned; its colour is the mean
+    /// tension, and beside it are the numbers of the shown time.
+    #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg|.html")]
     movie: Option<PathBuf>,
     /// Frames of the movie, evenly spaced in time; default 80, for SVG 20
     #[arg(help_heading = "Output", long, value_name = "N", requires = "movie", value_parser = clap::value_parser!(u32).range(2..=2000))]
@@ -41,8 +46,8 @@ pub struct FormatFile<F>(Option<(PathBuf, F)>);
 /// The file of a picture.
 pub type Picture = FormatFile<Format>;
 
-/// The file of a movie, with its number of frames.
-pub type MovieFile = FormatFile<(MovieFormat, usize)>;
+/// The file of a movie, with its number of frames; a page has no format of pictures.
+pub type MovieFile = FormatFile<(Option<MovieFormat>, usize)>;
 
 impl PlotArgs {
     /// Checks the file before the work that it shows.
@@ -61,10 +66,12 @@ impl MovieArgs {
     /// Its extension is no format of movies, or it cannot be written.
     pub fn file(&self) -> Result<MovieFile, InputError> {
         let format = |path: &Path| {
-            let format = MovieFormat::of(path)?;
-            Some((format, self.movie_frames.map_or(format.usual_frames(), |frames| frames as usize)))
+            let page = path.extension().is_some_and(|name| name.eq_ignore_ascii_case("html"));
+            let format = if page { None } else { Some(MovieFormat::of(path)?) };
+            let usual = format.unwrap_or(MovieFormat::Gif).usual_frames();
+            Some((format, self.movie_frames.map_or(usual, |frames| frames as usize)))
         };
-        let allowed = "a file whose name ends in .gif, .png, .apng or .svg";
+        let allowed = "a file whose name ends in .gif, .png, .apng, .svg or .html";
         FormatFile::new("--movie", self.movie.as_deref(), format, allowed)
     }
 }
@@ -110,19 +117,25 @@ impl Picture {
 
 impl MovieFile {
     /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all. The line shows the
-    /// frames if `progress` says so. `movie` makes it from its format and its number of frames, and reports those that are done.
+    /// frames if `progress` says so. `movie` makes it from its format and its number of frames, and reports those that are done;
+    /// `page` makes a page from the number of frames.
     ///
     /// # Errors
     /// It cannot be drawn or written.
     pub fn write(
         &self,
         movie: impl FnOnce(MovieFormat, usize, &dyn Fn(usize, usize)) -> Result<Vec<u8>, FigureError>,
+        page: impl FnOnce(usize) -> io::Result<String>,
         progress: bool,
     ) -> Result<(), CliError> {
         let Some((path, (format, frames))) = &self.0 else { return Ok(()) };
         let line = ProgressLine::new(progress);
         let shown = |done, of| line.show_share(done, of, || "frames".to_owned());
-        let bytes = movie(*format, *frames, &shown)?;
+        let failed = |source| WriteError { path: path.display().to_string(), source };
+        let bytes = match format {
+            Some(format) => movie(*format, *frames, &shown)?,
+            None => page(*frames).map_err(failed)?.into_bytes(),
+        };
         drop(line);
         write_deferred(path, &bytes)
     }

@@ -9,7 +9,7 @@ use furrow_surface::sample::Sample;
 use std::path::Path;
 
 /// The values of written surfaces.
-const TENSION: &str = "mean active tension, in κ0/L_h²";
+pub const TENSION: &str = "mean active tension, in κ0/L_h²";
 
 /// Refuses a folder of contours, which surfaces without axial symmetry do not have. Errors name `source_name` and `field`.
 ///
@@ -27,10 +27,12 @@ pub fn check_path(source_name: &str, field: &str, path: &Path) -> Result<(), Inp
 /// # Errors
 /// [`WriteError`].
 pub fn write_film(path: &Path, film: &Film, every: Option<f64>) -> Result<(), WriteError> {
-    let stills = film.stills(every);
-    let frame =
-        |still: &Still| SurfaceFrame { surface: grid(still, |at| at.tension), about: about(&still.shape).fields() };
-    write_surfaces(&FrameFiles::of(path), &stills.iter().map(frame).collect::<Vec<_>>(), TENSION)
+    write_surfaces(&FrameFiles::of(path), &film.stills(every).iter().map(frame).collect::<Vec<_>>(), TENSION)
+}
+
+/// The sampled surface with [`TENSION`].
+pub fn frame(still: &Still) -> SurfaceFrame {
+    SurfaceFrame { surface: grid(still, |at| at.tension), about: about(&still.shape).fields() }
 }
 
 /// The sampled surface as a grid with a value at each place.

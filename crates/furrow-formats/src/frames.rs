@@ -58,7 +58,7 @@ pub const INDEX: &str = "frames.json";
 /// Columns of an axisymmetric surface.
 const COLUMNS_AROUND: usize = 64;
 /// The values of an axisymmetric surface.
-const TENSION: &str = "mean tension ½(T_uu + T_φφ), active and viscous, in κ0/L_h²";
+pub const TENSION: &str = "mean tension ½(T_uu + T_φφ), active and viscous, in κ0/L_h²";
 
 /// The files of the frames of a division.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -165,11 +165,15 @@ pub fn write_frames(path: &Path, film: &Trajectory, every: Option<f64>) -> Resul
         let series = Series { folder, stem: "frame", extension: "csv", index: INDEX.to_owned() };
         return series.write(stills.iter().map(|still| Ok((csv(still).into_bytes(), About::of(still).fields()))));
     }
-    let frame = |still: &Snapshot| SurfaceFrame {
+    write_surfaces(&files, &stills.iter().map(surface).collect::<Vec<_>>(), TENSION)
+}
+
+/// The axisymmetric surface of a shape, with [`TENSION`].
+pub fn surface(still: &Snapshot) -> SurfaceFrame {
+    SurfaceFrame {
         surface: SurfaceGrid::revolved(&still.places, COLUMNS_AROUND, |place| 0.5 * (place.t_uu + place.t_pp)),
         about: About::of(still).fields(),
-    };
-    write_surfaces(&files, &stills.iter().map(frame).collect::<Vec<_>>(), TENSION)
+    }
 }
 
 /// Writes surfaces, with or without an axis, as PLY or glTF. `value` says what their values are, with the unit. They

@@ -160,17 +160,22 @@ fn generations(summary: &TreeSummary) -> String {
 /// The parameters that a tree is grown with.
 pub(super) fn parameters(lineage: &Lineage, settings: &TreeSettings) -> String {
     let TreeSettings { cell, numerics, seed, r0_step } = settings.clone();
-    let mut text = String::new();
-    for (section, name, value) in listing(&Settings { cell, numerics }) {
-        let _ = writeln!(text, "{section}.{name} = {value}");
-    }
-    let _ = writeln!(text, "seed = {seed}\nR0 rounded to a relative step of {r0_step:e}");
+    let mut more = format!("seed = {seed}\nR0 rounded to a relative step of {r0_step:e}\n");
     for (name, cue) in &lineage.cues {
-        let _ = writeln!(text, "cue {name}: {cue}");
+        let _ = writeln!(more, "cue {name}: {cue}");
+    }
+    listed(Settings { cell, numerics }, &more)
+}
+
+/// The section of parameters, with more lines after those of the settings.
+pub(super) fn listed(settings: Settings, more: &str) -> String {
+    let mut text = String::new();
+    for (section, name, value) in listing(&settings) {
+        let _ = writeln!(text, "{section}.{name} = {value}");
     }
     let Provenance { furrow, git_commit, .. } = Provenance::current();
     let commit = git_commit.map_or(String::new(), |commit| format!(", commit {commit}"));
-    let text = escape(&format!("{}furrow {furrow}{commit}", rounded(&text)));
+    let text = escape(&format!("{}furrow {furrow}{commit}", rounded(&(text + more))));
     format!(
         "<section class=\"card\"><h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The shell constants (aspect, p0, w) and the gain of the preset are not printed in the paper; they were recovered by fitting its four printed thresholds.</p>\n<pre>{text}</pre></section>\n"
     )

@@ -6,11 +6,13 @@
 //! | [`mod@scenarios_table`], [`mod@scenarios_page`] | several trees side by side, as text and as a page |
 //! | [`mod@svg`] | the drawing of a lineage |
 //! | [`mod@html`], `page` | the interactive page: its content, its frame with scripts and solver |
+//! | [`film_page`] | the film of a division, to be turned |
 //! | [`summary`] | counts over a tree |
 //! | [`shapes`] | records of stationary shapes, folds and pitchforks |
 //! | `surfaces` | records of cells without axial symmetry |
 //! | [`reproduction`] | the paper's statements beside computed ones |
 
+pub mod film_page;
 pub mod html;
 mod observed_table;
 mod over_time;
@@ -28,6 +30,7 @@ pub mod svg;
 pub mod table;
 pub mod time_axis;
 
+pub use film_page::FilmPage;
 pub use html::{OfTree, explorer, html};
 pub use scenarios_page::scenarios_page;
 pub use scenarios_table::scenarios_table;

@@ -18,16 +18,22 @@ const LINEAGE: &str = include_str!("page/lineage.html");
 const WHAT_IF: &str = include_str!("page/whatif.html");
 /// The script of the worker, which runs the solver.
 const WORKER: &str = include_str!("page/worker.js");
+/// What the page of a film has too.
+pub const PARTS: &str = include_str!("page/parts.js");
+pub const THEME: &str = include_str!("page/theme.js");
+pub const PLAYING: &str = include_str!("page/playing.js");
 /// In the order of the page, so that definitions precede their use.
-const SCRIPTS: [&str; 14] = [
+const SCRIPTS: [&str; 16] = [
+    PARTS,
     include_str!("page/solver.js"),
     include_str!("page/data.js"),
-    include_str!("page/theme.js"),
+    THEME,
     include_str!("page/paint.js"),
     include_str!("page/save.js"),
     include_str!("page/labels.js"),
     include_str!("page/lineage.js"),
     include_str!("page/walk.js"),
+    PLAYING,
     include_str!("page/film.js"),
     include_str!("page/cell.js"),
     include_str!("page/phase.js"),
@@ -63,26 +69,36 @@ impl Page {
     /// The whole page.
     pub fn html(&self) -> String {
         let Page { title, heading, top, above, still, below, data } = self;
-        let module = MODULE.lines().nth(1).unwrap_or_default();
-        let mut out = String::with_capacity(still.len() + below.len() + data.len() + module.len() + 100_000);
-        let _ = write!(
-            out,
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"><link rel=\"icon\" href=\"data:,\"><title>{title}</title>\n<style>\n{STYLE}</style></head><body>\n\
-             <header class=\"top\"><div class=\"grow\"><h1>{heading}</h1>\n{top}</div><button id=\"theme\" type=\"button\" hidden>Dark</button></header>\n<main>\n\
-             <p id=\"without-solver\" class=\"card notice\" role=\"status\" hidden></p>\n{above}<div id=\"live\" hidden>\n{LINEAGE}{WHAT_IF}</div>\n<noscript>\n{still}</noscript>\n{below}</main>\n"
+        let main = format!(
+            "<p id=\"without-solver\" class=\"card notice\" role=\"status\" hidden></p>\n{above}<div id=\"live\" hidden>\n{LINEAGE}{WHAT_IF}</div>\n<noscript>\n{still}</noscript>\n{below}"
         );
-        let mut put = |kind: &str, id: &str, text: &str| {
-            let _ = writeln!(out, "<script type=\"{kind}\" id=\"{id}\">{text}</script>");
-        };
-        put("application/json", "furrow-data", data);
-        put("text/plain", "furrow-module", module);
-        put("text/plain", "furrow-worker", WORKER);
-        out.push_str("<script>\n\"use strict\";\n(() => {\n");
-        SCRIPTS.iter().for_each(|script| out.push_str(script));
-        out.push_str("})();\n</script>\n</body></html>\n");
-        out
+        let texts = [
+            ("application/json", "furrow-data", data.as_str()),
+            ("text/plain", "furrow-module", MODULE.lines().nth(1).unwrap_or_default()),
+            ("text/plain", "furrow-worker", WORKER),
+        ];
+        document([title, heading, top, &main], &texts, &SCRIPTS)
     }
+}
+
+/// A document with its title, its heading, what is below the heading, and its content; with texts for its scripts, which have a type
+/// and a name, and the scripts.
+pub fn document([title, heading, top, main]: [&str; 4], texts: &[(&str, &str, &str)], scripts: &[&str]) -> String {
+    let content = main.len() + texts.iter().map(|(.., text)| text.len()).sum::<usize>();
+    let mut out = String::with_capacity(content + 200_000);
+    let _ = write!(
+        out,
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"><link rel=\"icon\" href=\"data:,\"><title>{title}</title>\n<style>\n{STYLE}</style></head><body>\n\
+         <header class=\"top\"><div class=\"grow\"><h1>{heading}</h1>\n{top}</div><button id=\"theme\" type=\"button\" hidden>Dark</button></header>\n<main>\n{main}</main>\n"
+    );
+    for (kind, id, text) in texts {
+        let _ = writeln!(out, "<script type=\"{kind}\" id=\"{id}\">{text}</script>");
+    }
+    out.push_str("<script>\n\"use strict\";\n(() => {\n");
+    scripts.iter().for_each(|script| out.push_str(script));
+    out.push_str("})();\n</script>\n</body></html>\n");
+    out
 }
 
 /// The edge of division that the page begins with, at one ε: pitchforks (R0, ξ_s, coefficient of the normal form). Null

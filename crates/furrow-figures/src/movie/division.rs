@@ -69,7 +69,7 @@ impl Movie<'_> {
 }
 
 /// At least two times, evenly spaced from 0 to `end`.
-pub(super) fn even_times(end: f64, frames: usize) -> Vec<f64> {
+pub fn even_times(end: f64, frames: usize) -> Vec<f64> {
     let last = frames.max(2) - 1;
     (0..=last).map(|k| end * k as f64 / last as f64).collect()
 }

@@ -24,7 +24,7 @@ mod shell;
 mod surface;
 mod view;
 
-pub use division::Movie;
+pub use division::{Movie, even_times};
 pub use encode::MovieFormat;
 pub use scene::{Force, Scene};
 pub use surface::SurfaceMovie;

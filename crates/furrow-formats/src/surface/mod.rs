@@ -11,8 +11,7 @@ mod glb;
 mod mesh;
 mod ply;
 
-pub(crate) use colour::strongest;
-pub use colour::{LOWERED, RAISED, blended};
+pub use colour::{LOWERED, RAISED, blended, strongest};
 pub use glb::glb;
 pub use mesh::SurfaceMesh;
 pub use ply::ply;

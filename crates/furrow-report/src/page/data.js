@@ -148,7 +148,6 @@ function poles(lineage) {
   return first === "a" && second === "p" ? ["anterior", "posterior"] : [`daughter ${first}`, `daughter ${second}`];
 }
 
-const number = (value, digits = 4) => (value === null || value === undefined ? "–" : value.toFixed(digits).replace("-", "\u2212"));
 
 /** A length in Lₕ, with µm behind it where the lineage file says how long Lₕ is. */
 function lengthText(value, { length_um }, digits = 4) {

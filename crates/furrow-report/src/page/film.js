@@ -255,18 +255,12 @@ function drawScale(paint, scale, { length_um }, width, height, ink) {
   write(paint, "axis of division", width - 12, height - 12, "right");
 }
 
-/** A film with a slider and a button. */
-class Player {
+/** The film of a cell in its panel. */
+class Player extends Playing {
   constructor({ canvas, button, slider, label, note, forces }) {
-    Object.assign(this, { canvas, button, slider, label, note, forces });
+    super(button, slider);
+    Object.assign(this, { canvas, label, note, forces });
     this.recording = null;
-    this.playing = false;
-    this.place = 0;
-    button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
-    slider.addEventListener("input", () => {
-      this.pause();
-      this.seek(Number(slider.value));
-    });
     forces.addEventListener("change", () => this.draw());
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
@@ -288,35 +282,7 @@ class Player {
   }
 
   play() {
-    if (!this.recording) return;
-    if (this.place >= 1) this.place = 0;
-    this.playing = true;
-    this.told();
-    let last = performance.now();
-    const lasts = 4500;
-    const next = (now) => {
-      if (!this.playing) return;
-      this.seek(Math.min(1, this.place + (now - last) / lasts));
-      last = now;
-      if (this.place >= 1) this.pause();
-      else requestAnimationFrame(next);
-    };
-    requestAnimationFrame(next);
-  }
-
-  pause() {
-    this.playing = false;
-    this.told();
-  }
-
-  told() {
-    this.button.textContent = this.playing ? "Pause" : "Play";
-  }
-
-  seek(place) {
-    this.place = place;
-    this.slider.value = String(place);
-    this.draw();
+    if (this.recording) super.play();
   }
 
   drawInto(canvas, size) {

@@ -1,7 +1,5 @@
 // The solver, seen from the page: workers made from text inside the page, so that no file and no network is needed.
 
-const element = (id) => document.getElementById(id);
-
 /** What hinders the solver from running in this browser; null if nothing does. */
 function hindrance() {
   if (typeof WebAssembly !== "object") return "it has no WebAssembly";
@@ -14,11 +12,7 @@ let compiled = null;
 
 /** The module, unpacked and compiled once for all workers: what one has warmed up is warm for the others. */
 function solverModule() {
-  compiled ??= (async () => {
-    const packed = Uint8Array.from(atob(element("furrow-module").textContent.trim()), (c) => c.charCodeAt(0));
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return WebAssembly.compile(await new Response(stream).arrayBuffer());
-  })();
+  compiled ??= unpacked("furrow-module").then((bytes) => WebAssembly.compile(bytes));
   return compiled;
 }
 
