@@ -168,3 +168,14 @@ fn every_figure_of_the_page_follows() {
     });
     drive("figures.mjs", folder, &expected);
 }
+
+/// A cell that bends, in a film that is turned and played.
+#[test]
+#[ignore = "needs Node and Chromium"]
+fn a_film_turns_and_tells_the_numbers_of_the_division() {
+    let folder = tempfile::tempdir().unwrap();
+    let cell = ["divide", "--r0", "2", "--three-dimensional", "--modes", "2", "--set", "elements=32"];
+    let film = ["--movie", "film.html", "--movie-frames", "12"];
+    let found = told(folder.path(), &[&cell[..], &film].concat());
+    drive("film.mjs", folder.path(), &json!({ "film": folder.path().join("film.html"), "found": found }));
+}

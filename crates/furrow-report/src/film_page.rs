@@ -66,7 +66,7 @@ impl FilmPage<'_> {
         let [r0, epsilon, xi_s] = [*r0, *epsilon, *xi_s].map(short);
         let chi = division.chi().map_or(String::new(), |chi| format!(", χ = {chi:.4}"));
         let end = format!("{}{chi}, at t = {:.4} τ", division.outcome(), division.t_end);
-        let heading = format!("A cell of R0 = {r0}");
+        let heading = format!("Division of a cell of R0 = {r0}");
         let top = format!(
             "<p class=\"sub\">ε = {epsilon}, ξ<sub>s</sub> = {xi_s}, {}: {end}</p>\n",
             if cue.is_none() { "no cue".to_owned() } else { escape(&cue.to_string()) }
@@ -76,7 +76,7 @@ impl FilmPage<'_> {
             STAGE.replace("<!-- legend -->\n", &legend) + &listed(settings, &format!("cue = {cue}\nseed = {seed}\n"));
         let texts = [("application/json", "furrow-data", data.to_string()), ("text/plain", "film-frames", packed)];
         let texts = texts.each_ref().map(|(kind, id, text)| (*kind, *id, text.as_str()));
-        Ok(document([&format!("{heading}, {}", division.outcome()), &heading, &top, &main], &texts, &SCRIPTS))
+        Ok(document([&heading, &heading, &top, &main], &texts, &SCRIPTS))
     }
 }
 

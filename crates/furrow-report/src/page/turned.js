@@ -6,7 +6,7 @@ const NUMBERS = [["t", "t", "τ"], ["neck_radius", "neck radius", "Lₕ"], ["nec
 const VERTEX = `
 attribute vec3 at, normal; attribute float value; uniform mat3 turn; uniform vec3 scale; varying vec3 n; varying float v;
 void main() { gl_Position = vec4(scale * (turn * at), 1.0); n = turn * normal; v = value; }`;
-/** Light from above, from the left and from the viewer's side; \`line\` is the colour of what is not lit. */
+/** Light from above, from the left and from the viewer's side; what has the colour `line` is not lit. */
 const FRAGMENT = `
 precision highp float; uniform vec3 low, zero, high; uniform vec4 line; varying vec3 n; varying float v;
 void main() {
@@ -15,11 +15,9 @@ void main() {
   float lamp = max(0.0, 0.8 * dot(m, vec3(-0.38, 0.66, 0.65)) + 0.2);
   float shine = pow(max(0.0, dot(m, vec3(-0.209, 0.363, 0.908))), 32.0);
   float rim = pow(1.0 - clamp(m.z, 0.0, 1.0), 3.0);
-  vec3 lit = mix(colour * (0.5 + 0.08 * m.y + 0.5 * lamp), vec3(0.15, 0.33, 0.48), 0.5 * rim);
+  vec3 lit = mix(colour * (0.64 + 0.1 * m.y + 0.4 * lamp), vec3(0.15, 0.33, 0.48), 0.4 * rim);
   gl_FragColor = line.a > 0.0 ? line : vec4(mix(lit, vec3(1.0), 0.2 * shine), 1.0);
 }`;
-
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** The frames: points and values as the solver gave them, to 16 bits. */
 async function unpackedFrames({ rows, columns, unit, steps }) {
@@ -66,14 +64,13 @@ function normals(at, rows, columns) {
   return out;
 }
 
-/** Rings around the shell and two meridians, as pairs of points. */
+/** Rings around the shell, as pairs of points. */
 function shellLines([along, across]) {
   const lines = [];
-  const circle = (place) => {
-    for (let k = 0; k < 120; k++) lines.push(...place((k * Math.PI) / 60), ...place(((k + 1) * Math.PI) / 60));
-  };
-  for (const z of [-0.8, -0.4, 0, 0.4, 0.8]) circle((turn) => [across * Math.sqrt(1 - z * z) * Math.cos(turn), across * Math.sqrt(1 - z * z) * Math.sin(turn), along * z]);
-  for (const [x, y] of [[1, 0], [0, 1]]) circle((turn) => [across * x * Math.cos(turn), across * y * Math.cos(turn), along * Math.sin(turn)]);
+  for (const z of [-0.8, -0.4, 0, 0.4, 0.8]) {
+    const place = (k) => [Math.cos, Math.sin].map((part) => across * Math.sqrt(1 - z * z) * part((k * Math.PI) / 60)).concat(along * z);
+    for (let k = 0; k < 120; k++) lines.push(...place(k), ...place(k + 1));
+  }
   return new Float32Array(lines);
 }
 
@@ -91,7 +88,6 @@ class Turned extends Playing {
   constructor(data, frames) {
     super(element("play"), element("scrub"));
     Object.assign(this, { data, frames, canvas: element("surface"), zoom: 1, fingers: new Map() });
-    this.slider.step = 1 / (frames.length - 1);
     this.shown = NUMBERS.filter(([field]) => data.frames.some((frame) => field in frame));
     const entry = ([, name, unit]) => [Object.assign(document.createElement("dt"), { textContent: unit ? `${name}, ${unit}` : name }), document.createElement("dd")];
     element("numbers").append(...this.shown.flatMap(entry));
@@ -172,8 +168,7 @@ class Turned extends Playing {
     else if (onPicture && (right || down)) this.turnBy(0.1 * right, 0.1 * down);
     else if (onPicture && ["+", "=", "-"].includes(key)) this.zoomBy(key === "-" ? 1 / 1.2 : 1.2);
     else if (onPicture && key === "Home") this.turnBack();
-    // The slider moves by itself.
-    else if (right && target !== this.slider) {
+    else if (right) {
       this.pause();
       this.seek(Math.min(1, Math.max(0, (this.number() + right) / (this.frames.length - 1))));
     } else return;
@@ -213,17 +208,21 @@ class Turned extends Playing {
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     const size = [canvas.clientWidth, canvas.clientHeight];
     size.forEach((length, c) => (canvas[["width", "height"][c]] = Math.round(length * ratio)));
-    const [along, across] = data.shell;
-    const pixels = (this.zoom * 0.88 * Math.min(size[0] / along, size[1] / across)) / 2;
+    const [along] = data.shell;
+    // There is room for the long axis in every direction.
+    const pixels = (this.zoom * 0.47 * Math.min(...size)) / along;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.uniformMatrix3fv(this.uniform("turn"), false, [0, 1, 2].flatMap((c) => turn.map((row) => row[c])));
     gl.uniform3f(this.uniform("scale"), (2 * pixels) / size[0], (2 * pixels) / size[1], -0.3 / along);
     gl.uniform4f(this.uniform("line"), 0, 0, 0, 0);
+    // Lines of the shell that touch the surface are drawn before it.
+    gl.depthRange(0.004, 1);
     this.give(0, at, 3);
     this.give(1, normals(at, count, data.columns), 3);
     this.give(2, value, 1);
     gl.drawElements(gl.TRIANGLES, 6 * (count - 1) * data.columns, gl.UNSIGNED_INT, 0);
+    gl.depthRange(0, 0.996);
     this.give(0, this.lines, 3);
     [1, 2].forEach((k) => gl.disableVertexAttribArray(this.place3[k]));
     const line = theme().shell;
@@ -234,10 +233,10 @@ class Turned extends Playing {
 
   /** Words and numbers of the frame that is shown. */
   tell(pixels, [width, height]) {
-    for (const [name, z] of [["posterior", 1.1], ["anterior", -1.1]]) {
-      const [x, y, near] = this.turn.map((row) => pixels * row[2] * z * this.data.shell[0]);
-      const within = (place, length) => Math.min(length - 14, Math.max(14, place));
-      Object.assign(element(name).style, { left: `${within(width / 2 + x, width)}px`, top: `${within(height / 2 - y, height)}px`, opacity: near < 0 ? 0.6 : 1 });
+    for (const [name, z] of [["posterior", 1.17], ["anterior", -1.17]]) {
+      const [x, y] = this.turn.map((row) => pixels * row[2] * z * this.data.shell[0]);
+      const within = (place, length) => Math.min(length - 36, Math.max(36, place));
+      Object.assign(element(name).style, { left: `${within(width / 2 + x, width)}px`, top: `${within(height / 2 - y, height)}px` });
     }
     element("scale").style.width = `${pixels}px`;
     const frame = this.data.frames[this.number()];
