@@ -1,6 +1,6 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
-use super::cell::{CellArgs, positive};
+use super::cell::{AxisArgs, CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::messages;
@@ -14,8 +14,10 @@ use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_lineage::Units;
 use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
-use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
+use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, Criticality, ShapePoint};
+use furrow_report::surfaces::bent_report;
 use furrow_report::{crossing_report, event_report};
+use furrow_surface::bent::{self, BentBranch, BentPoint, NormalForm};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -26,10 +28,13 @@ Examples:
   furrow branch --r0 2 --xi-max 30
   furrow branch --r0 2 --xi-max 30 --plot branch.svg --csv branch.csv
   furrow branch --r0 2.2 --cue germline --xi-max 30 --json
-  furrow branch --r0 2 --xi-max 30 --azimuthal 2")]
+  furrow branch --r0 2 --xi-max 30 --azimuthal 2
+  furrow branch --r0 1.4 --xi-max 30 --three-dimensional --plot bent.svg")]
 pub struct BranchArgs {
     #[command(flatten)]
     cell: CellArgs,
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Largest ξ_s
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
@@ -86,15 +91,35 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         ..BranchOptions::default()
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
-    let found = diagram(&cell, &context.settings.numerics, &options)?;
+    let numerics = &context.settings.numerics;
+    let mut found = diagram(&cell, numerics, &options)?;
+    let bent = (numerics.modes > 0).then(|| bent::branch(&cell, numerics, args.xi_max)).transpose()?;
+    found.branches.extend(bent.iter().map(|bent| ("bent", bent.shapes())));
     messages::warn_of(found.unknown_rates());
     let units = context.units;
-    let document = merged(document(&cell, &found), filled(json!({ "r0_um": units.micrometres(cell.r0) })));
+    let mut document = merged(document(&cell, &found), filled(json!({ "r0_um": units.micrometres(cell.r0) })));
+    if let Some(bent) = &bent {
+        document["bent"] = bent_report(bent);
+    }
     if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
         write_atomically(file, &records_csv(HEADER, points)?)?;
     }
     picture.write(|| plot::branch::draw(&cell, &found.branches))?;
-    print_as(context.json, &document, || text((&cell, &units), &found, args.points))
+    print_as(context.json, &document, || {
+        text((&cell, &units), &found, args.points) + &bent.as_ref().map_or(String::new(), bent_text)
+    })
+}
+
+/// Where the bent states begin, and their odd pitchfork and fold.
+fn bent_text(bent: &BentBranch) -> String {
+    let NormalForm { xi_s, coefficient } = bent.threshold;
+    let criticality = Criticality::of(coefficient);
+    let mut out = format!("the bent branch begins at ξ_s = {xi_s:.6}: {criticality}\n");
+    for (name, point) in [("odd pitchfork", &bent.pitchfork), ("fold", &bent.fold)] {
+        let Some(BentPoint { xi_s, bend, .. }) = point else { continue };
+        let _ = writeln!(out, "{name} of the bent branch at ξ_s = {xi_s:.6}, its middle {bend:.6} R0 from the axis");
+    }
+    out
 }
 
 /// The points of a branch, with `stability` where growth rates beyond axial symmetry are asked for.

@@ -97,7 +97,7 @@ fn workflows() {
 
 /// Every example of the help, and ensembles.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes of every core"]
 fn what_takes_minutes() {
     check_session("command/sessions/minutes.txt");
 }

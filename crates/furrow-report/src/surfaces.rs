@@ -1,5 +1,7 @@
 //! Cells without axial symmetry as records.
 
+use furrow_mechanics::equilibria::Criticality;
+use furrow_surface::bent::{BentBranch, BentPoint};
 use furrow_surface::division::{AtRest, NeckAt, SurfaceDivision};
 use serde_json::{Value, json};
 
@@ -24,5 +26,21 @@ pub fn neck_report(found: &SurfaceDivision) -> Value {
             "offset": over_time(|at| at.neck.offset),
             "position": over_time(|at| at.neck.height),
         },
+    })
+}
+
+/// Where the bent states of a cell begin, with c of ξ_s = ξ₁ + c bend², their odd pitchfork and their fold.
+pub fn bent_report(bent: &BentBranch) -> Value {
+    let point = |point: &BentPoint| {
+        json!({
+            "xi_s": point.xi_s, "bend": point.bend, "H": point.elongation, "L": point.length, "p": point.pressure,
+            "neck_offset": point.neck_offset, "growth_rates": { "even": point.even, "odd": point.odd },
+        })
+    };
+    let (threshold, located) = (bent.threshold, |at: &Option<BentPoint>| at.as_ref().map(point));
+    json!({
+        "xi_s": threshold.xi_s, "coefficient": threshold.coefficient,
+        "criticality": Criticality::of(threshold.coefficient),
+        "odd_pitchfork": located(&bent.pitchfork), "fold": located(&bent.fold),
     })
 }

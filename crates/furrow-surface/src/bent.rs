@@ -9,7 +9,8 @@ use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::cortex::Domain;
 use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, PSI, R, V, Z};
 use furrow_mechanics::cortex::symmetry::unfold;
-use furrow_mechanics::equilibria::{ShapeError, azimuthal_threshold};
+use furrow_mechanics::equilibria::azimuthal_scan::AzimuthalScan;
+use furrow_mechanics::equilibria::{Branch, BranchEnd, ShapeError, ShapePoint, azimuthal_threshold};
 
 use crate::division::AtRest;
 use crate::embed::{ContourPoint, embed};
@@ -39,6 +40,8 @@ pub struct BentPoint {
     pub pressure: f64,
     /// Distance of the poles over R0.
     pub elongation: f64,
+    /// Length over 2π of the middle ring, in L_h.
+    pub equator_radius: f64,
     /// Radius of the neck over R0, if there is a waist.
     pub neck: Option<f64>,
     /// Distance of the neck's centre from the axis, in L_h.
@@ -46,9 +49,17 @@ pub struct BentPoint {
 }
 
 impl BentPoint {
-    /// Whether no disturbance grows.
-    pub fn is_stable(&self) -> bool {
-        self.even < 0.0 && self.odd < 0.0
+    /// What it has in common with axisymmetric shapes; it is stable if its growth rate is negative.
+    pub fn shape(&self) -> ShapePoint {
+        ShapePoint {
+            xi_s: self.xi_s,
+            elongation: self.elongation,
+            length: self.length,
+            pressure: self.pressure,
+            equator_radius: self.equator_radius,
+            growth_rate: Some(self.even.max(self.odd)),
+            ..ShapePoint::default()
+        }
     }
 }
 
@@ -62,16 +73,42 @@ pub struct NormalForm {
 }
 
 /// The bent states of a cell.
+///
+/// ```no_run
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_surface::bent::branch;
+///
+/// // Half a minute.
+/// let found = branch(&Cell::new(1.4), &Numerics { modes: 4, ..Numerics::default() }, 30.0)?;
+/// assert!(found.threshold.coefficient > 0.0);
+/// # Ok::<(), furrow_surface::bent::BentError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct BentBranch {
     /// The threshold.
     pub threshold: NormalForm,
     /// States, from the threshold on.
     pub points: Vec<BentPoint>,
+    /// Work of the states.
+    pub work: Work,
     /// Where disturbances that break the mirror symmetry begin to grow.
     pub pitchfork: Option<BentPoint>,
     /// Where the activity is largest.
     pub fold: Option<BentPoint>,
+}
+
+impl BentBranch {
+    /// What it has in common with axisymmetric branches; its singular points are not among the events.
+    pub fn shapes(&self) -> Branch {
+        Branch {
+            points: self.points.iter().map(BentPoint::shape).collect(),
+            contours: Vec::new(),
+            azimuthal: AzimuthalScan::new(0),
+            events: Vec::new(),
+            ended: BranchEnd::Enough,
+            work: self.work,
+        }
+    }
 }
 
 /// Why bent states were not found.
@@ -251,6 +288,7 @@ impl Bent {
             length: rest.length(),
             pressure: self.state.pressure,
             elongation: rest.elongation(),
+            equator_radius: rest.equator_radius(),
             neck: neck.map(|neck| neck.radius / self.cell.r0),
             neck_offset: neck.map(|neck| neck.offset.abs()),
         })
@@ -274,11 +312,11 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
     let threshold = normal_form(&near, &bent);
     let mut before = bent.point()?;
     let points = vec![near.point()?, before];
-    let mut found = BentBranch { threshold, points, pitchfork: None, fold: None };
+    let mut found = BentBranch { threshold, points, work, pitchfork: None, fold: None };
     let mut step = STEP;
     while before.bend < LARGEST && before.xi_s <= xi_max {
         let mut next = bent.clone();
-        if let Err(reason) = next.advance(before.bend + step, &mut work) {
+        if let Err(reason) = next.advance(before.bend + step, &mut found.work) {
             step *= 0.5;
             match found.fold {
                 _ if step > SHORTEST => continue,
@@ -296,6 +334,7 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
             found.fold = Some(zero(&bent, bends, [before.slope, now.slope], |bent| Ok(bent.slope))?.point()?);
         }
         found.points.push(now);
+        found.work.steps += 1;
         if found.fold.is_some_and(|fold| now.bend > fold.bend + BEYOND) {
             break;
         }
