@@ -71,7 +71,7 @@ impl FilmPage<'_> {
             "<p class=\"sub\">ε = {epsilon}, ξ<sub>s</sub> = {xi_s}, {}: {end}</p>\n",
             if cue.is_none() { "no cue".to_owned() } else { escape(&cue.to_string()) }
         );
-        let settings = Settings { cell: cell.clone(), numerics: numerics.clone() };
+        let settings = Settings { cell: cell.clone(), numerics: *numerics };
         let main =
             STAGE.replace("<!-- legend -->\n", &legend) + &listed(settings, &format!("cue = {cue}\nseed = {seed}\n"));
         let texts = [("application/json", "furrow-data", data.to_string()), ("text/plain", "film-frames", packed)];
