@@ -47,7 +47,7 @@ pub fn write(path: Option<&Path>, film: &Film, every: Option<f64>) -> Result<(),
     Ok(())
 }
 
-/// The film of a division as a page, with so many frames.
+/// The film of a division as a page with `frames` frames.
 ///
 /// # Errors
 /// [`FilmPage::html`].
