@@ -29,7 +29,7 @@ pub struct FilmPage<'a> {
     pub division: &'a Division,
     /// Half axes of the shell along z and across, in L_h.
     pub shell: [f64; 2],
-    /// What the surfaces' values are, with the unit.
+    /// The quantity and unit of the surfaces' values.
     pub value: &'a str,
     /// Its surfaces, with the numbers of each in [`About`](furrow_formats::frames::About).
     pub frames: &'a [SurfaceFrame],
@@ -71,7 +71,7 @@ impl FilmPage<'_> {
             "<p class=\"sub\">ε = {epsilon}, ξ<sub>s</sub> = {xi_s}, {}: {end}</p>\n",
             if cue.is_none() { "no cue".to_owned() } else { escape(&cue.to_string()) }
         );
-        let settings = Settings { cell: cell.clone(), numerics: numerics.clone() };
+        let settings = Settings { cell: cell.clone(), numerics: *numerics };
         let main =
             STAGE.replace("<!-- legend -->\n", &legend) + &listed(settings, &format!("cue = {cue}\nseed = {seed}\n"));
         let texts = [("application/json", "furrow-data", data.to_string()), ("text/plain", "film-frames", packed)];
@@ -80,9 +80,9 @@ impl FilmPage<'_> {
     }
 }
 
-/// The coordinates and values of all frames as whole numbers of 16 bits, compressed and in base64; `turned.js` unpacks them. They are
-/// stored frame by frame, as what is left of them, in this order, after prediction along meridians and around the axis. Most of it is
-/// near 0, and first come the low bytes of all numbers, then the high bytes, which are nearly all equal.
+/// The coordinates and values of all frames as 16-bit integers, compressed and in base64; `turned.js` unpacks them. Each is stored as
+/// its difference from a prediction along its meridian and around the axis: these differences are small and compress well. The low
+/// bytes of all numbers come before the high bytes.
 fn packed(frames: &[SurfaceFrame], [extent, strongest]: [f64; 2]) -> io::Result<String> {
     let (mut low, mut high) = (Vec::new(), Vec::new());
     for SurfaceFrame { surface, .. } in frames {

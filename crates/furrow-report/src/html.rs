@@ -167,7 +167,7 @@ pub(super) fn parameters(lineage: &Lineage, settings: &TreeSettings) -> String {
     listed(Settings { cell, numerics }, &more)
 }
 
-/// The section of parameters, with more lines after those of the settings.
+/// The section of parameters: the settings, then the lines of `more`.
 pub(super) fn listed(settings: Settings, more: &str) -> String {
     let mut text = String::new();
     for (section, name, value) in listing(&settings) {

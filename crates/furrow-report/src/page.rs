@@ -18,7 +18,7 @@ const LINEAGE: &str = include_str!("page/lineage.html");
 const WHAT_IF: &str = include_str!("page/whatif.html");
 /// The script of the worker, which runs the solver.
 const WORKER: &str = include_str!("page/worker.js");
-/// What the page of a film has too.
+/// Scripts that the page of a film also uses.
 pub const PARTS: &str = include_str!("page/parts.js");
 pub const THEME: &str = include_str!("page/theme.js");
 pub const PLAYING: &str = include_str!("page/playing.js");
@@ -81,8 +81,7 @@ impl Page {
     }
 }
 
-/// A document with its title, its heading, what is below the heading, and its content; with texts for its scripts, which have a type
-/// and a name, and the scripts.
+/// A whole page. `main` is its content and `top` is below the heading; `texts` are data elements, as type, name and text.
 pub fn document([title, heading, top, main]: [&str; 4], texts: &[(&str, &str, &str)], scripts: &[&str]) -> String {
     let content = main.len() + texts.iter().map(|(.., text)| text.len()).sum::<usize>();
     let mut out = String::with_capacity(content + 200_000);
