@@ -75,7 +75,7 @@ def test_surfaces_are_closed_and_have_the_volume_of_the_cell(divided):
     assert (surface.u[0], surface.u[-1]) == (0, 1) and np.all(np.diff(surface.u) > 0)
     assert np.ptp(surface.positions[0], axis=0).max() == 0 and surface.positions[0, 0, 2] > 0 > surface.positions[-1, 0, 2]
     np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=-1), 1, atol=1e-12)
-    # V = ∫ x · dA / 3 over quadrilaterals, whose area is half the product of their diagonals.
+    # V = ∫ x · dA / 3 over quadrilaterals; the area of each is half the cross product of its diagonals.
     x = np.concatenate((surface.positions, surface.positions[:, :1]), axis=1)
     corners = np.array([x[:-1, :-1], x[1:, 1:], x[:-1, 1:], x[1:, :-1]])
     areas = 0.5 * np.cross(corners[1] - corners[0], corners[2] - corners[3])
