@@ -49,7 +49,7 @@ pub struct BentPoint {
 }
 
 impl BentPoint {
-    /// What it has in common with axisymmetric shapes; it is stable if its growth rate is negative.
+    /// The observables that axisymmetric shapes have too. The bend stands for the arclength.
     pub fn shape(&self) -> ShapePoint {
         ShapePoint {
             xi_s: self.xi_s,
@@ -57,6 +57,7 @@ impl BentPoint {
             length: self.length,
             pressure: self.pressure,
             equator_radius: self.equator_radius,
+            arclength: self.bend,
             growth_rate: Some(self.even.max(self.odd)),
             ..ShapePoint::default()
         }
@@ -98,7 +99,7 @@ pub struct BentBranch {
 }
 
 impl BentBranch {
-    /// What it has in common with axisymmetric branches; its singular points are not among the events.
+    /// The branch by the observables of axisymmetric shapes, without contours and events.
     pub fn shapes(&self) -> Branch {
         Branch {
             points: self.points.iter().map(BentPoint::shape).collect(),
@@ -150,7 +151,7 @@ const INVERSE_ITERATIONS: usize = 6;
 /// Most steps of the search for a point.
 const SEARCH: usize = 30;
 
-/// A bent state, with what the next one needs.
+/// A bent state and the tangent of the branch, from which the next state follows.
 #[derive(Clone, Debug)]
 struct Bent {
     cell: Cell,

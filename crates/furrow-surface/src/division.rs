@@ -313,7 +313,7 @@ impl Run<'_> {
         if now.neck.radius >= if failed { CLOSING } else { closed } * self.r0 {
             return None;
         }
-        // What is left until then, relative to the last step.
+        // The rest of the way, in steps like the last one.
         let left = (now.neck.radius - target * self.r0) / (before.neck.radius - now.neck.radius);
         let left = if failed { 0.0 } else { left };
         let [level, last, ..] = stepper.history.as_slice() else { return None };

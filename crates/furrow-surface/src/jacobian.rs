@@ -10,7 +10,7 @@ use crate::problem::{MESH_ROW, Problem, State, mesh_entries};
 use crate::space::{Meridian, Space, Station};
 use crate::splines::LOCAL;
 
-/// What the balance at a point depends on: X and its five derivatives, v and its two, p, x₀ and z₀ of the ring's centre.
+/// Inputs of the balance at a point: X and its five derivatives, v and its two, p, x₀ and z₀ of the ring's centre.
 const INPUTS: usize = 30;
 /// The numbers among them by which the balance is differentiated: X and its derivatives. It is linear in the others.
 const SHAPE: usize = 18;

@@ -27,7 +27,7 @@ pub type Shape<D> = [Vector<D>; 6];
 pub type Flow<D> = [Vector<D>; 3];
 
 /// What multiplies W, W_u, W_φ, W_uu, W_uφ, W_φφ in the virtual power, per du dφ; and, at the end, what multiplies a
-/// test field of the mesh in S.4 and S.5. It must be the same for all test fields: n W is none of them, but a sum of all.
+/// test field of the mesh in S.4 and S.5, the same for all fields: a normal field is a sum of many of them.
 pub type Balance<D> = [Vector<D>; BALANCES];
 
 /// Number of vectors in a [`Balance`].

@@ -20,7 +20,7 @@ pub struct Bordered {
     lower: Vec<Mat<f64>>,
     /// Block (k, k + 1).
     upper: Vec<Mat<f64>>,
-    /// The borders, the pressure first. What they have in common is 0.
+    /// The borders, the pressure first. Entries in the row of one border and the column of another are 0.
     pub borders: Vec<Border>,
 }
 

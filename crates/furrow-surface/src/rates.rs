@@ -87,7 +87,7 @@ impl Problem {
         Ok(rates)
     }
 
-    /// Takes from a disturbance what is not among those that are sought.
+    /// The projection of disturbances onto those that are sought.
     pub(crate) fn projection(&self, among: Among) -> impl Fn(&mut [f64]) + use<> {
         let parts = self.partners(among);
         move |x: &mut [f64]| {
