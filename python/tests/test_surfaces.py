@@ -31,7 +31,7 @@ def test_states_at_rest_are_those_of_the_command_line(cli):
     # It is bent, but close to the axisymmetric shape.
     even = furrow.Cell(1).steady()
     np.testing.assert_allclose([ours.L, ours.H, ours.r_eq], [even.L, even.H, even.r_eq], rtol=3e-3)
-    assert 0.05 < ours.neck_offset < 0.1
+    assert 0.05 < ours.neck_offset < 0.15
     assert even.surface is None and even.modes is None
     poles = ours.surface.positions[[0, -1], 0, 2]
     assert (poles[0] - poles[1]) / ours.cell.r0 == pytest.approx(ours.H, rel=1e-9)
