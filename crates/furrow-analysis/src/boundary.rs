@@ -172,7 +172,7 @@ fn critical_point(
     let search = || critical::critical_value(cell, numerics, parameter, starts, &StepBudget::unlimited());
     let (kind, point) = on_curve.map_or_else(search, Ok)?;
     if parameter == Parameter::R0
-        && let Err(error) = critical::rests_below(cell, numerics, (kind, point.value), None)
+        && let Err(error) = critical::rests_below(cell, numerics, (kind, point.value), &critical::AXISYMMETRIC, None)
     {
         warnings.push(error.to_string());
     }

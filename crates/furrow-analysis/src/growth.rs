@@ -4,11 +4,10 @@ use super::ranges::{LineageRanges, TreeCounts, summed_up};
 use super::scenarios::{Scenario, growers};
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue};
-use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, solve};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, critical_radii, solve};
 use furrow_lineage::{
     EndRule, GrowError, Lineage, Scope, Thresholds, Tree, TreeSettings, expected_work, grow_replicates, grow_together,
 };
-use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::DivisionInput;
 use furrow_mechanics::equilibria::ShapeError;
 use std::sync::atomic::AtomicBool;
@@ -58,7 +57,7 @@ pub fn grown(
     options: SchedulerOptions<'_>,
     cancel: &AtomicBool,
 ) -> Result<Grown, GrowError> {
-    growing(scenarios, dynamics, options, cancel, |ends, options| {
+    growing(scenarios, dynamics, memo, options, cancel, |ends, options| {
         let (trees, summary) = grow_together(&growers(scenarios, ends, memo, options), solve)?;
         Ok(Grown { trees, summary, unknown: vec![] })
     })
@@ -81,7 +80,7 @@ pub fn grown_replicates(
     cancel: &AtomicBool,
 ) -> Result<(Grown, Vec<LineageRanges>), GrowError> {
     let mut counts: Vec<Vec<TreeCounts>> = scenarios.iter().map(|_| Vec::new()).collect();
-    let grown = growing(scenarios, dynamics, options, cancel, |ends, options| {
+    let grown = growing(scenarios, dynamics, memo, options, cancel, |ends, options| {
         let mut grown = Grown::default();
         for from in (0..count).step_by(AT_ONCE as usize) {
             let replicate = |k: u32, scenario: &Scenario| {
@@ -117,13 +116,14 @@ pub fn grown_replicates(
 fn growing(
     scenarios: &[Scenario],
     dynamics: bool,
+    memo: &Memo,
     options: SchedulerOptions<'_>,
     cancel: &AtomicBool,
     grow: impl FnOnce(EndRule<'_>, SchedulerOptions<'_>) -> Result<Grown, GrowError>,
 ) -> Result<Grown, GrowError> {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
-    let radii = CriticalRadii::new(&settings.numerics).interrupted_by(cancel);
+    let radii = critical_radii(&settings.numerics, memo.store()).interrupted_by(cancel);
     let rule = Thresholds::new(radii).with_scope(Scope::FirstIfKnown);
     let plain = settings.cell.clone().with_cue(Cue::none());
     // Ordering the work is no reason to search for a radius; growth searches for it when it reaches such cells.

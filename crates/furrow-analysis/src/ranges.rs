@@ -2,11 +2,10 @@
 
 use super::constants::Constants;
 use furrow_cell::Parameter;
-use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler, solve};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, critical_radii, scheduler, solve};
 use furrow_lineage::{
     EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
-use furrow_mechanics::critical::CriticalRadii;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -220,7 +219,7 @@ pub(crate) fn each_tree<T: Send>(
         }
         let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
         let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
-        let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
+        let rule = Thresholds::new(critical_radii(&settings.numerics, None));
         let memo = Memo::new(quantisation);
         let (tree, summary) = grow_alone(lineage, settings, EndRule::Thresholds(&rule), &memo, cancel)?;
         Ok(read(set, &tree, &summary))

@@ -9,12 +9,12 @@ use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
 use furrow_cell::Numerics;
 use furrow_lineage::batch::{
-    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler, solve,
+    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, critical_radii, method, scheduler, solve,
 };
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
 };
-use furrow_mechanics::critical::{BoundaryKind, CriticalRadii, critical_radius_within};
+use furrow_mechanics::critical::BoundaryKind;
 use furrow_mechanics::division::{Division, DivisionInput, Statistics};
 use furrow_mechanics::equilibria::{BranchOptions, PointKind, ShapeError, StepBudget, pitchfork};
 use rayon::prelude::*;
@@ -298,7 +298,7 @@ impl<'a> Run<'a> {
             let (_, ends) = match rule.take().filter(|(of, _)| *of == numerics) {
                 Some(same) => rule.insert(same),
                 None => {
-                    let radii = CriticalRadii::new(&numerics).interrupted_by(self.cancel);
+                    let radii = critical_radii(&numerics, self.memo.store()).interrupted_by(self.cancel);
                     // The first cell's division is always computed: it costs less than a search for its critical radius,
                     // and no row may depend on what was searched for before.
                     rule.insert((numerics, Thresholds::new(radii).with_scope(Scope::AllButFirst)))
@@ -389,7 +389,12 @@ fn pitchfork_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<V
 }
 
 fn critical_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Vec<Value>, ShapeError> {
-    let found = critical_radius_within(&input.cell, &input.numerics, budget)?;
-    let kind = if found.kind == BoundaryKind::CuedFold { "cued_fold" } else { "pitchfork" };
+    let found = (method(&input.numerics).radius)(&input.cell, &input.numerics, budget)?;
+    let kind = match found.kind {
+        BoundaryKind::CuedFold => "cued_fold",
+        BoundaryKind::BentPitchfork => "bent_pitchfork",
+        BoundaryKind::BentFold => "bent_fold",
+        _ => "pitchfork",
+    };
     Ok(vec![found.r0.into(), kind.into()])
 }

@@ -274,8 +274,6 @@ impl<'a> Growth<'a> {
         let reason = match *ends {
             _ if generation >= max_depth => Some(TerminalReason::MaxDepth { max_depth }),
             EndRule::Dynamics => None,
-            // Thresholds assume axial symmetry.
-            EndRule::Thresholds(_) if settings.numerics.modes > 0 => None,
             EndRule::Custom(rule) => rule(&cell),
             // A search for the radius of cells with its parameters costs more than its division.
             EndRule::Thresholds(_) if growing.is_single => None,

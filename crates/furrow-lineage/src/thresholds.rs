@@ -58,12 +58,13 @@ impl<'a> Thresholds<'a> {
 
     /// Whether a critical radius decides about a cell of a tree, its first one or another.
     pub(super) fn decides(&self, cell: &Cell, is_first: bool) -> bool {
-        match self.scope {
-            Scope::All => true,
-            Scope::FirstIfKnown => !is_first || self.knows(cell),
-            Scope::AllButFirst => !is_first,
-            Scope::Known => self.knows(cell),
-        }
+        self.radii.apply_to(&cell.cue)
+            && match self.scope {
+                Scope::All => true,
+                Scope::FirstIfKnown => !is_first || self.knows(cell),
+                Scope::AllButFirst => !is_first,
+                Scope::Known => self.knows(cell),
+            }
     }
 
     /// Why a cell cannot divide; `None` if it can, or if its division must be computed. It searches where it must.

@@ -24,6 +24,8 @@ pub enum TerminalReason {
     BelowPitchfork { r0_c: f64 },
     /// A cue, and R0 below the radius at which the fold of the cued branch lies at the cell's activity.
     BelowCuedFold { r0: f64 },
+    /// Without axial symmetry, R0 below the critical radius at which bent states lose their stability at the cell's activity.
+    BelowBentBoundary { r0_c: f64 },
     /// Its division could not be computed: whether it divides is not known.
     Undecided { why: String },
     /// The lineage file's `limits.max_depth` is reached.
@@ -44,6 +46,7 @@ impl TerminalReason {
             TerminalReason::AtRest { .. } => "at_rest",
             TerminalReason::BelowPitchfork { .. } => "below_pitchfork",
             TerminalReason::BelowCuedFold { .. } => "below_cued_fold",
+            TerminalReason::BelowBentBoundary { .. } => "below_bent_boundary",
             TerminalReason::Undecided { .. } => "undecided",
             TerminalReason::MaxDepth { .. } => "max_depth",
             TerminalReason::MaxCells { .. } => "max_cells",
@@ -60,6 +63,9 @@ impl std::fmt::Display for TerminalReason {
             TerminalReason::AtRest { growth_rate: None } => write!(f, "failed: at rest"),
             TerminalReason::BelowPitchfork { r0_c } => write!(f, "below the pitchfork boundary R0_c = {r0_c:.4}"),
             TerminalReason::BelowCuedFold { r0 } => write!(f, "below the fold of the cued branch, R0 = {r0:.4}"),
+            TerminalReason::BelowBentBoundary { r0_c } => {
+                write!(f, "below the boundary of bent states R0_c = {r0_c:.4}")
+            }
             TerminalReason::Undecided { why } => write!(f, "undecided: {why}"),
             TerminalReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
             TerminalReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
@@ -71,6 +77,9 @@ impl From<End> for TerminalReason {
     fn from(end: End) -> TerminalReason {
         match end.kind {
             BoundaryKind::CuedFold => TerminalReason::BelowCuedFold { r0: end.critical_r0 },
+            BoundaryKind::BentPitchfork | BoundaryKind::BentFold => {
+                TerminalReason::BelowBentBoundary { r0_c: end.critical_r0 }
+            }
             _ => TerminalReason::BelowPitchfork { r0_c: end.critical_r0 },
         }
     }

@@ -16,6 +16,7 @@ use furrow_bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
 use serde::{Deserialize, Serialize};
 
 use crate::cortex::{Cortex, Domain};
+use crate::division::{Division, DivisionError, DivisionInput, DivisionOptions, divide_with};
 use crate::equilibria::branch::BranchOptions;
 use crate::equilibria::budget::StepBudget;
 use crate::equilibria::curves::{
@@ -45,14 +46,18 @@ pub enum BoundaryKind {
     Pitchfork,
     /// The fold at the end of the stable branch of a cell with a cue that breaks the symmetry.
     CuedFold,
+    /// Without axial symmetry, the pitchfork of the bent states.
+    BentPitchfork,
+    /// Without axial symmetry, the fold of the bent states, where it comes before their pitchfork.
+    BentFold,
 }
 
 impl BoundaryKind {
     /// Its kind of singular point.
     pub fn point(self) -> PointKind {
         match self {
-            BoundaryKind::Pitchfork => PointKind::Pitchfork,
-            BoundaryKind::CuedFold => PointKind::Fold,
+            BoundaryKind::Pitchfork | BoundaryKind::BentPitchfork => PointKind::Pitchfork,
+            BoundaryKind::CuedFold | BoundaryKind::BentFold => PointKind::Fold,
         }
     }
 }
@@ -297,12 +302,46 @@ pub fn critical_radius_within(cell: &Cell, numerics: &Numerics, budget: &StepBud
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
+/// How critical radii are computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Method {
+    /// Its name and version in an [`Archive`].
+    pub name: &'static str,
+    /// Whether cells with a cue have a critical radius.
+    pub applies: fn(&Cue) -> bool,
+    /// The critical radius of cells like one.
+    pub radius: fn(&Cell, &Numerics, &StepBudget<'_>) -> Result<CriticalRadius>,
+    /// A division that is tried below a critical radius, until the flag is set.
+    pub divide: fn(&DivisionInput, Option<&AtomicBool>) -> Result<Division, DivisionError>,
+    /// The numerics for cells close to their critical radius.
+    pub refined: fn(&Numerics) -> Numerics,
+}
+
+/// Cells with axial symmetry.
+pub const AXISYMMETRIC: Method = Method {
+    name: "axisymmetric 1",
+    applies: |_| true,
+    radius: critical_radius_within,
+    divide: |input, cancel| {
+        divide_with(input, DivisionOptions { cancel, ..DivisionOptions::default() }).map(|found| found.0)
+    },
+    refined: |numerics| Numerics { intervals: 2 * numerics.intervals, ..*numerics },
+};
+
+/// Keeps critical radii for later runs. Both are JSON texts.
+pub trait Archive: std::fmt::Debug + Sync {
+    /// What a search has found before.
+    fn get(&self, search: &str) -> Option<String>;
+    /// Keeps what a search has found.
+    fn put(&self, search: &str, found: &str);
+}
+
 /// A search for the critical radius of cells that differ only by their radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
     /// One of the cells, with radius 1.
     cell: Cell,
-    /// Whether the mesh is twice as fine, for cells close to their critical radius.
+    /// Whether the numerics are refined, for cells close to their critical radius.
     fine: bool,
 }
 
@@ -320,6 +359,8 @@ impl Search {
 #[derive(Debug)]
 pub struct CriticalRadii<'a> {
     numerics: Numerics,
+    method: Method,
+    archive: Option<&'a dyn Archive>,
     interrupt: Option<&'a AtomicBool>,
     found: Mutex<Vec<(Search, Result<RestingRadii>)>>,
 }
@@ -347,7 +388,23 @@ impl<'a> CriticalRadii<'a> {
             (Search { cell, fine: false }, Ok(radii))
         };
         let found = Mutex::new(radii.into_iter().map(entry).collect());
-        CriticalRadii { numerics: *numerics, interrupt: None, found }
+        CriticalRadii { numerics: *numerics, method: AXISYMMETRIC, archive: None, interrupt: None, found }
+    }
+
+    /// By another method, without stored radii.
+    pub fn by(method: Method, numerics: &Numerics) -> CriticalRadii<'a> {
+        CriticalRadii { method, ..CriticalRadii::with_radii(&Cell::new(1.0), numerics, Vec::new()) }
+    }
+
+    /// The same with an archive, which searches read before they begin.
+    #[must_use]
+    pub fn kept_in(self, archive: Option<&'a dyn Archive>) -> CriticalRadii<'a> {
+        CriticalRadii { archive, ..self }
+    }
+
+    /// Whether cells with a cue can have a critical radius.
+    pub fn apply_to(&self, cue: &Cue) -> bool {
+        (self.method.applies)(cue)
     }
 
     /// The same, with searches that end when the flag is set.
@@ -369,18 +426,33 @@ impl<'a> CriticalRadii<'a> {
 
     /// Runs a search, with at most [`MOST_SEARCHED`] steps. An interrupted search leaves no result.
     pub fn run(&self, search: &Search) {
-        let intervals = self.numerics.intervals << usize::from(search.fine);
-        let numerics = Numerics { intervals, ..self.numerics };
-        let budget = StepBudget::new(MOST_SEARCHED, self.interrupt);
-        let found = match search.fine {
-            // The divisions were tried with the coarser radius.
-            true => critical_radius_within(&search.cell, &numerics, &budget)
-                .map(|critical| RestingRadii { from: critical.r0, critical }),
-            false => resting_radii(&search.cell, &numerics, &budget, self.interrupt),
+        let numerics = if search.fine { (self.method.refined)(&self.numerics) } else { self.numerics };
+        let key = serde_json::to_string(&(self.method.name, &search.cell, search.fine, &numerics)).unwrap_or_default();
+        let kept = self.archive.and_then(|archive| serde_json::from_str(&archive.get(&key)?).ok());
+        let found = match kept {
+            Some(radii) => Ok(radii),
+            None => {
+                let found = self.search(search, &numerics);
+                if let (Some(archive), Ok(radii)) = (self.archive, &found) {
+                    archive.put(&key, &serde_json::to_string(radii).unwrap_or_default());
+                }
+                found
+            }
         };
         if found != Err(ShapeError::Interrupted) {
             self.lock().push((search.clone(), found));
         }
+    }
+
+    fn search(&self, search: &Search, numerics: &Numerics) -> Result<RestingRadii> {
+        let budget = StepBudget::new(MOST_SEARCHED, self.interrupt);
+        let critical = (self.method.radius)(&search.cell, numerics, &budget)?;
+        let from = match search.fine {
+            // The divisions were tried with the coarser radius.
+            true => critical.r0,
+            false => rests_from(&search.cell, numerics, (critical.kind, critical.r0), &self.method, self.interrupt)?,
+        };
+        Ok(RestingRadii { critical, from })
     }
 
     /// The reason why a cell cannot divide; `None` if it can, or if it is smaller than all radii with a tried division.

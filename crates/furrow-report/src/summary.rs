@@ -68,6 +68,7 @@ impl TreeSummary {
             "at_rest" => "at rest undivided",
             "below_pitchfork" => "below the pitchfork boundary",
             "below_cued_fold" => "below the cued fold",
+            "below_bent_boundary" => "below the boundary of bent states",
             "undecided" => "undecided",
             "max_depth" => "stopped by max_depth",
             _ => "stopped by max_cells",

@@ -5,7 +5,7 @@
 //! J x′ + ∂_ξF ξ′ = 0 and bend(x′) = 1. Disturbances that break the mirror symmetry begin to grow at the odd pitchfork.
 
 use furrow_bvp::{Gauss, Work};
-use furrow_cell::{Cell, Numerics};
+use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::cortex::Domain;
 use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, PSI, R, V, Z};
 use furrow_mechanics::cortex::symmetry::unfold;
@@ -14,9 +14,9 @@ use furrow_mechanics::equilibria::{Branch, BranchEnd, ShapeError, ShapePoint, az
 
 use crate::division::AtRest;
 use crate::embed::{ContourPoint, embed};
-use crate::linear::{Border, Factored, Singular};
+use crate::linear::{Border, Singular};
 use crate::neck::neck;
-use crate::newton::{Newton, NewtonError};
+use crate::newton::NewtonError;
 use crate::problem::{Problem, Residual, State};
 use crate::rates::{Among, RatesError};
 use crate::space::Space;
@@ -96,6 +96,8 @@ pub struct BentBranch {
     pub pitchfork: Option<BentPoint>,
     /// Where the activity is largest.
     pub fold: Option<BentPoint>,
+    /// Why it ends.
+    pub ended: BranchEnd,
 }
 
 impl BentBranch {
@@ -106,7 +108,7 @@ impl BentBranch {
             contours: Vec::new(),
             azimuthal: AzimuthalScan::new(0),
             events: Vec::new(),
-            ended: BranchEnd::Enough,
+            ended: self.ended.clone(),
             work: self.work,
         }
     }
@@ -116,8 +118,22 @@ impl BentBranch {
 #[derive(Debug, thiserror::Error)]
 pub enum BentError {
     /// The cue breaks the mirror symmetry, or needs equations that surfaces do not have.
-    #[error("bent states are followed for cells without a cue that breaks the mirror symmetry u → 1 − u")]
-    NoMirror,
+    #[error(
+        "bent states are followed without a cue, or with one that keeps the mirror symmetry u → 1 − u, not with {cue}"
+    )]
+    NoMirror {
+        /// The cue.
+        cue: String,
+    },
+    /// A pitchfork or fold.
+    #[error("the end of the stable bent states near a bend of {bend:.4} R0 is not located")]
+    NotLocated {
+        /// Bend of the last state that was tried.
+        bend: f64,
+    },
+    /// The bent states stay stable.
+    #[error("the bent states are stable to the largest bend that is followed")]
+    Unbounded,
     /// Disturbances m = 1 of the axisymmetric branch.
     #[error(transparent)]
     Shape(#[from] ShapeError),
@@ -150,11 +166,17 @@ const CLOSE: f64 = 1e-7;
 const INVERSE_ITERATIONS: usize = 6;
 /// Most steps of the search for a point.
 const SEARCH: usize = 30;
+/// Distance in bend of two states from which an event near them is found.
+const NEAR: f64 = 2e-3;
+/// Most iterations of Newton's method.
+const ITERATIONS: usize = 14;
+/// Largest change of a coefficient, relative to R0, at which they end.
+const TOLERANCE: f64 = 1e-7;
 
 /// A bent state and the tangent of the branch, from which the next state follows.
 #[derive(Clone, Debug)]
-struct Bent {
-    cell: Cell,
+pub(crate) struct Bent {
+    pub(crate) cell: Cell,
     problem: Problem,
     state: State,
     /// Derivatives by the bend: surface, flow and pressure by unknown, and dξ_s/d bend.
@@ -203,9 +225,13 @@ impl Bent {
         Ok(found)
     }
 
-    fn take(&mut self, xi_s: f64) {
-        self.cell.xi_s = xi_s;
+    /// Sets a parameter of the cell. A change of R0 scales the surface.
+    pub(crate) fn set(&mut self, parameter: Parameter, value: f64) {
+        let before = self.cell.r0;
+        parameter.set(&mut self.cell, value);
         self.problem.constants = Constants::new(&self.cell, |_, value| value);
+        let scale = self.cell.r0 / before;
+        self.state.surface.iter_mut().for_each(|x| *x *= scale);
     }
 
     /// The bend as a row over the unknowns.
@@ -216,68 +242,75 @@ impl Bent {
         for (r, basis) in station.basis.iter().enumerate() {
             let unknown = space.centre()[0].and_then(|centre| space.unknown(station.element + r, 0, centre));
             if let Some(k) = unknown {
-                row[k] += basis[0] / self.problem.radius();
+                row[k] += basis[0] / self.cell.r0;
             }
         }
         row
     }
 
-    fn bend(&self) -> f64 {
+    pub(crate) fn bend(&self) -> f64 {
         let space = &self.problem.space;
         let centre =
             space.centre()[0].map(|centre| space.function(&self.state.surface, &space.station(0.5), centre)[0]);
-        centre.unwrap_or(0.0) / self.problem.radius()
+        centre.unwrap_or(0.0) / self.cell.r0
     }
 
-    /// The derivatives, bordered by the activity and the bend.
-    fn factored(&self) -> Result<Factored, Singular> {
-        let mut jacobian = self.problem.jacobian(&self.state);
-        // The balances are linear in the activity.
-        let mut other = self.clone();
-        other.take(self.cell.xi_s + 1.0);
-        let (here, there) = (self.problem.residual(&self.state), other.problem.residual(&self.state));
-        let column = there.balances.iter().zip(&here.balances).map(|(there, here)| there - here).collect();
-        jacobian.borders.push(Border { column, row: self.row() });
-        jacobian.factor()
+    /// The residual, and what it gains by a unit of activity, in which it is linear.
+    fn residuals(&mut self) -> (Residual, Vec<f64>) {
+        let (xi_s, here) = (self.cell.xi_s, self.problem.residual(&self.state));
+        self.set(Parameter::XiS, xi_s + 1.0);
+        let there = self.problem.residual(&self.state);
+        self.set(Parameter::XiS, xi_s);
+        let gained = there.balances.iter().zip(&here.balances).map(|(there, here)| there - here).collect();
+        (here, gained)
     }
 
     /// Goes on to the state with this bend, which is near.
-    fn advance(&mut self, bend: f64, work: &mut Work) -> Result<(), NewtonError> {
+    pub(crate) fn advance(&mut self, bend: f64, work: &mut Work) -> Result<(), BentError> {
+        self.solved(bend, work).map_err(|reason| BentError::Lost { bend, reason })
+    }
+
+    fn solved(&mut self, bend: f64, work: &mut Work) -> Result<(), NewtonError> {
         let step = bend - self.bend();
         let change: Vec<f64> = self.tangent.iter().map(|t| t * step).collect();
         self.problem.change(&mut self.state, &change, self.pressure_tangent * step);
-        self.take(self.cell.xi_s + self.slope * step);
-        let newton = Newton { tolerance: 1e-7, share: 1.0, iterations: 14, slow: 0.0 };
-        let mut changed = f64::INFINITY;
+        self.set(Parameter::XiS, self.cell.xi_s + self.slope * step);
         // The mesh keeps to the predicted surface: weights that changed in every iteration would slow it down.
         self.problem.spread(&self.state.surface);
-        for iteration in 0..newton.iterations {
-            let factored = self.factored()?;
+        // At the pitchfork a disturbance that breaks the mirror symmetry solves the linear equations too.
+        let even = self.problem.projection(Among::Even);
+        let mut changed = f64::INFINITY;
+        for iteration in 1..=ITERATIONS {
+            let (Residual { mut balances, volume }, column) = self.residuals();
+            let mut jacobian = self.problem.jacobian(&self.state);
+            jacobian.borders.push(Border { column, row: self.row() });
+            let factored = jacobian.factor()?;
             work.factorisations += 1;
             work.iterations += 1;
-            let Residual { mut balances, volume } = self.problem.residual(&self.state);
             balances.iter_mut().for_each(|b| *b = -*b);
             let border = factored.solve(&mut balances, &[-volume, bend - self.bend()]);
-            changed = self.problem.change(&mut self.state, &balances, border[0]) / self.problem.radius();
-            self.take(self.cell.xi_s + border[1]);
+            even(&mut balances);
+            changed = self.problem.change(&mut self.state, &balances, border[0]) / self.cell.r0;
             if !changed.is_finite() || changed > 1.0 {
-                return Err(NewtonError::NotConverged { change: changed, iterations: iteration + 1 });
+                return Err(NewtonError::NotConverged { change: changed, iterations: iteration });
             }
-            if changed < newton.tolerance {
+            self.set(Parameter::XiS, self.cell.xi_s + border[1]);
+            if changed < TOLERANCE {
                 let mut tangent = vec![0.0; self.tangent.len()];
                 let border = factored.solve(&mut tangent, &[0.0, 1.0]);
+                even(&mut tangent);
                 (self.tangent, self.pressure_tangent, self.slope) = (tangent, border[0], border[1]);
                 return Ok(());
             }
         }
-        Err(NewtonError::NotConverged { change: changed, iterations: newton.iterations })
+        Err(NewtonError::NotConverged { change: changed, iterations: ITERATIONS })
     }
 
     fn rate(&self, among: Among) -> Result<f64, RatesError> {
         Ok(self.problem.rates(&self.state, 3, among)?.first().map_or(f64::NEG_INFINITY, |rate| rate.re))
     }
 
-    fn point(&self) -> Result<BentPoint, RatesError> {
+    pub(crate) fn point(&self) -> Result<BentPoint, RatesError> {
         let rest = AtRest { problem: self.problem.clone(), state: self.state.clone(), rates: Vec::new() };
         let neck = neck(&self.problem.space, &self.state.surface);
         Ok(BentPoint {
@@ -296,52 +329,148 @@ impl Bent {
     }
 }
 
+/// What may end the stable bent states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BentEvent {
+    /// Disturbances that break the mirror symmetry begin to grow.
+    Pitchfork,
+    /// The activity is largest.
+    Fold,
+}
+
+impl BentEvent {
+    /// A value that vanishes at the event and is positive before it.
+    fn before(self, bent: &Bent) -> Result<f64, RatesError> {
+        match self {
+            BentEvent::Pitchfork => Ok(-bent.rate(Among::Odd)?),
+            BentEvent::Fold => Ok(bent.slope),
+        }
+    }
+
+    /// The event between two states with these values.
+    fn between(self, [from, to]: [&Bent; 2], values: [f64; 2], work: &mut Work) -> Result<Option<Bent>, BentError> {
+        let passed = values[0] > 0.0 && values[1] <= 0.0;
+        passed.then(|| self.secant(from, [from.bend(), to.bend()], values, work)).transpose()
+    }
+
+    /// The event close to a state.
+    pub(crate) fn near(self, bent: &Bent, work: &mut Work) -> Result<Bent, BentError> {
+        let mut there = bent.clone();
+        there.advance(bent.bend() + NEAR, work)?;
+        let values = [self.before(bent)?, self.before(&there)?];
+        self.secant(&there, [bent.bend(), there.bend()], values, work)
+    }
+
+    /// The event, by the secant through two bends.
+    fn secant(
+        self,
+        from: &Bent,
+        [mut last, mut bend]: [f64; 2],
+        [mut before, mut value]: [f64; 2],
+        work: &mut Work,
+    ) -> Result<Bent, BentError> {
+        let mut bent = from.clone();
+        for _ in 0..SEARCH {
+            let next = bend - ((bend - last) * value / (value - before)).clamp(-STEP, STEP);
+            bent.advance(next, work)?;
+            (last, before, bend, value) = (bend, value, next, self.before(&bent)?);
+            if value == 0.0 || (bend - last).abs() < CLOSE {
+                return Ok(bent);
+            }
+        }
+        Err(BentError::NotLocated { bend })
+    }
+}
+
 /// The bent states of a cell without a cue that breaks the mirror symmetry, from the threshold up to `xi_max` and beyond the fold.
 ///
 /// # Errors
 /// [`BentError`]; a branch that is lost beyond its fold ends there.
 pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranch, BentError> {
-    if !cell.is_mirror_symmetric() || cell.cue.regulator().is_some() {
-        return Err(BentError::NoMirror);
-    }
+    check(cell)?;
     let mut work = Work::default();
     let mut bent = Bent::at_threshold(cell, numerics)?;
-    let lost = |bend: f64| move |reason: NewtonError| BentError::Lost { bend, reason };
-    bent.advance(0.5 * SMALL, &mut work).map_err(lost(0.5 * SMALL))?;
+    bent.advance(0.5 * SMALL, &mut work)?;
     let near = bent.clone();
-    bent.advance(SMALL, &mut work).map_err(lost(SMALL))?;
+    bent.advance(SMALL, &mut work)?;
     let threshold = normal_form(&near, &bent);
     let mut before = bent.point()?;
     let points = vec![near.point()?, before];
-    let mut found = BentBranch { threshold, points, work, pitchfork: None, fold: None };
+    let mut found = BentBranch { threshold, points, work, pitchfork: None, fold: None, ended: BranchEnd::Enough };
     let mut step = STEP;
-    while before.bend < LARGEST && before.xi_s <= xi_max {
+    while bent.bend() < LARGEST && bent.cell.xi_s <= xi_max {
         let mut next = bent.clone();
-        if let Err(reason) = next.advance(before.bend + step, &mut found.work) {
+        if let Err(lost) = next.advance(bent.bend() + step, &mut found.work) {
             step *= 0.5;
             match found.fold {
                 _ if step > SHORTEST => continue,
                 Some(_) => break,
-                None => return Err(lost(before.bend)(reason)),
+                None => return Err(lost),
             }
         }
         let now = next.point()?;
-        let bends = [before.bend, now.bend];
-        if found.pitchfork.is_none() && before.odd < 0.0 && now.odd >= 0.0 {
-            let odd = |bent: &Bent| bent.rate(Among::Odd).map_err(BentError::from);
-            found.pitchfork = Some(zero(&bent, bends, [before.odd, now.odd], odd)?.point()?);
+        let pair = [&bent, &next];
+        if found.pitchfork.is_none() {
+            let at = BentEvent::Pitchfork.between(pair, [-before.odd, -now.odd], &mut found.work)?;
+            found.pitchfork = at.map(|bent| bent.point()).transpose()?;
         }
-        if found.fold.is_none() && before.slope > 0.0 && now.slope <= 0.0 {
-            found.fold = Some(zero(&bent, bends, [before.slope, now.slope], |bent| Ok(bent.slope))?.point()?);
+        if found.fold.is_none() {
+            let at = BentEvent::Fold.between(pair, [before.slope, now.slope], &mut found.work)?;
+            found.fold = at.map(|bent| bent.point()).transpose()?;
         }
         found.points.push(now);
         found.work.steps += 1;
         if found.fold.is_some_and(|fold| now.bend > fold.bend + BEYOND) {
+            found.ended = BranchEnd::PassedFold;
             break;
         }
         (bent, before, step) = (next, now, (1.5 * step).min(STEP));
     }
+    if before.xi_s > xi_max {
+        found.ended = BranchEnd::Bound(xi_max);
+    }
     Ok(found)
+}
+
+/// The events of the bent states of a cell in order, up to the fold; `only_first` ends at the first.
+///
+/// # Errors
+/// [`BentError`]; [`BentError::Unbounded`] if there are none.
+pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Result<Vec<(BentEvent, Bent)>, BentError> {
+    check(cell)?;
+    let (mut work, mut bent) = (Work::default(), Bent::at_threshold(cell, numerics)?);
+    bent.advance(SMALL, &mut work)?;
+    let all = [BentEvent::Pitchfork, BentEvent::Fold];
+    let values = |bent: &Bent| -> Result<[f64; 2], RatesError> { Ok([all[0].before(bent)?, all[1].before(bent)?]) };
+    let mut before = values(&bent)?;
+    let mut found: Vec<(BentEvent, Bent)> = Vec::new();
+    let mut step = 2.0 * STEP;
+    while bent.bend() < LARGEST && before[1] > 0.0 && !(only_first && !found.is_empty()) {
+        let mut next = bent.clone();
+        if let Err(lost) = next.advance(bent.bend() + step, &mut work) {
+            step *= 0.5;
+            if step > SHORTEST {
+                continue;
+            }
+            return Err(lost);
+        }
+        let now = values(&next)?;
+        for (k, event) in all.into_iter().enumerate() {
+            let at = event.between([&bent, &next], [before[k], now[k]], &mut work)?;
+            found.extend(at.map(|at| (event, at)));
+        }
+        (bent, before) = (next, now);
+    }
+    found.sort_by(|(_, a), (_, b)| a.bend().total_cmp(&b.bend()));
+    found.truncate(if only_first { 1 } else { 2 });
+    if found.is_empty() { Err(BentError::Unbounded) } else { Ok(found) }
+}
+
+fn check(cell: &Cell) -> Result<(), BentError> {
+    match cell.is_mirror_symmetric() && cell.cue.regulator().is_none() {
+        true => Ok(()),
+        false => Err(BentError::NoMirror { cue: cell.cue.to_string() }),
+    }
 }
 
 /// From the slopes at two bends of ξ_s = ξ₁ + c bend² + d bend⁴.
@@ -351,31 +480,4 @@ fn normal_form(near: &Bent, far: &Bent) -> NormalForm {
     let d = (s_far - s) / (4.0 * (b_far * b_far - b * b));
     let c = 0.5 * s - 2.0 * d * b * b;
     NormalForm { xi_s: near.cell.xi_s - (c + d * b * b) * b * b, coefficient: c }
-}
-
-/// The state between two bends at which a value vanishes, by the rule of Illinois.
-fn zero(
-    from: &Bent,
-    [mut low, mut high]: [f64; 2],
-    [mut below, mut above]: [f64; 2],
-    value: impl Fn(&Bent) -> Result<f64, BentError>,
-) -> Result<Bent, BentError> {
-    let mut work = Work::default();
-    let mut bent = from.clone();
-    for _ in 0..SEARCH {
-        let bend = low + (high - low) * below / (below - above);
-        bent.advance(bend, &mut work).map_err(|reason| BentError::Lost { bend, reason })?;
-        let here = value(&bent)?;
-        if here == 0.0 || (high - low).min((bend - low).abs().min((high - bend).abs())) < CLOSE {
-            break;
-        }
-        if (here > 0.0) == (above > 0.0) {
-            (high, above) = (bend, here);
-            below *= 0.5;
-        } else {
-            (low, below) = (bend, here);
-            above *= 0.5;
-        }
-    }
-    Ok(bent)
 }

@@ -16,6 +16,7 @@
 //! | [`neck`], [`sample`], [`film`] | observables and samples of a shape |
 
 pub mod bent;
+pub mod bent_curves;
 pub mod contact;
 pub mod crossing;
 pub mod division;

@@ -26,7 +26,7 @@ pub use replicates::{Replicates, replicates, replicates_by};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
 #[cfg(not(target_family = "wasm"))]
 pub use solve::Filming;
-pub use solve::solve;
+pub use solve::{critical_radii, method, solve};
 #[cfg(feature = "store")]
 pub use store::StoreError;
 pub use store::{Store, StoreWarning};

@@ -1,8 +1,15 @@
-//! One division by the solver that its numerics choose.
+//! One division, and critical radii, by the solver that the numerics choose.
 
+use super::store::Store;
+use furrow_cell::Numerics;
+use furrow_mechanics::critical::{AXISYMMETRIC, Archive, CriticalRadii, Method};
 use furrow_mechanics::division::{self, Division, DivisionError, DivisionInput};
 #[cfg(not(target_family = "wasm"))]
-use {furrow_surface::film::Film, std::sync::OnceLock};
+use {furrow_surface::bent_curves::WITHOUT_AXIS, furrow_surface::film::Film, std::sync::OnceLock};
+
+/// The page's module has no surfaces.
+#[cfg(target_family = "wasm")]
+const WITHOUT_AXIS: Method = AXISYMMETRIC;
 
 /// One division, with axial symmetry or, if the numerics have azimuthal modes, without.
 ///
@@ -10,6 +17,20 @@ use {furrow_surface::film::Film, std::sync::OnceLock};
 /// [`DivisionError`].
 pub fn solve(input: &DivisionInput) -> Result<Division, DivisionError> {
     if input.numerics.modes == 0 { division::divide(input) } else { without_axis(input) }
+}
+
+/// How critical radii are computed, with axial symmetry or without.
+pub fn method(numerics: &Numerics) -> Method {
+    if numerics.modes == 0 { AXISYMMETRIC } else { WITHOUT_AXIS }
+}
+
+/// Critical radii, with axial symmetry or without; a store keeps them for later runs.
+pub fn critical_radii<'a>(numerics: &Numerics, store: Option<&'a Store>) -> CriticalRadii<'a> {
+    let radii = match numerics.modes {
+        0 => CriticalRadii::new(numerics),
+        _ => CriticalRadii::by(WITHOUT_AXIS, numerics),
+    };
+    radii.kept_in(store.map(|store| store as &dyn Archive))
 }
 
 #[cfg(not(target_family = "wasm"))]

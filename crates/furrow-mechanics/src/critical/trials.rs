@@ -2,8 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{BoundaryKind, RestingRadii, critical_radius_within};
-use crate::division::{DivisionError, DivisionInput, DivisionOptions, Outcome, divide_with};
+use super::{AXISYMMETRIC, BoundaryKind, Method, RestingRadii, critical_radius_within};
+use crate::division::{DivisionError, DivisionInput, Outcome};
 use crate::equilibria::budget::StepBudget;
 use crate::equilibria::error::{CellName, Result, ShapeError};
 use furrow_cell::{Cell, Numerics};
@@ -18,10 +18,10 @@ const TRIED: [f64; 5] = [0.97, 0.9, 0.75, 0.5, 0.2];
 ///
 /// # Errors
 /// [`ShapeError::Interrupted`].
-fn rests(cell: &Cell, numerics: &Numerics, r0: f64, cancel: Option<&AtomicBool>) -> Result<bool> {
+fn rests(cell: &Cell, numerics: &Numerics, r0: f64, method: &Method, cancel: Option<&AtomicBool>) -> Result<bool> {
     let input = DivisionInput { cell: Cell { r0, ..cell.clone() }, numerics: *numerics, seed: 0 };
-    match divide_with(&input, DivisionOptions { cancel, ..DivisionOptions::default() }) {
-        Ok((division, _)) => Ok(division.outcome() == Outcome::Arrested),
+    match (method.divide)(&input, cancel) {
+        Ok(division) => Ok(division.outcome() == Outcome::Arrested),
         Err(DivisionError::Cancelled { .. }) => Err(ShapeError::Interrupted),
         Err(_) => Ok(false),
     }
@@ -35,10 +35,11 @@ pub fn rests_below(
     cell: &Cell,
     numerics: &Numerics,
     (kind, critical_r0): (BoundaryKind, f64),
+    method: &Method,
     cancel: Option<&AtomicBool>,
 ) -> Result<f64> {
     let r0 = JUST_BELOW * critical_r0;
-    match rests(cell, numerics, r0, cancel)? {
+    match rests(cell, numerics, r0, method, cancel)? {
         true => Ok(r0),
         false => Err(ShapeError::NoBound { cell: CellName::of(cell), kind: kind.point(), r0: critical_r0 }),
     }
@@ -53,12 +54,13 @@ pub fn rests_from(
     cell: &Cell,
     numerics: &Numerics,
     (kind, critical_r0): (BoundaryKind, f64),
+    method: &Method,
     cancel: Option<&AtomicBool>,
 ) -> Result<f64> {
-    let mut from = rests_below(cell, numerics, (kind, critical_r0), cancel)?;
+    let mut from = rests_below(cell, numerics, (kind, critical_r0), method, cancel)?;
     for part in TRIED {
         let r0 = part * critical_r0;
-        if !rests(cell, numerics, r0, cancel)? {
+        if !rests(cell, numerics, r0, method, cancel)? {
             break;
         }
         from = r0;
@@ -77,6 +79,6 @@ pub fn resting_radii(
     cancel: Option<&AtomicBool>,
 ) -> Result<RestingRadii> {
     let critical = critical_radius_within(cell, numerics, budget)?;
-    let from = rests_from(cell, numerics, (critical.kind, critical.r0), cancel)?;
+    let from = rests_from(cell, numerics, (critical.kind, critical.r0), &AXISYMMETRIC, cancel)?;
     Ok(RestingRadii { critical, from })
 }

@@ -181,6 +181,8 @@ pub enum BranchEnd {
     Pinched(f64),
     /// An asymmetric branch has returned to mirror-symmetric shapes, at one of their pitchforks.
     Rejoined,
+    /// A branch of bent states was followed beyond its fold.
+    PassedFold,
     /// The caller stopped.
     Enough,
     /// The branch could not be followed further.
@@ -197,6 +199,7 @@ impl BranchEnd {
             BranchEnd::PointLimit(_) => ("point_limit", "the largest number of points".into()),
             BranchEnd::Pinched(neck) => ("pinched", format!("its neck is narrower than {neck} R0")),
             BranchEnd::Rejoined => ("rejoined", "its shapes are mirror-symmetric again".into()),
+            BranchEnd::PassedFold => ("passed_fold", "it is well beyond its fold".into()),
             BranchEnd::Enough => ("enough", "stopped by the caller".into()),
             BranchEnd::Lost(_) => ("lost", "lost".into()),
             BranchEnd::NotLocated(_) => ("not_located", "a singular point that cannot be located".into()),

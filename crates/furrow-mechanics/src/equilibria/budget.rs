@@ -46,7 +46,7 @@ impl<'a> StepBudget<'a> {
     ///
     /// # Errors
     /// [`ShapeError::Interrupted`], [`ShapeError::OutOfBudget`].
-    pub(crate) fn check(&self, cell: &furrow_cell::Cell) -> Result<(), ShapeError> {
+    pub fn check(&self, cell: &furrow_cell::Cell) -> Result<(), ShapeError> {
         if self.is_interrupted() {
             return Err(ShapeError::Interrupted);
         }

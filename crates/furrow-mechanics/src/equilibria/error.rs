@@ -112,6 +112,9 @@ pub enum ShapeError {
         "{cell}: the cue follows PAR polarity and differs for every cell: its {kind}s have no curve; write it as the step or the band that furrow polarity prints"
     )]
     FollowsPar { cell: CellName, kind: PointKind },
+    /// States that are bent to one side, without axial symmetry.
+    #[error("{cell}: bent states: {reason}")]
+    Bent { cell: CellName, reason: String },
     /// Not found within the budget.
     #[error("{cell}: not found in {steps} steps along branches and curves, the largest number tried")]
     OutOfBudget { cell: CellName, steps: usize },

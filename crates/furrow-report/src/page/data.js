@@ -209,6 +209,7 @@ function endText(ended) {
     case "at_rest": return "came to rest undivided, in a stable shape";
     case "below_pitchfork": return `below the pitchfork boundary R0 = ${number(ended.r0_c)}`;
     case "below_cued_fold": return `below the fold of the cued branch, R0 = ${number(ended.r0)}`;
+    case "below_bent_boundary": return `below the boundary of bent states R0 = ${number(ended.r0_c)}`;
     case "undecided": return `undecided: ${ended.why}`;
     case "max_depth": return `stopped by the limit of ${ended.max_depth} generations`;
     case "max_cells": return `stopped by the limit of ${ended.max_cells} cells`;

@@ -2,6 +2,7 @@
 
 use super::StoreWarning;
 use crate::batch::Key;
+use furrow_mechanics::critical::Archive;
 use furrow_mechanics::division::{Division, DivisionInput};
 
 /// The store of a build without the feature `store`; it has no values.
@@ -22,6 +23,16 @@ impl Store {
     }
 
     pub(in crate::batch) fn take_warnings(&self) -> Vec<StoreWarning> {
+        match *self {}
+    }
+}
+
+impl Archive for Store {
+    fn get(&self, _: &str) -> Option<String> {
+        match *self {}
+    }
+
+    fn put(&self, _: &str, _: &str) {
         match *self {}
     }
 }

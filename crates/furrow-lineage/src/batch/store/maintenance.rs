@@ -111,7 +111,7 @@ fn rewrite(file: &Path, rows: &[Vec<Value>]) -> Result<(), StoreError> {
     let failed = failed(file);
     let mended = connect(file).and_then(|connection| {
         let Some(connection) = connection else { return Ok(()) };
-        write(&connection, "DELETE FROM division", rows).map_err(failed)?;
+        write(&connection, "DELETE FROM division; DROP TABLE IF EXISTS radius", rows).map_err(failed)?;
         connection.execute_batch("VACUUM").map_err(failed)
     });
     match mended {

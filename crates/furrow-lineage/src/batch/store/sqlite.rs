@@ -12,6 +12,7 @@ use rusqlite::{Connection, ErrorCode, OpenFlags, params_from_iter, types::Value}
 use super::StoreWarning;
 use super::row::{COLUMNS, WIDTH, decode, encode, in_range};
 use crate::batch::{Key, SOLVER_VERSION};
+use furrow_mechanics::critical::Archive;
 use furrow_mechanics::division::{Division, DivisionInput};
 
 /// Name of the database in the cache folder.
@@ -177,14 +178,19 @@ impl Store {
     }
 
     fn write(&self, inner: &mut Inner, rows: &[Vec<Value>]) -> Result<(), StoreError> {
+        let Some(connection) = self.for_writing(inner)? else { return Ok(()) };
+        write(connection, "", rows).map_err(failed(&self.file))
+    }
+
+    /// The connection for writing; the file is created if there is none.
+    fn for_writing<'c>(&self, inner: &'c mut Inner) -> Result<Option<&'c Connection>, StoreError> {
         if inner.connection.is_none() {
             if !self.file.exists() {
                 create(&self.file)?;
             }
             inner.connection = connect(&self.file)?;
         }
-        let Some(connection) = &inner.connection else { return Ok(()) };
-        write(connection, "", rows).map_err(failed(&self.file))
+        Ok(inner.connection.as_ref())
     }
 
     fn give_up(&self, inner: &mut Inner, access: &'static str, error: &StoreError) {
@@ -207,6 +213,52 @@ impl Store {
     fn lock(&self) -> Option<MutexGuard<'_, Inner>> {
         (self.process == std::process::id()).then(|| unpoisoned(&self.inner))
     }
+}
+
+/// Critical radii are in a table of their own: the JSON text of the search, of what it found, and a checksum.
+impl Archive for Store {
+    fn get(&self, search: &str) -> Option<String> {
+        let mut inner = self.lock()?;
+        if inner.unreadable || !self.file.exists() {
+            return None;
+        }
+        if inner.connection.is_none() {
+            inner.connection = connect(&self.file).ok()?;
+        }
+        let select = "SELECT found, checksum FROM radius WHERE search = ?1 AND solver = ?2";
+        // There is no table before the first radius is kept.
+        let mut statement = inner.connection.as_ref()?.prepare_cached(select).ok()?;
+        let row = statement.query_row((search, self.solver), |row| Ok((row.get(0)?, row.get(1)?)));
+        let (found, sum): (String, i64) = row.ok()?;
+        (sum == sum_of(search, &found)).then_some(found)
+    }
+
+    fn put(&self, search: &str, found: &str) {
+        let Some(mut inner) = self.lock() else { return };
+        if inner.unreadable || inner.unwritable {
+            return;
+        }
+        let row = (search, self.solver, found, sum_of(search, found));
+        let kept = self.for_writing(&mut inner).and_then(|connection| {
+            let Some(connection) = connection else { return Ok(()) };
+            let kept = || {
+                connection.execute_batch(RADIUS_TABLE)?;
+                connection.execute("REPLACE INTO radius VALUES (?1, ?2, ?3, ?4)", row)
+            };
+            kept().map(drop).map_err(failed(&self.file))
+        });
+        if let Err(error) = kept {
+            self.give_up(&mut inner, "write", &error);
+        }
+    }
+}
+
+const RADIUS_TABLE: &str =
+    "CREATE TABLE IF NOT EXISTS radius (search, solver, found, checksum, PRIMARY KEY (search, solver)) WITHOUT ROWID";
+
+fn sum_of(search: &str, found: &str) -> i64 {
+    let hash = blake3::hash([search, found].join("\n").as_bytes());
+    i64::from_le_bytes(std::array::from_fn(|k| hash.as_bytes()[k]))
 }
 
 impl Drop for Store {

@@ -1,0 +1,186 @@
+//! Curves of the pitchforks and folds that end stable bent states, over R0 or ε, and the critical radius.
+
+use furrow_bvp::Work;
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_mechanics::critical::{BoundaryKind, CriticalRadius, Method};
+use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
+use furrow_mechanics::equilibria::error::CellName;
+use furrow_mechanics::equilibria::{ShapeError, StepBudget};
+
+use crate::bent::{Bent, BentError, BentEvent, events};
+use crate::division::divide;
+
+/// Steps over a range, if none fails.
+const STEPS: f64 = 12.0;
+/// Shortest step, relative to the first.
+const SHORTEST: f64 = 1e-2;
+/// Radii at which the search for the critical radius starts, in order.
+const STARTS: [f64; 3] = [1.4, 2.2, 0.9];
+/// Largest relative change of R0 in a step of that search.
+const LARGEST: f64 = 0.12;
+/// Relative accuracy of the critical radius.
+const CLOSE: f64 = 1e-7;
+/// Most steps of the search from one start.
+const SEARCH: usize = 30;
+
+/// Critical radii of cells without axial symmetry: where the stable bent states end at the cell's activity.
+pub const WITHOUT_AXIS: Method = Method {
+    name: "without axial symmetry 1",
+    applies: |cue| cue.is_mirror_symmetric() && cue.regulator().is_none(),
+    radius: critical_radius,
+    divide: |input, _| divide(input, &mut |_, _| ()).map(|found| found.division),
+    refined: |numerics| Numerics { modes: numerics.modes + 2, ..*numerics },
+};
+
+/// A located event, and what the way to it has cost.
+#[derive(Clone, Debug)]
+struct Located {
+    event: BentEvent,
+    bent: Bent,
+    /// Change of its bend by the value of the parameter.
+    drift: f64,
+}
+
+impl Located {
+    /// The event at another value of a parameter.
+    fn moved(&self, parameter: Parameter, value: f64, work: &mut Work) -> Result<Located, BentError> {
+        let step = value - parameter.get(&self.bent.cell);
+        let mut bent = self.bent.clone();
+        bent.set(parameter, value);
+        bent.advance(self.bent.bend() + self.drift * step, work)?;
+        let bent = self.event.near(&bent, work)?;
+        let drift = (bent.bend() - self.bent.bend()) / step;
+        Ok(Located { event: self.event, bent, drift })
+    }
+
+    /// The point of the curve, with its slope since another.
+    fn point(&self, parameter: Parameter, slope: f64) -> Result<CurvePoint, BentError> {
+        let (cell, point) = (&self.bent.cell, self.bent.point()?);
+        let (xi_s, elongation) = (point.xi_s, point.elongation);
+        let value = parameter.get(cell);
+        Ok(CurvePoint { r0: cell.r0, epsilon: cell.epsilon, value, xi_s, slope, elongation, coefficient: None })
+    }
+}
+
+/// Where bent states lose stability to disturbances that break the mirror symmetry, and where they fold, over a range of R0 or ε.
+///
+/// # Errors
+/// [`ShapeError`] at the first value; a curve that is lost later ends there.
+pub fn curves(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+) -> Result<Vec<(BentEvent, Curve)>, ShapeError> {
+    let mut first = cell.clone();
+    parameter.set(&mut first, from);
+    let found = events(&first, numerics, false).map_err(|error| error.of(&first))?;
+    let along = |(event, bent)| {
+        let mut curve = Curve::default();
+        let mut work = Work::default();
+        if let Err(error) = follow(Located { event, bent, drift: 0.0 }, parameter, [from, to], &mut curve, &mut work) {
+            curve.ended = CurveEnd::Stopped(error.of(&first));
+        }
+        curve.iterations = work.iterations;
+        (event, curve)
+    };
+    Ok(found.into_iter().map(along).collect())
+}
+
+fn follow(
+    mut at: Located,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+    curve: &mut Curve,
+    work: &mut Work,
+) -> Result<(), BentError> {
+    let whole = (to - from) / STEPS;
+    let mut step = whole;
+    let mut value = from;
+    curve.points.push(at.point(parameter, 0.0)?);
+    while (to - value) * whole.signum() > 1e-9 * whole.abs() {
+        let next = if (to - value).abs() < 1.5 * step.abs() { to } else { value + step };
+        match at.moved(parameter, next, work) {
+            Ok(there) => {
+                let slope = (there.bent.cell.xi_s - at.bent.cell.xi_s) / (next - value);
+                curve.points.push(there.point(parameter, slope)?);
+                (at, value, step) = (there, next, (1.5 * step.abs()).min(whole.abs()).copysign(whole));
+            }
+            Err(lost) => {
+                step = 0.5 * (next - value);
+                if step.abs() < SHORTEST * whole.abs() {
+                    return Err(lost);
+                }
+            }
+        }
+    }
+    if let [first, second, ..] = curve.points.as_mut_slice() {
+        first.slope = second.slope;
+    }
+    Ok(())
+}
+
+/// The radius below which cells like `cell`, for any radius of `cell`, come to rest bent.
+///
+/// # Errors
+/// [`ShapeError`] if there is no such radius.
+pub fn critical_radius(
+    cell: &Cell,
+    numerics: &Numerics,
+    budget: &StepBudget<'_>,
+) -> Result<CriticalRadius, ShapeError> {
+    let mut last = None;
+    for r0 in STARTS {
+        budget.check(cell)?;
+        let start = Cell { r0, ..cell.clone() };
+        match critical_from(&start, numerics, budget) {
+            Ok(found) => return Ok(found),
+            Err(error @ ShapeError::Interrupted) => return Err(error),
+            Err(error) => last = Some(error),
+        }
+    }
+    Err(last.unwrap_or(ShapeError::Interrupted))
+}
+
+fn critical_from(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<CriticalRadius, ShapeError> {
+    let wrong = |error: BentError| error.of(cell);
+    let mut work = Work::default();
+    let first = events(cell, numerics, true).map_err(wrong)?.into_iter().next();
+    let (event, bent) = first.ok_or(BentError::Unbounded).map_err(wrong)?;
+    let mut at = Located { event, bent, drift: 0.0 };
+    // ξ_s falls about as 1/R0.
+    let mut slope = -at.bent.cell.xi_s / cell.r0;
+    let mut largest = LARGEST;
+    for _ in 0..SEARCH {
+        budget.check(cell)?;
+        let (r0, xi_s) = (at.bent.cell.r0, at.bent.cell.xi_s);
+        let step = ((cell.xi_s - xi_s) / slope).clamp(-largest * r0, largest * r0);
+        if step.abs() < CLOSE * r0 {
+            let kind = match event {
+                BentEvent::Pitchfork => BoundaryKind::BentPitchfork,
+                BentEvent::Fold => BoundaryKind::BentFold,
+            };
+            return Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: r0 + step, slope });
+        }
+        match at.moved(Parameter::R0, r0 + step, &mut work) {
+            Ok(there) => at = there,
+            Err(lost) if largest < SHORTEST * LARGEST => return Err(wrong(lost)),
+            Err(_) => {
+                largest *= 0.5;
+                continue;
+            }
+        }
+        slope = (at.bent.cell.xi_s - xi_s) / step;
+    }
+    Err(BentError::NotLocated { bend: at.bent.bend() }.of(&at.bent.cell))
+}
+
+impl BentError {
+    /// The same among the errors of stationary shapes.
+    pub fn of(self, cell: &Cell) -> ShapeError {
+        match self {
+            BentError::Shape(error) => error,
+            other => ShapeError::Bent { cell: CellName::of(cell), reason: other.to_string() },
+        }
+    }
+}
