@@ -72,6 +72,15 @@ const MOVED: f64 = 50.0;
 /// How fast the mesh follows the wanted one, for a change of 1. Were it moved by a share in every step, shorter steps would not be
 /// smoother.
 const FOLLOWING: f64 = 1.2;
+/// Time in which the mesh follows its wanted spread, relative to R0². Without it the rings of a deep furrow at one side have no spread
+/// near the last one.
+const DRAG: f64 = 0.05;
+/// A surface slower than this, relative to R0 and in 1/τ, may take longer steps, as long as its fastest disturbance allows.
+const CREEPING: f64 = 5e-3;
+/// Longest step of a creeping surface, relative to the time in which its fastest disturbance grows by a factor e.
+const GROWING: f64 = 0.1;
+/// Steps after which the growth rates of a creeping surface are computed anew.
+const CREPT: usize = 20;
 /// Shortest step, in τ.
 const SHORTEST: f64 = 1e-9;
 /// Largest relative narrowing of the neck in a step.
@@ -112,6 +121,7 @@ pub(crate) fn run(
     let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
     let (problem, state) = start(cell, numerics)?;
     let mut stepper = Stepper::new(problem, state);
+    stepper.problem.drag = DRAG / (cell.r0 * cell.r0);
     stepper.contact = numerics.contact;
     let first = &stepper.history[0].state.surface;
     stepper.problem.noise = noise::factors(&stepper.problem, first, numerics, *seed, symmetric);
@@ -123,6 +133,8 @@ pub(crate) fn run(
         // The local error is of third order.
         tolerance: ERROR * numerics.time_tolerance * cell.r0 * numerics.step_factor.powi(3),
         dt: numerics.first_step,
+        longest: LONGEST,
+        crept: 0,
         necks: Vec::new(),
         speed: f64::INFINITY,
         drift: 0.0,
@@ -138,6 +150,7 @@ pub(crate) fn run(
         if let Some(found) = run.divided(&stepper, false).or_else(|| run.rested(&mut stepper)) {
             return Ok(found);
         }
+        run.creep(&stepper);
         run.limits(&stepper)?;
         run.take_modes(&mut stepper);
     }
@@ -230,6 +243,10 @@ struct Run<'a> {
     tolerance: f64,
     /// Length of the next step, in τ.
     dt: f64,
+    /// Longest step, in τ.
+    longest: f64,
+    /// Steps of a creeping surface since its growth rates were computed.
+    crept: usize,
     necks: Vec<NeckAt>,
     /// Normal speed in the last step, as a root mean square over the surface relative to R0, in 1/τ.
     speed: f64,
@@ -298,9 +315,26 @@ impl Run<'_> {
         stepper.accept(level, 1.0 - (-FOLLOWING * change).exp());
         // Equal steps keep the derivatives of the last one useful.
         if !(0.9..1.25).contains(&growth) {
-            let longest = LONGEST.min(2.0 * self.numerics.first_step + EARLY * t);
+            let longest = self.longest.min(2.0 * self.numerics.first_step + EARLY * t);
             self.dt = (self.dt * growth).min(longest * self.numerics.step_factor);
         }
+    }
+
+    /// Lets a surface that hardly moves take longer steps, which must not damp what grows.
+    fn creep(&mut self, stepper: &Stepper) {
+        if self.speed > CREEPING {
+            (self.longest, self.crept) = (LONGEST, 0);
+            self.dt = self.dt.min(LONGEST * self.numerics.step_factor);
+            return;
+        }
+        self.crept += 1;
+        if self.crept < CREPT || !stepper.problem.noise.is_empty() {
+            return;
+        }
+        self.crept = 0;
+        let rates = stepper.problem.rates(&stepper.history[0].state, 1, Among::All);
+        let fastest = rates.ok().and_then(|rates| rates.first().map(|rate| rate.re)).unwrap_or(f64::INFINITY);
+        self.longest = (GROWING / fastest.max(0.0)).clamp(LONGEST, (2.0 * self.longest).max(LONGEST));
     }
 
     /// The division, if the neck has closed; `failed` if no further step can be computed.
@@ -357,8 +391,13 @@ impl Run<'_> {
         // It is to be stable to all modes that the numerics allow.
         problem.take_modes(self.numerics.modes, [&mut state]);
         let before = state.surface.clone();
-        // At rest no part is small, and equal distances are the most accurate.
-        problem.settle(&mut state, |problem, _| vec![1.0; problem.mesh.density.len()], &mut stepper.work).ok()?;
+        // At rest no part is small, and equal distances are the most accurate. Some bent surfaces have no such mesh.
+        let moved = (problem.clone(), state.clone());
+        let equal = |problem: &Problem, _: &[f64]| vec![1.0; problem.mesh.density.len()];
+        if problem.settle(&mut state, equal, &mut stepper.work).is_err() {
+            (problem, state) = moved;
+            problem.settle(&mut state, |problem, _| problem.mesh.density.clone(), &mut stepper.work).ok()?;
+        }
         let apart = problem.normal_distance(&state.surface, &before);
         let rates = problem.rates(&state, 6, Among::All).ok()?;
         let growth_rate = rates.first()?.re;

@@ -48,6 +48,8 @@ pub struct Place {
     pub past: Vector<f64>,
     /// The mesh's a, ∂_ua, b and c.
     pub mesh: [f64; 4],
+    /// The mesh's drag, in τ/L_h².
+    pub drag: f64,
     /// The wall that this point may touch.
     pub contact: Contact,
 }
@@ -219,8 +221,8 @@ pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D,
         add(&mut out[0], slope * g[0], &x[1]);
         add(&mut out[0], slope * g[1], &x[2]);
     }
-    let moved = (0..3).fold(D::from(0.0), |sum, k| sum + (x[0][k] * place.rate + place.past[k]) * normal[k]) * *area;
-    add(&mut out[6], D::from(1.0), &mesh_balance(&place.mesh, normal, x, moved, centre));
+    let motion: Vector<D> = std::array::from_fn(|k| (x[0][k] * place.rate + place.past[k]) * *area);
+    add(&mut out[6], D::from(1.0), &mesh_balance(place, normal, x, &motion, centre));
     out
 }
 
@@ -256,15 +258,22 @@ pub fn by_centre(place: &Place, geometry: &Geometry<f64>) -> [Vector<f64>; 2] {
     })
 }
 
-/// The normal part is S.4 without the flow, `moved` = J ∂_tX·n; the tangential part is S.5.
+/// The normal part is S.4 without the flow, with `motion` = J ∂_tX; the tangential part is S.5.
 #[inline(always)]
-fn mesh_balance<D: Number>(mesh: &[f64; 4], normal: &Vector<D>, x: &Shape<D>, moved: D, centre: [D; 2]) -> Vector<D> {
-    let [a, a_u, b, c] = *mesh;
+fn mesh_balance<D: Number>(
+    place: &Place,
+    normal: &Vector<D>,
+    x: &Shape<D>,
+    motion: &Vector<D>,
+    centre: [D; 2],
+) -> Vector<D> {
+    let [a, a_u, b, c] = place.mesh;
     let mut spread = [centre[0] * -(b + c), D::from(0.0), centre[1] * -b];
     add(&mut spread, D::from(b), &x[0]);
     add(&mut spread, D::from(a), &x[3]);
     add(&mut spread, D::from(a_u), &x[1]);
     add(&mut spread, D::from(b), &x[5]);
-    let along = moved + dot(&spread, normal);
+    add(&mut spread, D::from(-place.drag), motion);
+    let along = dot(motion, normal) + dot(&spread, normal);
     [along * normal[0] - spread[0], along * normal[1] - spread[1], along * normal[2] - spread[2]]
 }

@@ -46,6 +46,8 @@ pub struct Problem {
     pub constants: Constants<f64>,
     /// How the mesh is spread.
     pub mesh: Mesh,
+    /// Drag of the mesh, in τ/L_h²: how fast it follows its wanted spread. 0 at rest.
+    pub drag: f64,
     /// Motion of the surface.
     pub motion: Motion,
     /// Factor of the activity by station × meridian; empty if it is 1.
@@ -63,6 +65,7 @@ impl Problem {
             space,
             constants: Constants::new(cell, |_, value| value),
             motion: Motion::default(),
+            drag: 0.0,
             noise: Vec::new(),
             contacts: Vec::new(),
             gauss: Gauss::new(POINTS).unwrap_or_default(),
@@ -102,6 +105,7 @@ impl Problem {
             rate: 0.0,
             past: [0.0; 3],
             mesh: [0.0; 4],
+            drag: 0.0,
             contact: Contact::default(),
         }
     }
@@ -171,6 +175,7 @@ impl Problem {
             rate: self.motion.rate,
             past,
             mesh: self.mesh.weights[q],
+            drag: self.drag,
             contact: self.contacts.get(index).copied().unwrap_or_default(),
         }
     }

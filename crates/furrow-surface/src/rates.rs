@@ -60,6 +60,7 @@ impl Problem {
             let mut problem = self.clone();
             problem.motion = Motion { rate, past };
             problem.noise.clear();
+            problem.drag = 0.0;
             problem.jacobian(state)
         };
         let (still, shifted) = (at(0.0), at(SHIFT));
