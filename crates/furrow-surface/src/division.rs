@@ -87,6 +87,8 @@ const SHORTEST: f64 = 1e-9;
 const NARROWING: f64 = 0.25;
 /// A surface slower than this, relative to R0 and in 1/τ, may be at rest.
 const SLOW: f64 = 2e-5;
+/// Distance of a slow surface from the stationary one that it counts as, relative to R0.
+const CLOSE: f64 = 0.02;
 /// A cell leaves an unstable state within this many times by which its fastest disturbance grows by a factor e.
 const GROWN: f64 = 12.0;
 /// Longest time, in τ, after which a cell near an unstable state counts as resting in it.
@@ -138,7 +140,7 @@ pub(crate) fn run(
         necks: Vec::new(),
         speed: f64::INFINITY,
         drift: 0.0,
-        looked: false,
+        looked: f64::INFINITY,
         unstable_too: symmetric,
         unstable: None,
     };
@@ -252,8 +254,8 @@ struct Run<'a> {
     speed: f64,
     /// Largest relative deviation of the volume.
     drift: f64,
-    /// Whether the present slow shape was found not to be at rest.
-    looked: bool,
+    /// Speed at which the present slow shape was found not to be at rest.
+    looked: f64,
     /// Whether a state at rest may be unstable, to disturbances that this cell does not have.
     unstable_too: bool,
     /// When a cell that is near an unstable state would have left it.
@@ -377,14 +379,13 @@ impl Run<'_> {
     fn rested(&mut self, stepper: &mut Stepper) -> Option<SurfaceDivision> {
         let now = stepper.history.first()?;
         if self.speed > SLOW {
-            (self.looked, self.unstable) = (false, None);
+            (self.looked, self.unstable) = (f64::INFINITY, None);
             return None;
         }
-        let known = self.unstable.map_or(self.looked, |until| now.t < until);
-        self.looked = true;
-        if known {
+        if self.unstable.map_or(self.speed > 0.1 * self.looked, |until| now.t < until) {
             return None;
         }
+        self.looked = self.speed;
         let mut problem = stepper.problem.clone();
         let mut state = now.state.clone();
         problem.motion = Default::default();
@@ -394,16 +395,16 @@ impl Run<'_> {
         // At rest no part is small, and equal distances are the most accurate. Some bent surfaces have no such mesh.
         let moved = (problem.clone(), state.clone());
         let equal = |problem: &Problem, _: &[f64]| vec![1.0; problem.mesh.density.len()];
-        if problem.settle(&mut state, equal, &mut stepper.work).is_err() {
+        let settled = problem.settle(&mut state, equal, &mut stepper.work);
+        if settled.is_err() || problem.normal_distance(&state.surface, &before) > CLOSE * self.r0 {
             (problem, state) = moved;
             problem.settle(&mut state, |problem, _| problem.mesh.density.clone(), &mut stepper.work).ok()?;
         }
-        let apart = problem.normal_distance(&state.surface, &before);
-        let rates = problem.rates(&state, 6, Among::All).ok()?;
-        let growth_rate = rates.first()?.re;
-        if apart > 0.02 * self.r0 {
+        if problem.normal_distance(&state.surface, &before) > CLOSE * self.r0 {
             return None;
         }
+        let rates = problem.rates(&state, 6, Among::All).ok()?;
+        let growth_rate = rates.first()?.re;
         if growth_rate >= 0.0 && self.unstable.is_none() {
             self.unstable = self.unstable_too.then_some(now.t + (GROWN / growth_rate).min(WAIT));
             return None;
