@@ -1,6 +1,6 @@
 //! `furrow boundary`: curves of pitchforks and folds, and the critical radius.
 
-use super::cell::set;
+use super::cell::{AxisArgs, set};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt::write_deferred;
@@ -12,13 +12,15 @@ use super::vary::{Varied, VaryArgs};
 use clap::Args;
 use furrow_analysis::boundary::point_document;
 use furrow_analysis::{BoundaryOptions, BoundaryStudy, boundary};
-use furrow_cell::{Cue, Parameter};
+use furrow_cell::{Cue, Numerics, Parameter};
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::Units;
 use furrow_mechanics::critical::Stored;
+use furrow_mechanics::equilibria::StepBudget;
 use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
+use furrow_surface::bent_curves;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -27,10 +29,13 @@ Examples:
   furrow boundary --vary r0 --from 1.7 --to 2 --no-folds
   furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --json
   furrow boundary --vary r0 --from 1.6 --to 1.9 --no-folds --azimuthal 1 --plot all.svg
+  furrow boundary --vary r0 --from 1.3 --to 2.1 --critical --no-folds --three-dimensional --plot bent.svg
   furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds")]
 pub struct BoundaryArgs {
     #[command(flatten)]
     vary: VaryArgs,
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Activity ξ_s of --critical
     #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number, requires = "critical")]
     xi: Option<f64>,
@@ -73,7 +78,10 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     }
     let options =
         BoundaryOptions { folds: !args.no_folds, critical: args.critical, azimuthal: args.azimuthal.map(usize::from) };
-    let found = boundary(cell, numerics, *parameter, *range, options)?;
+    let mut found = boundary(cell, &Numerics { modes: 0, ..*numerics }, *parameter, *range, options)?;
+    if numerics.modes > 0 {
+        add_bent(&mut found, numerics, args.critical)?;
+    }
     messages::warn_of(&found.warnings);
     let named = found.named();
     if let Some(file) = &args.csv {
@@ -87,12 +95,33 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     })
 }
 
+/// Adds the curves of bent states, and the critical radius that they give.
+fn add_bent(found: &mut BoundaryStudy, numerics: &Numerics, critical: bool) -> Result<(), CliError> {
+    let mut curves = Vec::new();
+    for (event, curve) in bent_curves::curves(&found.cell, numerics, found.parameter, found.range)? {
+        if let Some(error) = curve.error() {
+            found.warnings.push(format!("the {}s of bent states are followed no further: {error}", event.name()));
+        }
+        curves.push((event.name(), curve));
+    }
+    found.bent = Some(curves);
+    if critical && found.parameter == Parameter::R0 {
+        found.bent_critical = Some(bent_curves::critical_radius(&found.cell, numerics, &StepBudget::unlimited())?.r0);
+    }
+    Ok(())
+}
+
 impl BoundaryArgs {
     fn check(&self, varied: &Varied) -> Result<(), InputError> {
         let [from, to] = varied.range;
         InputError::require(from != to, "--to", "to", to, "different from --from")?;
         let fine = self.write.is_none() || varied.parameter == Parameter::R0;
         InputError::require(fine, "--write", "vary", varied.parameter, "r0: what is stored is a boundary over R0")?;
+        if self.axis.setting().is_some() {
+            let allowed = "r0 or epsilon with --three-dimensional";
+            let fine = matches!(varied.parameter, Parameter::R0 | Parameter::Epsilon);
+            InputError::require(fine, "--vary", "vary", varied.parameter, allowed)?;
+        }
         writable_file("--csv", self.csv.as_deref())?;
         writable_file("--write", self.write.as_deref())
     }
@@ -121,7 +150,11 @@ fn text(found: &BoundaryStudy, units: &Units) -> String {
         found.named().into_iter().filter(|(name, _)| ["degenerate", "cusp", "critical"].contains(&name.as_str()));
     let events = events.map(|(name, point)| line(&name, &point, units));
     let azimuthal = found.azimuthal.iter().flatten().map(|(m, curve)| ends(&format!("m = {m}"), curve));
-    let curves = folds.chain(azimuthal).chain(events);
+    let bent = found.bent.iter().flatten().map(|(name, curve)| ends(&format!("bent {name}"), curve));
+    let critical = found.bent_critical.map(|r0| {
+        format!("without axial symmetry cells below R0 = {r0:.5}{} come to rest bent\n", units.in_micrometres(r0))
+    });
+    let curves = folds.chain(azimuthal).chain(bent).chain(events).chain(critical);
     [HEADING.to_owned(), ends("pitchfork", &pitchfork)].into_iter().chain(curves).collect()
 }
 

@@ -482,7 +482,7 @@ fn one_sided(cell: &Cell, solved: &[Replicate]) -> String {
     let rests = solved.iter().any(|one| one.division.chi().is_none() && one.division.neck_offset.is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
-            "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory, which does not say how it ends; see furrow steady --azimuthal 1\n"
+            "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory; --three-dimensional computes how it ends\n"
         ),
         None => String::new(),
     }

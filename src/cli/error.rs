@@ -10,6 +10,7 @@ use furrow_lineage::batch::StoreError;
 use furrow_mechanics::division::DivisionError;
 use furrow_mechanics::equilibria::{PointKind, ShapeError, StationaryError};
 use furrow_mechanics::perturbation::PerturbationError;
+use furrow_surface::bent::BentError;
 use furrow_surface::steady::NoRest;
 
 /// The reason for the end of a command: one of its own errors, or an error of the library.
@@ -95,6 +96,7 @@ impl CliError {
         };
         let bad_input = error.is::<InputError>()
             || matches!(division, Some(DivisionError::BadInput { .. }))
+            || matches!(error.downcast_ref(), Some(BentError::NoMirror { .. }))
             || matches!(error.downcast_ref(), Some(StoreError::NotAFolder { .. }));
         if bad_input { 2 } else { 1 }
     }

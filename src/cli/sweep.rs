@@ -48,7 +48,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
-    if !matches!(sweep.kind, Kind::Division | Kind::Tree) {
+    if !matches!(sweep.kind, Kind::Division | Kind::Tree | Kind::Critical) {
         sweep.settings.check_axisymmetric("settings")?;
     }
     messages::warn_of(sweep.lineage.doubtful_radii());

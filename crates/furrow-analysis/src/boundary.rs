@@ -30,6 +30,10 @@ pub struct BoundaryStudy {
     pub critical: Option<CurvePoint>,
     /// Thresholds of disturbances that are not axisymmetric, by azimuthal number; `None` if they were not asked for.
     pub azimuthal: Option<Vec<(usize, Curve)>>,
+    /// Without axial symmetry, the curves that end stable bent states, by name; `None` if they were not asked for.
+    pub bent: Option<Vec<(&'static str, Curve)>>,
+    /// The radius at which the first of them passes the cell's activity.
+    pub bent_critical: Option<f64>,
     /// What could not be followed or found.
     pub warnings: Vec<String>,
 }
@@ -110,7 +114,20 @@ pub fn boundary(
     }
     let azimuthal = options.azimuthal.map(|most| thresholds(cell, numerics, parameter, range, most, &mut warnings));
     let (cell, cusps) = (cell.clone(), cusps(&folds));
-    Ok(BoundaryStudy { cell, parameter, range, pitchfork, folds, cusps, critical, azimuthal, warnings })
+    let (bent, bent_critical) = (None, None);
+    Ok(BoundaryStudy {
+        cell,
+        parameter,
+        range,
+        pitchfork,
+        folds,
+        cusps,
+        critical,
+        azimuthal,
+        bent,
+        bent_critical,
+        warnings,
+    })
 }
 
 /// The curves that bound the outcomes of a plane, with the thresholds of disturbances cos mφ for m up to `azimuthal`, and what could
@@ -228,6 +245,12 @@ impl BoundaryStudy {
             let rows = curves.iter().flat_map(|(m, curve)| curve.points.iter().map(move |p| of(*m, p)));
             document["azimuthal"] = rows.collect();
         }
+        if let Some(curves) = &self.bent {
+            let of = |(name, curve): &(&'static str, Curve)| ((*name).to_owned(), points(&curve.points).into());
+            let mut bent: serde_json::Map<String, Value> = curves.iter().map(of).collect();
+            bent.insert("critical".to_owned(), self.bent_critical.into());
+            document["bent"] = filled(Value::Object(bent));
+        }
         document
     }
 
@@ -243,7 +266,8 @@ impl BoundaryStudy {
             [("pitchfork".to_owned(), self.pitchfork.points.clone()), ("degenerate".to_owned(), self.degenerate())];
         let after = [("cusp".to_owned(), self.cusps.clone()), ("critical".to_owned(), Vec::from_iter(self.critical))];
         let azimuthal = self.azimuthal.iter().flatten().map(|(m, curve)| (format!("m = {m}"), curve.points.clone()));
-        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(after);
+        let bent = self.bent.iter().flatten().map(|(name, curve)| (format!("bent {name}"), curve.points.clone()));
+        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(bent).chain(after);
         curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
     }
 }

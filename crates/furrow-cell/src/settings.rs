@@ -344,7 +344,7 @@ impl Settings {
     /// Refuses azimuthal modes, for what has equations with axial symmetry alone.
     pub fn check_axisymmetric(&self, source_name: &str) -> Result<(), InputError> {
         let modes = self.numerics.modes;
-        let allowed = "0: only divisions, trees and states at rest can be computed without axial symmetry";
+        let allowed = "0: only divisions, trees, states at rest and the boundary of division over R0 or ε can be computed without axial symmetry";
         InputError::require(modes == 0, source_name, "modes", modes, allowed)
     }
 

@@ -262,6 +262,8 @@ fn boundary(cue: &str, parameter: &str) -> String {
         cusps: Vec::new(),
         critical: None,
         azimuthal: None,
+        bent: None,
+        bent_critical: None,
         warnings: Vec::new(),
     };
     plain(&plot::boundary::draw(&of).svg())

@@ -54,7 +54,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     if one_sided > 0 {
         let _ = writeln!(
             out,
-            "{one_sided} of these cells rest only while they keep their axis: a bend to one side (m = 1) grows in them by linear theory, which does not say how it ends; see furrow steady --azimuthal 1."
+            "{one_sided} of these cells rest only while they keep their axis: a bend to one side (m = 1) grows in them by linear theory; --three-dimensional computes how it ends."
         );
     }
     if summary.limited() {
@@ -65,6 +65,9 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
 
 /// Number of cells at rest at the ends of branches in which a perturbation with m = 1 grows.
 fn one_sided(tree: &Tree) -> usize {
+    if tree.settings.numerics.modes > 0 {
+        return 0;
+    }
     let rests = |cell: &TreeCell| {
         matches!(
             cell.fate.terminal_reason(),

@@ -339,6 +339,14 @@ pub enum BentEvent {
 }
 
 impl BentEvent {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            BentEvent::Pitchfork => "pitchfork",
+            BentEvent::Fold => "fold",
+        }
+    }
+
     /// A value that vanishes at the event and is positive before it.
     fn before(self, bent: &Bent) -> Result<f64, RatesError> {
         match self {

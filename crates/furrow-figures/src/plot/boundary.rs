@@ -17,7 +17,8 @@ const CHART: f64 = 548.0;
 pub fn draw(of: &BoundaryStudy) -> Canvas {
     let title = format!("Where division begins, {}", style::described(&of.cell, &[of.parameter, Parameter::XiS]));
     let (mut canvas, top) = titled(WIDTH, CHART, &title, &legend(of));
-    let others = || of.folds.iter().chain(of.azimuthal.iter().flatten().map(|(_, curve)| curve));
+    let bent = || of.bent.iter().flatten().map(|(_, curve)| curve);
+    let others = || of.folds.iter().chain(of.azimuthal.iter().flatten().map(|(_, curve)| curve)).chain(bent());
     let points = || of.pitchfork.points.iter().chain(others().flat_map(|curve| &curve.points));
     let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
     let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
@@ -29,6 +30,9 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     }
     for (m, curve) in of.azimuthal.iter().flatten() {
         chart.line(curve.points.iter().map(place), Stroke::solid(style::azimuthal(*m), style::CURVE));
+    }
+    for (name, curve) in of.bent.iter().flatten() {
+        chart.line(curve.points.iter().map(place), Stroke::dashed(bent_colour(name), style::CURVE, BENT_DASHES));
     }
     for (kind, piece) in by_criticality(&of.pitchfork) {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
@@ -53,6 +57,14 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     canvas
 }
 
+/// Dashes of the curves of bent states.
+const BENT_DASHES: [f64; 2] = [9.0, 4.0];
+
+/// The colour of a curve of bent states: of the same event with axial symmetry.
+fn bent_colour(name: &str) -> style::Colour {
+    if name == "fold" { FOLD } else { PITCHFORK }
+}
+
 fn legend(of: &BoundaryStudy) -> Legend {
     let is = |kind: Criticality| of.pitchfork.points.iter().any(|point| point.criticality() == Some(kind));
     let critical = Key::Point(style::ASYMMETRIC, Marker::Triangle);
@@ -64,6 +76,10 @@ fn legend(of: &BoundaryStudy) -> Legend {
         .with_if(!of.cusps.is_empty(), Key::Point(FOLD, Marker::Diamond), "cusp")
         .with_if(of.critical.is_some(), critical, "critical value")
         .with_azimuthal(of.azimuthal.iter().flatten())
+        .with_all(of.bent.iter().flatten().map(|(name, _)| {
+            let key = Key::Dashes(bent_colour(name), BENT_DASHES);
+            (key, format!("{name} of bent states"))
+        }))
 }
 
 /// A curve of pitchforks split where its criticality changes; neighbouring pieces share their end point.
