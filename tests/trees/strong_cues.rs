@@ -1,8 +1,8 @@
 //! Critical radii end branches only where divisions rest, whatever the cue.
 
-use furrow_cell::{Cell, Cue};
-use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow_lineage::{EndRule, Fate, Grower, Lineage, Thresholds, Tree, TreeSettings};
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, critical_radii, solve};
+use furrow_lineage::{EndRule, Fate, Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::divide;
 use rand_mt::Mt64;
@@ -74,4 +74,31 @@ fn no_radius_ends_a_branch_that_divides() {
 #[ignore = "takes minutes of every core"]
 fn no_radius_ends_a_branch_that_divides_under_400_cues() {
     assert_radii_agree_with_divisions(397);
+}
+
+/// Without axial symmetry the critical radius is that of bent states, below which all divisions come to rest.
+#[test]
+fn trees_without_the_axis_end_as_their_divisions_do() {
+    let numerics = Numerics { modes: 2, elements: 32, ..Numerics::default() };
+    let settings = TreeSettings { cell: Cell::new(1.9), numerics, ..TreeSettings::default() };
+    let lineage = Lineage::parse(r#"(name: "one", founders: [(name: "S")])"#, "one.ron").unwrap();
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let radii = Thresholds::new(critical_radii(&numerics, None));
+    let grown = [EndRule::Thresholds(&radii), EndRule::Dynamics].map(|ends| {
+        let options = SchedulerOptions { threads: 2, ..SchedulerOptions::default() };
+        let grower = Grower { lineage: &lineage, settings: settings.clone(), ends, memo: &memo, options };
+        let (tree, _) = grower.grow(solve).unwrap();
+        let of = |id| (tree.cell(id).name.clone(), tree.cell(id).r0, matches!(tree.cell(id).fate, Fate::Divides(_)));
+        let below = tree.cells().filter(|id| {
+            let reason = tree.cell(*id).fate.terminal_reason();
+            reason.is_some_and(
+                |reason| matches!(reason, TerminalReason::BelowBentBoundary { r0_c } if (1.4..1.45).contains(r0_c)),
+            )
+        });
+        (tree.cells().map(of).collect::<Vec<_>>(), below.count())
+    });
+    let [(ahead, below), (all, none)] = grown;
+    assert_eq!(ahead, all);
+    // Two divisions into equal halves, from 1.9 to 1.508 and, after a while, into a daughter above 1.197.
+    assert!(ahead.len() >= 5 && below > 0 && none == 0, "{ahead:?}");
 }

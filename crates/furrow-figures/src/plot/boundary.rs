@@ -20,11 +20,13 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     let bent = || of.bent.iter().flatten().map(|(_, curve)| curve);
     let others = || of.folds.iter().chain(of.azimuthal.iter().flatten().map(|(_, curve)| curve)).chain(bent());
     let points = || of.pitchfork.points.iter().chain(others().flat_map(|curve| &curve.points));
-    let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
-    let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
+    let place = |point: &CurvePoint| [point.value, point.xi_s];
+    let bent_critical = of.bent_critical.map(|r0| [r0, of.cell.xi_s]);
+    let critical: Vec<[f64; 2]> = of.critical.as_ref().map(place).into_iter().chain(bent_critical).collect();
+    let heights = points().map(|p| p.xi_s).chain(critical.iter().map(|at| at[1]));
+    let across = of.range.into_iter().chain(critical.iter().map(|at| at[0]));
     let x = Axis::new(style::parameter(of.parameter, &of.cell.cue), widened(across, 0.02));
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, Axis::over(style::ACTIVITY, heights));
-    let place = |point: &CurvePoint| [point.value, point.xi_s];
     for fold in &of.folds {
         chart.line(fold.points.iter().chain(fold.cusp().as_ref()).map(place), Stroke::solid(FOLD, style::CURVE));
     }
@@ -40,14 +42,14 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     }
     chart.points(of.pitchfork.degenerate.iter().map(place), 6.5, Marker::Ring, PITCHFORK);
     chart.points(of.cusps.iter().map(place), 6.5, Marker::Diamond, FOLD);
-    if let Some(point) = of.critical {
-        let at = chart.at(place(&point));
+    for point in critical {
+        let at = chart.at(point);
         let [left, _, _, bottom] = chart.frame;
         let thin = Stroke::dashed(style::ASYMMETRIC, 1.4, [4.0, 4.0]);
         chart.canvas.polyline(&[[left, at[1]], at, [at[0], bottom]], thin);
-        chart.point(place(&point), 8.0, Marker::Triangle, style::ASYMMETRIC);
+        chart.point(point, 8.0, Marker::Triangle, style::ASYMMETRIC);
         // Rounded, to hide the noise of the last digits.
-        let word = format!("{:.4} at ξₛ = {}", point.value, (point.xi_s * 1e6).round() * 1e-6);
+        let word = format!("{:.4} at ξₛ = {}", point[0], (point[1] * 1e6).round() * 1e-6);
         let right = at[0] > 0.6 * WIDTH;
         let (x, anchor) = if right { (at[0] - 14.0, Anchor::End) } else { (at[0] + 14.0, Anchor::Start) };
         chart

@@ -1,5 +1,6 @@
 //! Tests of the engine, in one program: each would be linked by itself otherwise.
 
+mod bent;
 mod crossing;
 mod derivatives;
 mod divisions;

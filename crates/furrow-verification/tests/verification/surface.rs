@@ -247,6 +247,7 @@ impl Surface {
                 rate: 1.7,
                 past: [0.3, -0.2, 0.5],
                 mesh: [0.8, -0.3, 0.6, 0.9],
+                drag: 0.07,
                 contact: self.wall(k).0,
             };
             (place, x, [v[0], v[1], v[2]])

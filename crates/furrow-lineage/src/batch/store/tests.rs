@@ -6,6 +6,7 @@ use tempfile::TempDir;
 
 use super::{maintenance, sqlite::FILE, *};
 use crate::batch::{Key, SOLVER_VERSION, fake};
+use furrow_mechanics::critical::Archive;
 use furrow_mechanics::division::{Division, Ending};
 
 fn r0(number: usize) -> f64 {
@@ -19,6 +20,12 @@ fn commit(store: &Store, number: usize) {
 
 fn get(store: &Store, number: usize) -> Option<Division> {
     store.get(&Key::new(&fake::input(r0(number))))
+}
+
+impl Store {
+    fn radius(&self, search: &str) -> Option<String> {
+        Archive::get(self, search)
+    }
 }
 
 fn store(cache: &TempDir) -> Store {
@@ -296,4 +303,23 @@ fn a_read_only_folder_is_read() {
     }
     assert_holds(&store, 0..3);
     set(cache.path(), 0o755);
+}
+
+#[test]
+fn critical_radii_are_kept_until_the_cache_is_cleared() {
+    let cache = tempfile::tempdir().unwrap();
+    assert_eq!(store(&cache).radius("a"), None);
+    store(&cache).put("a", "1.5");
+    store(&cache).put("b", "2.5");
+    assert_eq!(["a", "b", "c"].map(|of| store(&cache).radius(of)), [Some("1.5".into()), Some("2.5".into()), None]);
+    let other = Store::of_solver(cache.path(), SOLVER_VERSION + 1).unwrap();
+    assert_eq!(other.radius("a"), None);
+    // A damaged one is searched for again.
+    let connection = Connection::open(cache.path().join(FILE)).unwrap();
+    connection.execute("UPDATE radius SET found = '9.5' WHERE search = 'a'", ()).unwrap();
+    drop(connection);
+    assert_eq!(["a", "b"].map(|of| store(&cache).radius(of)), [None, Some("2.5".into())]);
+    maintenance::clear(cache.path()).unwrap();
+    assert_eq!(store(&cache).radius("b"), None);
+    assert_eq!(counts(&cache), [0; 3]);
 }

@@ -1,0 +1,67 @@
+//! Bent states at rest, the events that end them, and the cells beyond.
+
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_mechanics::critical::BoundaryKind;
+use furrow_mechanics::division::{DivisionInput, Outcome};
+use furrow_mechanics::equilibria::StepBudget;
+use furrow_surface::bent::{BentEvent, branch};
+use furrow_surface::bent_curves::{critical_radius, curves};
+use furrow_surface::division::divide;
+
+use crate::states::within;
+
+fn coarse() -> Numerics {
+    Numerics { modes: 3, elements: 32, ..Numerics::default() }
+}
+
+/// The two prototypes found rest at 1.43 until t = 60, and a cut at 1.45.
+#[test]
+fn the_critical_radius_tells_cells_at_rest_from_cells_that_divide() {
+    let numerics = coarse();
+    let found = critical_radius(&Cell::new(1.0), &numerics, &StepBudget::unlimited()).unwrap();
+    assert_eq!(found.kind, BoundaryKind::BentPitchfork);
+    within("R0", (found.r0 - 1.4262).abs(), 2e-3);
+    let outcome = |share: f64| {
+        let input = DivisionInput { numerics, ..DivisionInput::new(Cell::new(share * found.r0)) };
+        divide(&input, &mut |_, _| ()).unwrap().division
+    };
+    let below = outcome(0.998);
+    assert_eq!(below.outcome(), Outcome::Arrested);
+    // The rate falls to 0 at the critical radius.
+    let rate = below.growth_rate().unwrap();
+    assert!(rate < 0.0 && rate > -0.1, "{rate}");
+    // It stays near the unstable bent state until the odd disturbance has grown, in long steps.
+    let above = outcome(1.02);
+    assert!(above.chi().unwrap() > 0.6 && above.t_end > 20.0 && above.work.steps < 700, "{above:?}");
+}
+
+#[test]
+fn curves_of_bent_events_pass_through_those_of_each_branch() {
+    let numerics = coarse();
+    let events = |r0: f64| {
+        let found = branch(&Cell::new(r0), &numerics, 40.0).unwrap();
+        assert!(found.threshold.coefficient > 0.0);
+        [found.pitchfork.unwrap().xi_s, found.fold.unwrap().xi_s]
+    };
+    let found = curves(&Cell::new(1.0), &numerics, Parameter::R0, [1.4, 1.5]).unwrap();
+    assert_eq!([found[0].0, found[1].0], [BentEvent::Pitchfork, BentEvent::Fold]);
+    for (r0, first) in [(1.4, true), (1.5, false)] {
+        for ((event, curve), expected) in found.iter().zip(events(r0)) {
+            let point = if first { curve.points.first() } else { curve.points.last() }.unwrap();
+            within(event.name(), (point.xi_s - expected).abs(), 1e-5);
+            assert!((point.r0 - r0).abs() < 1e-12 && point.slope < 0.0);
+        }
+    }
+}
+
+/// Near the end of this furrow rings without drag have no spread close to their last one.
+#[test]
+fn a_cued_furrow_at_one_side_closes() {
+    let input = DivisionInput {
+        numerics: Numerics { modes: 4, ..Numerics::default() },
+        ..DivisionInput::new(Cell::new(2.319).with_cue(Cue::published()))
+    };
+    let found = divide(&input, &mut |_, _| ()).unwrap().division;
+    within("χ", (found.chi().unwrap() - 0.282).abs(), 0.01);
+    assert!(found.work.rejected < 20 && found.neck_offset.unwrap() > 1.5, "{found:?}");
+}
