@@ -76,7 +76,7 @@ fn no_radius_ends_a_branch_that_divides_under_400_cues() {
     assert_radii_agree_with_divisions(397);
 }
 
-/// Without axial symmetry the critical radius is that of bent states, below which all divisions come to rest.
+/// Without axial symmetry, cells below the critical radius of bent states rest.
 #[test]
 fn trees_without_the_axis_end_as_their_divisions_do() {
     let numerics = Numerics { modes: 2, elements: 32, ..Numerics::default() };

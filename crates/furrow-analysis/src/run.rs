@@ -214,7 +214,7 @@ impl<'a> Run<'a> {
             let number = id / replicates;
             let of_input = &divisions[number * replicates..][..replicates];
             if of_input.iter().all(Option::is_some) {
-                let found = (division_results(of_input), None);
+                let found = (self.division_results(of_input), None);
                 self.record(firsts[number], &found);
                 results[number] = Some(found);
             }
@@ -227,7 +227,8 @@ impl<'a> Run<'a> {
                 for job in jobs {
                     let number = job.id / replicates;
                     let of_input = &divisions[number * replicates..][..replicates];
-                    results[number].get_or_insert_with(|| (division_results(of_input), Some(job.failure.to_string())));
+                    results[number]
+                        .get_or_insert_with(|| (self.division_results(of_input), Some(job.failure.to_string())));
                 }
                 *summary
             }
@@ -242,10 +243,19 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// The columns of the divisions at one point.
+    fn division_results(&self, divisions: &[Option<Division>]) -> Vec<Value> {
+        let mut values = division_results(divisions);
+        if self.sweep.has_neck_offsets() {
+            values.push(divisions.iter().flatten().next().and_then(|division| division.neck_offset).into());
+        }
+        values
+    }
+
     /// The columns of a point without results.
     fn no_results(&self) -> Vec<Value> {
         match self.sweep.kind {
-            Kind::Division => division_results(&vec![None; self.sweep.replicates as usize]),
+            Kind::Division => self.division_results(&vec![None; self.sweep.replicates as usize]),
             Kind::Pitchfork => vec![Value::Null, UNDECIDED.into(), Value::Null, Value::Null],
             Kind::Critical => vec![Value::Null, UNDECIDED.into()],
             Kind::Tree => vec![Value::Null; self.sweep.result_columns().len()],

@@ -37,11 +37,19 @@ impl Sweep {
             Kind::Tree => &["cells"],
         };
         let mut columns: Vec<String> = fixed.iter().map(|name| (*name).to_owned()).collect();
+        if self.has_neck_offsets() {
+            columns.push("neck_offset".to_owned());
+        }
         for founder in self.lineage.founders.iter().filter(|_| self.kind == Kind::Tree) {
             let counts = ["min", "mean", "max", "full_doublings", "terminal", "chi", "r0", "chi_signed"];
             columns.extend(counts.map(|count| format!("{}_{count}", founder.name)));
         }
         columns
+    }
+
+    /// Whether its rows have the distance of the neck from the axis: single divisions without axial symmetry.
+    pub(crate) fn has_neck_offsets(&self) -> bool {
+        self.kind == Kind::Division && self.replicates == 1 && self.settings.numerics.modes > 0
     }
 
     /// The row of a point with these results.

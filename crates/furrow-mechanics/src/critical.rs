@@ -330,9 +330,9 @@ pub const AXISYMMETRIC: Method = Method {
 
 /// Keeps critical radii for later runs. Both are JSON texts.
 pub trait Archive: std::fmt::Debug + Sync {
-    /// What a search has found before.
+    /// The stored result of a search.
     fn get(&self, search: &str) -> Option<String>;
-    /// Keeps what a search has found.
+    /// Stores the result of a search.
     fn put(&self, search: &str, found: &str);
 }
 

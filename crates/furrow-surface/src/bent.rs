@@ -255,7 +255,7 @@ impl Bent {
         centre.unwrap_or(0.0) / self.cell.r0
     }
 
-    /// The residual, and what it gains by a unit of activity, in which it is linear.
+    /// The residual, and its derivative by ξ_s, in which it is linear.
     fn residuals(&mut self) -> (Residual, Vec<f64>) {
         let (xi_s, here) = (self.cell.xi_s, self.problem.residual(&self.state));
         self.set(Parameter::XiS, xi_s + 1.0);
@@ -443,7 +443,7 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
 /// The events of the bent states of a cell in order, up to the fold; `only_first` ends at the first.
 ///
 /// # Errors
-/// [`BentError`]; [`BentError::Unbounded`] if there are none.
+/// [`BentError`]; [`BentError::Unbounded`] if there is no event.
 pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Result<Vec<(BentEvent, Bent)>, BentError> {
     check(cell)?;
     let (mut work, mut bent) = (Work::default(), Bent::at_threshold(cell, numerics)?);
@@ -453,7 +453,7 @@ pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Resu
     let mut before = values(&bent)?;
     let mut found: Vec<(BentEvent, Bent)> = Vec::new();
     let mut step = 2.0 * STEP;
-    while bent.bend() < LARGEST && before[1] > 0.0 && !(only_first && !found.is_empty()) {
+    while bent.bend() < LARGEST && before[1] > 0.0 && (found.is_empty() || !only_first) {
         let mut next = bent.clone();
         if let Err(lost) = next.advance(bent.bend() + step, &mut work) {
             step *= 0.5;

@@ -10,7 +10,7 @@ use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 use crate::bent::{Bent, BentError, BentEvent, events};
 use crate::division::divide;
 
-/// Steps over a range, if none fails.
+/// Number of steps over a range, unless one fails.
 const STEPS: f64 = 12.0;
 /// Shortest step, relative to the first.
 const SHORTEST: f64 = 1e-2;
@@ -32,7 +32,7 @@ pub const WITHOUT_AXIS: Method = Method {
     refined: |numerics| Numerics { modes: numerics.modes + 2, ..*numerics },
 };
 
-/// A located event, and what the way to it has cost.
+/// A located event.
 #[derive(Clone, Debug)]
 struct Located {
     event: BentEvent,

@@ -322,7 +322,7 @@ impl Run<'_> {
         }
     }
 
-    /// Lets a surface that hardly moves take longer steps, which must not damp what grows.
+    /// Sets the longest step of a creeping surface, short enough for its growing disturbances.
     fn creep(&mut self, stepper: &Stepper) {
         if self.speed > CREEPING {
             (self.longest, self.crept) = (LONGEST, 0);

@@ -132,10 +132,14 @@ impl CanonicalBytes {
         self.reals(reals);
         // Divisions with axial symmetry keep the keys they had before there were others.
         if numerics.modes > 0 {
+            self.count(SURFACE_VERSION);
             surface.into_iter().for_each(|number| self.count(number as u64));
         }
     }
 }
+
+/// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
+const SURFACE_VERSION: u64 = 2;
 
 /// Marks the beginning of a regulator. Without one the number of stages of the discretisation follows, which is small.
 const REGULATOR: usize = 255;

@@ -310,7 +310,9 @@ fn the_mesh_moves_with_the_normal_velocity_alone() {
         worst = worst.max((dot(out, &normal) - area * (dot(&moved, &normal) - surface.v[1][k])).abs());
         let from_centre = [x[0][0] - centre[0], x[0][1], x[0][2] - centre[1]];
         let held = [c * centre[0], 0.0, 0.0];
-        let spread: Vector<f64> = from_fn(|i| a * x[3][i] + a_u * x[1][i] + b * (x[5][i] + from_centre[i]) - held[i]);
+        let spread: Vector<f64> = from_fn(|i| {
+            a * x[3][i] + a_u * x[1][i] + b * (x[5][i] + from_centre[i]) - held[i] - place.drag * area * moved[i]
+        });
         for tangent in &x[1..3] {
             worst = worst.max((dot(out, tangent) + dot(&spread, tangent)).abs());
         }

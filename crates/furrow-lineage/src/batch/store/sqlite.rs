@@ -182,7 +182,7 @@ impl Store {
         write(connection, "", rows).map_err(failed(&self.file))
     }
 
-    /// The connection for writing; the file is created if there is none.
+    /// The connection for writing. Creates the file if necessary.
     fn for_writing<'c>(&self, inner: &'c mut Inner) -> Result<Option<&'c Connection>, StoreError> {
         if inner.connection.is_none() {
             if !self.file.exists() {
@@ -215,7 +215,7 @@ impl Store {
     }
 }
 
-/// Critical radii are in a table of their own: the JSON text of the search, of what it found, and a checksum.
+/// Critical radii, in a second table: JSON texts of the search and its result, and a checksum.
 impl Archive for Store {
     fn get(&self, search: &str) -> Option<String> {
         let mut inner = self.lock()?;
