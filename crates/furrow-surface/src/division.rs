@@ -74,7 +74,7 @@ const MOVED: f64 = 50.0;
 const FOLLOWING: f64 = 1.2;
 /// Time in which the mesh follows its wanted spread, relative to R0². Without it the rings of a deep furrow at one side have no spread
 /// near the last one.
-const DRAG: f64 = 0.05;
+const DRAG: f64 = 0.01;
 /// A surface slower than this, relative to R0 and in 1/τ, may take longer steps, as long as its fastest disturbance allows.
 const CREEPING: f64 = 5e-3;
 /// Longest step of a creeping surface, relative to the time in which its fastest disturbance grows by a factor e.
