@@ -72,9 +72,9 @@ const MOVED: f64 = 50.0;
 /// How fast the mesh follows the wanted one, for a change of 1. Were it moved by a share in every step, shorter steps would not be
 /// smoother.
 const FOLLOWING: f64 = 1.2;
-/// Time in which the mesh follows its wanted spread, relative to R0². Without it the rings of a deep furrow at one side have no spread
-/// near the last one.
-const DRAG: f64 = 0.01;
+/// Times in which the mesh follows its wanted spread, relative to R0², for a neck on the axis and for one at one side. Without drag the
+/// rings of a deep furrow at one side have no spread near the last one; with much of it rings lag behind a closing neck.
+const DRAG: [f64; 2] = [0.005, 0.05];
 /// A surface slower than this, relative to R0 and in 1/τ, may take longer steps, as long as its fastest disturbance allows.
 const CREEPING: f64 = 5e-3;
 /// Longest step of a creeping surface, relative to the time in which its fastest disturbance grows by a factor e.
@@ -123,7 +123,7 @@ pub(crate) fn run(
     let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
     let (problem, state) = start(cell, numerics)?;
     let mut stepper = Stepper::new(problem, state);
-    stepper.problem.drag = DRAG / (cell.r0 * cell.r0);
+    stepper.problem.drag = DRAG[0] / (cell.r0 * cell.r0);
     stepper.contact = numerics.contact;
     let first = &stepper.history[0].state.surface;
     stepper.problem.noise = noise::factors(&stepper.problem, first, numerics, *seed, symmetric);
@@ -304,6 +304,7 @@ impl Run<'_> {
         let mut growth = error.map_or(1.0, |error| (0.8 / error.max(1e-3).cbrt()).clamp(0.5, 2.0));
         self.speed = moved / (t - stepper.history[0].t) / self.r0;
         let mut change = MOVED * moved / self.r0;
+        let mut drag = DRAG[0];
         if let Some(neck) = found {
             if let Some(before) = self.necks.last() {
                 let speed = (before.neck.radius - neck.radius) / (t - before.t);
@@ -312,8 +313,11 @@ impl Run<'_> {
                     change += (before.neck.radius / neck.radius).ln();
                 }
             }
+            let one_sided = (neck.offset.abs() / (ONE_SIDED * self.r0)).min(1.0);
+            drag += one_sided * (DRAG[1] - DRAG[0]);
             self.necks.push(NeckAt { t, neck });
         }
+        stepper.problem.drag = drag / (self.r0 * self.r0);
         stepper.accept(level, 1.0 - (-FOLLOWING * change).exp());
         // Equal steps keep the derivatives of the last one useful.
         if !(0.9..1.25).contains(&growth) {
