@@ -31,13 +31,13 @@ fn the_critical_radius_tells_cells_at_rest_from_cells_that_divide() {
     let rate = below.growth_rate().unwrap();
     assert!(rate < 0.0 && rate > -0.1, "{rate}");
     // It stays near the unstable bent state until the odd disturbance has grown, in long steps.
-    let above = outcome(1.02);
-    assert!(above.chi().unwrap() > 0.6 && above.t_end > 20.0 && above.work.steps < 700, "{above:?}");
+    let above = outcome(1.04);
+    assert!(above.chi().unwrap() > 0.5 && above.t_end > 15.0 && above.work.steps < 700, "{above:?}");
 }
 
 #[test]
 fn curves_of_bent_events_pass_through_those_of_each_branch() {
-    let numerics = coarse();
+    let numerics = Numerics { modes: 2, ..coarse() };
     let events = |r0: f64| {
         let found = branch(&Cell::new(r0), &numerics, 40.0).unwrap();
         assert!(found.threshold.coefficient > 0.0);
