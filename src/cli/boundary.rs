@@ -67,7 +67,7 @@ const HEADER: &str = "curve,r0,epsilon,value,xi_s,H,criticality,coefficient";
 pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     set(&mut context.settings, [("--xi", "xi_s", args.xi)])?;
     let varied = args.vary.read(&mut context)?;
-    args.check(&varied)?;
+    args.check(&varied, context.settings.numerics.modes)?;
     let picture = args.plot.file()?;
     let Varied { cell, parameter, range } = &varied;
     let numerics = &context.settings.numerics;
@@ -112,16 +112,13 @@ fn add_bent(found: &mut BoundaryStudy, numerics: &Numerics, critical: bool) -> R
 }
 
 impl BoundaryArgs {
-    fn check(&self, varied: &Varied) -> Result<(), InputError> {
+    fn check(&self, varied: &Varied, modes: usize) -> Result<(), InputError> {
         let [from, to] = varied.range;
         InputError::require(from != to, "--to", "to", to, "different from --from")?;
         let fine = self.write.is_none() || varied.parameter == Parameter::R0;
         InputError::require(fine, "--write", "vary", varied.parameter, "r0: what is stored is a boundary over R0")?;
-        if self.axis.setting().is_some() {
-            let allowed = "r0 or epsilon with --three-dimensional";
-            let fine = matches!(varied.parameter, Parameter::R0 | Parameter::Epsilon);
-            InputError::require(fine, "--vary", "vary", varied.parameter, allowed)?;
-        }
+        let fine = modes == 0 || matches!(varied.parameter, Parameter::R0 | Parameter::Epsilon);
+        InputError::require(fine, "--vary", "vary", varied.parameter, "r0 or epsilon with --three-dimensional")?;
         writable_file("--csv", self.csv.as_deref())?;
         writable_file("--write", self.write.as_deref())
     }

@@ -92,7 +92,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let numerics = &context.settings.numerics;
-    // Bent states first: their errors are those of bad input.
+    // Before the other branches: a cell without bent states is refused at once.
     let bent = (numerics.modes > 0).then(|| bent_states(&cell, numerics, args.xi_max)).transpose()?.flatten();
     let mut found = diagram(&cell, numerics, &options)?;
     found.branches.extend(bent.iter().map(|bent| ("bent", bent.shapes())));

@@ -14,11 +14,10 @@ use furrow_lineage::batch::{
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
 };
-use furrow_mechanics::critical::BoundaryKind;
 use furrow_mechanics::division::{Division, DivisionInput, Statistics};
 use furrow_mechanics::equilibria::{BranchOptions, PointKind, ShapeError, StepBudget, pitchfork};
 use rayon::prelude::*;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -400,11 +399,5 @@ fn pitchfork_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<V
 
 fn critical_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Vec<Value>, ShapeError> {
     let found = (method(&input.numerics).radius)(&input.cell, &input.numerics, budget)?;
-    let kind = match found.kind {
-        BoundaryKind::CuedFold => "cued_fold",
-        BoundaryKind::BentPitchfork => "bent_pitchfork",
-        BoundaryKind::BentFold => "bent_fold",
-        _ => "pitchfork",
-    };
-    Ok(vec![found.r0.into(), kind.into()])
+    Ok(vec![found.r0.into(), json!(found.kind)])
 }

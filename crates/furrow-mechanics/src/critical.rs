@@ -150,7 +150,8 @@ impl Stored {
     pub fn compute(cell: &Cell, numerics: &Numerics, cues: &[Cue], range: [f64; 2]) -> Result<Stored> {
         let (cell, parameters) = (without_size_and_cue(cell), parameters_hash(cell, numerics));
         let budget = StepBudget::unlimited();
-        let radius = |cue: &Cue| resting_radii(&cell.clone().with_cue(cue.clone()), numerics, &budget, None);
+        let radius =
+            |cue: &Cue| resting_radii(&cell.clone().with_cue(cue.clone()), numerics, &AXISYMMETRIC, &budget, None);
         let bounds = |found: &Result<_>| !matches!(found, Err(ShapeError::NoBound { .. }));
         let radii = cues.iter().map(radius).filter(bounds).collect::<Result<_>>()?;
         let Curve { points, degenerate, .. } = curves::pitchfork_curve(&cell, numerics, Parameter::R0, range)?;
@@ -446,13 +447,12 @@ impl<'a> CriticalRadii<'a> {
 
     fn search(&self, search: &Search, numerics: &Numerics) -> Result<RestingRadii> {
         let budget = StepBudget::new(MOST_SEARCHED, self.interrupt);
-        let critical = (self.method.radius)(&search.cell, numerics, &budget)?;
-        let from = match search.fine {
+        match search.fine {
             // The divisions were tried with the coarser radius.
-            true => critical.r0,
-            false => rests_from(&search.cell, numerics, (critical.kind, critical.r0), &self.method, self.interrupt)?,
-        };
-        Ok(RestingRadii { critical, from })
+            true => (self.method.radius)(&search.cell, numerics, &budget)
+                .map(|critical| RestingRadii { from: critical.r0, critical }),
+            false => resting_radii(&search.cell, numerics, &self.method, &budget, self.interrupt),
+        }
     }
 
     /// The reason why a cell cannot divide; `None` if it can, or if it is smaller than all radii with a tried division.

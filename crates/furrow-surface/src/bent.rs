@@ -5,7 +5,7 @@
 //! J x′ + ∂_ξF ξ′ = 0 and bend(x′) = 1. Disturbances that break the mirror symmetry begin to grow at the odd pitchfork.
 
 use furrow_bvp::{Gauss, Work};
-use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::cortex::Domain;
 use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, PSI, R, V, Z};
 use furrow_mechanics::cortex::symmetry::unfold;
@@ -230,8 +230,10 @@ impl Bent {
         let before = self.cell.r0;
         parameter.set(&mut self.cell, value);
         self.problem.constants = Constants::new(&self.cell, |_, value| value);
-        let scale = self.cell.r0 / before;
-        self.state.surface.iter_mut().for_each(|x| *x *= scale);
+        if parameter == Parameter::R0 {
+            let scale = value / before;
+            self.state.surface.iter_mut().for_each(|x| *x *= scale);
+        }
     }
 
     /// The bend as a row over the unknowns.
@@ -268,6 +270,18 @@ impl Bent {
     /// Goes on to the state with this bend, which is near.
     pub(crate) fn advance(&mut self, bend: f64, work: &mut Work) -> Result<(), BentError> {
         self.solved(bend, work).map_err(|reason| BentError::Lost { bend, reason })
+    }
+
+    /// The state a step further, which is halved until it succeeds.
+    fn onward(&self, step: &mut f64, work: &mut Work) -> Result<Bent, BentError> {
+        loop {
+            let mut next = self.clone();
+            match next.advance(self.bend() + *step, work) {
+                Ok(()) => return Ok(next),
+                Err(lost) if 0.5 * *step <= SHORTEST => return Err(lost),
+                Err(_) => *step *= 0.5,
+            }
+        }
     }
 
     fn solved(&mut self, bend: f64, work: &mut Work) -> Result<(), NewtonError> {
@@ -310,8 +324,17 @@ impl Bent {
         Ok(self.problem.rates(&self.state, 3, among)?.first().map_or(f64::NEG_INFINITY, |rate| rate.re))
     }
 
-    pub(crate) fn point(&self) -> Result<BentPoint, RatesError> {
-        let rest = AtRest { problem: self.problem.clone(), state: self.state.clone(), rates: Vec::new() };
+    fn at_rest(&self) -> AtRest {
+        AtRest { problem: self.problem.clone(), state: self.state.clone(), rates: Vec::new() }
+    }
+
+    /// Distance of the poles over R0.
+    pub(crate) fn elongation(&self) -> f64 {
+        self.at_rest().elongation()
+    }
+
+    fn point(&self) -> Result<BentPoint, RatesError> {
+        let rest = self.at_rest();
         let neck = neck(&self.problem.space, &self.state.surface);
         Ok(BentPoint {
             xi_s: self.cell.xi_s,
@@ -407,15 +430,11 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
     let mut found = BentBranch { threshold, points, work, pitchfork: None, fold: None, ended: BranchEnd::Enough };
     let mut step = STEP;
     while bent.bend() < LARGEST && bent.cell.xi_s <= xi_max {
-        let mut next = bent.clone();
-        if let Err(lost) = next.advance(bent.bend() + step, &mut found.work) {
-            step *= 0.5;
-            match found.fold {
-                _ if step > SHORTEST => continue,
-                Some(_) => break,
-                None => return Err(lost),
-            }
-        }
+        let next = match bent.onward(&mut step, &mut found.work) {
+            Ok(next) => next,
+            Err(_) if found.fold.is_some() => break,
+            Err(lost) => return Err(lost),
+        };
         let now = next.point()?;
         let pair = [&bent, &next];
         if found.pitchfork.is_none() {
@@ -454,14 +473,7 @@ pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Resu
     let mut found: Vec<(BentEvent, Bent)> = Vec::new();
     let mut step = 2.0 * STEP;
     while bent.bend() < LARGEST && before[1] > 0.0 && (found.is_empty() || !only_first) {
-        let mut next = bent.clone();
-        if let Err(lost) = next.advance(bent.bend() + step, &mut work) {
-            step *= 0.5;
-            if step > SHORTEST {
-                continue;
-            }
-            return Err(lost);
-        }
+        let next = bent.onward(&mut step, &mut work)?;
         let now = values(&next)?;
         for (k, event) in all.into_iter().enumerate() {
             let at = event.between([&bent, &next], [before[k], now[k]], &mut work)?;
@@ -474,8 +486,13 @@ pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Resu
     if found.is_empty() { Err(BentError::Unbounded) } else { Ok(found) }
 }
 
+/// Whether bent states of cells with a cue can be followed.
+pub(crate) fn can_follow(cue: &Cue) -> bool {
+    cue.is_mirror_symmetric() && cue.regulator().is_none()
+}
+
 fn check(cell: &Cell) -> Result<(), BentError> {
-    match cell.is_mirror_symmetric() && cell.cue.regulator().is_none() {
+    match can_follow(&cell.cue) {
         true => Ok(()),
         false => Err(BentError::NoMirror { cue: cell.cue.to_string() }),
     }

@@ -7,7 +7,7 @@ use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::error::CellName;
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 
-use crate::bent::{Bent, BentError, BentEvent, events};
+use crate::bent::{Bent, BentError, BentEvent, can_follow, events};
 use crate::division::divide;
 
 /// Number of steps over a range, unless one fails.
@@ -26,7 +26,7 @@ const SEARCH: usize = 30;
 /// Critical radii of cells without axial symmetry: where the stable bent states end at the cell's activity.
 pub const WITHOUT_AXIS: Method = Method {
     name: "without axial symmetry 1",
-    applies: |cue| cue.is_mirror_symmetric() && cue.regulator().is_none(),
+    applies: can_follow,
     radius: critical_radius,
     divide: |input, _| divide(input, &mut |_, _| ()).map(|found| found.division),
     refined: |numerics| Numerics { modes: numerics.modes + 2, ..*numerics },
@@ -53,12 +53,12 @@ impl Located {
         Ok(Located { event: self.event, bent, drift })
     }
 
-    /// The point of the curve, with its slope since another.
-    fn point(&self, parameter: Parameter, slope: f64) -> Result<CurvePoint, BentError> {
-        let (cell, point) = (&self.bent.cell, self.bent.point()?);
-        let (xi_s, elongation) = (point.xi_s, point.elongation);
-        let value = parameter.get(cell);
-        Ok(CurvePoint { r0: cell.r0, epsilon: cell.epsilon, value, xi_s, slope, elongation, coefficient: None })
+    /// The point of the curve, where its slope is known.
+    fn point(&self, parameter: Parameter, slope: f64) -> CurvePoint {
+        let cell = &self.bent.cell;
+        let (value, elongation) = (parameter.get(cell), self.bent.elongation());
+        let Cell { r0, epsilon, xi_s, .. } = *cell;
+        CurvePoint { r0, epsilon, value, xi_s, slope, elongation, coefficient: None }
     }
 }
 
@@ -97,13 +97,13 @@ fn follow(
     let whole = (to - from) / STEPS;
     let mut step = whole;
     let mut value = from;
-    curve.points.push(at.point(parameter, 0.0)?);
+    curve.points.push(at.point(parameter, 0.0));
     while (to - value) * whole.signum() > 1e-9 * whole.abs() {
         let next = if (to - value).abs() < 1.5 * step.abs() { to } else { value + step };
         match at.moved(parameter, next, work) {
             Ok(there) => {
                 let slope = (there.bent.cell.xi_s - at.bent.cell.xi_s) / (next - value);
-                curve.points.push(there.point(parameter, slope)?);
+                curve.points.push(there.point(parameter, slope));
                 (at, value, step) = (there, next, (1.5 * step.abs()).min(whole.abs()).copysign(whole));
             }
             Err(lost) => {

@@ -12,7 +12,7 @@
 //! | [`contact`], [`crossing`] | walls of a furrow that touch, and surfaces that cross themselves |
 //! | [`stepper`], [`division`], [`noise`] | motion in time up to pinch-off or rest |
 //! | [`steady`], [`rates`] | states at rest and their growth rates |
-//! | [`bent`] | branches of bent states at rest, with their odd pitchfork and fold |
+//! | [`bent`], [`bent_curves`] | branches of bent states at rest; their odd pitchfork and fold over R0 or ε |
 //! | [`neck`], [`sample`], [`film`] | observables and samples of a shape |
 
 pub mod bent;

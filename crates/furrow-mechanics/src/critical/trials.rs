@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{AXISYMMETRIC, BoundaryKind, Method, RestingRadii, critical_radius_within};
+use super::{BoundaryKind, Method, RestingRadii};
 use crate::division::{DivisionError, DivisionInput, Outcome};
 use crate::equilibria::budget::StepBudget;
 use crate::equilibria::error::{CellName, Result, ShapeError};
@@ -71,14 +71,15 @@ pub fn rests_from(
 /// The critical radius of cells like `cell`, and the radius down to which a few trial divisions come to rest.
 ///
 /// # Errors
-/// The errors of [`critical_radius_within`] and [`rests_from`].
+/// The errors of [`Method::radius`] and [`rests_from`].
 pub fn resting_radii(
     cell: &Cell,
     numerics: &Numerics,
+    method: &Method,
     budget: &StepBudget<'_>,
     cancel: Option<&AtomicBool>,
 ) -> Result<RestingRadii> {
-    let critical = critical_radius_within(cell, numerics, budget)?;
-    let from = rests_from(cell, numerics, (critical.kind, critical.r0), &AXISYMMETRIC, cancel)?;
+    let critical = (method.radius)(cell, numerics, budget)?;
+    let from = rests_from(cell, numerics, (critical.kind, critical.r0), method, cancel)?;
     Ok(RestingRadii { critical, from })
 }
