@@ -13,8 +13,8 @@ use furrow_mechanics::critical::critical_radius;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let step = Profile::Step { u0: 0.4, omega: Width::Length(0.8) };
     let cue = Cue::new(vec![
-        Term { field: Field::Activity, profile: step, amplitude: 0.1 },
-        Term { field: Field::Friction, profile: Profile::Gradient, amplitude: 0.5 },
+        Term { field: Field::Activity, profile: step, amplitude: 0.1, side: None },
+        Term { field: Field::Friction, profile: Profile::Gradient, amplitude: 0.5, side: None },
     ])?;
     println!("{cue}");
     for cue in [cue.clone(), cue.mirrored()] {

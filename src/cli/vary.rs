@@ -52,6 +52,8 @@ impl VaryArgs {
         let parameter = parameter("--vary", &self.vary)?;
         let allowed = "another parameter: curves and diagrams run over ξ_s as it is";
         InputError::require(parameter != Parameter::XiS, "--vary", "vary", "xi_s", allowed)?;
+        let allowed = "a parameter of a cell with axial symmetry";
+        InputError::require(parameter != Parameter::Flattening, "--vary", "vary", parameter, allowed)?;
         let given = Given { option: "--vary", parameter, r0: self.r0, epsilon: self.epsilon, xi: None, cue: &self.cue };
         let cell = given.cell(context)?;
         let [from, to] =
@@ -149,7 +151,9 @@ impl Given<'_> {
 /// Lists the names.
 pub fn parameter(option: &str, name: &str) -> Result<Parameter, InputError> {
     name.parse().map_err(|_| {
-        let others = Parameter::ALL.into_iter().filter(|p| option != "--vary" || *p != Parameter::XiS);
+        // Curves run over ξ_s already, and have axial symmetry.
+        let unfit = |p: &Parameter| matches!(p, Parameter::XiS | Parameter::Flattening);
+        let others = Parameter::ALL.into_iter().filter(|p| option != "--vary" || !unfit(p));
         let names: Vec<&str> = others.map(Parameter::name).collect();
         let nearest = did_you_mean(name, names.iter().copied());
         let allowed = format!("one of {}, {}{nearest}", names.join(", "), Parameter::OF_CUES.join(", "));

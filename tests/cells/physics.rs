@@ -35,7 +35,7 @@ impl Draws {
             1 => Profile::Step { u0, omega: self.width() },
             _ => Profile::Gradient,
         };
-        Term { field, profile, amplitude: self.between(0.1, 0.3) }
+        Term { field, profile, amplitude: self.between(0.1, 0.3), side: None }
     }
 
     /// A cell of any size, confinement and activity that occurs in an embryo, with a cue of up to two terms.

@@ -146,7 +146,7 @@ impl Follows {
 /// The amplitude brings κ to 0.
 pub(crate) fn cue_of(polarity: &Readings, follows: Follows, amplitude: f64) -> Result<Cue, CueError> {
     let profile = polarity.followed(follows == Follows::Band);
-    Cue::new(vec![Term { field: Field::Kappa, profile, amplitude }])
+    Cue::new(vec![Term { field: Field::Kappa, profile, amplitude, side: None }])
 }
 
 /// Polarity of cells, and the divisions that follow where κ follows P.

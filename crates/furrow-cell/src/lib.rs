@@ -88,6 +88,11 @@ impl Cell {
         self.cue.is_mirror_symmetric()
     }
 
+    /// Whether its shell and its cue are round about the axis of division.
+    pub fn has_axis(&self) -> bool {
+        self.shell.flattening == 1.0 && !self.cue.is_one_sided()
+    }
+
     /// The mirror image of the cell under u → 1 − u.
     pub fn mirrored(&self) -> Cell {
         Cell { cue: self.cue.mirrored(), ..self.clone() }

@@ -51,6 +51,8 @@ impl Material {
 }
 
 /// Constants of the ellipsoidal shell. The paper does not print them; the presets choose them by its statements.
+///
+/// Its half axes are a√(1/f) along the axis of division, b√(1/f) and bf across it, f the flattening, with the same volume for all f.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shell {
@@ -60,11 +62,23 @@ pub struct Shell {
     pub p0: f64,
     /// Width w of its repulsion, relative to the shell.
     pub w: f64,
+    /// Thickness of the shell between two plates, relative to the round shell of the same volume; 1 without plates. The plates
+    /// are parallel to the axis of division.
+    #[serde(rename = "shell_flattening", default = "round", skip_serializing_if = "is_round")]
+    pub flattening: f64,
+}
+
+fn round() -> f64 {
+    1.0
+}
+
+fn is_round(flattening: &f64) -> bool {
+    *flattening == 1.0
 }
 
 impl Shell {
     /// The preset `gao2026`, which meets all statements of the paper about its constants, thresholds within 1 %.
-    pub const GAO2026: Shell = Shell { aspect: 1.505, p0: 0.1, w: 0.138 };
+    pub const GAO2026: Shell = Shell { aspect: 1.505, p0: 0.1, w: 0.138, flattening: 1.0 };
     /// The preset `gao2026-thresholds`, which meets the four printed thresholds within 0.3 %.
-    pub const GAO2026_THRESHOLDS: Shell = Shell { aspect: 1.5, p0: 0.123, w: 0.1445 };
+    pub const GAO2026_THRESHOLDS: Shell = Shell { aspect: 1.5, p0: 0.123, w: 0.1445, flattening: 1.0 };
 }

@@ -37,6 +37,9 @@ pub enum Parameter {
     P0,
     /// Shell width w.
     W,
+    /// Flattening of the shell.
+    #[serde(rename = "shell_flattening")]
+    Flattening,
     /// Bending rigidity κ.
     Kappa,
     /// Bulk viscosity η_b.
@@ -83,9 +86,9 @@ impl Parameter {
     ];
 
     /// Every parameter except the numbers of cues, for listings.
-    pub const ALL: [Parameter; 13] = {
+    pub const ALL: [Parameter; 14] = {
         use Parameter::*;
-        [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Kappa, EtaB, EtaS, Friction, Tension]
+        [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Flattening, Kappa, EtaB, EtaS, Friction, Tension]
     };
 
     /// The numbers of a cue: of its terms, then of its regulator.

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::value::Kind;
 pub use crate::value::Value;
-use crate::{Cell, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ZYGOTE};
+use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ZYGOTE};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 
 /// Parameters of a run, checked.
@@ -135,6 +135,7 @@ fields! {
         aspect ["a_over_b"] at cell.shell.aspect => f64 as Aspect, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         p0 ["P0"] at cell.shell.p0 => f64 as P0, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         w at cell.shell.w => f64 as W, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        shell_flattening at cell.shell.flattening => f64 as Flattening, "from 0.3 to 1, the thickness between plates relative to a round shell", |v| (0.3..=1.0).contains(&v);
         r0 ["R0"] at cell.r0 => f64 as R0, "a finite number above 0, from 1e-6 to 1e6", |v| SIZES.contains(&v);
         epsilon ["eps"] at cell.epsilon => f64 as Epsilon, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
         rigidity_gradient at cell.material.rigidity_gradient => RigidityGradient, "full or dropped", |_v| true;
@@ -296,7 +297,20 @@ impl Settings {
             let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
             return Err(InputError::not_allowed(source_name, "numerics.dt", dt, allowed));
         }
+        let Numerics { modes, .. } = self.numerics;
+        let (flattening, name) = (self.cell.shell.flattening, "physics.shell_flattening");
+        let fine = flattening == 1.0 || modes >= 2;
+        InputError::require(fine, source_name, name, flattening, "1 unless cells have two azimuthal modes or more")?;
         self.check_wall(source_name)
+    }
+
+    /// Refuses a cue at one side of the axis, for cells with axial symmetry.
+    ///
+    /// # Errors
+    /// Names the cue; the values came from `source_name`.
+    pub fn check_cue(&self, source_name: &str, cue: &Cue) -> Result<(), InputError> {
+        let fine = self.numerics.modes > 0 || !cue.is_one_sided();
+        InputError::require(fine, source_name, "cue", cue, "without at=PHI unless cells have azimuthal modes")
     }
 
     /// Checks whether the mesh has enough intervals for the width of the shell's wall, the same number of them for each part
@@ -464,7 +478,9 @@ mod tests {
     /// A field added to the parameters must get its row in the table.
     #[test]
     fn table_covers_every_field() {
-        let Settings { cell: Cell { material, shell, .. }, numerics } = Settings::default();
+        let Settings { cell: Cell { material, mut shell, .. }, numerics } = Settings::default();
+        // A round shell is written without its flattening.
+        shell.flattening = 0.5;
         let parts = [serde_json::to_value(material), serde_json::to_value(shell), serde_json::to_value(numerics)];
         let mut numbers = vec!["r0".to_owned(), "epsilon".to_owned(), "xi_s".to_owned()];
         for part in parts {

@@ -22,6 +22,8 @@ pub struct FounderPhysics {
     pub p0: Option<f64>,
     /// Shell width w.
     pub w: Option<f64>,
+    /// Flattening of the shell.
+    pub shell_flattening: Option<f64>,
     /// Bending rigidity κ.
     pub kappa: Option<f64>,
     /// Bulk viscosity η_b.
@@ -36,10 +38,23 @@ pub struct FounderPhysics {
 
 impl FounderPhysics {
     /// Its fields, with their parameters.
-    fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 12] {
+    fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 13] {
         // Without `..`: a new field does not compile until it has its parameter.
-        let FounderPhysics { xi_s, xi_ratio, gain, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension } =
-            self;
+        let FounderPhysics {
+            xi_s,
+            xi_ratio,
+            gain,
+            epsilon,
+            aspect,
+            p0,
+            w,
+            shell_flattening,
+            kappa,
+            eta_b,
+            eta_s,
+            friction,
+            tension,
+        } = self;
         [
             (Parameter::XiS, xi_s),
             (Parameter::XiRatio, xi_ratio),
@@ -48,6 +63,7 @@ impl FounderPhysics {
             (Parameter::Aspect, aspect),
             (Parameter::P0, p0),
             (Parameter::W, w),
+            (Parameter::Flattening, shell_flattening),
             (Parameter::Kappa, kappa),
             (Parameter::EtaB, eta_b),
             (Parameter::EtaS, eta_s),

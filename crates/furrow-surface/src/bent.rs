@@ -488,7 +488,7 @@ pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Resu
 
 /// Whether bent states of cells with a cue can be followed.
 pub(crate) fn can_follow(cue: &Cue) -> bool {
-    cue.is_mirror_symmetric() && cue.regulator().is_none()
+    cue.is_mirror_symmetric() && cue.regulator().is_none() && !cue.is_one_sided()
 }
 
 fn check(cell: &Cell) -> Result<(), BentError> {

@@ -13,6 +13,7 @@ use crate::embed::{ContourPoint, embed};
 use crate::neck::{Neck, asymmetry, neck};
 use crate::newton::{Newton, NewtonError};
 use crate::noise;
+use crate::plane::{Plates, inverse_axes2, turned};
 use crate::problem::{Problem, State};
 use crate::rates::{Among, Rate};
 use crate::space::Space;
@@ -95,6 +96,8 @@ const GROWN: f64 = 12.0;
 const WAIT: f64 = 20.0;
 /// Most steps of a division.
 const MOST_STEPS: f64 = 4000.0;
+/// Change of the flattening of a shell within which a passive cell in it is found.
+const CLOSING_PLATES: f64 = 0.05;
 /// Azimuthal numbers of the shape at the start.
 const FIRST_MODES: usize = 2;
 /// Size of the harmonics with the largest azimuthal number, relative to R0, above which the shape takes one more.
@@ -121,7 +124,8 @@ pub(crate) fn run(
     let DivisionInput { cell, numerics, seed } = input;
     check(cell, numerics)?;
     let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
-    let (problem, state) = start(cell, numerics)?;
+    let (cell, plates) = &turned(cell)?;
+    let (problem, state) = start(cell, *plates, numerics)?;
     let mut stepper = Stepper::new(problem, state);
     stepper.problem.drag = DRAG[0] / (cell.r0 * cell.r0);
     stepper.contact = numerics.contact;
@@ -184,13 +188,14 @@ fn stalled(r0: f64, [t, dt, neck]: [f64; 3], reason: String) -> DivisionError {
 ///
 /// # Errors
 /// [`DivisionError`].
-pub fn start(cell: &Cell, numerics: &Numerics) -> Result<(Problem, State), DivisionError> {
+pub fn start(cell: &Cell, plates: Plates, numerics: &Numerics) -> Result<(Problem, State), DivisionError> {
     let name = CellName::of(cell);
     let (half, _) =
         equilibria::passive(cell, numerics).map_err(|source| DivisionError::NoPassiveShape { cell: name, source })?;
     let full = unfold(&half);
     let gauss = Gauss::new(numerics.stages).unwrap_or_default();
-    let space = Space::new(numerics.elements, numerics.modes.min(FIRST_MODES));
+    let round = cell.shell.flattening == 1.0;
+    let space = Space::new(numerics.elements, if round { numerics.modes.min(FIRST_MODES) } else { numerics.modes });
     let mut problem = Problem::new(&cell.passive(), space);
     let contour = |u: f64| {
         let mut y = [0.0; COMPONENTS];
@@ -199,9 +204,16 @@ pub fn start(cell: &Cell, numerics: &Numerics) -> Result<(Problem, State), Divis
     };
     let shares = problem.mesh.shares(&problem.space);
     let mut state = embed(&problem.space, &shares, full.scalars[PRESSURE], contour);
-    problem
-        .settle(&mut state, Problem::wanted_density, &mut Work::default())
-        .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source.to_string()))?;
+    // Plates close step by step on a passive cell in a round shell.
+    let steps = ((1.0 - cell.shell.flattening) / CLOSING_PLATES).ceil();
+    for step in 0..=steps as usize {
+        let closed = if round { 0.0 } else { step as f64 / steps };
+        let flattening = 1.0 + (cell.shell.flattening - 1.0) * closed;
+        problem.inverse_axes2 = inverse_axes2(&problem.constants.shell, flattening, plates);
+        problem
+            .settle(&mut state, Problem::wanted_density, &mut Work::default())
+            .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source.to_string()))?;
+    }
     problem.constants = Constants::new(cell, |_, value| value);
     Ok((problem, state))
 }

@@ -1,7 +1,6 @@
 //! A division with all its shapes, for pictures and files.
 
 use furrow_cell::Cell;
-use furrow_mechanics::cortex::{Cortex, Domain, forces};
 use furrow_mechanics::division::{DivisionError, DivisionInput, uniform_times};
 use furrow_mechanics::polarity;
 
@@ -68,7 +67,7 @@ pub struct Film {
     pub found: SurfaceDivision,
     /// The cell, with the resolved position of its cue.
     pub cell: Cell,
-    /// The half axes of the shell along z and across, in L_h.
+    /// The half axes of the shell along z and across in the mirror plane, in L_h.
     pub shell: [f64; 2],
     /// The shapes after every step, the first at t = 0.
     pub steps: Vec<Step>,
@@ -83,7 +82,8 @@ impl Film {
         let mut steps = Vec::new();
         let found = divide(input, &mut |problem, level| steps.push(Step::of(problem, level)))?;
         let cell = polarity::resolved(&input.cell).map_err(|source| DivisionError::Polarity { source })?.into_owned();
-        let shell = forces::shell_axes(&Cortex::new(&cell, Domain::Full, &[]));
+        let axes = steps.first().map_or([f64::NAN; 3], |step: &Step| step.problem.inverse_axes2);
+        let shell = [axes[2], axes[0]].map(|inverse: f64| inverse.recip().sqrt());
         Ok(Film { found, cell, shell, steps })
     }
 

@@ -40,6 +40,8 @@ pub struct Place {
     pub local: LocalCoefficients<f64>,
     /// Constants of the shell.
     pub shell: ShellCoefficients<f64>,
+    /// 1/x², 1/y², 1/z² of its half axes.
+    pub inverse_axes2: Vector<f64>,
     /// Factor of the activity: noise.
     pub noise: f64,
     /// 1/Δt of the implicit step, its leading coefficient.
@@ -171,11 +173,11 @@ pub fn viscous_stress<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shap
     mix(raise(g, &strain), *g, D::from(shear), trace(g, &strain) * local.eta_difference)
 }
 
-/// The normal force f_c of the shell, M.9, and of a wall that the point touches.
+/// The normal force f_c of the shell, M.9 with three half axes, and of a wall that the point touches.
 #[inline(always)]
 pub fn wall_force<D: Number>(place: &Place, normal: &Vector<D>, x: &Vector<D>) -> D {
-    let ShellCoefficients { inverse_a2, inverse_b2, shell_force, inverse_w2, .. } = place.shell;
-    let scaled = [x[0] * inverse_b2, x[1] * inverse_b2, x[2] * inverse_a2];
+    let ShellCoefficients { shell_force, inverse_w2, .. } = place.shell;
+    let scaled: Vector<D> = std::array::from_fn(|k| x[k] * place.inverse_axes2[k]);
     let reach = ((dot(&scaled, x) - 1.0) * inverse_w2).exp();
     let shell = -(reach * dot(&scaled, normal)) * shell_force;
     let Contact { pressure, decay, origin, normal, distance } = place.contact;

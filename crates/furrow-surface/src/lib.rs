@@ -9,6 +9,7 @@
 //! | [`splines`], [`space`] | functions on the surface, regular at the poles |
 //! | [`problem`], [`newton`], [`linear`] | the discrete equations and their solution |
 //! | [`mesh`] | how rings are spread along the surface |
+//! | [`plane`] | the mirror plane, a flattened shell and cues at one side of the axis |
 //! | [`contact`], [`crossing`] | walls of a furrow that touch, and surfaces that cross themselves |
 //! | [`stepper`], [`division`], [`noise`] | motion in time up to pinch-off or rest |
 //! | [`steady`], [`rates`] | states at rest and their growth rates |
@@ -30,6 +31,7 @@ pub mod neck;
 pub mod newton;
 pub mod noise;
 pub mod number;
+pub mod plane;
 pub mod problem;
 pub mod rates;
 pub mod sample;

@@ -4,7 +4,8 @@ use furrow_bvp::Gauss;
 use furrow_cell::Cell;
 use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
 
-use crate::law::{Balance, Contact, Flow, Place, Shape, balance};
+use crate::law::{Balance, Contact, Flow, Place, Shape, Vector, balance};
+use crate::plane::{Plates, inverse_axes2};
 use crate::mesh::Mesh;
 use crate::space::{Entries, Meridian, POINTS, Space, Station};
 
@@ -44,6 +45,8 @@ pub struct Problem {
     pub space: Space,
     /// Constants of the cell.
     pub constants: Constants<f64>,
+    /// 1/x², 1/y², 1/z² of the half axes of the shell.
+    pub inverse_axes2: Vector<f64>,
     /// How the mesh is spread.
     pub mesh: Mesh,
     /// Drag of the mesh, in τ/L_h²: how fast it follows its wanted spread. 0 at rest.
@@ -60,10 +63,12 @@ pub struct Problem {
 impl Problem {
     /// The stationary problem of a cell.
     pub fn new(cell: &Cell, space: Space) -> Problem {
+        let constants = Constants::new(cell, |_, value| value);
         Problem {
             mesh: Mesh::uniform(&space),
             space,
-            constants: Constants::new(cell, |_, value| value),
+            inverse_axes2: inverse_axes2(&constants.shell, cell.shell.flattening, Plates::Beside),
+            constants,
             motion: Motion::default(),
             drag: 0.0,
             noise: Vec::new(),
@@ -101,6 +106,7 @@ impl Problem {
         Place {
             local: self.constants.at(share, length),
             shell: self.constants.shell,
+            inverse_axes2: self.inverse_axes2,
             noise: 1.0,
             rate: 0.0,
             past: [0.0; 3],
@@ -149,12 +155,16 @@ impl Problem {
         out
     }
 
-    /// Coefficients of the equations at every station.
+    /// Coefficients of the equations at every station, or at every station × meridian for a cue at one side of the axis.
     fn coefficients(&self, surface: &[f64]) -> Vec<LocalCoefficients<f64>> {
         if !self.constants.vary() {
             return vec![self.constants.uniform; self.space.stations.len()];
         }
         let (speeds, length) = self.speeds(surface);
+        if self.constants.is_one_sided() {
+            let around = |share| self.space.meridians.iter().map(move |of| self.constants.beside(share, of.phi, length));
+            return self.shares(&speeds, length).into_iter().flat_map(around).collect();
+        }
         let at = |(share, speed): (f64, f64)| {
             let mut local = self.constants.at(share, length);
             // By the mesh's coordinate.
@@ -171,6 +181,7 @@ impl Problem {
         Place {
             local,
             shell: self.constants.shell,
+            inverse_axes2: self.inverse_axes2,
             noise: self.noise.get(index).copied().unwrap_or(1.0),
             rate: self.motion.rate,
             past,
@@ -190,6 +201,7 @@ impl Problem {
     ) {
         let space = &self.space;
         let coefficients = self.coefficients(&state.surface);
+        let around = coefficients.len() / space.stations.len();
         let [mut surface, mut flow, mut past] = [const { Vec::new() }; 3];
         for (q, station) in space.stations.iter().enumerate() {
             space.functions(&state.surface, station, &mut surface);
@@ -201,7 +213,8 @@ impl Problem {
             for (j, meridian) in space.meridians.iter().enumerate() {
                 let x = space.shape(&surface, meridian);
                 let [v, v_u, v_p, ..] = space.shape(&flow, meridian);
-                each(q, j, &self.place(q, j, coefficients[q], &past), &x, &[v, v_u, v_p], centre);
+                let local = coefficients[q * around + if around > 1 { j } else { 0 }];
+                each(q, j, &self.place(q, j, local, &past), &x, &[v, v_u, v_p], centre);
             }
         }
     }

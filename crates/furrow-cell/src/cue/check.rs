@@ -1,6 +1,6 @@
 //! Whether the numbers of a cue are allowed, one by one and together.
 
-use super::{Coupling, Cue, CueError, Field, Profile, Quantity, RegulatorQuantity};
+use super::{Coupling, Cue, CueError, Field, Profile, Quantity, RegulatorQuantity, Side};
 
 /// Lengths of contours, in L_h, from the smallest cells to the largest: a width in L_h is a different width in u on each.
 pub(super) const CONTOURS: [f64; 6] = [2.5, 4.0, 7.0, 12.0, 20.0, 40.0];
@@ -10,6 +10,14 @@ const LARGEST: f64 = 1e4;
 
 /// Least diffusion of a regulator: its profiles get too narrow for the mesh below it.
 pub const LEAST_DIFFUSION: f64 = 0.05;
+
+/// A whole turn, with room for the rounding of degrees.
+const TURN: f64 = 2.0 * std::f64::consts::PI + 1e-9;
+
+/// Least spread of a side, in radians: the meridians of a surface are too far apart for less.
+const NARROWEST_SIDE: f64 = 0.3;
+/// Largest spread, which is all around.
+const WIDEST_SIDE: f64 = 10.0;
 
 /// The first invalid number of a profile and its amplitude, with the allowed values.
 fn refused(profile: &Profile, amplitude: f64) -> Option<(Quantity, f64, &'static str)> {
@@ -30,6 +38,16 @@ fn above_zero(profile: &Profile) -> &'static str {
         [-1.0, _] => "above -1 and below 1",
         _ => "a finite number above -1",
     }
+}
+
+/// The first invalid number of a side, by its key, with the allowed values.
+fn refused_side(side: &Side) -> Option<(&'static str, f64, &'static str)> {
+    let Side { at, spread } = *side;
+    if !(-TURN..=TURN).contains(&at) {
+        return Some(("at", at, "from -2π to 2π, or in degrees, as 90deg"));
+    }
+    let fine = (NARROWEST_SIDE..=WIDEST_SIDE).contains(&spread);
+    (!fine).then_some(("spread", spread, "from 0.3 to 10, in radians, or in degrees, as 60deg"))
 }
 
 /// Smallest and largest value of A f.
@@ -64,7 +82,10 @@ impl Cue {
     pub fn check(&self) -> Result<(), CueError> {
         for (k, term) in self.terms.iter().enumerate() {
             if let Some((quantity, value, allowed)) = refused(&term.profile, term.amplitude) {
-                return Err(CueError::new(self.label(k, quantity), value, allowed));
+                return Err(CueError::new(self.label(k, quantity.name()), value, allowed));
+            }
+            if let Some((key, value, allowed)) = term.side.as_ref().and_then(refused_side) {
+                return Err(CueError::new(self.label(k, key), value, allowed));
             }
         }
         self.check_regulator()?;
@@ -104,8 +125,8 @@ impl Cue {
     }
 
     /// What errors call a number of term `k`.
-    fn label(&self, k: usize, quantity: Quantity) -> String {
-        let name = format!("{}.{}", self.terms[k].field.name(), quantity.name());
+    fn label(&self, k: usize, key: &str) -> String {
+        let name = format!("{}.{key}", self.terms[k].field.name());
         if self.terms.len() > 1 { format!("cue[{k}].{name}") } else { name }
     }
 
@@ -139,7 +160,7 @@ impl Cue {
                     1 => above_zero(&self.terms[last].profile).to_owned(),
                     _ => format!("{everywhere}with all terms it falls to {lowest:.3}"),
                 };
-                Err(CueError::new(self.label(last, Quantity::Amplitude), self.terms[last].amplitude, allowed))
+                Err(CueError::new(self.label(last, Quantity::Amplitude.name()), self.terms[last].amplitude, allowed))
             }
             (None, None) => Ok(()),
         }
@@ -167,6 +188,9 @@ impl Cue {
         centres.sort_by(f64::total_cmp);
         let between: Vec<f64> = centres.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let grid = (0..=1000).map(|i| f64::from(i) / 1000.0);
-        grid.chain(centres).chain(between).map(|u| self.sum_at(coefficient, u, length)).fold(f64::INFINITY, f64::min)
+        let angles = self.angles();
+        let around = |u| angles.iter().map(move |&phi| (u, phi));
+        let sums = grid.chain(centres).chain(between).flat_map(around).map(|(u, phi)| self.sum_at(coefficient, u, phi, length));
+        sums.fold(f64::INFINITY, f64::min)
     }
 }

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `field` | which coefficients of the equations a cue can modulate |
 //! | `profile` | how a term is spread along the contour |
+//! | `side` | how a term is spread around the axis |
 //! | `regulator` | a substance with advection, diffusion and turnover |
 //! | `check` | which numbers are allowed |
 //! | `text` | the grammar: `kappa:band,u0=0.4,omega=0.1,amplitude=0.2` |
@@ -17,6 +18,7 @@ pub mod field;
 mod file;
 pub mod profile;
 pub mod regulator;
+pub mod side;
 mod regulator_text;
 mod text;
 mod written;
@@ -24,6 +26,7 @@ mod written;
 pub use field::Field;
 pub use profile::{Profile, Quantity, Width};
 pub use regulator::{Coupling, Regulator, RegulatorQuantity, Source};
+pub use side::Side;
 pub use text::{split_terms, starts_with_field};
 pub use written::{Scale, WrittenCue};
 
@@ -42,12 +45,19 @@ pub struct Term<D = f64> {
     pub profile: Profile<D>,
     /// Amplitude A: relative to the field's own value, but for tension in κ0/L_h².
     pub amplitude: D,
+    /// The side of the axis where it is; `None` all around.
+    pub side: Option<Side>,
 }
 
 impl<D: Number> Term<D> {
     /// A f, A ∂f/∂u and A ∂²f/∂u² at u on a contour of length `length`.
     pub fn at(&self, u: f64, length: D) -> [D; 3] {
         self.profile.at(u, length).map(|f| f * self.amplitude)
+    }
+
+    /// A f at u and the angle `phi` about the axis, in radians.
+    pub fn beside(&self, u: f64, phi: f64, length: D) -> D {
+        self.at(u, length)[0] * self.side.map_or(1.0, |side| side.share(u, phi))
     }
 }
 
@@ -71,13 +81,14 @@ impl Term {
             field: self.field,
             profile: self.profile.map(&mut number),
             amplitude: number(Quantity::Amplitude, self.amplitude),
+            side: self.side,
         }
     }
 
     /// The term as seen from the other pole, u → 1 − u.
     pub fn mirrored(&self) -> Term {
         let (profile, sign) = self.profile.mirrored();
-        Term { field: self.field, profile, amplitude: sign * self.amplitude }
+        Term { profile, amplitude: sign * self.amplitude, ..*self }
     }
 }
 
@@ -134,7 +145,7 @@ impl Cue {
     /// κ(u) = κ·(1 + amplitude·exp(−(u − u0)²/omega²)), the kind of cue the paper uses.
     pub fn kappa_band(u0: f64, omega: f64, amplitude: f64) -> Cue {
         let profile = Profile::Band { u0, omega: Width::Fraction(omega) };
-        Cue { terms: vec![Term { field: Field::Kappa, profile, amplitude }], regulator: None }
+        Cue { terms: vec![Term { field: Field::Kappa, profile, amplitude, side: None }], regulator: None }
     }
 
     /// A sum of terms.
@@ -190,7 +201,7 @@ impl Cue {
         let cue = self.simplified();
         if let Some(Source { profile, amplitude }) = cue.regulator.as_ref().and_then(|regulator| regulator.source) {
             // A source is even where a term is.
-            let term = Term { field: Field::Tension, profile, amplitude };
+            let term = Term { field: Field::Tension, profile, amplitude, side: None };
             if !(Cue { terms: vec![term], regulator: None }).is_mirror_symmetric() {
                 return false;
             }
@@ -205,11 +216,13 @@ impl Cue {
                 places.extend([-1.0, 0.0, 0.7].map(|k| u0.unwrap_or(0.0) + k * width));
             }
         }
-        let odd = |coefficient: Field, u: f64, length: f64| {
-            (cue.sum_at(coefficient, u, length) - cue.sum_at(coefficient, 1.0 - u, length)).abs()
+        let angles = cue.angles();
+        let odd = |coefficient: Field, u: f64, phi: f64, length: f64| {
+            (cue.sum_at(coefficient, u, phi, length) - cue.sum_at(coefficient, 1.0 - u, phi, length)).abs()
         };
         let even = |coefficient: Field, length: f64| {
-            places.iter().all(|&u| odd(coefficient, u.clamp(0.0, 1.0), length) <= EVEN * scale)
+            let around = |u: f64| angles.iter().all(|&phi| odd(coefficient, u, phi, length) <= EVEN * scale);
+            places.iter().all(|&u| around(u.clamp(0.0, 1.0)))
         };
         let touched = |coefficient: &Field| cue.terms.iter().any(|term| term.field.modulates(*coefficient));
         let mut coefficients = Field::ALL.into_iter().filter(touched);
@@ -229,10 +242,21 @@ impl Cue {
         profiles.any(|profile| matches!(profile, Profile::Par { .. }))
     }
 
-    /// Σ A f(u) over the terms that touch a coefficient.
-    fn sum_at(&self, coefficient: Field, u: f64, length: f64) -> f64 {
+    /// Whether a term is at one side of the axis.
+    pub fn is_one_sided(&self) -> bool {
+        self.terms.iter().any(|term| term.side.is_some() && term.amplitude != 0.0)
+    }
+
+    /// Angles at which terms differ most: at their sides and between them.
+    fn angles(&self) -> Vec<f64> {
+        let sides = self.terms.iter().filter_map(|term| term.side);
+        [0.0].into_iter().chain(sides.flat_map(|Side { at, spread }| [at, at + 0.5 * spread, at - 0.5 * spread])).collect()
+    }
+
+    /// Σ A f(u) over the terms that touch a coefficient, at the angle `phi`.
+    fn sum_at(&self, coefficient: Field, u: f64, phi: f64, length: f64) -> f64 {
         let touching = self.terms.iter().filter(|term| term.field.modulates(coefficient));
-        touching.map(|term| term.at(u, length)[0]).sum()
+        touching.map(|term| term.beside(u, phi, length)).sum()
     }
 
     /// The cue as seen from the other pole, u → 1 − u.
@@ -256,7 +280,7 @@ impl Cue {
     pub fn simplified(&self) -> Cue {
         let mut terms: Vec<Term> = Vec::new();
         for term in &self.terms {
-            match terms.iter_mut().find(|other| other.field == term.field && other.profile == term.profile) {
+            match terms.iter_mut().find(|other| other.field == term.field && other.profile == term.profile && other.side == term.side) {
                 Some(same) => same.amplitude += term.amplitude,
                 None => terms.push(*term),
             }

@@ -68,7 +68,7 @@ impl Given {
             }
             (profile, _) => {
                 physical.extend(source.micrometres.then_some(RegulatorQuantity::Source(Quantity::Omega)));
-                let (profile, amplitude) = source.spread(REGULATOR, profile.unwrap_or(NAMES[0]))?;
+                let (profile, amplitude) = source.profile(REGULATOR, profile.unwrap_or(NAMES[0]))?;
                 Some(Source { profile, amplitude })
             }
         };

@@ -8,13 +8,14 @@ use std::str::FromStr;
 
 use super::profile::NAMES;
 use super::regulator_text;
-use super::{Cue, CueError, Field, Profile, Quantity, Scale, Term, Width, WrittenCue};
+use super::{Cue, CueError, Field, Profile, Quantity, Scale, Side, Term, Width, WrittenCue};
 use furrow_input::{did_you_mean, shown};
 
 impl fmt::Display for Term {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:", self.field.name())?;
-        write_spread(f, &self.profile, self.amplitude)
+        write_spread(f, &self.profile, self.amplitude)?;
+        self.side.map_or(Ok(()), |Side { at, spread }| write!(f, ",at={at},spread={spread}"))
     }
 }
 
@@ -67,11 +68,14 @@ pub(super) struct Numbers {
     /// Whether the width is in µm.
     pub micrometres: bool,
     pub amplitude: Option<f64>,
+    /// Angle and width of a side, in radians.
+    pub at: Option<f64>,
+    pub spread: Option<f64>,
 }
 
 impl Numbers {
     /// The profile and its amplitude, if every number that it needs is given, and no other. Errors call it `name`.
-    pub fn spread(self, name: &str, profile: &str) -> Result<(Profile, f64), CueError> {
+    pub fn profile(self, name: &str, profile: &str) -> Result<(Profile, f64), CueError> {
         let missing = |quantity: Quantity| {
             let field = format!("{name}.{}", quantity.name());
             CueError::new(field, "(not given)", format!("given: a {profile} has no default for it"))
@@ -106,11 +110,25 @@ impl Numbers {
         Ok((profile, amplitude))
     }
 
+    /// The side of the axis, if one is given.
+    fn side(&self, name: &str) -> Result<Option<Side>, CueError> {
+        let missing = |key: &str, other: &str| {
+            let allowed = format!("given beside {other}, in radians, or in degrees, as 60deg");
+            Err(CueError::new(format!("{name}.{key}"), "(not given)", allowed))
+        };
+        match (self.at, self.spread) {
+            (None, None) => Ok(None),
+            (Some(at), Some(spread)) => Ok(Some(Side { at, spread })),
+            (Some(_), None) => missing("spread", "at"),
+            (None, Some(_)) => missing("at", "spread"),
+        }
+    }
+
     /// The term of a field with these numbers.
     pub fn term(self, field: Field, profile: &str) -> Result<WrittenCue, CueError> {
-        let micrometres = self.micrometres;
-        let (profile, amplitude) = self.spread(field.name(), profile)?;
-        Ok(WrittenCue::term(Term { field, profile, amplitude }, micrometres))
+        let (micrometres, side) = (self.micrometres, self.side(field.name())?);
+        let (profile, amplitude) = self.profile(field.name(), profile)?;
+        Ok(WrittenCue::term(Term { field, profile, amplitude, side }, micrometres))
     }
 }
 
@@ -154,13 +172,18 @@ fn parse_term(text: &str) -> Result<WrittenCue, CueError> {
     let mut numbers = Numbers::default();
     for entry in entries {
         let (key, value) = key_and_value(&format!("{name}:{profile}"), entry)?;
-        if !numbers.set(name, key, value)? {
-            let allowed = one_of(Quantity::ALL.map(Quantity::name), key);
+        if !numbers.set(name, key, value)? && !numbers.set_side(name, key, value)? {
+            let [u0, omega, amplitude] = Quantity::ALL.map(Quantity::name);
+            let allowed = one_of([u0, omega, amplitude, AT, SPREAD], key);
             return Err(CueError::new(format!("{name}:{profile}"), shown(key), allowed));
         }
     }
     numbers.term(field, profile)
 }
+
+/// Keys of a side.
+const AT: &str = "at";
+const SPREAD: &str = "spread";
 
 /// Whether a text begins as a term or a regulator does.
 pub fn starts_with_field(text: &str) -> bool {
@@ -231,6 +254,23 @@ impl Numbers {
             _ => return Ok(false),
         };
         once(repeated, name, key, value)?;
+        Ok(true)
+    }
+}
+
+impl Numbers {
+    /// Takes a value if its key is a side's. Errors call the term `name`.
+    fn set_side(&mut self, name: &str, key: &str, value: &str) -> Result<bool, CueError> {
+        const ALLOWED: &str = "a number, in radians, or with deg behind it in degrees";
+        let slot = match key {
+            AT => &mut self.at,
+            SPREAD => &mut self.spread,
+            _ => return Ok(false),
+        };
+        let degrees = without_unit(value, "deg");
+        let angle = number(name, key, degrees.unwrap_or(value), value, ALLOWED)?;
+        let angle = if degrees.is_some() { angle.to_radians() } else { angle };
+        once(slot.replace(angle).is_some(), name, key, value)?;
         Ok(true)
     }
 }
@@ -331,7 +371,8 @@ mod tests {
             field in 0..9_usize, kind in 0..4_usize, length in any::<bool>(),
             u0 in 0.001..0.999_f64, omega in 1e-3..2.0_f64, amplitude in -0.99..0.99_f64,
         ) {
-            let term = Term { field: Field::ALL[field], profile: profile(kind, length, u0, omega), amplitude };
+            let side = length.then_some(Side { at: u0, spread: 0.3 + omega });
+            let term = Term { field: Field::ALL[field], profile: profile(kind, length, u0, omega), amplitude, side };
             for terms in [vec![], vec![term], vec![term, Term { field: Field::Tension, ..term }]] {
                 assert_reads_back(&Cue::new(terms).unwrap());
             }
@@ -350,7 +391,7 @@ mod tests {
             let of = |field| Coupling { field, strength, half: half.filter(|_| field != Field::Kappa) };
             let couplings = couplings.into_iter().rev().map(of).collect();
             let regulator = Regulator { source, turnover, diffusion, diluted, couplings };
-            let term = Term { field: Field::Tension, profile: Profile::Gradient, amplitude };
+            let term = Term { field: Field::Tension, profile: Profile::Gradient, amplitude, side: None };
             for terms in [vec![], vec![term]] {
                 assert_reads_back(&Cue::with_regulator(terms, Some(regulator.clone())).unwrap());
             }

@@ -189,6 +189,7 @@ pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
         Parameter::XiRatio => "isotropic over anisotropic activity",
         Parameter::Aspect => "shell, a/b",
         Parameter::W => "shell width w",
+        Parameter::Flattening => "thickness of the shell",
         Parameter::P0 => "shell strength p₀",
         Parameter::Gain => "gain g",
         Parameter::Kappa => "rigidity κ (κ₀)",

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use furrow_cell::cue::profile::NAMES;
-use furrow_cell::cue::{Coupling, Field, Profile, Quantity, Regulator, Source, Term, Width};
+use furrow_cell::cue::{Coupling, Field, Profile, Quantity, Regulator, Side, Source, Term, Width};
 use furrow_cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::DivisionInput;
 
@@ -72,9 +72,14 @@ impl CanonicalBytes {
     fn cell(&mut self, cell: &Cell) {
         let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
         let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
-        let Shell { aspect, p0, w } = *shell;
+        let Shell { aspect, p0, w, flattening } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
         self.choice(usize::from(rigidity_gradient == RigidityGradient::Dropped));
+        // A round shell keeps the key it had before there were others; no cue has as many terms as the mark.
+        if flattening != 1.0 {
+            self.choice(FLATTENED);
+            self.reals([flattening]);
+        }
         self.cue(cue);
     }
 
@@ -83,10 +88,14 @@ impl CanonicalBytes {
         let cue = cue.simplified();
         // Every term names its kind, so the number of terms only separates them from the fields that follow.
         self.choice(cue.terms().len());
-        for Term { field, profile, amplitude } in cue.terms() {
+        for Term { field, profile, amplitude, side } in cue.terms() {
             self.choice(Field::ALL.iter().position(|other| other == field).unwrap_or(Field::ALL.len()));
             self.choice(profile_choice(profile));
             self.spread(profile, *amplitude);
+            if let Some(Side { at, spread }) = side {
+                self.choice(ONE_SIDED);
+                self.reals([*at, *spread]);
+            }
         }
         // Without a regulator nothing is written, so that cues without one keep their keys.
         if let Some(regulator) = cue.regulator() {
@@ -140,6 +149,12 @@ impl CanonicalBytes {
 
 /// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
 const SURFACE_VERSION: u64 = 2;
+
+/// Marks a shell that is not round.
+const FLATTENED: usize = 254;
+
+/// Marks the side of a term, where the next term's field follows otherwise, or the regulator or the number of stages.
+const ONE_SIDED: usize = 253;
 
 /// Marks the beginning of a regulator. Without one the number of stages of the discretisation follows, which is small.
 const REGULATOR: usize = 255;
@@ -203,11 +218,17 @@ mod tests {
     use crate::batch::fake::input;
     use furrow_cell::Parameter;
 
+    /// The parameters of a cell in a round shell.
+    const NUMBERS: [Parameter; 13] = {
+        use Parameter::*;
+        [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Kappa, EtaB, EtaS, Friction, Tension]
+    };
+
     /// Sets one of the numbers of an input: 13 of the cell, five of the numerics, three of a cue.
     fn set(input: &mut DivisionInput, place: usize, x: f64) {
         let DivisionInput { cell, numerics, .. } = input;
         match place {
-            0..13 => Parameter::ALL[place].set(cell, x),
+            0..13 => NUMBERS[place].set(cell, x),
             13 => numerics.time_tolerance = x,
             14 => numerics.step_factor = x,
             15 => numerics.t_max = x,

@@ -269,6 +269,20 @@ impl<D: Number> Constants<D> {
         self.painted(self.profiles(u, length))
     }
 
+    /// The coefficients at u and the angle `phi` about the axis, in radians; their slopes are left out.
+    pub fn beside(&self, u: f64, phi: f64, length: D) -> LocalCoefficients<D> {
+        let mut local = self.uniform;
+        for term in &self.cue {
+            local.modulate(term.field, &self.uniform, term.beside(u, phi, length), D::from(0.0));
+        }
+        local
+    }
+
+    /// Whether a term is at one side of the axis.
+    pub fn is_one_sided(&self) -> bool {
+        self.cue.iter().any(|term| term.side.is_some())
+    }
+
     /// Whether the coefficients vary along the contour.
     pub fn vary(&self) -> bool {
         !self.cue.is_empty() || self.source().is_some()

@@ -134,6 +134,10 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let observe = observer.unwrap_or(&mut unobserved);
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
+    if !cell.has_axis() {
+        let what = "a flattened shell, or a cue at one side of the axis, needs equations without axial symmetry";
+        return Err(DivisionError::Unsupported { what, instead: "compute it with --three-dimensional" });
+    }
     if numerics.modes > 0 {
         let instead = "leave out --three-dimensional, and set modes = 0";
         return Err(DivisionError::Unsupported { what: "these equations have axial symmetry", instead });

@@ -102,6 +102,11 @@ pub enum ShapeError {
     /// The position of a cue that follows PAR polarity could not be computed.
     #[error("{cell}: PAR polarity, which the cue follows: {source}")]
     Polarity { cell: CellName, source: PolarityError },
+    /// The shell or the cue is not round.
+    #[error(
+        "{cell}: a flattened shell, or a cue at one side of the axis, has no shapes with axial symmetry; only single divisions, trees and states at rest are computed without it"
+    )]
+    NoAxis { cell: CellName },
     /// Without turnover, every amount of a regulator has its own shapes at rest.
     #[error(
         "{cell}: regulator.turnover = 0: shapes at rest need a turnover above 0, since without it every amount of the regulator has its own"
@@ -126,10 +131,13 @@ pub enum ShapeError {
 /// The cell, with cues that follow PAR polarity at their resolved positions.
 ///
 /// # Errors
-/// [`ShapeError::Polarity`], and [`ShapeError::NoTurnover`].
+/// [`ShapeError::Polarity`], [`ShapeError::NoTurnover`] and [`ShapeError::NoAxis`].
 pub(crate) fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>> {
     if cell.cue.regulator().is_some_and(|regulator| regulator.turnover == 0.0) {
         return Err(ShapeError::NoTurnover { cell: CellName::of(cell) });
+    }
+    if !cell.has_axis() {
+        return Err(ShapeError::NoAxis { cell: CellName::of(cell) });
     }
     polarity::resolved(cell).map_err(|source| ShapeError::Polarity { cell: CellName::of(cell), source })
 }

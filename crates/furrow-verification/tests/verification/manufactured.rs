@@ -122,7 +122,7 @@ fn cell(cue: &str) -> Cell {
         .flat_map(|x| gauss.c.iter().zip(&gauss.b).map(|(c, b)| b * (x[1] - x[0]) * density(x[0] + c * (x[1] - x[0]))))
         .sum();
     // The chosen state is far from the shell's shape: a soft shell keeps the forces small.
-    let shell = Shell { aspect: 1.2, p0: 0.5, w: 0.7 };
+    let shell = Shell { aspect: 1.2, p0: 0.5, w: 0.7, ..Shell::GAO2026 };
     Cell { r0: (0.75 * volume / PI).cbrt(), epsilon: 0.8, shell, ..plain }
 }
 

@@ -162,7 +162,7 @@ fn a_label_that_nothing_makes_does_nothing() {
 /// A sphere without activity in a loose shell, where nothing flows.
 fn sphere(cue: &str) -> Cell {
     let mut cell = Cell { xi_s: 0.0, epsilon: 0.7, ..cued(2.0, cue) };
-    cell.shell = Shell { aspect: 1.0, p0: 0.2, w: 0.4 };
+    cell.shell = Shell { aspect: 1.0, p0: 0.2, w: 0.4, ..Shell::GAO2026 };
     cell
 }
 
@@ -396,7 +396,7 @@ fn a_cell_whose_regulator_is_slow_comes_to_rest() {
 fn fold_of_the_earlier_model(epsilon: f64) -> [f64; 2] {
     let cue = "regulator:band,u0=0.5,omega=0.1414213562,amplitude=4,turnover=5,diffusion=1,tension=1,tension.half=10";
     let mut cell = Cell { xi_s: 0.0, epsilon, ..cued(3.0, cue) };
-    cell.shell = Shell { aspect: 1.3, p0: 0.1, w: 0.02f64.sqrt() };
+    cell.shell = Shell { aspect: 1.3, p0: 0.1, w: 0.02f64.sqrt(), ..Shell::GAO2026 };
     (cell.material.gain, cell.material.friction) = (1.0, 0.01);
     let strength = Parameter::Regulator(RegulatorQuantity::Strength(Field::Tension));
     let cortex = Cortex::new(&cell, Domain::Half, &[strength]);

@@ -325,7 +325,7 @@ fn the_mesh_moves_with_the_normal_velocity_alone() {
 fn a_mesh_is_spread_as_its_density_says() {
     let cell = Cell::new(2.5);
     let numerics = Numerics { modes: 1, elements: 40, ..Numerics::default() };
-    let (problem, state) = start(&cell, &numerics).unwrap();
+    let (problem, state) = start(&cell, Plates::Beside, &numerics).unwrap();
     let (speeds, length) = problem.speeds(&state.surface);
     let space = &problem.space;
     let shares = problem.mesh.shares(space);

@@ -147,7 +147,7 @@ fn a_relaxing_cell_loses_what_it_dissipates() {
     let free = Cell { shell: Shell { p0: 0.0, ..pressed.shell }, ..pressed.clone() };
     within("energy of a free cell", imbalance(&free, start.clone(), 0.002), 1e-4);
     // In a soft shell: its force is not the gradient of an energy of the cell, so its power is external work.
-    let held = Cell { shell: Shell { aspect: 1.2, p0: 0.4, w: 0.6 }, ..pressed };
+    let held = Cell { shell: Shell { aspect: 1.2, p0: 0.4, w: 0.6, ..Shell::GAO2026 }, ..pressed };
     within("energy of a cell in a shell", imbalance(&held, start, 0.002), 1e-4);
 }
 

@@ -9,16 +9,16 @@ use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 
 /// The columns. No column has a declared type: in a column of reals SQLite would store −0 as 0.
 pub const COLUMNS: &str = "key, solver, \
-    r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, \
+    r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, shell_flattening, \
     stages, intervals, modes, elements, contact, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \
     outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, phi, neck_offset, volume_drift, \
     steps, rejected, newton_iterations, factorisations, remeshings, checksum";
 
 /// How many columns there are.
-pub const WIDTH: usize = 50;
+pub const WIDTH: usize = 51;
 
 /// Where the columns of the outcome begin.
-const OUTCOME: usize = 32;
+const OUTCOME: usize = 33;
 
 /// The values of all columns, in their order.
 pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division) -> Vec<Value> {
@@ -26,7 +26,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let DivisionInput { cell, numerics, seed } = input;
     let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
     let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
-    let Shell { aspect, p0, w } = *shell;
+    let Shell { aspect, p0, w, flattening } = *shell;
     let (counts, scheme, numerics) = numbers(numerics);
     let DivisionRow {
         outcome,
@@ -50,7 +50,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     row.extend([Value::Text(cue.simplified().to_string()), Value::Integer(*seed as i64)]);
     row.extend([kappa, eta_b, eta_s, friction, tension, xi_ratio, gain].map(Value::Real));
     row.push(Value::Text(rigidity_gradient.to_string()));
-    row.extend([aspect, p0, w].map(Value::Real));
+    row.extend([aspect, p0, w, flattening].map(Value::Real));
     row.extend(counts.map(count));
     row.push(Value::Text(scheme.to_string()));
     row.extend(numerics.map(Value::Real));

@@ -1,0 +1,67 @@
+//! The mirror plane of a cell without axial symmetry, φ = 0 and π, which holds its axis and everything at one side of it.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use furrow_cell::cue::Side;
+use furrow_cell::{Cell, RigidityGradient};
+use furrow_mechanics::cortex::equations::ShellCoefficients;
+use furrow_mechanics::division::DivisionError;
+
+use crate::law::Vector;
+
+/// Where the plates that flatten a shell are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plates {
+    /// Parallel to the mirror plane: the cell may bend within the plane midway between them.
+    Beside,
+    /// Across the mirror plane: the cell may bend towards them.
+    Across,
+}
+
+/// 1/x², 1/y², 1/z² of a shell with the half axes b/√f, b/√f and a/√f, but bf between the plates, f the flattening.
+pub fn inverse_axes2(shell: &ShellCoefficients<f64>, flattening: f64, plates: Plates) -> Vector<f64> {
+    let ShellCoefficients { inverse_a2, inverse_b2, .. } = *shell;
+    let (wide, thin) = (inverse_b2 * flattening, inverse_b2 / (flattening * flattening));
+    match plates {
+        Plates::Beside => [wide, thin, inverse_a2 * flattening],
+        Plates::Across => [thin, wide, inverse_a2 * flattening],
+    }
+}
+
+/// Angles closer than this, in radians, are equal.
+const EQUAL: f64 = 1e-9;
+
+/// The cell turned so that all sides of its cue are at φ = 0 or π, and where the plates are then.
+///
+/// # Errors
+/// No mirror plane holds them, or the law needs slopes that they do not have.
+pub fn turned(cell: &Cell) -> Result<(Cell, Plates), DivisionError> {
+    let unsupported = |what, instead| Err(DivisionError::Unsupported { what, instead });
+    let mut turned = Cell { cue: cell.cue.simplified(), ..cell.clone() };
+    let Some(turn) = turned.cue.terms().iter().find_map(|term| term.side).map(|side| side.at) else {
+        return Ok((turned, Plates::Beside));
+    };
+    if cell.material.rigidity_gradient == RigidityGradient::Dropped {
+        return unsupported("a cue at one side of the axis needs the full force balance", "set rigidity_gradient = full");
+    }
+    for Side { at, .. } in turned.cue.terms_mut().iter_mut().filter_map(|term| term.side.as_mut()) {
+        let Some(half_turns) = multiple(*at - turn, PI) else {
+            return unsupported("the terms of the cue lie on no common plane through the axis", "place them at the same angle or at opposite ones");
+        };
+        *at = if half_turns % 2 == 0 { 0.0 } else { PI };
+    }
+    if cell.shell.flattening == 1.0 {
+        return Ok((turned, Plates::Beside));
+    }
+    match multiple(turn, FRAC_PI_2) {
+        Some(quarters) if quarters % 2 == 0 => Ok((turned, Plates::Beside)),
+        Some(_) => Ok((turned, Plates::Across)),
+        None => unsupported("between plates a cue lies midway between them or faces one", "set at = 0deg, 90deg, 180deg or 270deg"),
+    }
+}
+
+/// How many times `unit` is in an angle, if it is a multiple of it.
+fn multiple(angle: f64, unit: f64) -> Option<i64> {
+    let times = (angle / unit).round();
+    ((angle - times * unit).abs() < EQUAL).then_some(times as i64)
+}
