@@ -135,7 +135,7 @@ fields! {
         aspect ["a_over_b"] at cell.shell.aspect => f64 as Aspect, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         p0 ["P0"] at cell.shell.p0 => f64 as P0, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         w at cell.shell.w => f64 as W, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        shell_flattening at cell.shell.flattening => f64 as Flattening, "from 0.3 to 1, the thickness between plates relative to a round shell", |v| (0.3..=1.0).contains(&v);
+        shell_flattening at cell.shell.flattening => f64 as Flattening, "from 0.65 to 1, the thickness between plates relative to a round shell", |v| (0.65..=1.0).contains(&v);
         r0 ["R0"] at cell.r0 => f64 as R0, "a finite number above 0, from 1e-6 to 1e6", |v| SIZES.contains(&v);
         epsilon ["eps"] at cell.epsilon => f64 as Epsilon, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
         rigidity_gradient at cell.material.rigidity_gradient => RigidityGradient, "full or dropped", |_v| true;
@@ -480,7 +480,7 @@ mod tests {
     fn table_covers_every_field() {
         let Settings { cell: Cell { material, mut shell, .. }, numerics } = Settings::default();
         // A round shell is written without its flattening.
-        shell.flattening = 0.5;
+        shell.flattening = 0.9;
         let parts = [serde_json::to_value(material), serde_json::to_value(shell), serde_json::to_value(numerics)];
         let mut numbers = vec!["r0".to_owned(), "epsilon".to_owned(), "xi_s".to_owned()];
         for part in parts {

@@ -25,6 +25,7 @@ pub fn neck_report(found: &SurfaceDivision) -> Value {
             "radius": over_time(|at| at.neck.radius),
             "offset": over_time(|at| at.neck.offset),
             "position": over_time(|at| at.neck.height),
+            "tilt": over_time(|at| at.neck.tilt),
         },
     })
 }

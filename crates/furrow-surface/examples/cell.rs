@@ -17,6 +17,7 @@ fn main() {
     } else if cue != "none" {
         cell = cell.with_cue(cue.parse().unwrap());
     }
+    cell.shell.flattening = get("flat", 1.0);
     let d = Numerics::default();
     let numerics = Numerics {
         time_tolerance: d.time_tolerance * get("tol", 1.0),
@@ -41,6 +42,8 @@ fn main() {
                 n.map(|n| [
                     n.radius / input.cell.r0,
                     n.offset / input.cell.r0,
+                    n.roundness,
+                    n.tilt,
                     furrow_surface::neck::asymmetry(&problem.space, &level.state.surface, &n)
                 ])
             );

@@ -54,11 +54,13 @@ pub struct SurfaceDivision {
 
 /// A neck narrower than this, relative to R0, closes: volumes and time at the radius of M.20 follow from the last step.
 pub const CLOSED: f64 = 0.015;
-/// A neck at one side has closed at this radius, relative to R0: it becomes a thread beside the other wall, in which volumes no longer
-/// change and which no mesh here resolves.
+/// A neck at one side, or a slit, has closed at this radius, relative to R0: it becomes a thread beside the other wall, in which
+/// volumes no longer change and which no mesh here resolves.
 pub const THREAD: f64 = 0.05;
 /// Distance of the neck from the axis, relative to R0, from which on it is at one side.
 const ONE_SIDED: f64 = 0.3;
+/// A neck less round than this is a slit, whose walls touch before it is a point: it closes as a neck at one side does.
+const SLIT: f64 = 0.5;
 /// A neck narrower than this, relative to R0, has closed too if its last steps cannot be computed.
 const CLOSING: f64 = 0.08;
 /// Local error of a step, relative to R0, for each unit of the numerics' tolerance.
@@ -358,7 +360,8 @@ impl Run<'_> {
     /// The division, if the neck has closed; `failed` if no further step can be computed.
     fn divided(&self, stepper: &Stepper, failed: bool) -> Option<SurfaceDivision> {
         let [.., before, now] = self.necks.as_slice() else { return None };
-        let [closed, target] = match now.neck.offset.abs() > ONE_SIDED * self.r0 {
+        let thread = now.neck.offset.abs() > ONE_SIDED * self.r0 || now.neck.roundness < SLIT;
+        let [closed, target] = match thread {
             true => [THREAD; 2],
             false => [CLOSED, PINCH_OFF],
         };

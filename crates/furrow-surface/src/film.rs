@@ -148,6 +148,8 @@ impl Observables {
             radius: blend(a.radius, b.radius),
             offset: blend(a.offset, b.offset),
             height: blend(a.height, b.height),
+            tilt: blend(a.tilt, b.tilt),
+            roundness: blend(a.roundness, b.roundness),
         };
         Observables {
             t: blend(self.t, other.t),

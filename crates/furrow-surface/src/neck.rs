@@ -14,26 +14,28 @@ pub struct Neck {
     pub offset: f64,
     /// Height z of its centre, in L_h.
     pub height: f64,
+    /// Angle between its plane and the plane across the axis, in degrees; positive if it rises towards +x.
+    pub tilt: f64,
+    /// 4π times the area inside it over its length squared: 1 for a circle, near 0 for a slit.
+    pub roundness: f64,
 }
 
-/// Length over 2π of the ring at u, and its centre of mass x, z.
-fn ring(space: &Space, surface: &[f64], u: f64) -> (f64, [f64; 2]) {
+/// Points x, z of the ring at u, with its length and twice the area within it for each radian of φ there.
+fn ring(space: &Space, surface: &[f64], u: f64) -> Vec<[f64; 4]> {
     let mut functions = Vec::new();
     space.functions(surface, &space.station(u), &mut functions);
-    let [mut length, mut x, mut z] = [0.0; 3];
-    for meridian in &space.meridians {
+    let point = |meridian| {
         let [at, _, along, ..] = space.shape(&functions, meridian);
-        let part = along.iter().map(|x| x * x).sum::<f64>().sqrt();
-        length += part;
-        x += part * at[0];
-        z += part * at[2];
-    }
-    (length / space.meridians.len() as f64, [x / length, z / length])
+        let area = at[0] * along[1] - at[1] * along[0];
+        [at[0], at[2], along.iter().map(|x| x * x).sum::<f64>().sqrt(), area]
+    };
+    space.meridians.iter().map(point).collect()
 }
 
 /// Length over 2π of the ring at u.
 pub(crate) fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
-    ring(space, surface, u).0
+    let points = ring(space, surface, u);
+    points.iter().map(|[_, _, part, _]| part).sum::<f64>() / points.len() as f64
 }
 
 /// Places between two stations at which the neck is sought.
@@ -55,8 +57,15 @@ pub fn neck(space: &Space, surface: &[f64]) -> Option<Neck> {
         if radius_at(space, surface, a) < radius_at(space, surface, b) { high = b } else { low = a }
     }
     let u = 0.5 * (low + high);
-    let (radius, [offset, height]) = ring(space, surface, u);
-    Some(Neck { u, radius, offset, height })
+    let points = ring(space, surface, u);
+    let sum = |value: &dyn Fn(f64, f64) -> f64| points.iter().map(|[x, z, part, _]| part * value(*x, *z)).sum::<f64>();
+    let length = sum(&|_, _| 1.0);
+    let (offset, height) = (sum(&|x, _| x) / length, sum(&|_, z| z) / length);
+    let slope = sum(&|x, z| (x - offset) * (z - height)) / sum(&|x, _| (x - offset) * (x - offset));
+    let area = points.iter().map(|[.., area]| area).sum::<f64>();
+    let radius = length / points.len() as f64;
+    let roundness = area / points.len() as f64 / (radius * radius);
+    Some(Neck { u, radius, offset, height, tilt: slope.atan().to_degrees(), roundness })
 }
 
 /// (V_above − V_below)/V for the parts from u above and below the neck.
