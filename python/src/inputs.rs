@@ -216,8 +216,10 @@ impl Inputs {
     fn new(mut given: Given, cue: &str, lineage: Option<&str>) -> Result<Inputs, Error> {
         let lineage = lineage_of(lineage)?;
         given.scale_radius(&lineage)?;
-        let Settings { cell, numerics } = given.settings()?;
-        Ok(Inputs { cell: cell.with_cue(lineage.parse_cue(cue).map_err(bad_cue)?), numerics })
+        let settings = given.settings()?;
+        let cue = lineage.parse_cue(cue).map_err(bad_cue)?;
+        settings.check_cue(ARGUMENTS, &cue)?;
+        Ok(Inputs { cell: settings.cell.with_cue(cue), numerics: settings.numerics })
     }
 
     /// Every parameter by its name, and the cue.

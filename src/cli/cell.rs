@@ -22,7 +22,8 @@ pub struct CueArgs {
     ///
     /// Fields: kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension. Profiles: band (u0, omega,
     /// amplitude; may be left out), step (the same), gradient (amplitude), par and par_band (amplitude; place and width follow
-    /// from PAR polarity). The width omega is in u, or with the suffix Lh in L_h.
+    /// from PAR polarity). The width omega is in u, or with the suffix Lh in L_h. With --three-dimensional a term may be at
+    /// one side of the axis: at=90deg,spread=60deg.
     ///
     /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. Its keys: the keys of PROFILE,
     /// its source (PROFILE none: no source); turnover (1/τ); diffusion (L_h²/τ); each field that it changes, as in
@@ -99,6 +100,7 @@ impl CellArgs {
         let r0 = self.r0.in_units(&context.units);
         set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
         warn_of_size(&context.units, [self.r0]);
+        context.settings.check_cue("--cue", &cue)?;
         Ok(context.settings.cell.clone().with_cue(cue))
     }
 }

@@ -102,7 +102,9 @@ impl Given<'_> {
             let fine = given.is_some() || of != Parameter::R0 || parameter == of;
             InputError::require(fine, option, of.name(), "absent", format!("given where {parameter} varies"))?;
         }
-        let cell = context.settings.cell.clone().with_cue(parse_cue(&self.cue.cue, &lineage)?);
+        let cue = parse_cue(&self.cue.cue, &lineage)?;
+        context.settings.check_cue("--cue", &cue)?;
+        let cell = context.settings.cell.clone().with_cue(cue);
         let mut allowed = Parameter::allowed_of_cue(&cell.cue);
         if cell.cue == Cue::none() {
             allowed += ": see --cue";

@@ -134,7 +134,8 @@ impl Sweep {
         if matches!(self.kind, Kind::Division | Kind::Tree) {
             checked = checked
                 .and_then(|()| settings.check_divisions(&self.file))
-                .and_then(|()| settings.check_activity(&self.file));
+                .and_then(|()| settings.check_activity(&self.file))
+                .and_then(|()| settings.check_cue(&self.file, &cell.cue));
         }
         let checked = checked.and_then(|()| {
             cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))

@@ -173,7 +173,7 @@ pub fn viscous_stress<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shap
     mix(raise(g, &strain), *g, D::from(shear), trace(g, &strain) * local.eta_difference)
 }
 
-/// The normal force f_c of the shell, M.9 with three half axes, and of a wall that the point touches.
+/// The normal force f_c of the shell, M.9 with the half axes of S.7, and of a wall that the point touches.
 #[inline(always)]
 pub fn wall_force<D: Number>(place: &Place, normal: &Vector<D>, x: &Vector<D>) -> D {
     let ShellCoefficients { shell_force, inverse_w2, .. } = place.shell;

@@ -18,7 +18,7 @@ pub enum Plates {
     Across,
 }
 
-/// 1/x², 1/y², 1/z² of a shell with the half axes b/√f, b/√f and a/√f, but bf between the plates, f the flattening.
+/// 1/x², 1/y², 1/z² of a shell with the half axes of S.7.
 pub fn inverse_axes2(shell: &ShellCoefficients<f64>, flattening: f64, plates: Plates) -> Vector<f64> {
     let ShellCoefficients { inverse_a2, inverse_b2, .. } = *shell;
     let (wide, thin) = (inverse_b2 * flattening, inverse_b2 / (flattening * flattening));

@@ -5,6 +5,7 @@ mod crossing;
 mod derivatives;
 mod divisions;
 mod invariance;
+mod plane;
 mod power;
 mod states;
 mod stationary;
