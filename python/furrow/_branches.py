@@ -155,7 +155,7 @@ class Crossing(Result):
 class Curve(Result):
     """A branch of stationary shapes, point by point.
 
-    ``name``: ``symmetric``, ``cued`` or ``asymmetric``.
+    ``name``: ``symmetric``, ``cued``, ``asymmetric`` or ``bent``.
     ``xi_s``: Activity.
     ``H``: Elongation.
     ``L``: Contour length, in L_h.
@@ -210,7 +210,9 @@ class Branch(Result):
     ``exponent``: Exponent in |Δu| = prefactor |ξ_s − ξ_s*|^exponent near the pitchfork.
     ``prefactor``: Its prefactor.
     ``crossings``: Where growth rates of disturbances cos mφ change sign; None unless asked for.
-    ``warnings``: Growth rates of such disturbances that could not be computed.
+    ``warnings``: What could not be computed.
+    ``bent``: Without axial symmetry, where the ``bent`` curve begins, its odd pitchfork and its fold, with the keys of
+        ``furrow branch --json``; None if bent states were not followed.
     """
 
     cell: Cell = field(repr=False)
@@ -220,6 +222,7 @@ class Branch(Result):
     prefactor: float | None = None
     crossings: tuple[Crossing, ...] | None = None
     warnings: tuple[str, ...] = ()
+    bent: dict[str, Any] | None = field(default=None, repr=False)
 
     def __getitem__(self, name: str) -> Curve:
         for curve in self.curves:

@@ -476,7 +476,7 @@ class Cell:
         largest step along a branch, in arclength.
 
         ``azimuthal=M`` also computes growth rates of disturbances cos mφ, m = 1 to M, at every point, and where they change
-        sign.
+        sign. For a cell with ``modes`` the curve ``bent`` has the states at rest without axial symmetry.
         """
         most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
         found, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step), most)
@@ -490,6 +490,7 @@ class Cell:
             prefactor=scaling[1],
             crossings=None if most is None else tuple(Crossing(**crossing) for crossing in found["crossings"]),
             warnings=tuple(found["warnings"]),
+            bent=found["bent"],
         )
 
 

@@ -1,12 +1,15 @@
 //! One cell: its division, its stationary shapes, its threshold.
 
-use furrow_analysis::{Diagram, diagram};
+use furrow_analysis::Diagram;
+use furrow_analysis::bent::diagram_with_bent;
 use furrow_formats::frames::{COLUMNS, check_step, row, stills};
 use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
 use furrow_report::{AzimuthalStability, crossing_report, event_report, stationary_report, threshold_report};
+use furrow_report::surfaces::bent_report;
+use furrow_surface::bent::BentBranch;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -170,9 +173,9 @@ pub fn branch<'py>(
     let azimuthal = azimuthal.unwrap_or(0);
     let options = BranchOptions { xi, growth_rates: true, azimuthal, ..BranchOptions::default() };
     let options = options.with_max_step(positive("max_step", max_step, ABOVE_0)?);
-    let Inputs { cell, numerics } = inputs.axisymmetric()?;
-    let found = supervised(py, Interrupt::Abandons, None, move |_| {
-        diagram(&cell, &numerics, &options).map_err(Error::no_outcome)
+    let Inputs { cell, numerics } = inputs.clone();
+    let (found, bent) = supervised(py, Interrupt::Abandons, None, move |_| {
+        diagram_with_bent(&cell, &numerics, &options).map_err(Error::no_outcome)
     })?;
     let points = PyDict::new(py);
     for (name, branch) in &found.branches {
@@ -194,12 +197,12 @@ pub fn branch<'py>(
         }
         points.set_item(name, columns)?;
     }
-    Ok((described(&found), points))
+    Ok((described(&found, bent.as_ref()), points))
 }
 
 /// Events, crossings and ends of branches, warnings, and the exponent, prefactor, coefficient and number of points of
 /// |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
-fn described(found: &Diagram) -> Document {
+fn described(found: &Diagram, bent: Option<&BentBranch>) -> Document {
     let branches = || found.branches.iter();
     let events = branches().flat_map(|(name, branch)| branch.events.iter().map(|event| event_report(name, event)));
     let ends = branches().map(|(name, branch)| {
@@ -213,9 +216,10 @@ fn described(found: &Diagram) -> Document {
     json!({
         "events": events.collect::<Vec<_>>(),
         "crossings": crossings.collect::<Vec<_>>(),
-        "warnings": found.unknown_rates(),
+        "warnings": found.all_warnings(),
         "scaling": scaling,
         "ends": ends.collect::<Vec<_>>(),
+        "bent": bent.map(bent_report),
     })
     .into()
 }

@@ -2,14 +2,16 @@
 
 use furrow_analysis::boundary::over_range;
 use furrow_analysis::polarity::{Follows, NamedCell, PolarityStudyError, germline, polarity as studied};
-use furrow_analysis::{BoundaryOptions, boundary as followed, edges};
+use furrow_analysis::bent::{bent_edges, boundary_with_bent, can_vary};
+use furrow_analysis::{BoundaryOptions, edges};
 use furrow_cell::{Cell, Parameter};
 use furrow_figures::drawing::style::described;
 use furrow_figures::plot;
 use furrow_lineage::batch::PhasePlane;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::phase::spaced;
-use furrow_mechanics::critical::critical_radius as searched;
+use furrow_lineage::batch::method;
+use furrow_mechanics::equilibria::StepBudget;
 use furrow_mechanics::perturbation::Perturbation;
 use furrow_mechanics::polarity::{Chemistry, LENGTH_UM, ParConstants};
 use pyo3::prelude::*;
@@ -54,10 +56,13 @@ pub fn boundary(
     if range[0] == range[1] {
         return Err(Error::not_allowed("last", range[1], "different from the first value"));
     }
-    let Inputs { numerics, .. } = inputs.axisymmetric()?;
+    let numerics = inputs.numerics;
+    if numerics.modes > 0 && !can_vary(parameter) {
+        return Err(Error::not_allowed("vary", vary, "r0 or epsilon without axial symmetry"));
+    }
     supervised(py, Interrupt::Abandons, None, move |_| {
         let options = BoundaryOptions { folds, critical, azimuthal };
-        let found = followed(&cell, &numerics, parameter, range, options).map_err(Error::no_outcome)?;
+        let found = boundary_with_bent(&cell, &numerics, parameter, range, options).map_err(Error::no_outcome)?;
         let drawing = Drawing::of(plot::boundary::draw(&found));
         Ok((found.document().into(), drawing, found.warnings))
     })
@@ -82,7 +87,7 @@ pub fn phase(
         return Err(Error::not_allowed("xi_s", xi, "a finite number, 0 or above"));
     }
     let (parameter, cell) = varied(inputs, vary, [from, to])?;
-    inputs.axisymmetric()?.settings().check_divisions(ARGUMENTS)?;
+    inputs.settings().check_divisions(ARGUMENTS)?;
     let (across, up) = (spaced(from, to, points), spaced(xi_from, xi_to, xi_points));
     let plane = PhasePlane { cell, numerics: inputs.numerics, parameter, across, up, seed };
     let memo = memo.solved()?;
@@ -91,7 +96,8 @@ pub fn phase(
         if diagram.summary.interrupted {
             return Err(Error::Interrupted(0));
         }
-        let (edges, mut warnings) = edges(&plane, azimuthal);
+        let (mut edges, mut warnings) = edges(&plane, azimuthal);
+        edges.bent = bent_edges(&plane, &mut warnings);
         warnings.extend(diagram.undecided.iter().map(|(why, count)| format!("{count} undecided: {why}")));
         let failed = |column: &furrow_lineage::batch::phase::Column| {
             let error = column.error.as_ref()?;
@@ -108,9 +114,9 @@ pub fn phase(
 /// The radius below which cells like this one do not divide.
 #[pyfunction]
 pub fn critical_radius(py: Python<'_>, inputs: &Inputs) -> Result<Document, Error> {
-    let Inputs { cell, numerics } = inputs.axisymmetric()?;
+    let Inputs { cell, numerics } = inputs.clone();
     supervised(py, Interrupt::Abandons, None, move |_| {
-        let found = searched(&cell, &numerics).map_err(Error::no_outcome)?;
+        let found = (method(&numerics).radius)(&cell, &numerics, &StepBudget::unlimited()).map_err(Error::no_outcome)?;
         Ok(json!({ "r0": found.r0, "kind": found.kind, "slope": found.slope }).into())
     })
 }

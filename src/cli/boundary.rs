@@ -11,16 +11,15 @@ use super::steady::MOST_AZIMUTHAL;
 use super::vary::{Varied, VaryArgs};
 use clap::Args;
 use furrow_analysis::boundary::point_document;
-use furrow_analysis::{BoundaryOptions, BoundaryStudy, boundary};
-use furrow_cell::{Cue, Numerics, Parameter};
+use furrow_analysis::bent::{boundary_with_bent, can_vary};
+use furrow_analysis::{BoundaryOptions, BoundaryStudy};
+use furrow_cell::{Cue, Parameter};
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::Units;
 use furrow_mechanics::critical::Stored;
-use furrow_mechanics::equilibria::StepBudget;
 use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
-use furrow_surface::bent_curves;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -78,10 +77,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     }
     let options =
         BoundaryOptions { folds: !args.no_folds, critical: args.critical, azimuthal: args.azimuthal.map(usize::from) };
-    let mut found = boundary(cell, &Numerics { modes: 0, ..*numerics }, *parameter, *range, options)?;
-    if numerics.modes > 0 {
-        add_bent(&mut found, numerics, args.critical)?;
-    }
+    let found = boundary_with_bent(cell, numerics, *parameter, *range, options)?;
     messages::warn_of(&found.warnings);
     let named = found.named();
     if let Some(file) = &args.csv {
@@ -95,29 +91,13 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     })
 }
 
-/// Adds the curves of bent states, and the critical radius that they give.
-fn add_bent(found: &mut BoundaryStudy, numerics: &Numerics, critical: bool) -> Result<(), CliError> {
-    let mut curves = Vec::new();
-    for (event, curve) in bent_curves::curves(&found.cell, numerics, found.parameter, found.range)? {
-        if let Some(error) = curve.error() {
-            found.warnings.push(format!("the {}s of bent states are followed no further: {error}", event.name()));
-        }
-        curves.push((event.name(), curve));
-    }
-    found.bent = Some(curves);
-    if critical && found.parameter == Parameter::R0 {
-        found.bent_critical = Some(bent_curves::critical_radius(&found.cell, numerics, &StepBudget::unlimited())?.r0);
-    }
-    Ok(())
-}
-
 impl BoundaryArgs {
     fn check(&self, varied: &Varied, modes: usize) -> Result<(), InputError> {
         let [from, to] = varied.range;
         InputError::require(from != to, "--to", "to", to, "different from --from")?;
         let fine = self.write.is_none() || varied.parameter == Parameter::R0;
         InputError::require(fine, "--write", "vary", varied.parameter, "r0: what is stored is a boundary over R0")?;
-        let fine = modes == 0 || matches!(varied.parameter, Parameter::R0 | Parameter::Epsilon);
+        let fine = modes == 0 || can_vary(varied.parameter);
         InputError::require(fine, "--vary", "vary", varied.parameter, "r0 or epsilon with --three-dimensional")?;
         writable_file("--csv", self.csv.as_deref())?;
         writable_file("--write", self.write.as_deref())
@@ -148,7 +128,7 @@ fn text(found: &BoundaryStudy, units: &Units) -> String {
     let events = events.map(|(name, point)| line(&name, &point, units));
     let azimuthal = found.azimuthal.iter().flatten().map(|(m, curve)| ends(&format!("m = {m}"), curve));
     let bent = found.bent.iter().flatten().map(|(name, curve)| ends(&format!("bent {name}"), curve));
-    let critical = found.bent_critical.map(|r0| {
+    let critical = found.bent_critical.map(|CurvePoint { r0, .. }| {
         format!("without axial symmetry cells below R0 = {r0:.5}{} come to rest bent\n", units.in_micrometres(r0))
     });
     let curves = folds.chain(azimuthal).chain(bent).chain(events).chain(critical);

@@ -8,8 +8,9 @@ use super::output::{filled, merged, number, print_as, records_csv, writable_file
 use super::picture::PlotArgs;
 use super::steady::MOST_AZIMUTHAL;
 use clap::Args;
-use furrow_analysis::{Diagram, diagram};
-use furrow_cell::{Cell, Numerics};
+use furrow_analysis::Diagram;
+use furrow_analysis::bent::diagram_with_bent;
+use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_lineage::Units;
@@ -17,7 +18,7 @@ use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, Criticality, ShapePoint};
 use furrow_report::surfaces::bent_report;
 use furrow_report::{crossing_report, event_report};
-use furrow_surface::bent::{self, BentBranch, BentError, BentPoint, NormalForm};
+use furrow_surface::bent::{BentBranch, BentPoint, NormalForm};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -92,11 +93,8 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let numerics = &context.settings.numerics;
-    // Before the other branches: a cell without bent states is refused at once.
-    let bent = (numerics.modes > 0).then(|| bent_states(&cell, numerics, args.xi_max)).transpose()?.flatten();
-    let mut found = diagram(&cell, numerics, &options)?;
-    found.branches.extend(bent.iter().map(|bent| ("bent", bent.shapes())));
-    messages::warn_of(found.unknown_rates());
+    let (found, bent) = diagram_with_bent(&cell, numerics, &options)?;
+    messages::warn_of(found.all_warnings());
     let units = context.units;
     let mut document = merged(document(&cell, &found), filled(json!({ "r0_um": units.micrometres(cell.r0) })));
     if let Some(bent) = &bent {
@@ -109,18 +107,6 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     print_as(context.json, &document, || {
         text((&cell, &units), &found, args.points) + &bent.as_ref().map_or(String::new(), bent_text)
     })
-}
-
-/// The bent states; with a warning if they cannot be followed.
-fn bent_states(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<Option<BentBranch>, CliError> {
-    match bent::branch(cell, numerics, xi_max) {
-        Ok(found) => Ok(Some(found)),
-        Err(error @ BentError::NoMirror { .. }) => Err(error.into()),
-        Err(error) => {
-            messages::warning!("no bent branch: {error}");
-            Ok(None)
-        }
-    }
 }
 
 /// Where the bent states begin, and their odd pitchfork and fold.

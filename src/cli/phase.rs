@@ -1,5 +1,6 @@
 //! `furrow phase`: outcomes over a plane of one parameter and activity.
 
+use super::cell::AxisArgs;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -10,6 +11,7 @@ use super::progress::ProgressLine;
 use super::steady::MOST_AZIMUTHAL;
 use super::vary::{Varied, VaryArgs};
 use clap::Args;
+use furrow_analysis::bent::bent_edges;
 use furrow_analysis::edges;
 use furrow_cell::Parameter;
 use furrow_figures::plot;
@@ -26,10 +28,13 @@ Examples:
   furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-from 15 --xi-to 25 --xi-points 2
   furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-points 2 --plot phase.svg
   furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-points 2 --azimuthal 1 --plot phase.svg
+  furrow phase --vary r0 --from 1.4 --to 2 --points 3 --xi-points 2 --three-dimensional
   furrow phase --vary epsilon --from 0.8 --to 0.9 --r0 2 --points 2 --xi-points 2 --json")]
 pub struct PhaseArgs {
     #[command(flatten)]
     vary: VaryArgs,
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Number of values of the parameter
     #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     points: u32,
@@ -71,7 +76,8 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     let diagram = solve(&context, &plane)?;
     let azimuthal = args.azimuthal.map_or(0, usize::from);
     picture.write(|| {
-        let (edges, warnings) = edges(&plane, azimuthal);
+        let (mut edges, mut warnings) = edges(&plane, azimuthal);
+        edges.bent = bent_edges(&plane, &mut warnings);
         messages::warn_of(warnings);
         plot::phase::draw(&plane, &diagram, &edges)
     })?;
@@ -133,7 +139,12 @@ fn text(plane: &PhasePlane, diagram: &PhaseDiagram) -> String {
     out += "edges of the stable shapes (pitchfork P, fold F):\n";
     for column in &diagram.columns {
         let edge = |edge: &Edge| {
-            let kind = if matches!(edge, Edge::Pitchfork { .. }) { 'P' } else { 'F' };
+            let kind = match edge {
+                Edge::Pitchfork { .. } => "P",
+                Edge::BentPitchfork { .. } => "bent P",
+                Edge::BentFold { .. } => "bent F",
+                _ => "F",
+            };
             format!("{kind} {:.4}", edge.xi_s())
         };
         let edges = match &column.edges[..] {

@@ -32,8 +32,8 @@ pub struct BoundaryStudy {
     pub azimuthal: Option<Vec<(usize, Curve)>>,
     /// Without axial symmetry, the curves that end stable bent states, by name; `None` if they were not asked for.
     pub bent: Option<Vec<(&'static str, Curve)>>,
-    /// The radius at which the first of them passes the cell's activity.
-    pub bent_critical: Option<f64>,
+    /// Where the first of them passes the cell's activity, over R0.
+    pub bent_critical: Option<CurvePoint>,
     /// What could not be followed or found.
     pub warnings: Vec<String>,
 }
@@ -134,6 +134,7 @@ pub fn boundary(
 /// not be followed. None over a single value.
 pub fn edges(plane: &PhasePlane, azimuthal: usize) -> (Edges, Vec<String>) {
     let PhasePlane { cell, numerics, parameter, across, .. } = plane;
+    let numerics = &Numerics { modes: 0, ..*numerics };
     let mut warnings = Vec::new();
     let range = match (across.first(), across.last()) {
         (Some(&from), Some(&to)) if across.len() > 1 && from != to => [from, to],
@@ -248,7 +249,7 @@ impl BoundaryStudy {
         if let Some(curves) = &self.bent {
             let of = |(name, curve): &(&'static str, Curve)| ((*name).to_owned(), points(&curve.points).into());
             let mut bent: serde_json::Map<String, Value> = curves.iter().map(of).collect();
-            bent.insert("critical".to_owned(), self.bent_critical.into());
+            bent.insert("critical".to_owned(), self.bent_critical.map(|point| point.value).into());
             document["bent"] = filled(Value::Object(bent));
         }
         document
@@ -267,7 +268,8 @@ impl BoundaryStudy {
         let after = [("cusp".to_owned(), self.cusps.clone()), ("critical".to_owned(), Vec::from_iter(self.critical))];
         let azimuthal = self.azimuthal.iter().flatten().map(|(m, curve)| (format!("m = {m}"), curve.points.clone()));
         let bent = self.bent.iter().flatten().map(|(name, curve)| (format!("bent {name}"), curve.points.clone()));
-        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(bent).chain(after);
+        let bent_critical = self.bent_critical.map(|point| ("bent critical".to_owned(), vec![point]));
+        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(bent).chain(after).chain(bent_critical);
         curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
     }
 }

@@ -15,6 +15,8 @@ pub struct Edges {
     pub folds: Vec<Curve>,
     /// Thresholds of disturbances that are not axisymmetric, by azimuthal number.
     pub azimuthal: Vec<(usize, Curve)>,
+    /// Without axial symmetry, curves that end stable bent states, by name.
+    pub bent: Vec<(&'static str, Curve)>,
 }
 
 /// The branches of a cell under their names.
@@ -24,12 +26,15 @@ pub struct Diagram {
     pub branches: Vec<(&'static str, Branch)>,
     /// How Δu opens at the pitchfork, if there is one and points enough near it.
     pub scaling: Option<Scaling>,
+    /// What could not be followed.
+    pub warnings: Vec<String>,
 }
 
 impl Diagram {
-    /// Warnings of growth rates beyond axial symmetry that are not known, and of sign changes that are not located.
-    pub fn unknown_rates(&self) -> Vec<String> {
-        self.branches.iter().flat_map(|(name, branch)| unknown(name, &branch.points, &branch.azimuthal)).collect()
+    /// [`warnings`](Self::warnings), and those of growth rates beyond axial symmetry that are not known, and of sign changes that are not located.
+    pub fn all_warnings(&self) -> Vec<String> {
+        let rates = self.branches.iter().flat_map(|(name, branch)| unknown(name, &branch.points, &branch.azimuthal));
+        self.warnings.iter().cloned().chain(rates).collect()
     }
 }
 
@@ -58,7 +63,7 @@ pub fn diagram(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Res
         branches.push(("asymmetric", found.branch));
         scaling = found.scaling;
     }
-    Ok(Diagram { branches, scaling })
+    Ok(Diagram { branches, scaling, warnings: Vec::new() })
 }
 
 fn unknown(name: &str, points: &[ShapePoint], scan: &AzimuthalScan) -> Vec<String> {

@@ -15,9 +15,12 @@
 //! | [`reproduce`] | the paper's statements beside the computed results |
 //! | [`mod@solve`] | the value of one parameter that gives a wanted division |
 //! | [`mod@boundary`] | the boundary of division over a parameter |
+//! | `bent` | bent states, without axial symmetry, in diagrams, boundaries and phase diagrams |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
 //! | [`mod@polarity`] | PAR polarity along the germline, and its effect on divisions |
 
+#[cfg(not(target_family = "wasm"))]
+pub mod bent;
 pub mod boundary;
 pub mod compare;
 pub mod constants;

@@ -3,6 +3,7 @@
 use furrow_bvp::Work;
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::critical::{BoundaryKind, CriticalRadius, Method};
+use furrow_mechanics::equilibria::at_rest::{Edge, RestShapes};
 use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::error::CellName;
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
@@ -31,6 +32,26 @@ pub const WITHOUT_AXIS: Method = Method {
     divide: |input, _| divide(input, &mut |_, _| ()).map(|found| found.division),
     refined: |numerics| Numerics { modes: numerics.modes + 2, ..*numerics },
 };
+
+/// The activities up to `xi_max` at which a cell comes to rest, straight or bent: up to the first event of its bent states.
+///
+/// # Errors
+/// [`ShapeError`].
+pub fn resting_bent(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<RestShapes, ShapeError> {
+    let found = match events(cell, numerics, false) {
+        Ok(found) => found,
+        // Straight to the end of the range.
+        Err(BentError::Shape(ShapeError::NoGrowth { xi_s, .. })) if xi_s >= xi_max => Vec::new(),
+        Err(error) => return Err(error.of(cell)),
+    };
+    let edge = |(event, bent): &(BentEvent, Bent)| match event {
+        BentEvent::Pitchfork => Edge::BentPitchfork { xi_s: bent.cell.xi_s },
+        BentEvent::Fold => Edge::BentFold { xi_s: bent.cell.xi_s },
+    };
+    let edges: Vec<Edge> = found.iter().map(edge).collect();
+    let end = edges.iter().map(Edge::xi_s).fold(xi_max, f64::min);
+    Ok(RestShapes { intervals: vec![[0.0, end]], edges: edges.into_iter().filter(|edge| edge.xi_s() <= xi_max).collect() })
+}
 
 /// A located event.
 #[derive(Clone, Debug)]

@@ -13,7 +13,7 @@ use crate::embed::{ContourPoint, embed};
 use crate::neck::{Neck, asymmetry, neck};
 use crate::newton::{Newton, NewtonError};
 use crate::noise;
-use crate::plane::{Plates, inverse_axes2, turned};
+use crate::plane::{Plates, turned};
 use crate::problem::{Problem, State};
 use crate::rates::{Among, Rate};
 use crate::space::Space;
@@ -211,7 +211,7 @@ pub fn start(cell: &Cell, plates: Plates, numerics: &Numerics) -> Result<(Proble
     for step in 0..=steps as usize {
         let closed = if round { 0.0 } else { step as f64 / steps };
         let flattening = 1.0 + (cell.shell.flattening - 1.0) * closed;
-        problem.inverse_axes2 = inverse_axes2(&problem.constants.shell, flattening, plates);
+        problem.plates = plates.factors(flattening);
         problem
             .settle(&mut state, Problem::wanted_density, &mut Work::default())
             .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source.to_string()))?;

@@ -82,7 +82,7 @@ impl Film {
         let mut steps = Vec::new();
         let found = divide(input, &mut |problem, level| steps.push(Step::of(problem, level)))?;
         let cell = polarity::resolved(&input.cell).map_err(|source| DivisionError::Polarity { source })?.into_owned();
-        let axes = steps.first().map_or([f64::NAN; 3], |step: &Step| step.problem.inverse_axes2);
+        let axes = steps.first().map_or([f64::NAN; 3], |step: &Step| step.problem.inverse_axes2());
         let shell = [axes[2], axes[0]].map(|inverse: f64| inverse.recip().sqrt());
         Ok(Film { found, cell, shell, steps })
     }

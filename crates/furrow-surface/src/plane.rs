@@ -4,7 +4,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use furrow_cell::cue::Side;
 use furrow_cell::{Cell, RigidityGradient};
-use furrow_mechanics::cortex::equations::ShellCoefficients;
 use furrow_mechanics::division::DivisionError;
 
 use crate::law::Vector;
@@ -18,13 +17,14 @@ pub enum Plates {
     Across,
 }
 
-/// 1/x², 1/y², 1/z² of a shell with the half axes of S.7.
-pub fn inverse_axes2(shell: &ShellCoefficients<f64>, flattening: f64, plates: Plates) -> Vector<f64> {
-    let ShellCoefficients { inverse_a2, inverse_b2, .. } = *shell;
-    let (wide, thin) = (inverse_b2 * flattening, inverse_b2 / (flattening * flattening));
-    match plates {
-        Plates::Beside => [wide, thin, inverse_a2 * flattening],
-        Plates::Across => [thin, wide, inverse_a2 * flattening],
+impl Plates {
+    /// Factors on 1/x², 1/y², 1/z² of the half axes of a round shell, which give those of S.7.
+    pub fn factors(self, flattening: f64) -> Vector<f64> {
+        let (wide, thin) = (flattening, 1.0 / (flattening * flattening));
+        match self {
+            Plates::Beside => [wide, thin, wide],
+            Plates::Across => [thin, wide, wide],
+        }
     }
 }
 

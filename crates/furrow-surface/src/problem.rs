@@ -2,10 +2,10 @@
 
 use furrow_bvp::Gauss;
 use furrow_cell::Cell;
-use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
+use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients, ShellCoefficients};
 
 use crate::law::{Balance, Contact, Flow, Place, Shape, Vector, balance};
-use crate::plane::{Plates, inverse_axes2};
+use crate::plane::Plates;
 use crate::mesh::Mesh;
 use crate::space::{Entries, Meridian, POINTS, Space, Station};
 
@@ -45,8 +45,8 @@ pub struct Problem {
     pub space: Space,
     /// Constants of the cell.
     pub constants: Constants<f64>,
-    /// 1/x², 1/y², 1/z² of the half axes of the shell.
-    pub inverse_axes2: Vector<f64>,
+    /// How plates change 1/x², 1/y², 1/z² of the half axes of a round shell: factors.
+    pub plates: Vector<f64>,
     /// How the mesh is spread.
     pub mesh: Mesh,
     /// Drag of the mesh, in τ/L_h²: how fast it follows its wanted spread. 0 at rest.
@@ -63,18 +63,24 @@ pub struct Problem {
 impl Problem {
     /// The stationary problem of a cell.
     pub fn new(cell: &Cell, space: Space) -> Problem {
-        let constants = Constants::new(cell, |_, value| value);
         Problem {
             mesh: Mesh::uniform(&space),
             space,
-            inverse_axes2: inverse_axes2(&constants.shell, cell.shell.flattening, Plates::Beside),
-            constants,
+            plates: Plates::Beside.factors(cell.shell.flattening),
+            constants: Constants::new(cell, |_, value| value),
             motion: Motion::default(),
             drag: 0.0,
             noise: Vec::new(),
             contacts: Vec::new(),
             gauss: Gauss::new(POINTS).unwrap_or_default(),
         }
+    }
+
+    /// 1/x², 1/y², 1/z² of the half axes of the shell, S.7, in 1/L_h².
+    pub fn inverse_axes2(&self) -> Vector<f64> {
+        let ShellCoefficients { inverse_a2, inverse_b2, .. } = self.constants.shell;
+        let [x, y, z] = self.plates;
+        [x * inverse_b2, y * inverse_b2, z * inverse_a2]
     }
 
     /// The weights of the mesh for a surface near the one that is solved for.
@@ -106,7 +112,7 @@ impl Problem {
         Place {
             local: self.constants.at(share, length),
             shell: self.constants.shell,
-            inverse_axes2: self.inverse_axes2,
+            inverse_axes2: self.inverse_axes2(),
             noise: 1.0,
             rate: 0.0,
             past: [0.0; 3],
@@ -181,7 +187,7 @@ impl Problem {
         Place {
             local,
             shell: self.constants.shell,
-            inverse_axes2: self.inverse_axes2,
+            inverse_axes2: self.inverse_axes2(),
             noise: self.noise.get(index).copied().unwrap_or(1.0),
             rate: self.motion.rate,
             past,

@@ -21,7 +21,7 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     let others = || of.folds.iter().chain(of.azimuthal.iter().flatten().map(|(_, curve)| curve)).chain(bent());
     let points = || of.pitchfork.points.iter().chain(others().flat_map(|curve| &curve.points));
     let place = |point: &CurvePoint| [point.value, point.xi_s];
-    let bent_critical = of.bent_critical.map(|r0| [r0, of.cell.xi_s]);
+    let bent_critical = of.bent_critical.as_ref().map(place);
     let critical: Vec<[f64; 2]> = of.critical.as_ref().map(place).into_iter().chain(bent_critical).collect();
     let heights = points().map(|p| p.xi_s).chain(critical.iter().map(|at| at[1]));
     let across = of.range.into_iter().chain(critical.iter().map(|at| at[0]));
@@ -60,11 +60,21 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
 }
 
 /// Dashes of the curves of bent states.
-const BENT_DASHES: [f64; 2] = [9.0, 4.0];
+pub(super) const BENT_DASHES: [f64; 2] = [9.0, 4.0];
 
 /// The colour of a curve of bent states: of the same event with axial symmetry.
-fn bent_colour(name: &str) -> style::Colour {
+pub(super) fn bent_colour(name: &str) -> style::Colour {
     if name == "fold" { FOLD } else { PITCHFORK }
+}
+
+impl Legend {
+    /// The same with the curves of bent states.
+    pub(super) fn with_bent<'a>(self, curves: impl IntoIterator<Item = &'a (&'static str, Curve)>) -> Legend {
+        self.with_all(curves.into_iter().map(|(name, _)| {
+            let key = Key::Dashes(bent_colour(name), BENT_DASHES);
+            (key, format!("{name} of bent states"))
+        }))
+    }
 }
 
 fn legend(of: &BoundaryStudy) -> Legend {
@@ -78,10 +88,7 @@ fn legend(of: &BoundaryStudy) -> Legend {
         .with_if(!of.cusps.is_empty(), Key::Point(FOLD, Marker::Diamond), "cusp")
         .with_if(of.critical.is_some(), critical, "critical value")
         .with_azimuthal(of.azimuthal.iter().flatten())
-        .with_all(of.bent.iter().flatten().map(|(name, _)| {
-            let key = Key::Dashes(bent_colour(name), BENT_DASHES);
-            (key, format!("{name} of bent states"))
-        }))
+        .with_bent(of.bent.iter().flatten())
 }
 
 /// A curve of pitchforks split where its criticality changes; neighbouring pieces share their end point.

@@ -5,6 +5,7 @@ use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, bins, widened};
 use crate::drawing::style::{self, Colour, FOLD, PITCHFORK, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke, scale};
+use super::boundary::{BENT_DASHES, bent_colour};
 use furrow_analysis::Edges;
 use furrow_cell::Parameter;
 use furrow_lineage::batch::phase::PhaseOutcome;
@@ -35,6 +36,11 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
         let colour = style::tile(outcome(cell.outcome), cell.chi);
         Some((*columns.get(k / rows.len())?, *rows.get(k % rows.len())?, colour))
     }));
+    for (name, curve) in &edges.bent {
+        let at = || curve.points.iter().map(|point| [point.value, point.xi_s]);
+        chart.line(at(), Stroke::solid(WHITE, style::CURVE + 2.6));
+        chart.line(at(), Stroke::dashed(bent_colour(name), style::CURVE, BENT_DASHES));
+    }
     for (curve, colour) in lines(edges) {
         // A white rim is visible on any colour.
         for stroke in [Stroke::solid(WHITE, style::CURVE + 2.6), Stroke::solid(colour, style::CURVE)] {
@@ -113,12 +119,14 @@ fn marks(chart: &mut Chart<'_>, diagram: &PhaseDiagram, edges: &Edges) -> Vec<[f
     let mut drawn = Vec::new();
     for column in &diagram.columns {
         for edge in &column.edges {
-            let (known, marker, colour) = match edge {
-                Edge::Pitchfork { .. } => (&edges.pitchforks, Marker::Disc, PITCHFORK),
-                _ => (&edges.folds, Marker::Diamond, FOLD),
+            let (lone, marker, colour) = match edge {
+                Edge::Pitchfork { .. } => (edges.pitchforks.is_empty(), Marker::Disc, PITCHFORK),
+                Edge::BentPitchfork { .. } => (edges.bent.is_empty(), Marker::Disc, PITCHFORK),
+                Edge::BentFold { .. } => (edges.bent.is_empty(), Marker::Diamond, FOLD),
+                _ => (edges.folds.is_empty(), Marker::Diamond, FOLD),
             };
             // A known curve shows the edges of every column.
-            if known.is_empty() && chart.holds([column.x, edge.xi_s()]) {
+            if lone && chart.holds([column.x, edge.xi_s()]) {
                 chart.point([column.x, edge.xi_s()], 5.0, marker, colour);
                 drawn.push(chart.at([column.x, edge.xi_s()]));
             }
@@ -148,6 +156,7 @@ fn legend(diagram: &PhaseDiagram, edges: &Edges) -> Legend {
         .with_if(folds, Key::Line(FOLD), "fold")
         .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold")
         .with_azimuthal(&edges.azimuthal)
+        .with_bent(&edges.bent)
 }
 
 #[cfg(test)]

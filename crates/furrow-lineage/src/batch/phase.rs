@@ -1,7 +1,7 @@
 //! Phase diagrams: outcomes over one parameter of a cell and its activity.
 //!
 //! Where the primary branch has a stable shape the cell stays at rest. Its exact folds and pitchforks give this region,
-//! column by column. Elsewhere divisions are computed.
+//! column by column; without axial symmetry the bent states do, up to their first pitchfork or fold. Elsewhere divisions are computed.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -9,10 +9,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::memo::{Failure, Memo};
+use super::solve::{resting, solve};
 use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary};
 use furrow_cell::{Cell, Numerics, Parameter};
-use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
-use furrow_mechanics::equilibria::at_rest::{Edge, RestShapes, rest_shapes};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome};
+use furrow_mechanics::equilibria::at_rest::{Edge, RestShapes};
 use furrow_mechanics::equilibria::error::ShapeError;
 
 /// A grid over one parameter of a cell and its activity.
@@ -137,7 +138,7 @@ impl PhasePlane {
         let xi_max = 1.01 * self.up.iter().copied().fold(0.0, f64::max) + 0.1;
         let done = AtomicUsize::new(0);
         let column = |&x: &f64| {
-            let found = rest_shapes(&self.cell_at(x), &self.numerics, xi_max);
+            let found = resting(&self.cell_at(x), &self.numerics, xi_max);
             let error = found.as_ref().err().cloned();
             let RestShapes { intervals, edges } = found.unwrap_or_default();
             shown(done.fetch_add(1, Ordering::Relaxed) + 1, self.across.len());
@@ -174,7 +175,7 @@ impl PhasePlane {
             let cell = Cell { xi_s, ..self.cell_at(column.x) };
             DivisionInput { cell, numerics: self.numerics, seed: self.seed }
         });
-        let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, divide)?;
+        let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, solve)?;
         let undecided = unsolved.first().map(|job| (job.failure.clone(), unsolved.len()));
         let mut divisions = divisions.into_iter();
         let cell = |(column, xi_s): (&Column, f64)| match rests(column, xi_s) {

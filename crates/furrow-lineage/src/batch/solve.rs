@@ -1,9 +1,11 @@
 //! One division, and critical radii, by the solver that the numerics choose.
 
 use super::store::Store;
-use furrow_cell::Numerics;
+use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::critical::{AXISYMMETRIC, Archive, CriticalRadii, Method};
 use furrow_mechanics::division::{self, Division, DivisionError, DivisionInput};
+use furrow_mechanics::equilibria::ShapeError;
+use furrow_mechanics::equilibria::at_rest::{RestShapes, rest_shapes};
 #[cfg(not(target_family = "wasm"))]
 use {furrow_surface::bent_curves::WITHOUT_AXIS, furrow_surface::film::Film, std::sync::OnceLock};
 
@@ -18,6 +20,21 @@ const WITHOUT_AXIS: Method = AXISYMMETRIC;
 pub fn solve(input: &DivisionInput) -> Result<Division, DivisionError> {
     if input.numerics.modes == 0 { division::divide(input) } else { without_axis(input) }
 }
+
+/// The activities up to `xi_max` at which a cell comes to rest, with axial symmetry or without.
+///
+/// # Errors
+/// [`ShapeError`].
+pub fn resting(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<RestShapes, ShapeError> {
+    if numerics.modes == 0 { rest_shapes(cell, numerics, xi_max) } else { resting_bent(cell, numerics, xi_max) }
+}
+
+#[cfg(not(target_family = "wasm"))]
+use furrow_surface::bent_curves::resting_bent;
+
+/// The page's module has no surfaces.
+#[cfg(target_family = "wasm")]
+use furrow_mechanics::equilibria::at_rest::rest_shapes as resting_bent;
 
 /// How critical radii are computed, with axial symmetry or without.
 pub fn method(numerics: &Numerics) -> Method {

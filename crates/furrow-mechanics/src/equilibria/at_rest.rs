@@ -23,12 +23,19 @@ pub enum Edge {
     Pitchfork { xi_s: f64, criticality: Criticality },
     /// The branch turns.
     Fold { xi_s: f64, maximum: bool },
+    /// The mirror symmetry of bent states breaks.
+    BentPitchfork { xi_s: f64 },
+    /// The bent states turn.
+    BentFold { xi_s: f64 },
 }
 
 impl Edge {
     /// Its ξ_s.
     pub fn xi_s(&self) -> f64 {
-        let (Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. }) = self;
+        let (Edge::Pitchfork { xi_s, .. }
+        | Edge::Fold { xi_s, .. }
+        | Edge::BentPitchfork { xi_s }
+        | Edge::BentFold { xi_s }) = self;
         *xi_s
     }
 }

@@ -7,7 +7,7 @@ use furrow_cell::{Cell, Cue, Numerics, RigidityGradient};
 use furrow_mechanics::division::DivisionInput;
 use furrow_surface::division::{divide, start};
 use furrow_surface::law::{Vector, wall_force};
-use furrow_surface::plane::{Plates, inverse_axes2, turned};
+use furrow_surface::plane::{Plates, turned};
 use furrow_surface::problem::Problem;
 use furrow_surface::space::Space;
 
@@ -28,7 +28,7 @@ fn cue(text: &str) -> Cue {
 fn the_force_of_a_flattened_shell_is_the_slope_of_its_wall() {
     let cell = pressed(0.8);
     let problem = Problem::new(&cell, Space::new(12, 2));
-    let axes = problem.inverse_axes2;
+    let axes = problem.inverse_axes2();
     let [x, y, z] = axes.map(|inverse| inverse.recip().sqrt());
     within("volume", (x * y * z * cell.epsilon / cell.r0.powi(3) - 1.0).abs(), 1e-12);
     within("thickness", (y / x - 0.8f64.powf(1.5)).abs(), 1e-12);
@@ -42,8 +42,8 @@ fn the_force_of_a_flattened_shell_is_the_slope_of_its_wall() {
     let moved = |h: f64| wall([0, 1, 2].map(|k| at[k] + h * normal[k]));
     let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
     within("force", (wall_force(&place, &normal, &at) / -slope - 1.0).abs(), 1e-7);
-    let [thin, wide, _] = inverse_axes2(&problem.constants.shell, 0.8, Plates::Across);
-    assert_eq!([wide, thin], [axes[0], axes[1]]);
+    let [[x, y, z], turned] = [Plates::Beside, Plates::Across].map(|plates| plates.factors(0.8));
+    assert_eq!(turned, [y, x, z]);
 }
 
 /// Turned by a quarter, the mirror plane lies across the plates.

@@ -13,6 +13,7 @@ use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
 use furrow_surface::division::start;
 use furrow_surface::embed::project;
 use furrow_surface::law::{Contact, Flow, Place, Shape, Vector, balance};
+use furrow_surface::plane::Plates;
 use furrow_surface::problem::Problem;
 use furrow_surface::space::{Harmonic, Space};
 use furrow_verification::balance::stress;
@@ -243,6 +244,7 @@ impl Surface {
             let place = Place {
                 local: self.local[k],
                 shell,
+                inverse_axes2: [shell.inverse_b2, shell.inverse_b2, shell.inverse_a2],
                 noise: self.noise[k],
                 rate: 1.7,
                 past: [0.3, -0.2, 0.5],

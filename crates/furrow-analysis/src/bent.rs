@@ -1,0 +1,99 @@
+//! Bent states, without axial symmetry, beside the axisymmetric shapes of the same studies.
+
+use crate::boundary::{BoundaryOptions, BoundaryStudy, boundary};
+use crate::diagram::{Diagram, diagram};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_lineage::batch::PhasePlane;
+use furrow_mechanics::equilibria::curves::{Curve, CurvePoint};
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StepBudget};
+use furrow_surface::bent::{self, BentBranch, BentError};
+use furrow_surface::bent_curves;
+
+/// [`diagram`], with the bent branch among its branches if the numerics have azimuthal modes, and the bent states; they are `None`
+/// if they cannot be followed, with a warning.
+///
+/// # Errors
+/// [`BentError::NoMirror`], and a branch of axisymmetric shapes that cannot be followed.
+pub fn diagram_with_bent(
+    cell: &Cell,
+    numerics: &Numerics,
+    options: &BranchOptions,
+) -> Result<(Diagram, Option<BentBranch>), BentError> {
+    let xi_max = options.xi[1];
+    // Before the other branches: a cell without bent states is refused at once.
+    let (found, warning) = match (numerics.modes > 0).then(|| bent::branch(cell, numerics, xi_max)).transpose() {
+        Err(error @ BentError::NoMirror { .. }) => return Err(error),
+        Err(error) => (None, Some(format!("no bent branch: {error}"))),
+        Ok(found) => (found, None),
+    };
+    let mut all = diagram(cell, numerics, options)?;
+    all.warnings.extend(warning);
+    all.branches.extend(found.iter().map(|found| ("bent", found.shapes())));
+    Ok((all, found))
+}
+
+/// [`boundary`], with the curves that end stable bent states if the numerics have azimuthal modes.
+///
+/// # Errors
+/// As of [`boundary`], and of the bent curves at the first value.
+pub fn boundary_with_bent(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    range: [f64; 2],
+    options: BoundaryOptions,
+) -> Result<BoundaryStudy, ShapeError> {
+    let mut found = boundary(cell, &Numerics { modes: 0, ..*numerics }, parameter, range, options)?;
+    if numerics.modes == 0 {
+        return Ok(found);
+    }
+    found.bent = Some(curves(cell, numerics, parameter, range, &mut found.warnings)?);
+    if options.critical && parameter == Parameter::R0 {
+        let critical = bent_curves::critical_radius(cell, numerics, &StepBudget::unlimited())?;
+        found.bent_critical = Some(CurvePoint {
+            r0: critical.r0,
+            epsilon: cell.epsilon,
+            value: critical.r0,
+            xi_s: cell.xi_s,
+            slope: critical.slope,
+            elongation: f64::NAN,
+            coefficient: None,
+        });
+    }
+    Ok(found)
+}
+
+/// The curves that end stable bent states over the parameter across a plane, for its picture; none without azimuthal modes, over
+/// another parameter or where they cannot be followed.
+pub fn bent_edges(plane: &PhasePlane, warnings: &mut Vec<String>) -> Vec<(&'static str, Curve)> {
+    let PhasePlane { cell, numerics, parameter, across, .. } = plane;
+    let range = match (across.first(), across.last()) {
+        (Some(&from), Some(&to)) if from != to && numerics.modes > 0 && can_vary(*parameter) => [from, to],
+        _ => return Vec::new(),
+    };
+    curves(cell, numerics, *parameter, range, warnings).unwrap_or_else(|error| {
+        warnings.push(format!("the picture shows the edges of bent states at each value, without curves: {error}"));
+        Vec::new()
+    })
+}
+
+/// Whether curves of bent states can be followed over a parameter.
+pub fn can_vary(parameter: Parameter) -> bool {
+    matches!(parameter, Parameter::R0 | Parameter::Epsilon)
+}
+
+fn curves(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    range: [f64; 2],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<(&'static str, Curve)>, ShapeError> {
+    let found = bent_curves::curves(cell, numerics, parameter, range)?;
+    for (event, curve) in &found {
+        if let Some(error) = curve.error() {
+            warnings.push(format!("the {}s of bent states are followed no further: {error}", event.name()));
+        }
+    }
+    Ok(found.into_iter().map(|(event, curve)| (event.name(), curve)).collect())
+}
