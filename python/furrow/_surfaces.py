@@ -23,19 +23,21 @@ class Neck(Result):
     ``radius``: Length over 2π of the shortest ring, in L_h.
     ``offset``: Distance of its centre from the axis, towards +x, in L_h.
     ``position``: Height z of its centre, in L_h.
+    ``tilt``: Angle between its plane and the plane across the axis, in degrees, positive if it rises towards +x.
     """
 
     t: Array = field(repr=False)
     radius: Array = field(repr=False)
     offset: Array = field(repr=False)
     position: Array = field(repr=False)
+    tilt: Array = field(repr=False)
 
     def __len__(self) -> int:
         return len(self.t)
 
     def to_pandas(self) -> pd.DataFrame:
         """One row per step."""
-        return frame({name: getattr(self, name) for name in ("t", "radius", "offset", "position")})
+        return frame({name: getattr(self, name) for name in ("t", "radius", "offset", "position", "tilt")})
 
     def __repr__(self) -> str:
         return f"<Neck after {len(self)} steps>"

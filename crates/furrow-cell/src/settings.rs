@@ -300,7 +300,7 @@ impl Settings {
         let Numerics { modes, .. } = self.numerics;
         let (flattening, name) = (self.cell.shell.flattening, "physics.shell_flattening");
         let fine = flattening == 1.0 || modes >= 2;
-        InputError::require(fine, source_name, name, flattening, "1 unless cells have two azimuthal modes or more")?;
+        InputError::require(fine, source_name, name, flattening, "1 for cells with axial symmetry, whose modes are 0")?;
         self.check_wall(source_name)
     }
 
@@ -310,7 +310,7 @@ impl Settings {
     /// Names the cue; the values came from `source_name`.
     pub fn check_cue(&self, source_name: &str, cue: &Cue) -> Result<(), InputError> {
         let fine = self.numerics.modes > 0 || !cue.is_one_sided();
-        InputError::require(fine, source_name, "cue", cue, "without at=PHI unless cells have azimuthal modes")
+        InputError::require(fine, source_name, "cue", cue, "without at=PHI for cells with axial symmetry, whose modes are 0")
     }
 
     /// Checks whether the mesh has enough intervals for the width of the shell's wall, the same number of them for each part
@@ -358,7 +358,7 @@ impl Settings {
     /// Refuses azimuthal modes, for what has equations with axial symmetry alone.
     pub fn check_axisymmetric(&self, source_name: &str) -> Result<(), InputError> {
         let modes = self.numerics.modes;
-        let allowed = "0: only divisions, trees, states at rest and the boundary of division over R0 or ε can be computed without axial symmetry";
+        let allowed = "0: only divisions, trees, states at rest, phase diagrams and the boundary of division over R0 or ε can be computed without axial symmetry";
         InputError::require(modes == 0, source_name, "modes", modes, allowed)
     }
 
