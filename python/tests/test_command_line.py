@@ -235,6 +235,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "reproduce": (
         "furrow.reproduce",
         {f"--{name}": f"furrow.reproduce({name})" for name in ("out", "format", "table", "data")}
+        | AXIS
         | {"[FIGURE]": "furrow.reproduce(figures)"},
     ),
     "explore": (

@@ -1,6 +1,6 @@
 //! `furrow reproduce`: the paper's statements beside computed values.
 
-use super::cell::one_of;
+use super::cell::{AxisArgs, one_of};
 use super::context::{Context, Globals};
 use super::error::CliError;
 use super::interrupt::{self, write_deferred};
@@ -23,10 +23,13 @@ use std::time::Instant;
 #[command(after_help = "\
 Examples:
   furrow reproduce 3C S4 S5
+  furrow reproduce 4C --three-dimensional
   furrow reproduce 5B 5D --data data/jankele2021_volumes.csv
   furrow reproduce 1 S3 --out reproduced --json
   furrow reproduce movies --table movies.md")]
 pub struct ReproduceArgs {
+    #[command(flatten)]
+    pub axis: AxisArgs,
     /// Figures, tables and movies of the paper; default all
     #[arg(value_name = "FIGURE")]
     figures: Vec<String>,

@@ -14,9 +14,17 @@ const NOTHING: &str = "-";
 /// give equal bytes.
 pub fn markdown(found: &Reproduction, constants: &str) -> String {
     let mut out = format!("{HEAD}\n{}\n", counts(found, constants));
-    out.push_str("\n| figure | quantity | paper | furrow | Δt = 0.1 τ | Δt = 0.01 τ | off by | verdict |\n|---|---|---|---|---|---|---|---|\n");
+    let without_axis = found.items.iter().any(|item| item.without_axis.is_some());
+    let (column, rule) = if without_axis { (" without the axis |", "---|") } else { ("", "") };
+    let _ = writeln!(out, "\n| figure | quantity | paper | furrow | Δt = 0.1 τ | Δt = 0.01 τ | off by | verdict |{column}");
+    let _ = writeln!(out, "|---|---|---|---|---|---|---|---|{rule}");
     for item in &found.items {
         out.push_str(&row(item));
+        if without_axis {
+            // After the bar that ends the row.
+            out.truncate(out.trim_end().len());
+            let _ = writeln!(out, " {} |", beyond(item).replace('|', "\\|"));
+        }
     }
     out.push_str("\n## Criteria and notes\n\n");
     for group in found.items.chunk_by(|a, b| a.figure == b.figure) {
@@ -68,6 +76,11 @@ pub fn row(item: &Item) -> String {
         verdict,
     ];
     format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
+}
+
+/// The result without axial symmetry, with a note if its agreement with the paper differs from the other's.
+fn beyond(item: &Item) -> String {
+    published(item, item.without_axis.as_ref().map(value).as_deref(), item.without_axis_agrees)
 }
 
 /// A result of the published scheme, with a note if its agreement with the paper differs from the converged result's.
@@ -122,6 +135,9 @@ pub fn text(found: &Reproduction, constants: &str) -> String {
             ];
             for (dt, computed, agrees) in published.into_iter().filter(|(_, computed, _)| computed.is_some()) {
                 let _ = writeln!(out, "{:19}Δt = {dt} τ: {}", "", self::published(item, computed.as_deref(), agrees));
+            }
+            if item.without_axis.is_some() {
+                let _ = writeln!(out, "{:19}without the axis: {}", "", beyond(item));
             }
         }
     }

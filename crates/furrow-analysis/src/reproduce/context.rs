@@ -8,10 +8,10 @@ use furrow_cell::settings::{Overrides, Settings};
 use furrow_cell::{Cell, Cue, Numerics, Scheme, ZYGOTE};
 use furrow_input::InputError;
 use furrow_lineage::batch::{
-    Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
+    self, Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
 };
 use furrow_lineage::{GrowError, Tree};
-use furrow_mechanics::division::{Division, DivisionInput, Trajectory, divide};
+use furrow_mechanics::division::{Division, DivisionInput, Trajectory};
 use furrow_mechanics::equilibria::Branch;
 use furrow_mechanics::perturbation::Perturbation;
 use serde_json::Value;
@@ -231,7 +231,7 @@ impl<'a> Figure<'a> {
     /// # Errors
     /// [`ReproduceError`].
     pub fn divisions(&mut self, inputs: Vec<DivisionInput>) -> Result<Vec<Option<Division>>, ReproduceError> {
-        let solved = scheduler::solve_all(inputs, self.context.memo, &self.context.options(), divide)?;
+        let solved = scheduler::solve_all(inputs, self.context.memo, &self.context.options(), batch::solve)?;
         self.warnings.extend(solved.summary.warnings);
         self.context.check_cancelled()?;
         Ok(solved.divisions)

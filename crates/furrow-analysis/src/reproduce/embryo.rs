@@ -6,12 +6,12 @@ use crate::compare::counts::counts;
 use crate::tree_settings;
 use furrow_cell::settings::Settings;
 use furrow_input::InputError;
+use furrow_lineage::batch::{critical_radii, solve};
 use furrow_lineage::{EndRule, Grower, Lineage, Thresholds, Tree, TreeCell, founder_rounds};
 use furrow_measured::events::Division as Measured;
 use furrow_measured::published::{SOURCE, jankele2021_divisions};
 use furrow_measured::statistics::{mean, rank_sum};
-use furrow_mechanics::critical::CriticalRadii;
-use furrow_mechanics::division::{Outcome, divide};
+use furrow_mechanics::division::Outcome;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -24,10 +24,10 @@ pub fn grow(figure: &Figure<'_>, lineage: &Lineage) -> Result<Tree, ReproduceErr
     let numerics = context.converged();
     let settings = Settings { numerics, ..context.settings.clone() };
     let settings = tree_settings(settings, lineage, 0, context.memo.quantisation());
-    let rule = Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(context.cancel));
+    let rule = Thresholds::new(critical_radii(&numerics, None).interrupted_by(context.cancel));
     let ends = EndRule::Thresholds(&rule);
     let grower = Grower { lineage, settings, ends, memo: context.memo, options: context.options() };
-    let (tree, _) = grower.grow(divide)?;
+    let (tree, _) = grower.grow(solve)?;
     context.check_cancelled()?;
     Ok(tree)
 }

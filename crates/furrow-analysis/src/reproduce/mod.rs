@@ -91,6 +91,12 @@ pub struct Item {
     /// Whether that would agree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published_fine_agrees: Option<bool>,
+    /// The value without axial symmetry, where that was computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_axis: Option<Value>,
+    /// Whether that would agree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_axis_agrees: Option<bool>,
     /// |computed/paper − 1|, or |computed| where the paper prints 0; `None` where it prints no number.
     pub rel_error: Option<f64>,
     /// Whether the verdict is that it agrees.
@@ -171,28 +177,57 @@ fn nothing(_: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// Computes the results for the statements, figure by figure, each on all cores; they depend on the settings alone.
+/// Figures of divisions and trees, which have results without axial symmetry too.
+const WITHOUT_AXIS: [&str; 12] = ["2A", "2G", "3B", "3C", "3D", "3E", "4B", "4C", "5B", "5C", "5D", "6B"];
+
+/// Computes the results for the statements, figure by figure, each on all cores; they depend on the settings alone. Settings with
+/// azimuthal modes add the results without axial symmetry to those with it.
 ///
 /// # Errors
 /// [`ReproduceError`]. A statement that cannot be computed does not agree, and says why.
 pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Reproduction, ReproduceError> {
     let mut out = Reproduction::default();
     let groups: Vec<&[Statement]> = statements.chunk_by(|a, b| a.figure == b.figure).collect();
+    let mut settings = context.settings.clone();
+    settings.numerics.modes = 0;
+    let with_axis = Context { settings: &settings, ..*context };
     for (done, group) in groups.iter().enumerate() {
-        let (findings, panels, warnings) = <_>::default();
-        let mut figure = Figure { context, statements: group, findings, panels, warnings };
-        (context.progress)(figure.name(), done, groups.len());
+        let name = group[0].figure.as_str();
+        (context.progress)(name, done, groups.len());
         let start = Instant::now();
-        compute(figure.name())(&mut figure)?;
+        let figure = computed(&with_axis, group)?;
+        let bent = context.settings.numerics.modes > 0 && WITHOUT_AXIS.contains(&name);
+        let bent = bent.then(|| computed(context, group)).transpose()?;
         let seconds = start.elapsed().as_secs_f64();
         for statement in *group {
-            let finding = figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
-            out.items.push(item(statement, finding, seconds));
+            let found = |figure: &Figure<'_>| figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
+            let mut item = item(statement, found(&figure), seconds);
+            // What has axial symmetry alone, as bifurcations do, is the same for both.
+            if let Some(finding) = bent.as_ref().and_then(found).filter(|_| item.verdict != Verdict::Apart) {
+                item.without_axis_agrees = Some(agrees(statement, &finding).1 == Some(true));
+                item.without_axis = Some(finding.computed);
+            }
+            out.items.push(item);
         }
+        out.warnings.extend(bent.into_iter().flat_map(|figure| figure.warnings));
         out.panels.extend(figure.panels);
         out.warnings.extend(figure.warnings);
     }
     Ok(out)
+}
+
+fn computed<'a>(context: &'a Context<'a>, statements: &'a [Statement]) -> Result<Figure<'a>, ReproduceError> {
+    let (findings, panels, warnings) = <_>::default();
+    let mut figure = Figure { context, statements, findings, panels, warnings };
+    compute(figure.name())(&mut figure)?;
+    Ok(figure)
+}
+
+/// The deviation from the printed number, if there is one, and whether the statement is met, by it or by its criterion.
+fn agrees(statement: &Statement, finding: &Finding) -> (Option<f64>, Option<bool>) {
+    let off = finding.computed.as_f64().zip(statement.printed).map(|(computed, printed)| printed.deviation(computed));
+    let close = off.zip(statement.printed).map(|(error, printed)| error <= printed.tolerance);
+    (off, close.or(finding.holds))
 }
 
 /// A statement that is set apart is judged all the same where something was found: in a table of the user's.
@@ -202,10 +237,8 @@ fn item(statement: &Statement, finding: Option<Finding>, seconds: f64) -> Item {
         Some(_) => Finding::new(&statement.id, "-"),
         None => Finding::not_computed(&statement.id, "nothing was found"),
     });
-    let rel_error =
-        finding.computed.as_f64().zip(statement.printed).map(|(computed, printed)| printed.deviation(computed));
-    let close = rel_error.zip(statement.printed).map(|(error, printed)| error <= printed.tolerance);
-    let verdict = match (apart, close.or(finding.holds)) {
+    let (rel_error, met) = agrees(statement, &finding);
+    let verdict = match (apart, met) {
         (Some(_), _) => Verdict::Apart,
         (None, Some(true)) => Verdict::Agrees,
         (None, _) => Verdict::Differs,
@@ -222,6 +255,8 @@ fn item(statement: &Statement, finding: Option<Finding>, seconds: f64) -> Item {
         published_scheme: coarse.map(|coarse| coarse.1),
         published_fine_agrees: fine.as_ref().map(|fine| fine.0),
         published_fine: fine.map(|fine| fine.1),
+        without_axis: None,
+        without_axis_agrees: None,
         rel_error,
         pass: verdict == Verdict::Agrees,
         criterion: statement.criterion.clone(),

@@ -6,10 +6,9 @@ use super::readings::chi_in_words;
 use super::sweeps::Compares;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::phase::{PhasePlane, spaced};
-use furrow_lineage::batch::scheduler;
-use furrow_mechanics::critical::critical_radius;
+use furrow_lineage::batch::{method, scheduler};
 use furrow_mechanics::division::DivisionInput;
-use furrow_mechanics::equilibria::{BranchOptions, ShapeError, curves, pitchfork};
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StepBudget, curves, pitchfork};
 use rayon::prelude::*;
 
 /// Activity over ξ_s* at which cells are compared past their thresholds: below the turning points of all of them.
@@ -75,7 +74,10 @@ fn past_threshold(
 /// How far the cue moves the size below which cells fail.
 pub fn cued_boundary(figure: &mut Figure<'_>) {
     let (cell, numerics) = (figure.context.cell(1.0, 0.87), figure.context.converged());
-    let radius = |cue: Cue| critical_radius(&cell.clone().with_cue(cue), &numerics).map(|critical| critical.r0);
+    let radius = |cue: Cue| {
+        let cell = cell.clone().with_cue(cue);
+        (method(&numerics).radius)(&cell, &numerics, &StepBudget::unlimited()).map(|critical| critical.r0)
+    };
     let both = radius(Cue::none()).and_then(|plain| Ok([plain, radius(Cue::published())?]));
     let judged = both.map(|[plain, cued]| {
         let shift = cued / plain - 1.0;
