@@ -18,6 +18,7 @@ use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
 use furrow_input::InputError;
 use furrow_lineage::batch::{Memo, Summary, scheduler::workers};
 use furrow_lineage::clock::alive;
+use furrow_lineage::definition::matches;
 use furrow_lineage::units::{MOST_PLAIN, plain_radius};
 use furrow_lineage::{Length, Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
@@ -338,9 +339,18 @@ pub fn grown(
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
+        warn_of_unborn(tree);
         warn_of_origin(tree, &scenario.name);
     }
     Ok((grown, spread))
+}
+
+/// Warns of cells that the lineage says die and that the tree does not have.
+fn warn_of_unborn(tree: &Tree) {
+    let born = |pattern: &&String| tree.cells().any(|id| matches(pattern, &tree.cell(id).name));
+    for pattern in tree.lineage.dies.iter().filter(|pattern| !born(pattern)) {
+        messages::warning!("dies: the tree has no cell {pattern:?}");
+    }
 }
 
 /// Warns of undecided cells. Their branches end there; the rest of the tree is valid.

@@ -95,6 +95,20 @@ fn newick_names_lengths_and_order() {
 }
 
 #[test]
+fn founders_stop_after_their_rounds_and_named_cells_die() {
+    let text = r#"(name: "x", limits: (max_depth: 5), dies: ["Qaa*a", "nobody"], founders: [
+        (name: "S", r0: 4.0), (name: "Q", mother: "S", daughter: larger), (name: "G", mother: "S", daughter: smaller, most_rounds: 1),
+    ])"#;
+    let lineage = Lineage::parse(text, "x.ron").unwrap();
+    let halves = |input: &DivisionInput| Ok(division(input.cell.r0, Outcome::Symmetric, 0.0));
+    let tree = grow_with(&lineage, 2, halves).0;
+    assert_eq!(ended(&tree, |reason| *reason == TerminalReason::MostRounds { most_rounds: 1 }), ["Ga", "Gp"]);
+    // Qaaaa and Qaapa are daughters of cells that divide; the daughters of Qaaa, which dies, are not born.
+    assert_eq!(ended(&tree, |reason| *reason == TerminalReason::Dies), ["Qaaa", "Qaapa"]);
+    assert_eq!(ended(&tree, |reason| *reason == TerminalReason::MaxDepth { max_depth: 5 }).len(), 13);
+}
+
+#[test]
 fn limits_end_a_tree_that_does_not() {
     let grown = |limits: &str, threads| {
         grow_with(&alone("", limits), threads, |input| Ok(division(input.cell.r0, Outcome::Symmetric, 0.0))).0

@@ -14,7 +14,7 @@ use crate::common::stand_in::{division, fake, grown};
 /// A lineage in which every field is given.
 const EVERYTHING: &str = r#"Lineage(
     name: "everything", citation: "nobody", naming: ('a', 'p'), units: (length_um: 3, time_min: 2),
-    limits: (max_depth: 6, max_cells: 60),
+    limits: (max_depth: 6, max_cells: 40), dies: ["L*lll", "nobody"],
     clock: (lifetime_min: 24, at_volume: 0.5, exponent: 0.28, volumes: (0.6, 1), tau_min: 4, origin: birth("S"), lifetimes: {"S": 20}),
     cues: {
         "kappa": "kappa:u0=0.4,omega=0.1,amplitude=0.1", "activity": "activity:step,u0=0.6,omega=0.3Lh,amplitude=0.1",
@@ -35,13 +35,13 @@ const EVERYTHING: &str = r#"Lineage(
         (name: "L", mother: "S", daughter: larger, r0: 5, letters: [('l', 'r')],
          clock: (lifetime_min: 30, at_volume: 0.5, exponent: 0.3),
          cue_rules: [(cue: "sum", from_generation: 1, to_generation: 9, below_r0: 9, above_r0: 0.1)],
-         physics: (xi_s: 26, xi_ratio: -0.1, gain: 0.5, epsilon: 0.86, aspect: 1.4, p0: 0.12, w: 0.14, kappa: 1, eta_b: 1,
+         physics: (xi_s: 26, xi_ratio: -0.1, gain: 0.5, epsilon: 0.86, aspect: 1.4, p0: 0.12, w: 0.14, shell_flattening: 0.9, kappa: 1, eta_b: 1,
                    eta_s: 1, friction: 1, tension: 0),
          physics_rules: [(parameter: "xi_ratio", add: 0.01), (parameter: "gain", value: 0.5), (parameter: "epsilon", add: -0.01),
-                         (parameter: "aspect", value: 1.4), (parameter: "p0", value: 0.12), (parameter: "w", value: 0.14),
+                         (parameter: "aspect", value: 1.4), (parameter: "p0", value: 0.12), (parameter: "w", value: 0.14), (parameter: "shell_flattening", value: 0.9),
                          (parameter: "kappa", value: 1), (parameter: "eta_b", value: 1), (parameter: "eta_s", value: 1),
                          (parameter: "friction", value: 1), (parameter: "tension", add: 0.01)]),
-        (name: "T", mother: "S", daughter: smaller),
+        (name: "T", mother: "S", daughter: smaller, most_rounds: 2),
     ],
 )"#;
 
@@ -83,6 +83,8 @@ fn documents() -> Vec<Value> {
         grown(&c_elegans.carrying("none").unwrap(), &below, fake),
         grown(&Lineage { limits: Limits { max_depth: 2, max_cells: 1000 }, ..c_elegans }, &|_| None, fake),
     ];
+    let mut trees = trees;
+    trees[0].settings.cell.shell.flattening = 0.8;
     let texts = trees.map(|tree| tree_to_json(&tree).unwrap());
     texts.iter().for_each(|text| assert_eq!(tree_to_json(&tree_from_json(text).unwrap()).unwrap(), *text));
     texts.iter().map(|text| serde_json::from_str(text).unwrap()).collect()

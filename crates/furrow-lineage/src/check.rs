@@ -103,6 +103,11 @@ impl Check<'_> {
         let deep = (1..=100_000).contains(&limits.max_depth);
         self.ensure(deep, "limits.max_depth", limits.max_depth, "from 1 to 100000")?;
         self.ensure(limits.max_cells >= 1, "limits.max_cells", limits.max_cells, "at least 1")?;
+        for name in &lineage.dies {
+            let allowed = "the name of a cell, with * for any letters";
+            self.ensure(!name.trim().is_empty(), "dies", shown(name), allowed)?;
+            self.printable("dies", name)?;
+        }
         self.letters("naming", lineage.naming)?;
         lineage.units().check(self.file)?;
         self.printable("name", &lineage.name)?;

@@ -72,6 +72,9 @@ pub struct Founder {
     /// Letters (anterior, posterior) of the generations below it; the file's `naming` after these.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub letters: Vec<(char, char)>,
+    /// Most rounds of division of it and its descendants up to the next founder, as of a ganglion mother cell, which divides once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_rounds: Option<u32>,
     /// Observed rounds; `sulston` is an older word for them.
     #[serde(default, alias = "sulston", skip_serializing_if = "Option::is_none")]
     pub observed: Option<ObservedRounds>,
@@ -179,11 +182,36 @@ pub struct Lineage<C = Cue, L = Lifetimes> {
     /// counted from the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub physics_rules: Vec<PhysicsRule>,
+    /// Cells that die in place of dividing, by their names; `*` stands for any letters.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub dies: Vec<String>,
     /// How long cells live; without it trees have no minutes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock: Option<Clock<L>>,
     /// Founders, in the order tables list them.
     pub founders: Vec<Founder>,
+}
+
+/// Whether a name is what a pattern says, in which `*` stands for any letters.
+///
+/// ```
+/// use furrow_lineage::definition::matches;
+///
+/// assert!(matches("AB*aapp", "ABalpaapp") && matches("E", "E") && matches("*", "E"));
+/// assert!(!matches("AB*aapp", "ABalpaapa") && !matches("E", "Ea"));
+/// ```
+pub fn matches(pattern: &str, name: &str) -> bool {
+    let Some((first, rest)) = pattern.split_once('*') else { return pattern == name };
+    let Some(mut left) = name.strip_prefix(first) else { return false };
+    let mut parts = rest.split('*').peekable();
+    while let Some(part) = parts.next() {
+        if parts.peek().is_none() {
+            return left.ends_with(part);
+        }
+        let Some(at) = left.find(part) else { return false };
+        left = &left[at + part.len()..];
+    }
+    true
 }
 
 /// Radius in L_h from which a plain number is more likely one of µm: a zygote has 5.4, and divisions above this take long.
@@ -245,6 +273,11 @@ impl Lineage {
     /// The founder of this name.
     pub fn founder_named(&self, name: &str) -> Option<usize> {
         self.founders.iter().position(|founder| founder.name == name)
+    }
+
+    /// Whether a cell dies in place of dividing.
+    pub fn dies(&self, name: &str) -> bool {
+        self.dies.iter().any(|pattern| matches(pattern, name))
     }
 
     /// Divisions from the first cell to a founder.

@@ -271,8 +271,11 @@ impl<'a> Growth<'a> {
         }
         let (generation, cell) = (growing.place.generation, growing.cell(lineage, &settings.cell));
         let max_depth = lineage.limits.max_depth;
+        let most_rounds = lineage.founders[growing.place.founder].most_rounds;
         let reason = match *ends {
+            _ if lineage.dies(&growing.name) => Some(TerminalReason::Dies),
             _ if generation >= max_depth => Some(TerminalReason::MaxDepth { max_depth }),
+            _ if most_rounds.is_some_and(|most| growing.place.round >= most) => most_rounds.map(TerminalReason::most),
             EndRule::Dynamics => None,
             EndRule::Custom(rule) => rule(&cell),
             // A search for the radius of cells with its parameters costs more than its division.

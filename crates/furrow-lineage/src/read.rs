@@ -69,10 +69,10 @@ fn checked(lineage: Lineage, text: &str, file: &str) -> Result<Lineage, InputErr
 fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
     let written: Lineage<WrittenCue, WrittenLifetimes> = parse_document(text, file, "a lineage file", "Lineage")?;
     // Without `..`: the compiler asks for every field.
-    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, clock, founders } = written;
+    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders } = written;
     let cues = in_units(cues, units, file)?;
     let clock = clock.map(|clock| clock.resolved(file)).transpose()?;
-    Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, clock, founders })
+    Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders })
 }
 
 /// Cues in L_h and τ.
@@ -120,6 +120,9 @@ struct Differing {
     /// Replace the base's rules, if any are given.
     #[serde(default)]
     physics_rules: Vec<PhysicsRule>,
+    /// Replace the base's, if any are given.
+    #[serde(default)]
+    dies: Vec<String>,
     /// Replaces the clocks of the base and of its founders.
     clock: Option<Clock<WrittenLifetimes>>,
     /// Founders of the base by name, with what differs, and further ones.
@@ -157,6 +160,7 @@ impl Differing {
             cues,
             cue_rules,
             physics_rules,
+            dies,
             clock,
             founders,
         } = self;
@@ -171,6 +175,9 @@ impl Differing {
         }
         if !physics_rules.is_empty() {
             base.physics_rules = physics_rules;
+        }
+        if !dies.is_empty() {
+            base.dies = dies;
         }
         if let Some(clock) = clock {
             base.clock = Some(clock.resolved(file)?);
@@ -209,6 +216,7 @@ fn replace(founder: &mut Founder, with: Founder) {
         physics_rules,
         clock,
         letters,
+        most_rounds,
         observed,
     } = with;
     founder.mother = mother.or(founder.mother.take());
@@ -230,5 +238,6 @@ fn replace(founder: &mut Founder, with: Founder) {
     if !letters.is_empty() {
         founder.letters = letters;
     }
+    founder.most_rounds = most_rounds.or(founder.most_rounds);
     founder.observed = observed.or(founder.observed);
 }

@@ -28,6 +28,10 @@ pub enum TerminalReason {
     BelowBentBoundary { r0_c: f64 },
     /// Its division could not be computed: whether it divides is not known.
     Undecided { why: String },
+    /// The lineage file says that it dies.
+    Dies,
+    /// Its founder's `most_rounds` are reached.
+    MostRounds { most_rounds: u32 },
     /// The lineage file's `limits.max_depth` is reached.
     MaxDepth { max_depth: u32 },
     /// The lineage file's `limits.max_cells` is reached.
@@ -35,6 +39,11 @@ pub enum TerminalReason {
 }
 
 impl TerminalReason {
+    /// Of a founder's `most_rounds`.
+    pub(crate) fn most(most_rounds: u32) -> TerminalReason {
+        TerminalReason::MostRounds { most_rounds }
+    }
+
     /// True if a limit stopped the cell and mechanics did not.
     pub(crate) fn is_limit(&self) -> bool {
         matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
@@ -48,6 +57,8 @@ impl TerminalReason {
             TerminalReason::BelowCuedFold { .. } => "below_cued_fold",
             TerminalReason::BelowBentBoundary { .. } => "below_bent_boundary",
             TerminalReason::Undecided { .. } => "undecided",
+            TerminalReason::Dies => "dies",
+            TerminalReason::MostRounds { .. } => "most_rounds",
             TerminalReason::MaxDepth { .. } => "max_depth",
             TerminalReason::MaxCells { .. } => "max_cells",
         }
@@ -67,6 +78,9 @@ impl std::fmt::Display for TerminalReason {
                 write!(f, "below the boundary of bent states R0_c = {r0_c:.4}")
             }
             TerminalReason::Undecided { why } => write!(f, "undecided: {why}"),
+            TerminalReason::Dies => write!(f, "dies"),
+            TerminalReason::MostRounds { most_rounds: 1 } => write!(f, "after its one round"),
+            TerminalReason::MostRounds { most_rounds } => write!(f, "after its {most_rounds} rounds"),
             TerminalReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
             TerminalReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
         }

@@ -70,6 +70,8 @@ impl TreeSummary {
             "below_cued_fold" => "below the cued fold",
             "below_bent_boundary" => "below the boundary of bent states",
             "undecided" => "undecided",
+            "dies" => "dead by the lineage file",
+            "most_rounds" => "after most_rounds",
             "max_depth" => "stopped by max_depth",
             _ => "stopped by max_cells",
         };

@@ -211,6 +211,8 @@ function endText(ended) {
     case "below_cued_fold": return `below the fold of the cued branch, R0 = ${number(ended.r0)}`;
     case "below_bent_boundary": return `below the boundary of bent states R0 = ${number(ended.r0_c)}`;
     case "undecided": return `undecided: ${ended.why}`;
+    case "dies": return "dies, by the lineage file";
+    case "most_rounds": return `ends after its founder's ${ended.most_rounds} rounds`;
     case "max_depth": return `stopped by the limit of ${ended.max_depth} generations`;
     case "max_cells": return `stopped by the limit of ${ended.max_cells} cells`;
     default: return ended.reason;
