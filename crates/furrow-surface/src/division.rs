@@ -251,6 +251,15 @@ impl Problem {
     }
 }
 
+/// Most steps like the last one by which the end of a division is extrapolated.
+const MOST_LEFT: f64 = 2.0;
+
+/// How many steps like the last one a neck needs to a radius, or negative if it has passed it; 0 if it does not narrow.
+fn steps_left(before: f64, now: f64, target: f64) -> f64 {
+    let narrowed = before - now;
+    if narrowed > 0.0 { ((now - target) / narrowed).clamp(-1.0, MOST_LEFT) } else { 0.0 }
+}
+
 /// A division on its way.
 struct Run<'a> {
     r0: f64,
@@ -368,9 +377,7 @@ impl Run<'_> {
         if now.neck.radius >= if failed { CLOSING } else { closed } * self.r0 {
             return None;
         }
-        // The rest of the way, in steps like the last one.
-        let left = (now.neck.radius - target * self.r0) / (before.neck.radius - now.neck.radius);
-        let left = if failed { 0.0 } else { left };
+        let left = if failed { 0.0 } else { steps_left(before.neck.radius, now.neck.radius, target * self.r0) };
         let [level, last, ..] = stepper.history.as_slice() else { return None };
         let space = &stepper.problem.space;
         let chi = asymmetry(space, &level.state.surface, &now.neck);
@@ -452,5 +459,19 @@ impl Run<'_> {
         if modes < self.numerics.modes && tail > TAIL * self.r0 {
             stepper.take_modes(modes + 1);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_neck_that_hardly_narrows_is_not_extrapolated_far() {
+        assert_eq!(steps_left(0.02, 0.015, 0.01), 1.0);
+        assert_eq!(steps_left(0.015, 0.01499, 0.01), MOST_LEFT);
+        assert_eq!(steps_left(0.015, 0.015, 0.01), 0.0);
+        assert_eq!(steps_left(0.014, 0.015, 0.01), 0.0);
+        assert!(steps_left(0.06, 0.048, 0.05) > -1.0 && steps_left(0.051, 0.02, 0.05) == -30.0 / 31.0);
     }
 }
