@@ -148,7 +148,7 @@ impl CanonicalBytes {
 }
 
 /// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
-const SURFACE_VERSION: u64 = 2;
+const SURFACE_VERSION: u64 = 3;
 
 /// Marks a shell that is not round.
 const FLATTENED: usize = 254;
