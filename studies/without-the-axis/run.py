@@ -71,8 +71,11 @@ def table(name, rows):
 
 def draw(found, path):
     """χ, offset and time over R0, for weak and strong noise."""
+    import matplotlib
     from matplotlib.figure import Figure
 
+    # Letters as text: a small file.
+    matplotlib.rcParams["svg.fonttype"] = "none"
     figure = Figure(figsize=(8, 9), layout="constrained")
     panels = figure.subplots(3, 1, sharex=True)
     labels = ("size asymmetry χ", "neck's distance from the axis / R₀", "time of pinch-off (τ)")
