@@ -169,6 +169,35 @@ impl Memo {
         }
     }
 
+    /// The division of `input`: the one that is known, or else it is solved here and kept.
+    ///
+    /// Another thread may be solving the same division. This one then solves it too rather than wait, so that a worker of a pool is
+    /// never blocked; both have the same result.
+    ///
+    /// # Errors
+    /// [`Failure`].
+    pub fn solve(&self, input: &DivisionInput, solve: impl Solve) -> Result<Division, Failure> {
+        let canonical = self.canonical(input);
+        let key = Key::new(&canonical);
+        let scaled = |division: Division| division.with_daughters_scaled(input.cell.r0 / canonical.cell.r0);
+        let (sender, events) = std::sync::mpsc::channel();
+        let division = match self.request(key, &sender) {
+            Request::Known { division, .. } => return Ok(scaled(division.as_ref().clone())),
+            Request::Pending => return solve(&canonical).map(scaled).map_err(Failure::Unsolved),
+            Request::Leased(lease) => {
+                lease.solve(&canonical, solve);
+                events.try_recv()
+            }
+        };
+        match division {
+            Ok(Event::Completed { completion: Completion::Known { division, .. }, .. }) => {
+                Ok(scaled(division.as_ref().clone()))
+            }
+            Ok(Event::Completed { completion: Completion::Failed(failure), .. }) => Err(failure),
+            _ => Err(Failure::Panicked("a solved division was not reported".to_owned())),
+        }
+    }
+
     fn stored(&self, key: &Key) -> Option<Arc<Division>> {
         self.store.as_ref()?.get(key).map(Arc::new)
     }
