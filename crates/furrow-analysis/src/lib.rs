@@ -16,6 +16,7 @@
 //! | [`mod@solve`] | the value of one parameter that gives a wanted division |
 //! | [`mod@boundary`] | the boundary of division over a parameter |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
+//! | [`hypotheses`] | several cues beside each other: which one the measured χ speak for |
 //! | [`mod@polarity`] | PAR polarity along the germline, and its effect on divisions |
 
 pub mod boundary;
@@ -28,6 +29,8 @@ pub mod ensemble;
 pub mod fit;
 pub mod front;
 pub mod growth;
+#[cfg(not(target_family = "wasm"))]
+pub mod hypotheses;
 pub mod journal;
 pub mod json;
 mod parse;

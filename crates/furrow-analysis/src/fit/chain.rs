@@ -319,8 +319,8 @@ impl<'a> Chain<'a> {
         let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
         let (division, by) = divide_with(&input, options).ok()?;
         let (by, sign) = (by?, division.chi_signed()?.signum());
-        let is_given = self.volumes.contains_key(&cell.name)
-            || cell.round == 0 && lineage.given_r0(cell.founder).is_some();
+        let is_given =
+            self.volumes.contains_key(&cell.name) || cell.round == 0 && lineage.given_r0(cell.founder).is_some();
         let radius = match cell.mother.filter(|_| !is_given) {
             Some((mother, born)) => {
                 let [posterior, anterior] = self.daughters(mother)?;

@@ -375,7 +375,10 @@ mod tests {
     #[test]
     fn errors_grow_with_the_misfit() {
         of_the_embryo(Numerics::default(), |objective, place| {
-            let [good, poor] = [1.0, 4.0].map(|chi_squared| complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, chi_squared).unwrap());
+            let [good, poor] = [1.0, 4.0].map(|chi_squared| {
+                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, chi_squared)
+                    .unwrap()
+            });
             assert_eq!((poor.goodness.degrees_of_freedom, poor.goodness.error_scale), (1, Some(2.0)));
             assert!((poor.goodness.p.unwrap() - 0.0455).abs() < 1e-4, "{:?}", poor.goodness);
             let errors: Vec<_> =
@@ -388,10 +391,18 @@ mod tests {
     #[test]
     fn a_number_at_the_edge_of_its_range_is_named() {
         of_the_embryo(Numerics::default(), |objective, mut place| {
-            assert!(complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0).unwrap().at_limit.is_empty());
+            assert!(
+                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0)
+                    .unwrap()
+                    .at_limit
+                    .is_empty()
+            );
             let amplitude = place.len() - 1;
             place[amplitude] = 0.001;
-            let found = complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0).unwrap().at_limit;
+            let found =
+                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0)
+                    .unwrap()
+                    .at_limit;
             let [NumberAtLimit { name, limit: Limit::Lower, searched, .. }] = &found[..] else { panic!("{found:?}") };
             assert_eq!((name.as_str(), *searched), ("cue[0].amplitude", AMPLITUDES));
         });
