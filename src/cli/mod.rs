@@ -119,7 +119,7 @@ enum Command {
     /// Tests hypotheses against each other: which cue fits measured χ best, and whether the difference is more than chance
     ///
     /// Prints for each hypothesis its log likelihood, AICc, the score of embryos that were left out of its fit, its numbers with their
-    /// errors and the cells that do not divide; and for each pair whether the two are told apart, or how many embryos that would need.
+    /// errors and the cells that do not divide; and for each pair whether it is distinguishable, or how many embryos that would need.
     Test(test::TestArgs),
     /// Compares the model with measured embryos
     Compare(compare::CompareArgs),

@@ -1,20 +1,20 @@
 //! `furrow test`: hypotheses beside each other.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use furrow_analysis::compare::names_of;
-use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget, Targets};
+use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
 use furrow_analysis::hypotheses::{Hypothesis, Noise, NoiseKind, Observations, Question, test};
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
-use furrow_input::{InputError, parse_document, read_text};
+use furrow_input::InputError;
 use furrow_lineage::Lineage;
 use furrow_lineage::batch::Store;
-use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
+use furrow_measured::volumes::{ReadOptions, Unit};
 use serde_json::json;
 
 use super::cell::{load_lineage, one_of};
@@ -32,7 +32,7 @@ and optionally embryo, group, chi_sd (the standard deviation of that χ) and mot
 
 Each hypothesis is fitted by itself. log L is its largest log likelihood under normal errors of |χ|, k the fitted numbers, and \"left
 out\" the log likelihood of each embryo under the fit to the others (of each division, if there are fewer than two embryos). Two
-hypotheses are told apart if the differences of these between embryos have p < 0.05 by Student's t.
+hypotheses are distinguishable if the differences of these have p < 0.05 by Student's t.
 
 Examples:
   furrow test data/jankele2021_volumes.csv --cue none --cue germline --cells P0,P1,P2,P3 --free cue.amplitude
@@ -117,24 +117,13 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
 
 /// The measured χ of the table, or of a file of targets.
 fn observations(args: &TestArgs, lineage: &Lineage) -> Result<Observations, CliError> {
-    let source = args.table.display().to_string();
     let voxel = args.voxel.unwrap_or(1.0);
     InputError::require((1e-6..=1e6).contains(&voxel), "--voxel", "voxel", voxel, "a length in µm, from 1e-6 to 1e6")?;
-    if has_extension(&args.table, "ron") {
-        let targets: Targets = parse_document(&read_text(&args.table)?, &source, "a file of targets of a fit", "Fit")?;
-        targets.check(&source, lineage)?;
-        return Ok(Observations::of_targets(&targets, lineage, args.cells.as_deref(), (&source, "--cells"))?);
-    }
-    let options = ReadOptions { voxel: args.voxel, group: None, unit: args.unit, names: names_of(lineage) };
-    let volumes = Volumes::of_files(std::slice::from_ref(&args.table), &options)?;
-    messages::warn_of(&volumes.skipped);
-    if volumes.of_nuclei {
+    let reading = ReadOptions { voxel: args.voxel, group: None, unit: args.unit, names: names_of(lineage) };
+    let chosen = Chosen { cells: args.cells.as_deref(), groups: args.population.as_deref() };
+    let observations = Observations::read(&args.table, &reading, lineage, chosen, ["--cells", "--population"])?;
+    if observations.of_nuclei {
         messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
     }
-    let chosen = Chosen { cells: args.cells.as_deref(), groups: args.population.as_deref() };
-    Ok(Observations::of_tables(&volumes, lineage, chosen, (&source, ["--cells", "--population"]))?)
-}
-
-fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension))
+    Ok(observations)
 }

@@ -57,7 +57,7 @@ pub fn slope_p(line: &Line) -> Option<f64> {
     two_sided(line.slope / line.slope_error, line.degrees_of_freedom() as f64)
 }
 
-/// Probability of a t as far from 0, of either sign, with so many degrees of freedom; `None` where it is no number.
+/// Two-sided probability of Student's t with a given number of degrees of freedom; `None` if it is not a number.
 fn two_sided(t: f64, freedom: f64) -> Option<f64> {
     let t = Some(t.abs()).filter(|t| !t.is_nan())?;
     Some((2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t)).min(1.0))

@@ -1,6 +1,6 @@
 //! Divisions of named cells, each as large as her mother's division makes her, over values of unknowns; their derivatives.
 //!
-//! Cells are the lineage's founders and cells below them, of which only the ancestors are computed, not the whole tree. Cells of a
+//! Cells are founders of the lineage or descend from them. Only they and their ancestors are computed, not the whole tree; cells of a
 //! generation are divided in parallel.
 
 use furrow_cell::{Cell, Cue, Parameter};
@@ -261,7 +261,7 @@ impl<'a> Chain<'a> {
         })
     }
 
-    /// The radii of a cell's daughters, of which the posterior one is the first.
+    /// The radii of a cell's daughters, the posterior one first.
     fn daughters(&self, k: usize) -> Option<[f64; 2]> {
         let division = self.divisions[k].as_ref()?;
         let cell = &self.model.kin.cells[k];

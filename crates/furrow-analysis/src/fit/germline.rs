@@ -93,7 +93,7 @@ pub struct FittedCue {
     pub tried: usize,
 }
 
-/// What a measured cell that does not divide adds to the misfit, in standard deviations, from the measured one.
+/// The residual of a cell that does not divide, in standard deviations, from its measured standard deviation.
 type Undivided = fn(sd: f64) -> f64;
 
 /// The objective of the fit.
@@ -109,7 +109,7 @@ pub(crate) struct Objective<'a> {
 }
 
 impl<'a> Objective<'a> {
-    /// The misfit of a model to measured cells, whose search may take `effort`.
+    /// The misfit of a model to measured cells, for a search with this budget.
     pub fn new(model: Model<'a>, measured: &'a [MeasuredChi], undivided: Undivided, effort: SearchBudget) -> Self {
         // A simplex asks for its corners and, in most steps, for one or two places.
         let of = effort.evaluations() + model.unknowns.len() + 1 + 2 * DESCENT as usize;

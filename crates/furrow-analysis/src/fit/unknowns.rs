@@ -22,7 +22,7 @@ pub(crate) struct Unknown {
     pub logarithmic: bool,
     /// Sign of an amplitude, which the search keeps.
     pub sign: f64,
-    /// The founders with whose cells it is, and what these are called; `None` for all.
+    /// The class of cells that have it: its name and founders; `None` for all cells.
     pub founders: Option<(String, Vec<usize>)>,
 }
 

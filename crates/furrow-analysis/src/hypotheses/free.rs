@@ -42,7 +42,7 @@ pub struct Hypothesis {
 /// daughter; and all others.
 const GERMLINE: &str = "germline";
 const SOMATIC: &str = "somatic";
-/// What stands for no free number.
+/// Written for an empty list.
 const NOTHING: &str = "none";
 
 impl Free {
@@ -76,7 +76,7 @@ impl Free {
         }
     }
 
-    /// Reads a list of free numbers, of which `none` is an empty one.
+    /// Reads a list of free numbers; `none` is the empty list.
     ///
     /// # Errors
     /// As [`Free::read`], and a number that two entries free in the same cell.

@@ -6,14 +6,15 @@
 //! | [`free`] | hypotheses, and the numbers that are fitted |
 //! | [`noise`] | the errors of χ, and the likelihood |
 //! | `scores` | the fit of each hypothesis, and how it predicts embryos that were left out |
-//! | [`pairs`] | whether two hypotheses can be told apart |
+//! | [`pairs`] | whether two hypotheses are distinguishable |
 //! | `text` | the answer as text |
 //!
 //! The residuals of χ are taken to be normal and independent:
 //!
 //! * \[F.7 log likelihood\] ln L = −½ Σ_i ((χ_i − χ(cell, θ))²/σ_i² + ln 2πσ_i²),
 //! * \[F.8 AICc\] AICc = 2k − 2 ln L + 2k(k + 1)/(n − k − 1) for n divisions and k fitted numbers, a common σ among them,
-//! * \[F.9 left out\] Σ_e ln p(χ_e | θ₋ₑ), with θ₋ₑ fitted to all embryos but e.
+//! * \[F.9 left out\] Σ_e ln p(χ_e | θ₋ₑ, σ₋ₑ), with both fitted to all embryos but e,
+//! * \[F.12 lack of fit\] F = Σ_c n_c(mean χ_c − χ(c, θ))²/σ_c²/(m − k) for m cells and k numbers without σ.
 //!
 //! A measured cell that does not divide in the model counts as if its χ were wrong by 1, more than any division can be.
 //!
@@ -38,13 +39,14 @@ pub use pairs::Pair;
 pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};
 
 use furrow_lineage::batch::{Memo, scheduler};
+use furrow_measured::volumes::Skipped;
 use serde::Serialize;
 
 use crate::fit::search::{FitRun, SearchBudget};
 use crate::fit::{FitError, NumberAtLimit};
 use observations::{LeftOut, Unused};
 
-/// What is to be tested.
+/// The input of a test.
 pub struct Question<'a> {
     /// The measured χ.
     pub observations: &'a Observations,
@@ -61,11 +63,11 @@ pub struct Question<'a> {
 /// Hypotheses beside each other.
 #[derive(Clone, Debug, Serialize)]
 pub struct HypothesisTest {
-    /// Divisions that the hypotheses are fitted to.
+    /// Number of divisions that the hypotheses are fitted to.
     pub n: usize,
-    /// What was left out in turn.
+    /// The kind of unit that was left out in turn.
     pub left_out: LeftOut,
-    /// How many there are: embryos or divisions.
+    /// Their names: embryos or, where divisions are left out, their cells.
     pub units: Vec<String>,
     /// The errors of χ.
     pub noise: Noise,
@@ -75,6 +77,8 @@ pub struct HypothesisTest {
     pub pairs: Vec<Pair>,
     /// Measured divisions that cannot be used.
     pub unused: Vec<Unused>,
+    /// The first values of the table that could not be read.
+    pub skipped: Vec<Skipped>,
 }
 
 /// Fits each hypothesis and compares all.
@@ -95,6 +99,7 @@ pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest,
         pairs: pairs::pairs(&tested),
         hypotheses: tested,
         unused: observations.unused.clone(),
+        skipped: observations.skipped.clone(),
     })
 }
 

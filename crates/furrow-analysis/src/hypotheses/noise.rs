@@ -165,7 +165,7 @@ pub fn log_likelihood(residuals: &[f64], sds: &[f64]) -> f64 {
     residuals.iter().zip(sds).map(|(residual, sd)| log_density(*residual, *sd)).sum()
 }
 
-/// Akaike's criterion for few data; `None` where there are too few for so many numbers.
+/// Akaike's criterion for small samples; `None` for n ≤ k + 1.
 ///
 /// # Examples
 /// ```

@@ -1,11 +1,12 @@
 //! The measured χ, by cell and embryo.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use furrow_input::InputError;
+use furrow_input::{InputError, parse_document, read_text};
 use furrow_lineage::Lineage;
 use furrow_measured::events::{Division, divisions, place};
-use furrow_measured::volumes::{Unit, Volumes};
+use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 use serde::Serialize;
 
 use crate::fit::Targets;
@@ -16,7 +17,7 @@ use crate::fit::chain::Kin;
 pub struct Observation {
     /// The place of its cell.
     pub cell: usize,
-    /// The place of what it is left out with.
+    /// The place of its unit: the divisions of a unit are left out together.
     pub unit: usize,
     /// |χ|.
     pub chi: f64,
@@ -26,7 +27,7 @@ pub struct Observation {
     pub volume: Option<f64>,
 }
 
-/// What is left out in turn.
+/// The unit that is left out in turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LeftOut {
@@ -64,14 +65,18 @@ pub struct Unused {
 pub struct Observations {
     /// Cells that divide, by generation and name.
     pub cells: Vec<String>,
-    /// Embryos or divisions: what is left out in turn.
+    /// Names of the units that are left out in turn, embryos or divisions.
     pub units: Vec<String>,
-    /// What these are.
+    /// Their kind.
     pub left_out: LeftOut,
     /// The divisions, in the order of the table.
     pub rows: Vec<Observation>,
     /// Divisions that cannot be used, by cell.
     pub unused: Vec<Unused>,
+    /// The first values of the table that could not be read.
+    pub skipped: Vec<Skipped>,
+    /// Whether volumes are of nuclei rather than of cells.
+    pub of_nuclei: bool,
 }
 
 /// Which divisions of a table are used.
@@ -86,6 +91,28 @@ pub struct Chosen<'a> {
 const NOT_OF_LINEAGE: &str = "the lineage has no such cell";
 
 impl Observations {
+    /// The divisions of a file: a table or an embryo that another program followed, as [`Volumes::read_file`] reads them, or targets of
+    /// a fit (`.ron`). Errors name the file, and the `options` of cells and groups.
+    ///
+    /// # Errors
+    /// A file that cannot be read; else as [`Observations::of_tables`] and [`Observations::of_targets`].
+    pub fn read(
+        file: &Path,
+        reading: &ReadOptions,
+        lineage: &Lineage,
+        chosen: Chosen<'_>,
+        options: [&str; 2],
+    ) -> Result<Observations, InputError> {
+        let source = file.display().to_string();
+        if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron")) {
+            let volumes = Volumes::of_files(std::slice::from_ref(&file.to_owned()), reading)?;
+            return Observations::of_tables(&volumes, lineage, chosen, (&source, options));
+        }
+        let targets: Targets = parse_document(&read_text(file)?, &source, "a file of targets of a fit", "Fit")?;
+        targets.check(&source, lineage)?;
+        Observations::of_targets(&targets, lineage, chosen.cells, (&source, options[0]))
+    }
+
     /// The divisions of tables. Errors name `source`, the tables, and the `options` of cells and groups.
     ///
     /// # Errors
@@ -109,7 +136,9 @@ impl Observations {
             sd: division.chi_sd,
             volume: if has_sizes { Some(division.mother_volume()) } else { division.mother_measured },
         };
-        Observations::of(found.divisions.iter().map(row).collect(), lineage, chosen.cells, (source, options[0]))
+        let rows = found.divisions.iter().map(row).collect();
+        let observations = Observations::of(rows, lineage, chosen.cells, (source, options[0]))?;
+        Ok(Observations { skipped: volumes.skipped.clone(), of_nuclei: volumes.of_nuclei, ..observations })
     }
 
     /// The χ of a file of targets, each a division by itself.
@@ -174,7 +203,15 @@ impl Observations {
         };
         let rows = kept.iter().enumerate().map(row).collect();
         let units = units.iter().map(|(_, name)| name.clone()).collect();
-        Ok(Observations { cells, units, left_out, rows, unused: unused.into_values().collect() })
+        Ok(Observations {
+            cells,
+            units,
+            left_out,
+            rows,
+            unused: unused.into_values().collect(),
+            skipped: Vec::new(),
+            of_nuclei: false,
+        })
     }
 
     /// |χ| of a cell.
@@ -194,7 +231,7 @@ struct Measured {
     volume: Option<f64>,
 }
 
-/// What is left out in turn, by key and name.
+/// The units that are left out in turn, by key and name.
 fn units(rows: &[&Measured]) -> (LeftOut, Vec<(String, String)>) {
     let mut embryos: Vec<(String, String)> = Vec::new();
     for row in rows {

@@ -1,24 +1,24 @@
-//! Whether two hypotheses can be told apart.
+//! Whether two hypotheses are distinguishable.
 //!
-//! Each embryo e that was left out has the log density of its divisions under both fits without it; the differences d_e are those of
-//! one embryo each, so that what the divisions of an embryo have in common is in them:
+//! The divisions of each embryo e have a log density under either hypothesis, fitted to the other embryos. With the difference d_e of
+//! the two, whole embryos are compared, so that divisions of an embryo need not be independent:
 //!
 //! * \[F.11 difference\] Δ = Σ_e d_e, with the standard error √n s_d and t = Δ/(√n s_d) on n − 1 degrees of freedom.
 //!
-//! Two hypotheses are told apart if p < 0.05. The test asks whether both predict new embryos equally well; it holds for nested
-//! hypotheses and for others alike, and counts the freedom of the one that fits more numbers. The embryos needed are those with which
-//! a difference of this size is told apart in 80 of 100 tables, (1.960 + 0.842)² s_d²/d̄², as many as were measured at least.
+//! Two hypotheses are distinguishable if p < 0.05. The null hypothesis is that both predict new embryos equally well, whether or not
+//! they are nested. A number fitted in vain makes predictions worse, so that k needs no further correction. A difference of this size is
+//! significant in 80 of 100 tables with (1.960 + 0.842)² s_d²/d̄² embryos; at least as many as were measured are said to be needed.
 //!
 //! # References
 //! Vuong, *Econometrica* 57, 307 (1989), for tests on differences of log densities; Vehtari, Gelman & Gabry, *Stat. Comput.* 27,
-//! 1413 (2017), § 5.1, for those of left-out data.
+//! 1413 (2017), § 5.1, for differences of left-out data.
 
 use furrow_measured::significance::paired;
 use serde::Serialize;
 
 use super::scores::TestedHypothesis;
 
-/// Pairs with a smaller p are told apart.
+/// Pairs with a smaller p are distinguishable.
 pub const LEVEL: f64 = 0.05;
 /// Standard normal numbers below which 97.5 % and 80 % lie.
 const QUANTILES: [f64; 2] = [1.959_963_984_540_054, 0.841_621_233_572_914_3];
@@ -38,10 +38,10 @@ pub struct Pair {
     pub se: Option<f64>,
     /// Probability of a difference as large if both predict equally well.
     pub p: Option<f64>,
-    /// Whether the two are told apart.
+    /// Whether p is below [`LEVEL`].
     pub distinguishable: bool,
-    /// Embryos (or divisions, if those are left out) with which a difference of this size is told apart in 80 of 100 tables; `None` if
-    /// they are told apart already, or would need more than a million.
+    /// Units with which a difference of this size is significant in 80 of 100 tables; `None` if the two are distinguishable already, or
+    /// more than a million are needed.
     pub needed: Option<u64>,
 }
 

@@ -102,7 +102,7 @@ impl FitTest {
 pub struct TestedHypothesis {
     /// Its name.
     pub name: String,
-    /// Its cue with the fitted numbers; those of a class of cells are not in it.
+    /// Its cue with the fitted numbers that all cells share.
     pub cue: String,
     /// The largest log likelihood.
     pub log_likelihood: f64,
@@ -153,7 +153,7 @@ pub(super) fn residuals(rows: &[Observation], chi: &[Option<f64>]) -> Vec<f64> {
     rows.iter().map(|row| chi[row.cell].map_or(UNDIVIDED, |chi| row.chi - chi)).collect()
 }
 
-/// The rows but those of a unit.
+/// The rows of all other units.
 fn without(rows: &[Observation], unit: usize) -> Vec<Observation> {
     rows.iter().filter(|row| row.unit != unit).cloned().collect()
 }
@@ -243,6 +243,7 @@ struct Fitted<'a> {
 impl Fitted<'_> {
     /// The log density of the divisions of a unit, fitted without it; `chi` is the fit to all data.
     fn left_out(&self, unit: usize, chi: &[Option<f64>], model: Model<'_>) -> Result<f64, FitError> {
+        self.objective.check_cancelled()?;
         let (observations, kind) = (self.question.observations, self.question.noise.kind);
         let kept = without(&observations.rows, unit);
         let noise = Noise::estimated(&kept, observations.cells.len(), kind);

@@ -7,7 +7,10 @@ use super::observations::Unused;
 use super::scores::{CellScore, FitTest, TestedHypothesis};
 use super::{HypothesisTest, Pair};
 
-/// A number that may be missing, with so many digits.
+/// Skipped values that are listed.
+const MOST_SKIPPED: usize = 10;
+
+/// A number with a given number of digits, or a dash.
 fn or_dash(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
 }
@@ -19,7 +22,7 @@ fn probability(p: f64) -> String {
 
 impl Display for HypothesisTest {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let HypothesisTest { n, left_out, units, noise, hypotheses, pairs, unused } = self;
+        let HypothesisTest { n, left_out, units, noise, hypotheses, pairs, unused, skipped } = self;
         let cells = hypotheses.first().map_or(0, |tested| tested.cells.len());
         let count = units.len();
         writeln!(f, "{n} divisions of {cells} cells; {count} {} left out in turn", left_out.word(count))?;
@@ -53,7 +56,13 @@ impl Display for HypothesisTest {
         for Unused { cell, n, why } in unused {
             write!(f, "\nnot used: {cell}, {n}: {why}")?;
         }
-        if unused.is_empty() { Ok(()) } else { writeln!(f) }
+        for value in skipped.iter().take(MOST_SKIPPED) {
+            write!(f, "\nskipped {value}")?;
+        }
+        if skipped.len() > MOST_SKIPPED {
+            write!(f, "\nand {} more", skipped.len() - MOST_SKIPPED)?;
+        }
+        if unused.is_empty() && skipped.is_empty() { Ok(()) } else { writeln!(f) }
     }
 }
 
@@ -122,7 +131,7 @@ impl Display for Pair {
         let better = if *delta >= 0.0 { [a, b] } else { [b, a] };
         let error = se.map_or(String::new(), |se| format!(" ± {se:.2}"));
         let p = p.map_or("no test".to_owned(), |p| format!("p = {}", probability(p)));
-        let verdict = if *distinguishable { "told apart" } else { "not told apart" };
+        let verdict = if *distinguishable { "distinguishable" } else { "not distinguishable" };
         let [better, other] = better;
         write!(f, "{better} above {other} by {:.2}{error}, {p}: {verdict}", delta.abs())
     }

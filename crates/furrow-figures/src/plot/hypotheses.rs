@@ -47,13 +47,13 @@ pub fn draw(found: &HypothesisTest) -> Canvas {
     canvas
 }
 
-/// A hypothesis in the legend: its name and how well it predicts.
+/// A hypothesis in the legend: its name and its score of left-out embryos.
 fn named(tested: &TestedHypothesis) -> String {
     let mut name: String = tested.name.chars().take(LONGEST).collect();
     if name.len() < tested.name.len() {
         name.push('…');
     }
-    format!("{name}: {:+.1} for what was left out", tested.loo)
+    format!("{name} (left out: {:+.1})", tested.loo)
 }
 
 /// The line of a hypothesis, dashed across cells that do not divide.
