@@ -341,3 +341,52 @@ impl<'a> Chain<'a> {
         Some(Slopes { r0, division, radius, chi })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use furrow_cell::Numerics;
+    use furrow_lineage::TreeSettings;
+
+    use super::super::search::moved;
+    use super::*;
+
+    /// A number of one class of cells changes their divisions and, by the radius, those of their descendants.
+    #[test]
+    fn numbers_of_a_class_of_cells_act_on_their_descendants_by_the_radius_alone() {
+        let preset = Numerics::default();
+        let numerics = Numerics { time_tolerance: FINER * preset.time_tolerance, noise: 0.0, ..preset };
+        let (lineage, settings) = (Lineage::c_elegans().unwrap(), TreeSettings { numerics, ..TreeSettings::default() });
+        let (template, cancel) = (Cue::published(), false.into());
+        let epsilon = |founder: &str| Unknown {
+            parameter: Parameter::Epsilon,
+            limits: [0.6, 0.95],
+            logarithmic: false,
+            sign: 1.0,
+            founders: Some((founder.to_owned(), vec![lineage.founder_named(founder).unwrap()])),
+        };
+        let unknowns = vec![epsilon("P0"), epsilon("P1")];
+        let names = ["P0", "P1", "ABa"];
+        let kin = Kin::of(&lineage, names.into_iter().chain(["Q9", "ABx", "EMSa"]));
+        assert_eq!(kin.cells.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>(), ["P0", "P1", "AB", "ABa"]);
+        let run = FitRun::new(&lineage, &settings, 1, &cancel);
+        let model = Model { run, template: &template, unknowns, kin, memo: None };
+        let (values, volumes) = ([0.87, 0.86], BTreeMap::new());
+        let exact = Chain::of(&model, &values, &volumes).sensitivities(names).unwrap();
+        for k in 0..2 {
+            let chi = |step: f64| {
+                let values = moved(&values, k, values[k] + step);
+                let chain = Chain::of(&model, &values, &volumes);
+                names.map(|name| chain.chi(name).unwrap())
+            };
+            let (above, below) = (chi(1e-3), chi(-1e-3));
+            for (i, name) in names.into_iter().enumerate() {
+                let expected = (above[i] - below[i]) / 2e-3;
+                assert!(
+                    (exact[i][k] - expected).abs() < 0.02 * expected.abs() + 2e-3,
+                    "{name} by {k}: {exact:?} {expected}"
+                );
+            }
+        }
+        assert!(exact[0][1] == 0.0 && exact[0][0].abs() > 0.1 && exact[1][0].abs() > 1e-3, "{exact:?}");
+    }
+}

@@ -119,7 +119,7 @@ impl Display for TestedHypothesis {
         }
         for cell in cells.iter().filter(|cell| resting.contains(&cell.cell)) {
             let CellScore { cell, n, log_likelihood, .. } = cell;
-            writeln!(f, "  {cell} does not divide: {n} divisions add {log_likelihood:.1} to log L")?;
+            writeln!(f, "  {cell} does not divide: n = {n}, {log_likelihood:+.1} to log L")?;
         }
         Ok(())
     }
