@@ -189,7 +189,7 @@ pub(super) fn tested(
     let (place, _) = objective.search(effort)?;
     let values = objective.model.values(&place);
     let chi = objective.chi(&values);
-    let slopes = if place.is_empty() { None } else { objective.sensitivities(&place) };
+    let slopes = slopes(&objective, &place, &chi);
     let fit = Fitted { question, objective: &objective, place: &place, slopes: slopes.as_deref() };
     let loo_parts = (0..observations.units.len())
         .into_par_iter()
@@ -201,7 +201,7 @@ pub(super) fn tested(
     let log_likelihood = log_likelihood(&all, &fitted);
     let is_common = noise.kind == NoiseKind::Common;
     let k = place.len() + usize::from(is_common);
-    let numbers = fit.numbers(&all, &sds)?;
+    let numbers = fit.numbers(&chi, &sds)?;
     let at_limit = at_limit(&numbers, &place);
     let cells = fit.cells(&all, &fitted);
     Ok(TestedHypothesis {
@@ -231,12 +231,22 @@ impl From<CueNumber> for FittedNumber {
     }
 }
 
+/// ∂χ/∂(number) by cell, 0 of a cell that does not divide; `None` if an outcome is not smooth, or without numbers.
+fn slopes(objective: &Objective<'_>, place: &[f64], chi: &[Option<f64>]) -> Option<Vec<Vec<f64>>> {
+    if place.is_empty() {
+        return None;
+    }
+    let rests = || vec![0.0; place.len()];
+    let of = |(slopes, chi): (Option<Vec<f64>>, &Option<f64>)| slopes.or_else(|| chi.is_none().then(rests));
+    objective.sensitivities(place).into_iter().zip(chi).map(of).collect()
+}
+
 /// A hypothesis fitted to all data.
 struct Fitted<'a> {
     question: &'a Question<'a>,
     objective: &'a Objective<'a>,
     place: &'a [f64],
-    /// ∂χ/∂(number) by cell, if its outcome is smooth.
+    /// ∂χ/∂(number) by cell, 0 of a cell that does not divide; `None` if an outcome is not smooth, or without numbers.
     slopes: Option<&'a [Vec<f64>]>,
 }
 
@@ -292,7 +302,7 @@ impl Fitted<'_> {
         place
     }
 
-    /// The step of Gauss and Newton in shares of the ranges; `None` if it is too short, or a cell does not divide.
+    /// The step of Gauss and Newton in shares of the ranges; `None` if it is too short. Cells that do not divide have no say in it.
     fn step(&self, objective: &Objective<'_>, place: &[f64], slopes: &[Vec<f64>]) -> Option<Vec<f64>> {
         let found = objective.residuals(&objective.model.values(place));
         let cells = &self.question.observations.cells;
@@ -301,7 +311,7 @@ impl Fitted<'_> {
             Some(self.by_share(own).map(|slope| slope / sd).collect::<Vec<f64>>())
         };
         let rows: Vec<Vec<f64>> = found.iter().map(|r| row(&r.cell, r.sd)).collect::<Option<_>>()?;
-        let off: Vec<f64> = found.iter().map(|r| r.residual).collect::<Option<_>>()?;
+        let off: Vec<f64> = found.iter().map(|r| r.residual.unwrap_or(0.0)).collect();
         let svd = Svd::of_rows(&rows).ok()?;
         let firmest = svd.values.first().copied()?;
         let mut step = vec![0.0; place.len()];
@@ -321,11 +331,13 @@ impl Fitted<'_> {
         slopes.iter().zip(&self.objective.model.unknowns).map(|(slope, unknown)| slope * unknown.length())
     }
 
-    /// The fitted numbers with their standard errors.
-    fn numbers(&self, residuals: &[f64], sds: &[f64]) -> Result<Vec<CueNumber>, FitError> {
-        let Question { noise, .. } = self.question;
-        let chi_squared = residuals.iter().zip(sds).map(|(residual, sd)| (residual / sd).powi(2)).sum();
-        let mut goodness = Goodness::of(chi_squared, residuals.len(), self.place.len());
+    /// The fitted numbers with their standard errors, which cells that do not divide leave as they are.
+    fn numbers(&self, chi: &[Option<f64>], sds: &[f64]) -> Result<Vec<CueNumber>, FitError> {
+        let Question { noise, observations, .. } = self.question;
+        let off = |(row, sd): (&Observation, &f64)| Some(((row.chi - chi[row.cell]?) / sd).powi(2));
+        let squares: Vec<f64> = observations.rows.iter().zip(sds).filter_map(off).collect();
+        let chi_squared: f64 = squares.iter().sum();
+        let mut goodness = Goodness::of(chi_squared, squares.len(), self.place.len());
         if noise.kind == NoiseKind::Common {
             // The scale of the search is no measured error: the residuals alone give it, whether they are smaller or larger.
             let freedom = goodness.degrees_of_freedom;

@@ -370,4 +370,9 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
     let rests = &resting.hypotheses[0];
     assert_eq!((rests.resting.len(), rests.cells.len()), (1, 2), "{resting}");
     assert!(resting.to_string().contains("Caaa does not divide"), "{resting}");
+    // The errors of numbers follow from the cells that divide.
+    let text = "mother,chi,sd\nP0,0.17,0.03\nP1,0.14,0.03\nCaaa,0.2,0.05\n";
+    let resting = tested(&table(text, Chosen::default()).unwrap(), None, &cues[2..], "cue.amplitude", 1);
+    let rests = &resting.hypotheses[0];
+    assert!(rests.resting == ["Caaa"] && rests.parameters[0].se.is_some() && rests.loo.is_finite(), "{resting}");
 }
