@@ -74,8 +74,8 @@ def test(
     progress: Progress = None,
     **parameters: Value,
 ) -> Hypotheses:
-    """Tests hypotheses against each other: which of several ``cues`` fits measured χ best, and whether the difference is more than
-    chance.
+    """Tests hypotheses against each other: which of several ``cues`` fits measured χ best, and whether the difference is more
+    than chance.
 
     ``table`` is one of :func:`furrow.compare.volumes`, such as one with the columns ``mother`` and ``chi`` and optionally
     ``embryo``, ``chi_sd`` and ``mother_um3``, or a file of targets of :func:`furrow.fit.cue`. ``cues`` are texts, of which
