@@ -21,6 +21,7 @@ from ._files import Reproduction, explore, merge, new_lineage, reproduce, tree_s
 from ._founders import Founder
 from ._furrow import Drawing, Memo, __version__, parameter_names, presets, solver_version
 from ._grow import NewCell, Scenarios, grow, scenarios, tree, tree_ensemble
+from ._hypotheses import Hypotheses, test
 from ._memo import memo, use_store
 from ._results import PLACE_COLUMNS, Contour, Division, Frame, Frames, Replicates
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase, Polarity, polarity
@@ -48,6 +49,7 @@ __all__ = [
     "Frame",
     "Frames",
     "Front",
+    "Hypotheses",
     "InputError",
     "Interrupted",
     "Memo",
@@ -92,6 +94,7 @@ __all__ = [
     "solve",
     "solver_version",
     "sweep",
+    "test",
     "tree",
     "tree_ensemble",
     "tree_schema",

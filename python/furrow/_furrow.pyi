@@ -54,6 +54,7 @@ __all__ = [
     "steady_surface",
     "surfaces",
     "sweep",
+    "test",
     "tree_schema",
     "write_movie",
     "write_shapes",
@@ -273,6 +274,9 @@ def fit_cue(
     search: _Search,
     threads: int,
     progress: _Told = None,
+) -> tuple[dict[str, Any], Drawing]: ...
+def test(
+    asked: Mapping[str, Any], given: _Given, memo: Memo, threads: int, progress: _Told = None
 ) -> tuple[dict[str, Any], Drawing]: ...
 def front(source: _Source, unknowns: list[str] | None, count: int, seed: int, given: _Given, threads: int) -> dict[str, Any]: ...
 def grow_spread(

@@ -18,6 +18,7 @@
 //! | `sweeps` | many points |
 //! | `studies` | constants from thresholds, lineages over sets of constants |
 //! | `fits` | constants, activities and a cue fitted to observations |
+//! | `hypotheses` | several cues beside each other |
 //! | `files` | pages, templates, caches, the paper reproduced |
 //! | `comparisons` | the model beside counts, volumes and outlines of measured embryos |
 //! | `measurements` | the model beside measured lifetimes and doses, the clock fitted to lifetimes |
@@ -29,6 +30,7 @@ mod drawings;
 mod errors;
 mod files;
 mod fits;
+mod hypotheses;
 mod inputs;
 mod measurements;
 mod memo;
@@ -53,6 +55,7 @@ mod _furrow {
         drawings::{Drawing, draw_division, write_movie, write_shapes},
         files::{cache, explore, merge, new_lineage, reproduce, tree_schema},
         fits::{fit_activity, fit_constants, fit_cue, front},
+        hypotheses::test,
         inputs::{Inputs, parameter_names, presets},
         measurements::{compare_dose, compare_lifetimes, fit_clock},
         memo::Memo,

@@ -200,6 +200,14 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         {"[TABLE.csv]": "furrow.fit.clock(table)", "--volumes": "furrow.fit.clock(volumes)"}
         | {"--lineage": "furrow.fit.clock(lineage)", "--out": "furrow.fit.Clock.ron"},
     ),
+    "test": (
+        "furrow.test",
+        {"<TABLE>": "furrow.test(table)", "--cue": "furrow.test(cues)", "--plot": "furrow.Hypotheses.save(path)"}
+        | {
+            f"--{name}": f"furrow.test({name})"
+            for name in ("free", "noise", "cells", "population", "voxel", "unit", "lineage", "particles", "moves", "seed")
+        },
+    ),
     "compare": ("furrow.compare", {}),
     "compare counts": (
         "furrow.compare.counts",

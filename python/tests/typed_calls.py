@@ -117,6 +117,10 @@ def observed(table: pd.DataFrame, tree: furrow.Tree, outlines: list[Floats]) -> 
     assert_type(furrow.fit.activity(rounds="max", range=(20, 30)), furrow.fit.Activities)
     assert_type(furrow.fit.cue("activity:step,u0=0.5,omega=0.1,amplitude=0.1").cue, str)
     assert_type(furrow.fit.clock(table, frame_minutes=2).ron, str)
+    tested = furrow.test(table, ["none", "germline"], free=["cue.amplitude"], noise="given", cells=["P0"], unit="um3", voxel=1)
+    assert_type(tested, furrow.Hypotheses)
+    for rows in (tested.to_pandas(), tested.pairs_to_pandas(), tested.cells_to_pandas()):
+        assert_type(rows, pd.DataFrame)
 
 
 def pictures(tree: furrow.Tree, ranges: furrow.Ranges, division: furrow.Division, axes: Any) -> None:

@@ -28,6 +28,7 @@ mod reproduce;
 mod solve;
 mod steady;
 mod sweep;
+mod test;
 mod tree;
 mod vary;
 
@@ -115,6 +116,11 @@ enum Command {
     /// activity: for each founder by itself, the activity that gives its observed rounds.
     /// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
     Fit(fit::FitArgs),
+    /// Tests hypotheses against each other: which cue fits measured χ best, and whether the difference is more than chance
+    ///
+    /// Prints for each hypothesis its log likelihood, AICc, the score of embryos that were left out of its fit, its numbers with their
+    /// errors and the cells that do not divide; and for each pair whether it is distinguishable, or how many embryos that would need.
+    Test(test::TestArgs),
     /// Compares the model with measured embryos
     Compare(compare::CompareArgs),
     /// Recomputes the paper figure by figure and lists what agrees and what differs
@@ -224,6 +230,7 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
         Command::Polarity(args) => polarity::run(&args, Context::axisymmetric(globals)?),
         Command::Calibrate(args) => calibrate::run(&args, &Context::axisymmetric(globals)?),
         Command::Fit(args) => fit::run(&args, &Context::axisymmetric(globals)?),
+        Command::Test(args) => test::run(&args, &Context::axisymmetric(globals)?),
         Command::Compare(args) => compare::run(&args, &Context::new(globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(globals)?),
         Command::Solve(args) => solve::run(&args, Context::new(globals)?),

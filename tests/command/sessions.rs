@@ -39,6 +39,11 @@ fn alternatives() {
 }
 
 #[test]
+fn hypotheses() {
+    check_session("command/sessions/hypotheses.txt");
+}
+
+#[test]
 fn lineages() {
     check_session("command/sessions/lineages.txt");
 }

@@ -17,6 +17,7 @@
 //! | [`mod@boundary`] | the boundary of division over a parameter |
 //! | `bent` | bent states, without axial symmetry, in diagrams, boundaries and phase diagrams |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
+//! | [`hypotheses`] | several cues beside each other: which one the measured χ speak for |
 //! | [`mod@polarity`] | PAR polarity along the germline, and its effect on divisions |
 
 #[cfg(not(target_family = "wasm"))]
@@ -31,6 +32,8 @@ pub mod ensemble;
 pub mod fit;
 pub mod front;
 pub mod growth;
+#[cfg(not(target_family = "wasm"))]
+pub mod hypotheses;
 pub mod journal;
 pub mod json;
 mod parse;

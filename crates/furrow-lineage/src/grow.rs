@@ -248,6 +248,19 @@ fn completed(run: scheduler::Result<Summary>, mut undecided: impl FnMut(usize, S
     }
 }
 
+/// A cell's division with its smaller daughter on the side where it is in a tree of this seed.
+///
+/// Where the poles are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
+/// so that one record serves many cells and the tree is reproducible.
+pub fn oriented(division: &Division, cue: &Cue, name: &str, seed: u64) -> Division {
+    let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
+    // Whether the smaller daughter is the posterior one: a fair coin for every seed and name.
+    let drawn = [&seed.to_le_bytes(), name.as_bytes()].concat();
+    let is_posterior = || blake3::hash(&drawn).as_bytes()[0] & 1 == 0;
+    let turned = cue.is_mirror_symmetric() && smaller_posterior != is_posterior();
+    if turned { division.clone().mirrored() } else { division.clone() }
+}
+
 impl<'a> Growth<'a> {
     /// A tree of its first cell.
     fn of(grower: &'a Grower<'a>) -> Growth<'a> {
@@ -329,27 +342,14 @@ impl<'a> Growth<'a> {
 
     /// Sets a cell's fate and adds its daughters.
     fn divide(&mut self, index: usize, division: &Division) -> Option<[usize; 2]> {
-        let fate = Fate::from(self.oriented(index, division));
+        let GrowingCell { cue, name, .. } = &self.cells[index];
+        let fate = Fate::from(oriented(division, cue, name, self.grower.settings.seed));
         let pair = self.offspring(index, &fate);
         self.cells[index].fate = Some(fate);
         let anterior = self.cells.len();
         self.cells.extend(pair?);
         self.cells[index].daughters = Some(anterior);
         Some([anterior, anterior + 1])
-    }
-
-    /// The division with its smaller daughter on the side where it is in this cell.
-    ///
-    /// Where the poles are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
-    /// so that one record serves many cells and the tree is reproducible.
-    fn oriented(&self, index: usize, division: &Division) -> Division {
-        let cell = &self.cells[index];
-        let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
-        // Whether the smaller daughter is the posterior one: a fair coin for every seed and name.
-        let drawn = [&self.grower.settings.seed.to_le_bytes(), cell.name.as_bytes()].concat();
-        let is_posterior = || blake3::hash(&drawn).as_bytes()[0] & 1 == 0;
-        let turned = cell.cue.is_mirror_symmetric() && smaller_posterior != is_posterior();
-        if turned { division.clone().mirrored() } else { division.clone() }
     }
 
     /// Ends the branch of a cell after its division could not be computed.

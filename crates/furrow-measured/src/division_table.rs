@@ -88,6 +88,7 @@ pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &Re
         volumes: volumes.map(|volume| factor * volume),
         chi_signed: (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]),
         mother_measured: own.map(|volume| factor * volume),
+        chi_sd: None,
     };
     Ok((mother, division))
 }
@@ -103,6 +104,9 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     if chi.abs() >= 1.0 {
         return Err((value, "χ must be above -1 and below 1".to_owned()));
     }
+    let given = |column: Option<usize>| column.map(at).filter(|value| !value.text.is_empty());
+    let own = given(columns.mother_volume.map(|(column, _)| column)).map(positive).transpose()?;
+    let size = columns.mother_volume.map_or(1.0, |(_, unit)| factor(Some(unit), options));
     let name = name_of(mother, &options.names);
     let division = Division {
         embryo: columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written()),
@@ -111,7 +115,8 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
         mother: name,
         volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],
         chi_signed: chi,
-        mother_measured: None,
+        mother_measured: own.map(|volume| size * volume),
+        chi_sd: given(columns.chi_sd).map(positive).transpose()?,
     };
     Ok((mother, division))
 }

@@ -28,9 +28,12 @@ pub struct Division {
     pub volumes: [f64; 2],
     /// (V₁ − V₂)/(V₁ + V₂).
     pub chi_signed: f64,
-    /// The mother's own volume, where a table of divisions has it.
+    /// The mother's own volume, where a table has it beside the division.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mother_measured: Option<f64>,
+    /// The standard deviation of χ, where a table of χ has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chi_sd: Option<f64>,
 }
 
 impl Division {
@@ -97,7 +100,7 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
                 Some(second) if is_first => {
                     let (daughters, volumes) = ([name.to_owned(), other], [volume, *second]);
                     let chi_signed = (volume - second) / (volume + second);
-                    let mother_measured = None;
+                    let (mother_measured, chi_sd) = (None, None);
                     found.divisions.push(Division {
                         embryo,
                         group,
@@ -106,6 +109,7 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
                         volumes,
                         chi_signed,
                         mother_measured,
+                        chi_sd,
                     });
                 }
                 Some(_) => {}
@@ -182,7 +186,7 @@ fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
 pub(crate) const GENERATION: &str = "generation ";
 
 /// The order of cells: by generation, then by name.
-pub(crate) fn place(name: &str) -> (u32, &str) {
+pub fn place(name: &str) -> (u32, &str) {
     let counted = name.strip_prefix(GENERATION).and_then(|number| number.parse().ok());
     (counted.unwrap_or_else(|| generation(name)), name)
 }

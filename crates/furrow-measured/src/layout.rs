@@ -173,17 +173,36 @@ pub(crate) struct ChiColumns {
     pub(crate) chi: usize,
     pub(crate) embryo: Option<usize>,
     pub(crate) group: Option<usize>,
+    /// The standard deviation of χ.
+    pub(crate) chi_sd: Option<usize>,
+    /// The mother's volume.
+    pub(crate) mother_volume: Option<(usize, VolumeUnit)>,
 }
 
 impl ChiColumns {
     /// The columns of a table of χ; `None` for other tables.
-    pub(crate) fn of(header: &Header<'_>) -> Option<Self> {
-        let mother = header.find(&["mother"])?;
+    pub(crate) fn of(header: &Header<'_>) -> Result<Option<Self>, InputError> {
         // Where a table has both, the signed χ is more informative.
-        let chi = header.find(&["chi_signed"]).or_else(|| header.find(&["chi"]))?;
-        Some(ChiColumns { mother, chi, embryo: header.find(&["embryo", "sample"]), group: header.find(GROUP) })
+        let chi = header.find(&["chi_signed"]).or_else(|| header.find(&["chi"]));
+        let (Some(mother), Some(chi)) = (header.find(&["mother"]), chi) else { return Ok(None) };
+        let mut volumes = Vec::new();
+        for name in ["mother", "mother_volume", "v_mother"] {
+            let found = header.quantity(name, &VOLUMES)?;
+            volumes.extend(found.into_iter().filter_map(|(column, unit)| Some((column, *unit?))));
+        }
+        Ok(Some(ChiColumns {
+            mother,
+            chi,
+            embryo: header.find(&["embryo", "sample"]),
+            group: header.find(GROUP),
+            chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
+            mother_volume: header.only("volume of the mother", &volumes)?,
+        }))
     }
 }
+
+/// Names of the column with the standard deviation of χ.
+const CHI_SD: [&str; 4] = ["chi_sd", "sd_chi", "sd", "sigma"];
 
 /// The embryo of a grid: the file's name without its extension and `_volume`.
 pub(crate) fn embryo_of_file(file: &str) -> String {

@@ -1,9 +1,9 @@
 //! Probabilities of slopes, of differences of means and of orders.
 
 use serde::Serialize;
-use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, StudentsT};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, FisherSnedecor, StudentsT};
 
-use crate::statistics::{Line, line};
+use crate::statistics::{Line, line, mean, sd};
 
 /// A line with an intercept, and the probability of a slope as far from 0 if y did not depend on x.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -57,7 +57,7 @@ pub fn slope_p(line: &Line) -> Option<f64> {
     two_sided(line.slope / line.slope_error, line.degrees_of_freedom() as f64)
 }
 
-/// Probability of a t as far from 0; `None` where it is no number.
+/// Two-sided probability of Student's t with a given number of degrees of freedom; `None` if it is not a number.
 fn two_sided(t: f64, freedom: f64) -> Option<f64> {
     let t = Some(t.abs()).filter(|t| !t.is_nan())?;
     Some((2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t)).min(1.0))
@@ -112,4 +112,58 @@ pub fn sign_test(agree: usize, of: usize) -> f64 {
 /// ```
 pub fn chi_squared_tail(chi_squared: f64, degrees_of_freedom: usize) -> Option<f64> {
     Some(ChiSquared::new(degrees_of_freedom as f64).ok()?.sf(chi_squared)).filter(|p| !p.is_nan())
+}
+
+/// Probability of a ratio of variances as large or larger, with the degrees of freedom of its numerator and of its denominator;
+/// `None` without them.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::significance::f_tail;
+/// // With two degrees of freedom in the numerator (1 + 2F/ν)^(−ν/2).
+/// assert!((f_tail(3.0, [2, 4]).unwrap() - 2.5_f64.powi(-2)).abs() < 1e-12);
+/// assert_eq!(f_tail(3.0, [2, 0]), None);
+/// ```
+pub fn f_tail(ratio: f64, [above, below]: [usize; 2]) -> Option<f64> {
+    let distribution = FisherSnedecor::new(above as f64, below as f64).ok()?;
+    Some(distribution.sf(ratio)).filter(|p| !p.is_nan())
+}
+
+/// Whether the mean of some values differs from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PairedTest {
+    /// Sum of the values.
+    pub sum: f64,
+    /// Its standard error, √n times the standard deviation of the values.
+    pub error: f64,
+    /// Two-sided, by Student's t with n − 1 degrees of freedom; 1 if all values are 0.
+    pub p: f64,
+}
+
+/// Student's paired test of whether differences have the mean 0; `None` for fewer than two.
+///
+/// # References
+/// Student, *Biometrika* 6, 1 (1908).
+pub fn paired(differences: &[f64]) -> Option<PairedTest> {
+    let (count, sum) = (differences.len() as f64, mean(differences) * differences.len() as f64);
+    let error = sd(differences)? * count.sqrt();
+    let p = if sum == 0.0 { 1.0 } else { two_sided(sum / error, count - 1.0)? };
+    Some(PairedTest { sum, error, p })
+}
+
+/// The interval that holds the mean of what values were drawn from in 95 of 100 samples, by Student's t; `None` for fewer than two
+/// values.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::significance::mean_interval;
+/// // With one degree of freedom t is tan(0.475π) = 12.706.
+/// let [low, high] = mean_interval(&[1.0, 3.0]).unwrap();
+/// assert!((high - 2.0 - 12.706_204_736).abs() < 1e-8 && (high + low - 4.0).abs() < 1e-12);
+/// ```
+pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {
+    let (middle, spread) = (mean(values), sd(values)?);
+    let count = values.len() as f64;
+    let reach = StudentsT::new(0.0, 1.0, count - 1.0).ok()?.inverse_cdf(0.975) * spread / count.sqrt();
+    Some([middle - reach, middle + reach])
 }

@@ -6,7 +6,8 @@
 //! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`.
 //! * *Divisions*: one row per division, with the volumes of both daughters, `larger_um3` and `smaller_um3`, beside `embryo` and
 //!   `mother`, and optionally `mother_um3`, `population` and `generation`.
-//! * *χ*: one row per division, with `mother` and `chi` or `chi_signed`, and optionally `embryo` and `group`.
+//! * *χ*: one row per division, with `mother` and `chi` or `chi_signed`, and optionally `embryo`, `group`, the standard deviation of
+//!   χ, `chi_sd`, and the mother's volume with its unit, `mother_um3`.
 //!
 //! Rows that begin with `#` are comments.
 //!
@@ -229,7 +230,7 @@ impl Volumes {
         let unit = if let Some(columns) = DivisionColumns::of(&header)? {
             self.read_divisions(&mut table, file, 2, |row| division(row, &columns, options))?;
             columns.unit.kind
-        } else if let Some(columns) = ChiColumns::of(&header) {
+        } else if let Some(columns) = ChiColumns::of(&header)? {
             self.read_divisions(&mut table, file, 1, |row| chi_division(row, &columns, (file, options)))?;
             Unit::OfMother
         } else if let Some(columns) = Columns::of(&header, &options.names)? {

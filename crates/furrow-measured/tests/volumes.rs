@@ -24,6 +24,20 @@ fn skipped(table: &str) -> Vec<String> {
     volumes.skipped.iter().map(|s| format!("{}:{}: {} = {:?}: {}", s.file, s.line, s.column, s.value, s.why)).collect()
 }
 
+/// A table of χ may have the error of each χ and the volume of each mother, as a spreadsheet may call it.
+#[test]
+fn a_table_of_chi_may_have_errors_and_volumes_of_mothers() {
+    let text = "embryo,mother,chi,sd,V_mother_um3\ne,P0,0.18,0.02,25000\ne,P1,0.17,,\ne,P2,0.4,-1,4000\n";
+    let mut volumes = Volumes::default();
+    volumes.read(text.as_bytes(), "t.csv", &ReadOptions::default()).unwrap();
+    let found: Vec<_> = volumes.divisions.iter().map(|d| (d.mother.as_str(), d.chi_sd, d.mother_measured)).collect();
+    assert_eq!(found, [("P0", Some(0.02), Some(25000.0)), ("P1", None, None)]);
+    assert_eq!((volumes.skipped_count, volumes.unit), (1, Some(Unit::OfMother)));
+    let both = "mother,chi,sd,chi_sd\nP0,0.1,0.1,0.1\n";
+    let refusal = Volumes::default().read(both.as_bytes(), "t.csv", &ReadOptions::default()).unwrap_err().to_string();
+    assert!(refusal.contains("both have the standard deviation of χ"), "{refusal}");
+}
+
 #[test]
 fn columns_may_stand_in_any_order_and_groups_are_kept_apart() {
     let table = "n,group,volume,cell,embryo,remark\n3,wt,60,AB,e1,x\n3,wt,40,P1,e1,\n1,hot,50,P1,e1,\n1,hot,50,AB,e1,\n,wt,58,AB,e2,\n,wt,42,P1,e2,\n";

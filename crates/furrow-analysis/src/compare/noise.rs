@@ -212,6 +212,7 @@ mod tests {
                 volumes: [a.max(b), a.min(b)],
                 chi_signed: (a - b).abs() / (a + b),
                 mother_measured: Some(measured(volume)),
+                chi_sd: None,
             }
         };
         (0..800).map(of).collect()

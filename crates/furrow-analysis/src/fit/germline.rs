@@ -10,17 +10,16 @@
 //! measurements determine each number, and which combinations they leave open. Where χ² is larger than its degrees of freedom,
 //! the errors grow by the factor of the misfit ([`super::goodness`]); a division that jumps within them is named ([`super::jumps`]).
 
+use super::chain::{Chain, Kin, Model};
 use super::error::{FitError, check_cancelled};
 use super::goodness::Goodness;
 use super::jumps::{Jump, jumps};
 use super::search::{FitProgress, FitRun, Limit, NumberAtLimit, SearchBudget, descend, swarm};
-use super::targets::{MeasuredChi, Targets};
+use super::targets::{MeasuredChi, OutOfSample, Targets};
 use super::unknowns::{Unknown, unknowns};
-use furrow_cell::{Cell, Cue, Parameter};
+use furrow_cell::Cue;
 use furrow_lineage::batch::scheduler;
-use furrow_lineage::{Daughter, Mother, Place};
 use furrow_mechanics::calibration::Combination;
-use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide, divide_with};
 use furrow_spectra::Svd;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -32,9 +31,6 @@ const UNDIVIDED: f64 = 10.0;
 /// Steps of the simplex, and its edges in the unit cube.
 const DESCENT: u64 = 120;
 const EDGE: f64 = 0.02;
-/// Factor on the time tolerance for sensitivities, and the least tolerance: derivatives show errors that χ does not.
-const FINER: f64 = 1e-2;
-const FINEST: f64 = 1e-8;
 /// The candidates' name in errors.
 const CUES: &str = "cues";
 /// Combinations are open if a factor e, or a shift over all of u, changes χ by less than a standard deviation, scaled by the misfit.
@@ -97,145 +93,46 @@ pub struct FittedCue {
     pub tried: usize,
 }
 
-/// Divisions of founders, each from its mother's.
-struct Chain<'a> {
-    objective: &'a Objective<'a>,
-    /// The cue in place of the one that founders carry, where they carry one.
-    cue: &'a Cue,
-    /// Given volumes, as shares of the first cell's.
-    volumes: &'a BTreeMap<String, f64>,
-    divisions: BTreeMap<usize, Option<Division>>,
-    slopes: BTreeMap<usize, Option<Slopes>>,
-}
-
-impl Chain<'_> {
-    /// The radius of a founder; `None` if it is never born.
-    fn r0(&mut self, founder: usize) -> Option<f64> {
-        let FitRun { lineage, settings, .. } = self.objective.run;
-        if let Some(share) = self.volumes.get(&lineage.founders[founder].name) {
-            return Some(self.r0(lineage.first())? * share.cbrt());
-        }
-        let given = lineage.given_r0(founder);
-        let Some(mother) = lineage.mother(founder).filter(|_| given.is_none()) else {
-            return given.or(Some(settings.cell.r0));
-        };
-        let [a, b] = self.division(mother)?.daughters()?;
-        Some(if lineage.founders[founder].daughter == Some(Daughter::Larger) { a.max(b) } else { a.min(b) })
-    }
-
-    fn division(&mut self, founder: usize) -> Option<Division> {
-        if let Some(known) = self.divisions.get(&founder) {
-            return known.clone();
-        }
-        let found = self.r0(founder).and_then(|r0| divide(&self.input(founder, r0)?).ok());
-        self.divisions.insert(founder, found.clone());
-        found
-    }
-
-    /// The division of a founder of that radius; `None` if rules give it a value that is not allowed.
-    fn input(&mut self, founder: usize, r0: f64) -> Option<DivisionInput> {
-        let FitRun { lineage, settings, .. } = self.objective.run;
-        let place = Place { founder, round: 0, generation: lineage.generation(founder), r0 };
-        let own = lineage.cue_at(place);
-        let cue = if own.is_none() { own } else { self.cue.clone() };
-        let mut cell = Cell { r0, cue, ..settings.cell.clone() };
-        let mother = lineage.mother(founder).filter(|_| lineage.has_physics_rules());
-        let mother = mother.and_then(|mother| {
-            let r0 = self.r0(mother)?;
-            Some((self.input(mother, r0)?.cell, self.division(mother)))
-        });
-        let mother = mother.as_ref().map(|(cell, division)| Mother::of(cell, division.as_ref()));
-        lineage.set_physics(place, &mut cell, mother).ok()?;
-        Some(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed })
-    }
-
-    /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
-    fn slopes(&mut self, founder: usize) -> Option<Slopes> {
-        if let Some(known) = self.slopes.get(&founder) {
-            return known.clone();
-        }
-        let found = self.follow(founder);
-        self.slopes.insert(founder, found.clone());
-        found
-    }
-
-    fn follow(&mut self, founder: usize) -> Option<Slopes> {
-        let Objective { run: FitRun { lineage, .. }, unknowns, .. } = self.objective;
-        let r0 = self.r0(founder)?;
-        let mut input = self.input(founder, r0)?;
-        input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
-        let numbers = unknowns.iter().map(|unknown| unknown.parameter);
-        let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
-        let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
-        let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
-        let (division, by) = divide_with(&input, options).ok()?;
-        let (by, sign) = (by?, division.chi_signed()?.signum());
-        let radius = match lineage.mother(founder).filter(|_| lineage.given_r0(founder).is_none()) {
-            Some(mother) => self.slopes(mother)?.radius(lineage.founders[founder].daughter),
-            None => vec![0.0; unknowns.len()],
-        };
-        let of = |(unknown, radius): (&Unknown, &f64)| {
-            let itself =
-                own.iter().position(|number| *number == unknown.parameter).map_or(0.0, |i| by[i + 1].chi_signed);
-            sign * (itself + by[0].chi_signed * radius)
-        };
-        let chi = unknowns.iter().zip(&radius).map(of).collect();
-        Some(Slopes { r0, division, radius, chi })
-    }
-}
+/// The residual of a cell that does not divide, in standard deviations, from its measured standard deviation.
+type Undivided = fn(sd: f64) -> f64;
 
 /// The objective of the fit.
-pub(super) struct Objective<'a> {
-    run: FitRun<'a>,
-    pub targets: &'a Targets,
-    template: &'a Cue,
-    pub unknowns: Vec<Unknown>,
+pub(crate) struct Objective<'a> {
+    pub model: Model<'a>,
+    pub measured: &'a [MeasuredChi],
+    undivided: Undivided,
     tried: AtomicUsize,
-    /// Most cues that are tried.
+    /// Most candidates that are tried.
     of: usize,
     /// The least misfit so far.
     least: Mutex<f64>,
 }
 
-impl Objective<'_> {
+impl<'a> Objective<'a> {
+    /// The misfit of a model to measured cells, for a search with this budget.
+    pub fn new(model: Model<'a>, measured: &'a [MeasuredChi], undivided: Undivided, effort: SearchBudget) -> Self {
+        // A simplex asks for its corners and, in most steps, for one or two places.
+        let of = effort.evaluations() + model.unknowns.len() + 1 + 2 * DESCENT as usize;
+        Objective { model, measured, undivided, tried: AtomicUsize::new(0), of, least: Mutex::new(f64::INFINITY) }
+    }
+
     pub fn check_cancelled(&self) -> Result<(), FitError> {
-        check_cancelled(self.run.cancel, self.tried.load(Ordering::Relaxed), CUES)
+        check_cancelled(self.model.run.cancel, self.tried(), CUES)
     }
 
-    fn cue(&self, place: &[f64]) -> Cue {
-        let mut cell = Cell::new(1.0).with_cue(self.template.clone());
-        for (unknown, share) in self.unknowns.iter().zip(place) {
-            unknown.parameter.set(&mut cell, unknown.value(*share));
-        }
-        cell.cue
+    /// Candidates tried so far.
+    pub fn tried(&self) -> usize {
+        self.tried.load(Ordering::Relaxed)
     }
 
-    /// χ of each measurement with a cue.
-    pub fn chi(&self, cue: &Cue) -> Vec<Option<f64>> {
-        let found = self.residuals(cue, &BTreeMap::new(), &self.targets.chi);
-        found.iter().map(|residual| residual.computed).collect()
+    /// χ of each measurement at values of the unknowns.
+    pub fn chi(&self, values: &[f64]) -> Vec<Option<f64>> {
+        self.residuals(values).into_iter().map(|residual| residual.computed).collect()
     }
 
-    /// χ of a cell over its own radius, with a cue; `None` if it does not divide.
-    pub fn chi_over_r0(&self, cue: &Cue, name: &str, r0: f64) -> Option<f64> {
-        let volumes = BTreeMap::new();
-        divide(&self.chain(cue, &volumes).input(self.run.lineage.founder_named(name)?, r0)?).ok()?.chi()
-    }
-
-    fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
-        let mut chain = self.chain(cue, volumes);
-        let one = |MeasuredChi { cell, mean, sd }: &MeasuredChi| {
-            let founder = self.run.lineage.founder_named(cell);
-            let r0 = founder.and_then(|founder| chain.r0(founder));
-            let computed = founder.and_then(|founder| chain.division(founder)?.chi());
-            let residual = computed.map(|chi| (chi - mean) / sd);
-            ChiResidual { cell: cell.clone(), r0, measured: *mean, sd: *sd, computed, residual }
-        };
-        measured.iter().map(one).collect()
-    }
-
-    fn fitted(&self, place: &[f64]) -> Vec<ChiResidual> {
-        self.residuals(&self.cue(place), &BTreeMap::new(), &self.targets.chi)
+    /// The measurements beside the model at values of the unknowns.
+    pub fn residuals(&self, values: &[f64]) -> Vec<ChiResidual> {
+        residuals(&self.model, values, &BTreeMap::new(), self.measured)
     }
 
     fn chi_squared(&self, place: &[f64]) -> f64 {
@@ -244,60 +141,71 @@ impl Objective<'_> {
             return f64::INFINITY;
         }
         let tried = self.tried.fetch_add(1, Ordering::Relaxed) + 1;
-        let misfit = self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum();
+        let misfit = self.misfit(place);
         self.show(tried, misfit);
         misfit
     }
 
+    /// χ² at a place of the unit cube.
+    pub fn misfit(&self, place: &[f64]) -> f64 {
+        let of = |r: ChiResidual| r.residual.unwrap_or_else(|| (self.undivided)(r.sd)).powi(2);
+        self.residuals(&self.model.values(place)).into_iter().map(of).sum()
+    }
+
     fn show(&self, tried: usize, misfit: f64) {
-        let Some(show) = self.run.progress else { return };
+        let Some(show) = self.model.run.progress else { return };
         // The number stays valid if a thread panics.
         let mut least = self.least.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         *least = least.min(misfit);
         show(FitProgress { done: tried.min(self.of), of: self.of, least: Some(*least) });
     }
 
-    fn chain<'a>(&'a self, cue: &'a Cue, volumes: &'a BTreeMap<String, f64>) -> Chain<'a> {
-        Chain { objective: self, cue, volumes, divisions: BTreeMap::new(), slopes: BTreeMap::new() }
+    /// The place of the least misfit, and the misfit: by a swarm, and then a simplex.
+    ///
+    /// # Errors
+    /// The search was cancelled, or no candidate has a finite misfit.
+    pub fn search(&self, effort: SearchBudget) -> Result<(Vec<f64>, f64), FitError> {
+        let misfit = |place: &[f64]| self.chi_squared(place);
+        if self.model.unknowns.is_empty() {
+            return Ok((Vec::new(), misfit(&[])));
+        }
+        let found = swarm(&vec![[0.0, 1.0]; self.model.unknowns.len()], effort, &misfit);
+        self.check_cancelled()?;
+        let (tried, advice) = (self.tried(), "try terms on other fields");
+        let (place, least) = found.ok_or(FitError::Nothing { tried, what: CUES, advice })?;
+        let found = descend(&place, EDGE, DESCENT, &misfit).filter(|(_, better)| *better <= least);
+        self.check_cancelled()?;
+        Ok(found.unwrap_or((place, least)))
     }
 
-    /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
-    fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let (cue, volumes) = (self.cue(place), BTreeMap::new());
-        let mut chain = self.chain(&cue, &volumes);
-        let row = |measured: &MeasuredChi| {
-            let slopes = chain.slopes(self.run.lineage.founder_named(&measured.cell)?)?.chi;
-            let numbers = self.unknowns.iter().zip(place);
-            Some(slopes.iter().zip(numbers).map(|(slope, (unknown, share))| slope * unknown.scale(*share)).collect())
+    /// ∂χ/∂(number), by the logarithm where that is searched, rows by measurement; `None` for a cell that does not divide, or if its
+    /// outcome is not smooth.
+    pub fn sensitivities(&self, place: &[f64]) -> Vec<Option<Vec<f64>>> {
+        let (values, volumes) = (self.model.values(place), BTreeMap::new());
+        let chain = Chain::of(&self.model, &values, &volumes);
+        let row = |slopes: Vec<f64>| {
+            let numbers = self.model.unknowns.iter().zip(place);
+            slopes.iter().zip(numbers).map(|(slope, (unknown, share))| slope * unknown.scale(*share)).collect()
         };
-        self.targets.chi.iter().map(row).collect()
+        let slopes = chain.sensitivities(self.measured.iter().map(|measured| measured.cell.as_str()));
+        slopes.into_iter().map(|slopes| slopes.map(row)).collect()
     }
 }
 
-/// How a division changes with the numbers of the cue.
-#[derive(Clone)]
-struct Slopes {
-    r0: f64,
-    division: Division,
-    /// ∂R0/∂(number) of the cell.
-    radius: Vec<f64>,
-    /// ∂χ/∂(number) of its division.
-    chi: Vec<f64>,
-}
-
-impl Slopes {
-    /// ∂R0/∂(number) of a daughter. Her R0 is the cell's times the third root of her share (1 ± χ)/2.
-    fn radius(&self, which: Option<Daughter>) -> Vec<f64> {
-        let way = if which == Some(Daughter::Larger) { 1.0 } else { -1.0 };
-        let asymmetric = self.division.outcome() == Outcome::Asymmetric;
-        let chi = self.division.chi().filter(|_| asymmetric).unwrap_or(0.0);
-        let share = 0.5 * (1.0 + way * chi);
-        let of = |(radius, slope): (&f64, &f64)| {
-            let change = if asymmetric { 0.5 * way * slope } else { 0.0 };
-            radius * share.cbrt() + self.r0 * share.cbrt() / (3.0 * share) * change
-        };
-        self.radius.iter().zip(&self.chi).map(of).collect()
-    }
+/// Measurements beside a model at values of its unknowns; some volumes may be given, as shares of the first cell's.
+fn residuals(
+    model: &Model<'_>,
+    values: &[f64],
+    volumes: &BTreeMap<String, f64>,
+    measured: &[MeasuredChi],
+) -> Vec<ChiResidual> {
+    let chain = Chain::of(model, values, volumes);
+    let one = |MeasuredChi { cell, mean, sd }: &MeasuredChi| {
+        let (r0, computed) = (chain.r0(cell), chain.chi(cell));
+        let residual = computed.map(|chi| (chi - mean) / sd);
+        ChiResidual { cell: cell.clone(), r0, measured: *mean, sd: *sd, computed, residual }
+    };
+    measured.iter().map(one).collect()
 }
 
 /// Fits all numbers of the terms of `template` to the measured χ.
@@ -315,71 +223,88 @@ pub fn fit_cue(
     if !by_rules && !(0..lineage.founders.len()).any(|founder| lineage.gives_cue(founder)) {
         return Err(FitError::NoCue);
     }
-    let (unknowns, tried, least) = (unknowns(template), AtomicUsize::new(0), Mutex::new(f64::INFINITY));
-    // A simplex asks for its corners and, in most steps, for one or two places.
-    let of = effort.evaluations() + unknowns.len() + 1 + 2 * DESCENT as usize;
-    let objective = Objective { run: *run, targets, template, unknowns, tried, of, least };
+    let others = targets.out_of_sample.iter().flat_map(|out| &out.chi);
+    let kin = Kin::of(lineage, targets.chi.iter().chain(others).map(|chi| chi.cell.as_str()));
+    let model = Model { run: *run, template, unknowns: unknowns(template), kin, memo: None };
+    let objective = Objective::new(model, &targets.chi, |_| UNDIVIDED, effort);
     scheduler::pool(run.threads)?.install(|| {
-        let region = vec![[0.0, 1.0]; objective.unknowns.len()];
-        let found = swarm(&region, effort, &|place| objective.chi_squared(place));
-        objective.check_cancelled()?;
-        let (tried, advice) = (objective.tried.load(Ordering::Relaxed), "try terms on other fields");
-        let (place, least) = found.ok_or(FitError::Nothing { tried, what: CUES, advice })?;
-        let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| objective.chi_squared(place))
-            .filter(|(_, better)| *better <= least)
-            .unwrap_or((place, least));
-        objective.check_cancelled()?;
-        complete(&objective, &place, chi_squared)
+        let (place, chi_squared) = objective.search(effort)?;
+        complete(&objective, targets, &place, chi_squared)
     })
 }
 
-fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
-    let cue = objective.cue(place);
-    let sensitivities = objective.sensitivities(place);
-    let goodness = Goodness::of(chi_squared, objective.targets.chi.len(), place.len());
-    let held = |rows: &Vec<Vec<f64>>| held(rows, &objective.targets.chi, goodness);
-    let combinations = sensitivities.as_ref().map(held).transpose()?;
+fn complete(
+    objective: &Objective<'_>,
+    targets: &Targets,
+    place: &[f64],
+    chi_squared: f64,
+) -> Result<FittedCue, FitError> {
+    let Objective { model, measured, .. } = objective;
+    let values = model.values(place);
+    let sensitivities: Option<Vec<Vec<f64>>> = objective.sensitivities(place).into_iter().collect();
+    let goodness = Goodness::of(chi_squared, measured.len(), place.len());
+    let combinations = sensitivities.as_ref().map(|rows| held(rows, measured, goodness)).transpose()?;
+    let numbers = numbers(objective, place, combinations.as_deref(), goodness.error_scale);
+    let residuals = objective.residuals(&values);
+    let others = targets.out_of_sample.iter();
+    let predicted = |out: &OutOfSample| self::residuals(model, &values, &out.volumes, &out.chi);
+    Ok(FittedCue {
+        cue: model.cue(&values).to_string(),
+        jumps: jumps(objective, &numbers, &residuals)?,
+        at_limit: at_limit(&numbers, place),
+        numbers,
+        goodness,
+        residuals,
+        sensitivities,
+        combinations,
+        out_of_sample: others.flat_map(predicted).collect(),
+        tried: objective.tried(),
+    })
+}
+
+/// The unknowns with their values and, from the combinations that the measurements hold and the factor on their errors, with
+/// their standard deviations.
+pub(crate) fn numbers(
+    objective: &Objective<'_>,
+    place: &[f64],
+    combinations: Option<&[Combination]>,
+    error_scale: Option<f64>,
+) -> Vec<CueNumber> {
+    let unknowns = &objective.model.unknowns;
     let sd = |k: usize| {
-        let (held, factor) = (combinations.as_ref()?, goodness.error_scale?);
+        let (held, factor) = (combinations?, error_scale?);
         // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
         let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
         let relative = factor * sum.sqrt();
-        let scale = objective.unknowns[k].scale(place[k]).abs();
+        let scale = unknowns[k].scale(place[k]).abs();
         (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
     };
     let number = |(k, unknown): (usize, &Unknown)| CueNumber {
-        name: unknown.parameter.to_string(),
+        name: unknown.name(),
         value: unknown.value(place[k]),
         searched: unknown.limits.map(|limit| limit * unknown.sign),
         sd: sd(k),
     };
-    let numbers: Vec<CueNumber> = objective.unknowns.iter().enumerate().map(number).collect();
+    unknowns.iter().enumerate().map(number).collect()
+}
+
+/// The numbers at an end of their ranges.
+pub(crate) fn at_limit(numbers: &[CueNumber], place: &[f64]) -> Vec<NumberAtLimit> {
     let limited = |(number, &share): (&CueNumber, &f64)| {
         let CueNumber { name, value, searched, .. } = number;
         // The range of a negative amplitude runs downwards.
         let share = if searched[0] > searched[1] { 1.0 - share } else { share };
         Some(NumberAtLimit { name: name.clone(), value: *value, limit: Limit::at(share)?, searched: *searched })
     };
-    let residuals = objective.fitted(place);
-    let at_limit = numbers.iter().zip(place).filter_map(limited).collect();
-    let others = objective.targets.out_of_sample.iter();
-    let out_of_sample = others.flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi)).collect();
-    Ok(FittedCue {
-        cue: cue.to_string(),
-        jumps: jumps(objective, &cue, &numbers, &residuals)?,
-        numbers,
-        goodness,
-        residuals,
-        sensitivities,
-        combinations,
-        out_of_sample,
-        at_limit,
-        tried: objective.tried.load(Ordering::Relaxed),
-    })
+    numbers.iter().zip(place).filter_map(limited).collect()
 }
 
 /// Directions of the cue's numbers by how firmly the measurements hold them.
-fn held(rows: &[Vec<f64>], measured: &[MeasuredChi], goodness: Goodness) -> Result<Vec<Combination>, FitError> {
+pub(crate) fn held(
+    rows: &[Vec<f64>],
+    measured: &[MeasuredChi],
+    goodness: Goodness,
+) -> Result<Vec<Combination>, FitError> {
     let weighted: Vec<Vec<f64>> =
         rows.iter().zip(measured).map(|(row, m)| row.iter().map(|x| x / m.sd).collect()).collect();
     let Svd { values, right, .. } = Svd::of_rows(&weighted)?;
@@ -396,9 +321,10 @@ fn held(rows: &[Vec<f64>], measured: &[MeasuredChi], goodness: Goodness) -> Resu
 
 #[cfg(test)]
 mod tests {
-    use furrow_cell::Numerics;
+    use furrow_cell::{Cell, Numerics};
     use furrow_lineage::{Lineage, TreeSettings};
 
+    use super::super::chain::FINER;
     use super::super::unknowns::AMPLITUDES;
     use super::*;
 
@@ -413,9 +339,12 @@ mod tests {
             if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
         };
         let place = unknowns.iter().map(share).collect();
-        let (tried, least, cancel) = (AtomicUsize::new(0), Mutex::new(f64::INFINITY), false.into());
+        let cancel = false.into();
         let run = FitRun::new(&lineage, &settings, 1, &cancel);
-        then(&Objective { run, targets: &targets, template: &template, unknowns, tried, of: 0, least }, place)
+        let kin = Kin::of(&lineage, targets.chi.iter().map(|chi| chi.cell.as_str()));
+        let model = Model { run, template: &template, unknowns, kin, memo: None };
+        let effort = SearchBudget { particles: 1, moves: 1, seed: 0 };
+        then(&Objective::new(model, &targets.chi, |_| UNDIVIDED, effort), place)
     }
 
     #[test]
@@ -424,12 +353,12 @@ mod tests {
         let preset = Numerics::default();
         let fine = Numerics { time_tolerance: FINER * preset.time_tolerance, noise: 0.0, ..preset };
         of_the_embryo(fine, |objective, place| {
-            let exact = objective.sensitivities(&place).unwrap();
+            let exact: Vec<Vec<f64>> = objective.sensitivities(&place).into_iter().map(Option::unwrap).collect();
             assert_eq!(exact.len(), 4);
-            for (k, unknown) in objective.unknowns.iter().enumerate() {
+            for (k, unknown) in objective.model.unknowns.iter().enumerate() {
                 let chi = |share: f64| -> Vec<f64> {
                     let moved = super::super::search::moved(&place, k, share);
-                    objective.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
+                    objective.chi(&objective.model.values(&moved)).into_iter().map(Option::unwrap).collect()
                 };
                 // χ of P3 turns quickly with the place of the cue.
                 let step = 1e-3;
@@ -447,7 +376,10 @@ mod tests {
     #[test]
     fn errors_grow_with_the_misfit() {
         of_the_embryo(Numerics::default(), |objective, place| {
-            let [good, poor] = [1.0, 4.0].map(|chi_squared| complete(objective, &place, chi_squared).unwrap());
+            let [good, poor] = [1.0, 4.0].map(|chi_squared| {
+                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, chi_squared)
+                    .unwrap()
+            });
             assert_eq!((poor.goodness.degrees_of_freedom, poor.goodness.error_scale), (1, Some(2.0)));
             assert!((poor.goodness.p.unwrap() - 0.0455).abs() < 1e-4, "{:?}", poor.goodness);
             let errors: Vec<_> =
@@ -460,10 +392,18 @@ mod tests {
     #[test]
     fn a_number_at_the_edge_of_its_range_is_named() {
         of_the_embryo(Numerics::default(), |objective, mut place| {
-            assert!(complete(objective, &place, 1.0).unwrap().at_limit.is_empty());
+            assert!(
+                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0)
+                    .unwrap()
+                    .at_limit
+                    .is_empty()
+            );
             let amplitude = place.len() - 1;
             place[amplitude] = 0.001;
-            let found = complete(objective, &place, 1.0).unwrap().at_limit;
+            let found =
+                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0)
+                    .unwrap()
+                    .at_limit;
             let [NumberAtLimit { name, limit: Limit::Lower, searched, .. }] = &found[..] else { panic!("{found:?}") };
             assert_eq!((name.as_str(), *searched), ("cue[0].amplitude", AMPLITUDES));
         });

@@ -6,7 +6,7 @@
 
 use super::error::FitError;
 use super::germline::{ChiResidual, CueNumber, Objective};
-use furrow_cell::{Cell, Cue};
+use super::search::moved;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -42,17 +42,13 @@ type Chi<'a> = &'a (dyn Fn(f64) -> Vec<Option<f64>> + Sync);
 /// The first jump of each cell to either side of the best cue.
 pub(super) fn jumps(
     objective: &Objective<'_>,
-    cue: &Cue,
     numbers: &[CueNumber],
     residuals: &[ChiResidual],
 ) -> Result<Vec<Jump>, FitError> {
     let mut found = Vec::new();
-    for (number, unknown) in numbers.iter().zip(&objective.unknowns) {
-        let at = |value: f64| {
-            let mut cell = Cell::new(1.0).with_cue(cue.clone());
-            unknown.parameter.set(&mut cell, value);
-            objective.chi(&cell.cue)
-        };
+    let best: Vec<f64> = numbers.iter().map(|number| number.value).collect();
+    for (k, number) in numbers.iter().enumerate() {
+        let at = |value: f64| objective.chi(&moved(&best, k, value));
         let reach = number.sd.unwrap_or(0.0).max(REACH * number.value.abs());
         let [a, b] = number.searched;
         let ends = [-reach, reach].map(|to| (number.value + to).clamp(a.min(b), a.max(b)));
@@ -62,7 +58,7 @@ pub(super) fn jumps(
     }
     for residual in residuals {
         let Some(r0) = residual.r0 else { continue };
-        let at = |r0: f64| vec![objective.chi_over_r0(cue, &residual.cell, r0)];
+        let at = |r0: f64| vec![objective.model.chi_over_r0(&best, &residual.cell, r0)];
         found.extend(along("r0", r0, [-REACH, REACH].map(|to| r0 * (1.0 + to)), &[&residual.cell], &at));
         objective.check_cancelled()?;
     }

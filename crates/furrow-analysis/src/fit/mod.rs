@@ -6,6 +6,7 @@
 //! | [`mod@constants`] | one set of constants for the embryo, and its cost in published thresholds |
 //! | [`activity`] | the activity that each founder would need for its observed rounds |
 //! | [`clock`] | how lifetimes depend on volume, by founder |
+//! | `chain` | divisions of named cells, each from its mother's, and their derivatives |
 //! | [`germline`] | the cue that gives the measured χ of the germline |
 //! | `unknowns` | the numbers of a cue, and between which values they are searched |
 //! | [`jumps`] | fitted divisions that jump next to the best cue |
@@ -15,6 +16,7 @@
 //! | [`error`] | why a fit fails |
 
 pub mod activity;
+pub(crate) mod chain;
 pub mod clock;
 pub mod constants;
 pub mod document;
@@ -24,7 +26,7 @@ pub mod goodness;
 pub mod jumps;
 pub mod search;
 pub mod targets;
-mod unknowns;
+pub(crate) mod unknowns;
 
 pub use crate::ranges::Reading;
 pub use activity::{FittedActivities, FounderActivity, activities};

@@ -155,10 +155,10 @@ pub fn descend(place: &[f64], edge: f64, steps: u64, misfit: Misfit<'_>) -> Opti
     Some((run.state.best_param?, cost)).filter(|(_, cost)| cost.is_finite())
 }
 
-/// A place of the unit cube with one of its coordinates at another value.
-pub(super) fn moved(place: &[f64], index: usize, share: f64) -> Vec<f64> {
+/// A place with one of its coordinates at another value.
+pub(super) fn moved(place: &[f64], index: usize, value: f64) -> Vec<f64> {
     let mut out = place.to_vec();
-    out[index] = share;
+    out[index] = value;
     out
 }
 

@@ -13,21 +13,41 @@ const TURNOVERS: [f64; 2] = [0.1, 100.0];
 const DIFFUSIONS: [f64; 2] = [0.05, 20.0];
 const HALVES: [f64; 2] = [0.1, 100.0];
 const SATURATING: [f64; 2] = [0.005, 200.0];
-/// How a number of the cue is searched.
-pub(super) struct Unknown {
+/// How a number is searched.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Unknown {
     pub parameter: Parameter,
     pub limits: [f64; 2],
     /// By its logarithm; else evenly.
     pub logarithmic: bool,
     /// Sign of an amplitude, which the search keeps.
     pub sign: f64,
+    /// The class of cells that have it: its name and founders; `None` for all cells.
+    pub founders: Option<(String, Vec<usize>)>,
 }
 
 impl Unknown {
+    /// Whether cells of a founder have it.
+    pub fn is_of(&self, founder: usize) -> bool {
+        self.founders.as_ref().is_none_or(|(_, founders)| founders.contains(&founder))
+    }
+
+    /// Its name, as `cue[0].amplitude` or `epsilon@somatic`.
+    pub fn name(&self) -> String {
+        let class = self.founders.as_ref().map_or(String::new(), |(class, _)| format!("@{class}"));
+        format!("{}{class}", self.parameter)
+    }
+
     pub fn value(&self, share: f64) -> f64 {
         let [from, to] = self.limits;
         let share = share.clamp(0.0, 1.0);
         self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
+    }
+
+    /// The length of the range, by the logarithm where that is searched.
+    pub fn length(&self) -> f64 {
+        let [from, to] = self.limits;
+        if self.logarithmic { (to / from).ln() } else { to - from }
     }
 
     /// The factor from a derivative by the number to one by its logarithm, where that is searched.
@@ -36,7 +56,8 @@ impl Unknown {
     }
 }
 
-pub(super) fn unknowns(cue: &Cue) -> Vec<Unknown> {
+/// The numbers of a cue.
+pub(crate) fn unknowns(cue: &Cue) -> Vec<Unknown> {
     let cell = Cell::new(1.0).with_cue(cue.clone());
     let of = |parameter: Parameter| {
         let value = parameter.get(&cell);
@@ -45,7 +66,7 @@ pub(super) fn unknowns(cue: &Cue) -> Vec<Unknown> {
         let sign = if logarithmic { value.signum() } else { 1.0 };
         // A turnover of 0 means no turnover.
         let searched = parameter != Parameter::Regulator(RegulatorQuantity::Turnover) || value != 0.0;
-        searched.then_some(Unknown { parameter, limits, logarithmic, sign })
+        searched.then_some(Unknown { parameter, limits, logarithmic, sign, founders: None })
     };
     Parameter::of_cue(cue).into_iter().filter_map(of).collect()
 }
@@ -87,7 +108,7 @@ mod tests {
         let cell = Cell::new(1.0).with_cue(cue.clone());
         let found = unknowns(&cue);
         assert_eq!(found.iter().map(|unknown| unknown.parameter).collect::<Vec<_>>(), Parameter::of_cue(&cue));
-        for Unknown { parameter, limits: [from, to], logarithmic, sign } in found {
+        for Unknown { parameter, limits: [from, to], logarithmic, sign, .. } in found {
             let size = sign * parameter.get(&cell);
             assert!(
                 (from..=to).contains(&size) && (logarithmic || sign == 1.0),

@@ -16,6 +16,7 @@
 //! | [`contours`] | measured outlines of a dividing cell, overlaid with the model's |
 //! | [`dose`] | asymmetry over the dose of a protein, beside the model's over the strength of its cue |
 //! | [`fit`] | fitted constants, activities and cues |
+//! | [`hypotheses`] | measured χ with each hypothesis as a line |
 //! | [`reproduction`] | the figures of the paper |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
 
@@ -30,6 +31,8 @@ pub mod dose;
 // Fits are not available on wasm32.
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
+#[cfg(not(target_family = "wasm"))]
+pub mod hypotheses;
 pub mod lifetimes;
 pub mod perturbation;
 pub mod phase;

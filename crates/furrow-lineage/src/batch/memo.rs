@@ -169,6 +169,35 @@ impl Memo {
         }
     }
 
+    /// The division of `input`: the one that is known, or else it is solved here and kept.
+    ///
+    /// Another thread may be solving the same division. This one then solves it too rather than wait, so that a worker of a pool is
+    /// never blocked; both have the same result.
+    ///
+    /// # Errors
+    /// [`Failure`].
+    pub fn solve(&self, input: &DivisionInput, solve: impl Solve) -> Result<Division, Failure> {
+        let canonical = self.canonical(input);
+        let key = Key::new(&canonical);
+        let scaled = |division: Division| division.with_daughters_scaled(input.cell.r0 / canonical.cell.r0);
+        let (sender, events) = std::sync::mpsc::channel();
+        let division = match self.request(key, &sender) {
+            Request::Known { division, .. } => return Ok(scaled(division.as_ref().clone())),
+            Request::Pending => return solve(&canonical).map(scaled).map_err(Failure::Unsolved),
+            Request::Leased(lease) => {
+                lease.solve(&canonical, solve);
+                events.try_recv()
+            }
+        };
+        match division {
+            Ok(Event::Completed { completion: Completion::Known { division, .. }, .. }) => {
+                Ok(scaled(division.as_ref().clone()))
+            }
+            Ok(Event::Completed { completion: Completion::Failed(failure), .. }) => Err(failure),
+            _ => Err(Failure::Panicked("a solved division was not reported".to_owned())),
+        }
+    }
+
     fn stored(&self, key: &Key) -> Option<Arc<Division>> {
         self.store.as_ref()?.get(key).map(Arc::new)
     }
@@ -246,7 +275,31 @@ fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::batch::fake;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::{Failure, Memo};
+    use crate::batch::{Quantisation, fake};
+    use furrow_mechanics::division::DivisionError;
+
+    #[test]
+    fn a_division_is_solved_once_and_a_failure_is_not_remembered() {
+        let (memo, count) = (Memo::new(Quantisation::with_relative_step(0.01).unwrap()), AtomicUsize::new(0));
+        let solve = |input: &_| {
+            count.fetch_add(1, Ordering::Relaxed);
+            Ok(fake::divide(input))
+        };
+        let failed = memo.solve(&fake::input(2.0), |_| Err(DivisionError::Cancelled { r0: 2.0, t: 0.0 }));
+        assert!(matches!(failed, Err(Failure::Unsolved(_))) && memo.is_empty());
+        assert!(matches!(memo.solve(&fake::input(2.0), |_| panic!("broken")), Err(Failure::Panicked(_))));
+        let first = memo.solve(&fake::input(2.0), solve).unwrap();
+        let beside = memo.solve(&fake::input(2.001), solve).unwrap();
+        assert_eq!((count.load(Ordering::Relaxed), memo.len(), first.chi()), (1, 1, beside.chi()));
+        // Daughters have the volume of the mother that was asked for.
+        let volume = |division: &furrow_mechanics::division::Division| -> f64 {
+            division.daughters().unwrap().iter().map(|r0| r0.powi(3)).sum()
+        };
+        assert!((volume(&beside) / volume(&first) - 1.0005_f64.powi(3)).abs() < 1e-12);
+    }
 
     #[test]
     fn the_daughters_of_a_scaled_division_have_its_volume() {

@@ -1,0 +1,107 @@
+//! Hypotheses beside each other: which cue fits measured χ best, and whether the difference is more than chance.
+//!
+//! | file | content |
+//! |---|---|
+//! | [`observations`] | the measured χ, by cell and embryo |
+//! | [`free`] | hypotheses, and the numbers that are fitted |
+//! | [`noise`] | the errors of χ, and the likelihood |
+//! | `scores` | the fit of each hypothesis, and how it predicts embryos that were left out |
+//! | [`pairs`] | whether two hypotheses are distinguishable |
+//! | `text` | the answer as text |
+//!
+//! The residuals of χ are taken to be normal and independent:
+//!
+//! * \[F.7 log likelihood\] ln L = −½ Σ_i ((χ_i − χ(cell, θ))²/σ_i² + ln 2πσ_i²),
+//! * \[F.8 AICc\] AICc = 2k − 2 ln L + 2k(k + 1)/(n − k − 1) for n divisions and k fitted numbers, a common σ among them,
+//! * \[F.9 left out\] Σ_e ln p(χ_e | θ₋ₑ, σ₋ₑ), with both fitted to all embryos but e,
+//! * \[F.12 lack of fit\] F = Σ_c n_c(mean χ_c − χ(c, θ))²/σ_c²/(m − k) for m cells and k numbers without σ.
+//!
+//! A measured cell that does not divide in the model counts as if its χ were wrong by 1, more than any division can be.
+//!
+//! # References
+//! Hurvich & Tsai, *Biometrika* 76, 297 (1989), for AICc; Vehtari, Gelman & Gabry, *Stat. Comput.* 27, 1413 (2017), for sums of
+//! log densities of left-out data and the standard errors of their differences; Draper & Smith, *Applied Regression Analysis*,
+//! 3rd ed., Wiley 1998, § 2.1, for the test by replicates.
+
+pub mod free;
+pub mod noise;
+pub mod observations;
+pub mod pairs;
+mod scores;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use free::{Hypothesis, Named};
+pub use noise::{Noise, NoiseKind};
+pub use observations::Observations;
+pub use pairs::Pair;
+pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};
+
+use furrow_lineage::batch::{Memo, scheduler};
+use furrow_measured::volumes::Skipped;
+use serde::Serialize;
+
+use crate::fit::search::{FitRun, SearchBudget};
+use crate::fit::{FitError, NumberAtLimit};
+use observations::{LeftOut, Unused};
+
+/// The input of a test.
+pub struct Question<'a> {
+    /// The measured χ.
+    pub observations: &'a Observations,
+    /// The hypotheses, with different names.
+    pub hypotheses: &'a [Hypothesis],
+    /// The errors of χ.
+    pub noise: &'a Noise,
+    /// How long each fit is searched.
+    pub effort: SearchBudget,
+    /// Solved divisions.
+    pub memo: &'a Memo,
+}
+
+/// Hypotheses beside each other.
+#[derive(Clone, Debug, Serialize)]
+pub struct HypothesisTest {
+    /// Number of divisions that the hypotheses are fitted to.
+    pub n: usize,
+    /// The kind of unit that was left out in turn.
+    pub left_out: LeftOut,
+    /// Their names: embryos or, where divisions are left out, their cells.
+    pub units: Vec<String>,
+    /// The errors of χ.
+    pub noise: Noise,
+    /// The hypotheses, in their order.
+    pub hypotheses: Vec<TestedHypothesis>,
+    /// Each pair of them.
+    pub pairs: Vec<Pair>,
+    /// Measured divisions that cannot be used.
+    pub unused: Vec<Unused>,
+    /// The first values of the table that could not be read.
+    pub skipped: Vec<Skipped>,
+}
+
+/// Fits each hypothesis and compares all.
+///
+/// # Errors
+/// [`FitError`]: the run was stopped, or no candidate gives a number. A cell that does not divide or cannot be computed is no error.
+pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest, FitError> {
+    let Question { observations, hypotheses, noise, .. } = question;
+    let tested = scheduler::pool(run.threads)?.install(|| {
+        hypotheses.iter().map(|hypothesis| scores::tested(run, question, hypothesis)).collect::<Result<Vec<_>, _>>()
+    })?;
+    let tested = scores::weighed(tested);
+    Ok(HypothesisTest {
+        n: observations.rows.len(),
+        left_out: observations.left_out,
+        units: observations.units.clone(),
+        noise: (*noise).clone(),
+        pairs: pairs::pairs(&tested),
+        hypotheses: tested,
+        unused: observations.unused.clone(),
+        skipped: observations.skipped.clone(),
+    })
+}
+
+/// The numbers of a hypothesis at an end of their ranges.
+pub type AtLimit = Vec<NumberAtLimit>;

@@ -1,0 +1,192 @@
+//! The errors of χ, and the likelihood.
+//!
+//! Replicates, the divisions of one cell in several embryos, show the errors without any model: about their own mean they have the
+//! standard deviation σ, which may grow as cells shrink,
+//!
+//! * \[F.10 noise by size\] σ(V) = s (V/V₀)^−b,
+//!
+//! where V is the mother's mean volume and V₀ the geometric mean over cells. The restricted likelihood of the deviations has the
+//! maximum s² = Σ S_c (V_c/V₀)^{2b}/ν at given b, with S_c the sum of squares of a cell about her mean and ν = Σ(n_c − 1), and leaves
+//! −½ν ln s² + b Σ(n_c − 1) ln(V_c/V₀) to be maximised over b from 0 to 2.
+//!
+//! # References
+//! Patterson & Thompson, *Biometrika* 58, 545 (1971), for restricted likelihood.
+
+use furrow_input::InputError;
+use furrow_measured::statistics::mean;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+use super::observations::{Observation, Observations};
+
+/// Where the errors of χ come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoiseKind {
+    /// The table gives the standard deviation of each χ.
+    Given,
+    /// One standard deviation for all, of largest likelihood for each hypothesis: it counts among the fitted numbers.
+    Common,
+    /// From replicates, growing as cells shrink where the table has volumes.
+    Replicates,
+}
+
+impl NoiseKind {
+    /// All of them, with the names that users write.
+    pub const NAMED: [(&str, NoiseKind); 3] =
+        [("given", NoiseKind::Given), ("common", NoiseKind::Common), ("replicates", NoiseKind::Replicates)];
+}
+
+/// The errors of χ.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Noise {
+    /// Where they come from.
+    pub kind: NoiseKind,
+    /// s of replicates; of [`NoiseKind::Common`] the standard deviation within cells, for comparison. `None` without replicates, and
+    /// where errors are given.
+    pub sd: Option<f64>,
+    /// b of replicates; 0 where volumes are not known.
+    pub exponent: f64,
+    /// ν of replicates.
+    pub degrees_of_freedom: usize,
+    /// For each cell (V/V₀)^−b.
+    #[serde(skip)]
+    pub(crate) shapes: Vec<f64>,
+}
+
+/// Standard deviation that scales the misfit of the search where errors are common.
+const SCALE: f64 = 0.05;
+/// Least standard deviation: a perfect fit has a finite likelihood.
+const LEAST: f64 = 1e-6;
+/// Largest exponent of the noise over size, and steps of the search for it.
+const STEEPEST: f64 = 2.0;
+const STEPS: usize = 100;
+/// A χ of a cell that does not divide is as wrong as this.
+pub(crate) const UNDIVIDED: f64 = 1.0;
+
+impl Noise {
+    /// The errors of some observations: given ones if all have them, else one common one, unless a kind is asked for. Errors name the
+    /// table, `source`, and the `option` of the kind.
+    ///
+    /// # Errors
+    /// Errors are asked for that the table does not have.
+    pub fn of(
+        observations: &Observations,
+        asked: Option<NoiseKind>,
+        (source, option): (&str, &str),
+    ) -> Result<Noise, InputError> {
+        let rows = &observations.rows;
+        let given = rows.iter().filter(|row| row.sd.is_some()).count();
+        let kind = asked.unwrap_or(if given > 0 { NoiseKind::Given } else { NoiseKind::Common });
+        if kind == NoiseKind::Given && given < rows.len() {
+            let allowed = "given in every row that is used, or left out with another kind of noise";
+            return Err(InputError::not_allowed(source, "chi_sd", format!("{given} of {} rows", rows.len()), allowed));
+        }
+        let noise = Noise::estimated(rows, observations.cells.len(), kind);
+        if kind == NoiseKind::Replicates && noise.sd.is_none() {
+            let allowed = "given or common: no cell was measured in two embryos";
+            return Err(InputError::not_allowed(option, "noise", "replicates", allowed));
+        }
+        Ok(noise)
+    }
+
+    /// The errors of a part of the observations.
+    pub(crate) fn estimated(rows: &[Observation], cells: usize, kind: NoiseKind) -> Noise {
+        let of_cell = |cell: usize| rows.iter().filter(move |row| row.cell == cell);
+        let of = |cell: usize| {
+            let chi: Vec<f64> = of_cell(cell).map(|row| row.chi).collect();
+            let middle = mean(&chi);
+            let squares: f64 = chi.iter().map(|chi| (chi - middle).powi(2)).sum();
+            (chi.len().saturating_sub(1), squares)
+        };
+        let within: Vec<(usize, f64)> = (0..cells).map(of).collect();
+        let degrees_of_freedom = within.iter().map(|(freedom, _)| freedom).sum();
+        let none = Noise { kind, sd: None, exponent: 0.0, degrees_of_freedom, shapes: vec![1.0; cells] };
+        if kind == NoiseKind::Given || degrees_of_freedom == 0 {
+            return none;
+        }
+        let has_volumes = kind == NoiseKind::Replicates && rows.iter().all(|row| row.volume.is_some());
+        let logarithm = |cell: usize| {
+            let volumes: Vec<f64> = of_cell(cell).filter_map(|row| row.volume).collect();
+            if volumes.is_empty() { 0.0 } else { mean(&volumes).ln() }
+        };
+        let logarithms: Vec<f64> = (0..cells).map(|cell| if has_volumes { logarithm(cell) } else { 0.0 }).collect();
+        let middle = mean(&logarithms);
+        let sizes: Vec<f64> = logarithms.iter().map(|logarithm| logarithm - middle).collect();
+        let variance = |exponent: f64| {
+            let of = |((_, squares), size): (&(usize, f64), &f64)| squares * (2.0 * exponent * size).exp();
+            within.iter().zip(&sizes).map(of).sum::<f64>() / degrees_of_freedom as f64
+        };
+        let weighted: f64 = within.iter().zip(&sizes).map(|((freedom, _), size)| *freedom as f64 * size).sum();
+        let likelihood = |b: f64| b * weighted - 0.5 * degrees_of_freedom as f64 * variance(b).ln();
+        let exponent = if has_volumes { highest(likelihood, [0.0, STEEPEST]) } else { 0.0 };
+        let sd = variance(exponent).sqrt().max(LEAST);
+        Noise { sd: Some(sd), exponent, shapes: sizes.iter().map(|size| (-exponent * size).exp()).collect(), ..none }
+    }
+
+    /// The standard deviation of each row; of a common one those that scale the search.
+    pub(crate) fn sds(&self, rows: &[Observation]) -> Vec<f64> {
+        let of = |row: &Observation| match self.kind {
+            NoiseKind::Given => row.sd.unwrap_or(SCALE),
+            NoiseKind::Common => SCALE,
+            NoiseKind::Replicates => self.sd.unwrap_or(SCALE) * self.shapes[row.cell],
+        };
+        rows.iter().map(of).collect()
+    }
+
+    /// The standard deviation of each of `rows` with its largest likelihood for residuals of all rows of a fit.
+    pub(crate) fn fitted(&self, rows: &[Observation], all: &[f64]) -> Vec<f64> {
+        match self.kind {
+            NoiseKind::Common => vec![common_sd(all); rows.len()],
+            _ => self.sds(rows),
+        }
+    }
+}
+
+/// The common standard deviation of largest likelihood.
+pub fn common_sd(residuals: &[f64]) -> f64 {
+    mean(&residuals.iter().map(|residual| residual * residual).collect::<Vec<_>>()).sqrt().max(LEAST)
+}
+
+/// The logarithm of the normal density of a residual.
+///
+/// # Examples
+/// ```
+/// use furrow_analysis::hypotheses::noise::log_density;
+/// // scipy.stats.norm.logpdf(0.03, scale=0.02)
+/// assert!((log_density(0.03, 0.02) - 1.868_084_472_223_473).abs() < 1e-12);
+/// ```
+pub fn log_density(residual: f64, sd: f64) -> f64 {
+    -0.5 * ((residual / sd).powi(2) + (TAU * sd * sd).ln())
+}
+
+/// The sum of the logarithms of the densities of residuals.
+pub fn log_likelihood(residuals: &[f64], sds: &[f64]) -> f64 {
+    residuals.iter().zip(sds).map(|(residual, sd)| log_density(*residual, *sd)).sum()
+}
+
+/// Akaike's criterion for small samples; `None` for n ≤ k + 1.
+///
+/// # Examples
+/// ```
+/// use furrow_analysis::hypotheses::noise::aicc;
+/// assert_eq!(aicc(-3.0, 2, 10), Some(2.0 * 2.0 + 6.0 + 12.0 / 7.0));
+/// assert_eq!(aicc(-3.0, 2, 3), None);
+/// ```
+pub fn aicc(log_likelihood: f64, numbers: usize, data: usize) -> Option<f64> {
+    let (k, left) = (numbers as f64, data as f64 - numbers as f64 - 1.0);
+    (left > 0.0).then(|| 2.0 * k - 2.0 * log_likelihood + 2.0 * k * (k + 1.0) / left)
+}
+
+/// The place of the largest value of a function with one maximum in an interval, by golden sections.
+fn highest(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let ends = [low, high];
+    for _ in 0..STEPS {
+        let [a, b] = [high - share * (high - low), low + share * (high - low)];
+        if of(a) >= of(b) { high = b } else { low = a }
+    }
+    let inside = 0.5 * (low + high);
+    // A maximum at an end of the interval is only neared.
+    ends.into_iter().fold(inside, |best, end| if of(end) >= of(best) { end } else { best })
+}

@@ -1,0 +1,378 @@
+//! Statistics beside SciPy's and on synthetic tables, and whole tests with divisions.
+
+use std::sync::atomic::AtomicBool;
+
+use furrow_cell::Numerics;
+use furrow_input::parse_document;
+use furrow_lineage::batch::{Memo, Quantisation};
+use furrow_lineage::{Lineage, TreeSettings};
+use furrow_measured::volumes::{ReadOptions, Volumes};
+use rand_mt::Mt64;
+
+use super::free::Free;
+use super::noise::{aicc, common_sd, log_likelihood};
+use super::observations::{Chosen, LeftOut, Observation};
+use super::scores::{fit_test, held_out, residuals};
+use super::*;
+use crate::compare::names_of;
+use crate::ensemble::normal;
+use crate::fit::{Targets, fit_cue};
+
+/// A table as text, read with the worm's names.
+fn table(text: &str, chosen: Chosen<'_>) -> Result<Observations, String> {
+    let lineage = Lineage::c_elegans().unwrap();
+    let mut volumes = Volumes::default();
+    let options = ReadOptions { names: names_of(&lineage), ..ReadOptions::default() };
+    volumes.read(text.as_bytes(), "t.csv", &options).map_err(|error| error.to_string())?;
+    let names = ("t.csv", ["--cells", "--population"]);
+    Observations::of_tables(&volumes, &lineage, chosen, names).map_err(|error| error.to_string())
+}
+
+/// The divisions of P0, P1 and P2 in four embryos, one of them missing, with errors and volumes.
+const TABLE: &str = "embryo,mother,chi,chi_sd,mother_um3
+e0,P0,0.18,0.02,25000
+e0,P1,0.17,0.025,11000
+e0,P2,0.41,0.05,4500
+e1,P0,0.15,0.03,24000
+e1,P1,0.21,0.02,10500
+e1,P2,0.35,0.06,4300
+e2,P0,0.20,0.02,26000
+e2,P1,0.14,0.03,11500
+e2,P2,0.46,0.04,4700
+e3,P0,0.17,0.025,25500
+e3,P1,0.19,0.02,10800
+";
+
+const A: [f64; 3] = [0.19, 0.16, 0.38];
+const B: [f64; 3] = [0.16, 0.20, 0.30];
+
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found} {expected}");
+}
+
+fn noise_of(observations: &Observations, kind: NoiseKind) -> Noise {
+    Noise::of(observations, Some(kind), ("t.csv", "--noise")).unwrap()
+}
+
+/// Every number beside scipy 1.17: stats.norm.logpdf, chi2.sf, f.sf, ttest_1samp, optimize.minimize_scalar.
+#[test]
+fn likelihoods_and_tests_are_those_of_scipy() {
+    let observations = table(TABLE, Chosen::default()).unwrap();
+    assert_eq!((observations.left_out, observations.units.len(), observations.rows.len()), (LeftOut::Embryo, 4, 11));
+    // log likelihood with given errors, χ², its p; common σ, its log likelihood, AICc of 3 numbers; F and its p.
+    let expected = [
+        (A, 20.642550563400135, 16.632222222222218, 0.08290850506831543),
+        (B, 12.585883896733467, 32.74555555555556, 0.0003005377336275536),
+    ];
+    let common = [
+        (0.03605551275463989, 20.941326714579155, -32.45408200058688, 1.6962655601659735, 0.2431526760360271),
+        (0.06543560331973859, 14.385252663918346, -19.341933899265264, 14.76182572614108, 0.0020660440409080404),
+    ];
+    let loo = [
+        [6.520321053657121, 5.228420396731523, 3.992029901334023, 4.252153432447475],
+        [3.857228424302892, 4.790877183978429, -1.021050238929095, 3.3998953489983554],
+    ];
+    let given = noise_of(&observations, NoiseKind::Given);
+    let flat = noise_of(&observations, NoiseKind::Common);
+    close(flat.sd.unwrap(), 0.03542891944913553);
+    for (k, (model, log_l, chi_squared, p)) in expected.into_iter().enumerate() {
+        let chi = model.map(Some);
+        let off = residuals(&observations.rows, &chi);
+        close(log_likelihood(&off, &given.sds(&observations.rows)), log_l);
+        let Some(FitTest::ChiSquared { statistic, degrees_of_freedom: 10, p: Some(found) }) =
+            fit_test(&observations, &given, &chi, 1)
+        else {
+            panic!("no χ²");
+        };
+        close(statistic, chi_squared);
+        close(found, p);
+        let (sigma, log_l, criterion, f, p) = common[k];
+        close(common_sd(&off), sigma);
+        let found = log_likelihood(&off, &flat.fitted(&observations.rows, &off));
+        close(found, log_l);
+        close(aicc(found, 3, 11).unwrap(), criterion);
+        let Some(FitTest::LackOfFit { statistic, degrees_of_freedom: [2, 8], p: Some(found) }) =
+            fit_test(&observations, &flat, &chi, 1)
+        else {
+            panic!("no F");
+        };
+        close(statistic, f);
+        close(found, p);
+        for (unit, part) in loo[k].into_iter().enumerate() {
+            close(held_out(&observations, NoiseKind::Common, unit, &chi), part);
+        }
+    }
+    let pair = Pair::of(("A", &loo[0]), ("B", &loo[1]));
+    close(pair.delta, 8.965974065819559);
+    close(pair.se.unwrap(), 4.170315737337679);
+    close(pair.p.unwrap(), 0.12071353353604729);
+    // Errors that grow as cells shrink.
+    let grown = noise_of(&observations, NoiseKind::Replicates);
+    assert!((grown.exponent - 0.5584381167802341).abs() < 1e-6, "{grown:?}");
+    assert!((grown.sd.unwrap() - 0.032385312062798814).abs() < 1e-8);
+    let off = residuals(&observations.rows, &A.map(Some));
+    assert!((log_likelihood(&off, &grown.sds(&observations.rows)) - 22.017138226318526).abs() < 1e-6);
+}
+
+/// Number of synthetic tables.
+const SETS: usize = 200;
+
+/// A synthetic table of cells in embryos about true χ, with errors of one size.
+fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Observations {
+    let row = |k: usize, random: &mut Mt64| {
+        let (unit, cell) = (k / truth.len(), k % truth.len());
+        Observation { cell, unit, chi: truth[cell] + sd * normal(random), sd: Some(sd), volume: None }
+    };
+    Observations {
+        cells: (0..truth.len()).map(|cell| cell.to_string()).collect(),
+        units: (0..embryos).map(|unit| unit.to_string()).collect(),
+        left_out: LeftOut::Embryo,
+        rows: (0..embryos * truth.len()).map(|k| row(k, random)).collect(),
+        unused: Vec::new(),
+        skipped: Vec::new(),
+        of_nuclei: false,
+    }
+}
+
+/// Whether a count of `SETS` agrees with a probability, within three standard deviations.
+fn agrees(count: usize, p: f64) -> bool {
+    let sets = SETS as f64;
+    (count as f64 - p * sets).abs() <= 3.0 * (p * (1.0 - p) * sets).sqrt()
+}
+
+const TRUTH: [f64; 6] = [0.18, 0.17, 0.41, 0.05, 0.41, 0.3];
+const SD: f64 = 0.03;
+
+/// A right hypothesis has a p below 0.05 in one table of twenty, and p is even between 0 and 1; a wrong one has it as often as the
+/// noncentral distributions say (scipy.stats.ncf and ncx2): 12 embryos, 6 cells, all χ off by 0.012.
+#[test]
+fn a_wrong_hypothesis_is_rejected_and_the_right_one_kept_at_the_rates_of_p() {
+    for (kind, power) in [(NoiseKind::Common, 0.6687960046215606), (NoiseKind::Given, 0.24064876465707208)] {
+        let mut random = Mt64::new(11);
+        let [mut right, mut wrong] = [(); 2].map(|()| Vec::new());
+        for _ in 0..SETS {
+            let made = synthetic(&mut random, 12, &TRUTH, SD);
+            let noise = noise_of(&made, kind);
+            let p = |off: f64| {
+                let chi = TRUTH.map(|chi| Some(chi + off));
+                fit_test(&made, &noise, &chi, 0).and_then(|test| test.p()).unwrap()
+            };
+            right.push(p(0.0));
+            wrong.push(p(0.012));
+        }
+        let rejected = |p: &[f64]| p.iter().filter(|p| **p < 0.05).count();
+        assert!(agrees(rejected(&right), 0.05), "{kind:?}: {} right ones", rejected(&right));
+        assert!(agrees(rejected(&wrong), power), "{kind:?}: {} wrong ones", rejected(&wrong));
+        // Kolmogorov and Smirnov: a distance of 1.63/√n in one case of a hundred.
+        right.sort_by(f64::total_cmp);
+        let distance = right.iter().enumerate().map(|(k, p)| (p - (k as f64 + 0.5) / SETS as f64).abs());
+        assert!(distance.fold(0.0, f64::max) < 1.63 / (SETS as f64).sqrt(), "{kind:?}");
+    }
+}
+
+/// A pair of hypotheses by what each predicts, without a fit.
+fn pair(made: &Observations, kind: NoiseKind, predictions: [&[f64; 6]; 2]) -> Pair {
+    let parts = predictions.map(|model| {
+        let chi = model.map(Some);
+        (0..made.units.len()).map(|unit| held_out(made, kind, unit, &chi)).collect::<Vec<_>>()
+    });
+    Pair::of(("a", &parts[0]), ("b", &parts[1]))
+}
+
+/// Two hypotheses with equal errors are distinguishable in one table of twenty. A right and a wrong one are distinguishable in four of
+/// five tables with the number of embryos that is said to be needed.
+#[test]
+fn pairs_are_distinguishable_at_the_rates_of_p() {
+    let [above, below] = [0.01, -0.01].map(|off| TRUTH.map(|chi| chi + off));
+    for kind in [NoiseKind::Common, NoiseKind::Given, NoiseKind::Replicates] {
+        let mut random = Mt64::new(5);
+        let told = |random: &mut Mt64, embryos: usize, predictions: [&[f64; 6]; 2]| {
+            let made = (0..SETS).map(|_| synthetic(random, embryos, &TRUTH, SD));
+            let found = made.map(|made| pair(&made, kind, predictions)).filter(|pair| pair.distinguishable);
+            found.fold([0, 0], |[a, b], pair| if pair.delta > 0.0 { [a + 1, b] } else { [a, b + 1] })
+        };
+        let alike = told(&mut random, 12, [&above, &below]);
+        assert!(agrees(alike.iter().sum(), 0.05), "{kind:?}: {alike:?}");
+        // The mean and the standard deviation of the difference of one embryo for errors known: 6d²/2σ² and √6 d/σ.
+        let (mean, sd) = (6.0 * (0.012 / SD).powi(2) / 2.0, 6.0_f64.sqrt() * 0.012 / SD);
+        let needed = (2.801_585 * sd / mean).powi(2).ceil() as usize;
+        let off = TRUTH.map(|chi| chi + 0.012);
+        let [right, wrong] = told(&mut random, needed, [&TRUTH, &off]);
+        assert!(wrong == 0 && agrees(right, 0.8), "{kind:?}: {right} of {needed} embryos");
+    }
+}
+
+/// The mean of the embryos needed, over tables too small to tell, is about the number that the true difference needs.
+#[test]
+fn the_embryos_needed_are_those_of_the_true_difference() {
+    let (off, mut random) = (TRUTH.map(|chi| chi + 0.012), Mt64::new(3));
+    let found = pair(&synthetic(&mut random, 4000, &TRUTH, SD), NoiseKind::Given, [&TRUTH, &off]);
+    let parts = (found.delta / 4000.0, found.se.unwrap() / 4000.0_f64.sqrt());
+    assert!((parts.0 / 0.48 - 1.0).abs() < 0.1 && (parts.1 / 0.979_796 - 1.0).abs() < 0.05, "{parts:?}");
+    let same = Pair::of(("a", &[1.0, 1.0]), ("b", &[1.0, 1.0]));
+    assert_eq!((same.p, same.distinguishable, same.needed), (Some(1.0), false, None));
+}
+
+#[test]
+fn tables_are_read_by_their_columns_and_refused_with_reasons() {
+    let text = "mother,chi\nP0,0.18\nAB,0.01\nQ9,0.2\nMSap,0.1\n";
+    let found = table(text, Chosen::default()).unwrap();
+    assert_eq!(found.cells, ["P0", "AB", "MSap"]);
+    assert_eq!((found.left_out, found.units), (LeftOut::Division, vec!["P0".into(), "AB".into(), "MSap".into()]));
+    assert_eq!(found.unused, [Unused { cell: "Q9".into(), n: 1, why: "the lineage has no such cell" }]);
+    let cells = ["P0".to_owned(), "EMS".to_owned()];
+    let chosen = Chosen { cells: Some(&cells), groups: None };
+    let refusal = table(text, chosen).unwrap_err();
+    assert_eq!(refusal, "--cells: cells = \"EMS\": must be measured cells of the lineage: P0, AB, MSap");
+    assert_eq!(
+        table("mother,chi\nQ9,0.2\n", Chosen::default()).unwrap_err(),
+        "t.csv: chi = none: must be at least one measured χ of a cell of Caenorhabditis elegans"
+    );
+    // A part of the rows has errors; no cell was measured twice.
+    let some = table("mother,chi,sd\nP0,0.18,0.02\nAB,0.01,\n", Chosen::default()).unwrap();
+    let refused = |kind| Noise::of(&some, kind, ("t.csv", "--noise")).unwrap_err().to_string();
+    assert!(refused(None).starts_with("t.csv: chi_sd = 1 of 2 rows: must be given in every row"), "{}", refused(None));
+    assert!(refused(Some(NoiseKind::Replicates)).contains("no cell was measured in two embryos"));
+}
+
+#[test]
+fn free_numbers_have_classes_that_do_not_overlap() {
+    let lineage = Lineage::c_elegans().unwrap();
+    let list = |text: &str| {
+        let texts: Vec<String> = text.split(',').map(str::to_owned).collect();
+        Free::list(&texts, &lineage, "--free").map_err(|error| error.to_string())
+    };
+    assert_eq!(list("none").unwrap(), []);
+    assert_eq!(list("epsilon@somatic, epsilon@P1,cue.amplitude").unwrap().len(), 3);
+    for (text, reason) in [
+        ("epsilon@germline,epsilon@P1", "each parameter once for a cell"),
+        ("epsilon,epsilon@P1", "each parameter once for a cell"),
+        ("epsilon@germlin", "did you mean germline?"),
+        ("epsilom", "did you mean epsilon?"),
+        ("r0", "none, or a parameter"),
+        ("epsilon=0.9..0.4", "FROM below TO"),
+        ("epsilon=0.4..1.4", "a range of epsilon with"),
+    ] {
+        let refusal = list(text).unwrap_err();
+        assert!(refusal.starts_with("--free: free = ") && refusal.contains(reason), "{refusal}");
+    }
+    let free = list("epsilon@somatic=0.4..0.9,cue.amplitude,cue.u0").unwrap();
+    let cell = furrow_cell::Cell::new(5.4);
+    let cues = ["none", "gradient=tension:gradient,amplitude=-0.3", "germline"].map(str::to_owned);
+    let all = Hypothesis::all(&cues, Some(&free), &lineage, &cell, ["--cue", "--free"]).unwrap();
+    assert_eq!(all.iter().map(Hypothesis::free).collect::<Vec<_>>(), [1, 2, 3]);
+    let epsilon = &all[1].unknowns[0];
+    assert_eq!((epsilon.name().as_str(), epsilon.limits, epsilon.value(0.5)), ("epsilon@somatic", [0.4, 0.9], 0.65));
+    let refusal = Hypothesis::all(&cues[..1], Some(&free[1..]), &lineage, &cell, ["--cue", "--free"]).unwrap_err();
+    assert!(refusal.to_string().contains("a number that at least one of the hypotheses has"), "{refusal}");
+    let twice = ["none", "none"].map(str::to_owned);
+    let refusal = Hypothesis::all(&twice, None, &lineage, &cell, ["--cue", "--free"]).unwrap_err();
+    assert!(refusal.to_string().contains("names that differ"), "{refusal}");
+}
+
+/// Tests hypotheses on the worm's lineage with coarse divisions.
+fn tested(
+    observations: &Observations,
+    kind: Option<NoiseKind>,
+    cues: &[&str],
+    free: &str,
+    threads: usize,
+) -> HypothesisTest {
+    let (lineage, settings, cancel) = (Lineage::c_elegans().unwrap(), coarse(), AtomicBool::new(false));
+    let cues: Vec<String> = cues.iter().map(|cue| (*cue).to_owned()).collect();
+    let free: Vec<String> = free.split(',').map(str::to_owned).collect();
+    let free = Free::list(&free, &lineage, "--free").unwrap();
+    let hypotheses = Hypothesis::all(&cues, Some(&free), &lineage, &settings.cell, ["--cue", "--free"]).unwrap();
+    let noise = Noise::of(observations, kind, ("t.csv", "--noise")).unwrap();
+    let memo = Memo::new(Quantisation::EXACT);
+    let question = Question { observations, hypotheses: &hypotheses, noise: &noise, effort: EFFORT, memo: &memo };
+    test(&FitRun::new(&lineage, &settings, threads, &cancel), &question).unwrap()
+}
+
+const EFFORT: SearchBudget = SearchBudget { particles: 4, moves: 3, seed: 1 };
+
+fn coarse() -> TreeSettings {
+    TreeSettings { numerics: Numerics { intervals: 32, ..Numerics::default() }, ..TreeSettings::default() }
+}
+
+/// One hypothesis with errors of one size is the fit of its cue to the means, and its likelihood follows from χ².
+#[test]
+fn one_hypothesis_with_flat_noise_is_the_fit_of_its_cue() {
+    let text = "Fit(unknowns: [(parameter: p0, from: 0.1, to: 0.2)], founders: [], chi: [
+        (cell: \"P0\", mean: 0.17, sd: 0.03), (cell: \"P1\", mean: 0.14, sd: 0.03), (cell: \"P2\", mean: 0.16, sd: 0.03)])";
+    let targets: Targets = parse_document(text, "t.ron", "a file of targets", "Fit").unwrap();
+    let (lineage, settings, cancel) = (Lineage::c_elegans().unwrap(), coarse(), AtomicBool::new(false));
+    let cue = "tension:gradient,amplitude=-0.3";
+    let run = FitRun::new(&lineage, &settings, 1, &cancel);
+    let fitted = fit_cue(&run, &targets, &cue.parse().unwrap(), EFFORT).unwrap();
+    let observations = Observations::of_targets(&targets, &lineage, None, ("t.ron", "--cells")).unwrap();
+    let given = tested(&observations, None, &[cue], "cue.amplitude", 2);
+    let [found] = &given.hypotheses[..] else { panic!("{given:?}") };
+    // As given errors: every number is the same, to the accuracy of a search in steps.
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-6 * b.abs(), "{a} {b}");
+    near(found.parameters[0].value, fitted.numbers[0].value);
+    near(found.parameters[0].se.unwrap(), fitted.numbers[0].sd.unwrap());
+    let chi_squared = fitted.goodness.chi_squared;
+    near(found.log_likelihood, -0.5 * (chi_squared + 3.0 * (std::f64::consts::TAU * 0.03 * 0.03).ln()));
+    let Some(FitTest::ChiSquared { statistic, p, .. }) = found.fit else { panic!("{found:?}") };
+    near(statistic, chi_squared);
+    near(p.unwrap(), fitted.goodness.p.unwrap());
+    // As one common error: the same place, and the spread of the residuals.
+    let flat = tested(&observations, Some(NoiseKind::Common), &[cue], "cue.amplitude", 1);
+    let [flat] = &flat.hypotheses[..] else { panic!("{flat:?}") };
+    near(flat.parameters[0].value, fitted.numbers[0].value);
+    near(flat.sigma.unwrap(), 0.03 * (chi_squared / 3.0).sqrt());
+    assert_eq!((flat.k, found.k, flat.log_evidence), (2, 1, None));
+    assert!(fitted.goodness.error_scale.unwrap() > 1.0);
+    near(flat.parameters[0].se.unwrap(), fitted.numbers[0].sd.unwrap());
+}
+
+/// Embryos that follow one cue speak for it; the answer does not depend on the number of threads; a cell that rests is reported and
+/// the others count. Numbers of a class change its cells alone.
+#[test]
+fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
+    let truth = "tension:gradient,amplitude=-0.12";
+    let cells = ["P0", "P1", "P2", "EMS"];
+    let one: String = cells.iter().map(|cell| format!("e,{cell},0.1\n")).collect();
+    let model =
+        tested(&table(&format!("embryo,mother,chi\n{one}"), Chosen::default()).unwrap(), None, &[truth], "none", 1);
+    let chi: Vec<(String, f64)> =
+        model.hypotheses[0].cells.iter().map(|cell| (cell.cell.clone(), cell.chi.unwrap())).collect();
+    let mut random = Mt64::new(2);
+    let mut text = "embryo,mother,chi_signed\n".to_owned();
+    for embryo in 0..6 {
+        for (cell, chi) in &chi {
+            text += &format!("e{embryo},{cell},{}\n", chi + 0.02 * normal(&mut random));
+        }
+    }
+    let observations = table(&text, Chosen::default()).unwrap();
+    let cues = ["none", "band=kappa:band,u0=0.465,omega=0.0577,amplitude=0.1", "right=tension:gradient,amplitude=-0.3"];
+    let [found, again] =
+        [1, 3].map(|threads| tested(&observations, Some(NoiseKind::Replicates), &cues, "cue.amplitude", threads));
+    assert_eq!(serde_json::to_string(&found).unwrap(), serde_json::to_string(&again).unwrap());
+    let [none, band, right] = &found.hypotheses[..] else { panic!("{found:?}") };
+    assert_eq!([none.k, band.k, right.k], [0, 1, 1]);
+    let FittedNumber { value, se, .. } = &right.parameters[0];
+    assert!((value + 0.12).abs() < 3.0 * se.unwrap(), "{right:?}");
+    assert!(right.fit.unwrap().p().unwrap() > 0.01 && none.fit.unwrap().p().unwrap() < 1e-6);
+    assert!(right.loo > band.loo && band.loo > none.loo && right.weight.unwrap() > 0.99, "{found}");
+    assert!(right.log_evidence.unwrap() < right.log_likelihood && right.log_evidence > none.log_evidence);
+    assert!(found.pairs.iter().all(|pair| pair.distinguishable), "{found}");
+    // A table without the embryo gives the same fit, to the accuracy of coarse divisions.
+    let others: String = text.lines().filter(|line| !line.starts_with("e0,")).map(|line| format!("{line}\n")).collect();
+    let without = table(&others, Chosen::default()).unwrap();
+    let without = tested(&without, Some(NoiseKind::Replicates), &cues[2..], "cue.amplitude", 1);
+    let chi: Vec<Option<f64>> = without.hypotheses[0].cells.iter().map(|cell| cell.chi).collect();
+    let part = held_out(&observations, NoiseKind::Replicates, 0, &chi);
+    assert!(right.loo_parts.len() == 6 && (right.loo_parts[0] - part).abs() < 0.02, "{:?} {part}", right.loo_parts);
+    let resting =
+        tested(&table("mother,chi\nP0,0.2\nCaaa,0.2\n", Chosen::default()).unwrap(), None, &["none"], "none", 1);
+    let rests = &resting.hypotheses[0];
+    assert_eq!((rests.resting.len(), rests.cells.len()), (1, 2), "{resting}");
+    assert!(resting.to_string().contains("Caaa does not divide"), "{resting}");
+    // The errors of numbers follow from the cells that divide.
+    let text = "mother,chi,sd\nP0,0.17,0.03\nP1,0.14,0.03\nCaaa,0.2,0.05\n";
+    let resting = tested(&table(text, Chosen::default()).unwrap(), None, &cues[2..], "cue.amplitude", 1);
+    let rests = &resting.hypotheses[0];
+    assert!(rests.resting == ["Caaa"] && rests.parameters[0].se.is_some() && rests.loo.is_finite(), "{resting}");
+}

@@ -1,0 +1,164 @@
+//! The answer as text.
+
+use std::fmt::{Display, Formatter, Result};
+
+use super::noise::{Noise, NoiseKind};
+use super::observations::Unused;
+use super::scores::{CellScore, FitTest, TestedHypothesis};
+use super::{HypothesisTest, Pair};
+
+/// Skipped values that are listed.
+const MOST_SKIPPED: usize = 10;
+
+/// A number with a given number of digits, or a dash.
+fn or_dash(value: Option<f64>, digits: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+}
+
+/// A probability.
+fn probability(p: f64) -> String {
+    if p < 1e-3 { format!("{p:.1e}") } else { format!("{p:.3}") }
+}
+
+impl Display for HypothesisTest {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let HypothesisTest { n, left_out, units, noise, hypotheses, pairs, unused, skipped } = self;
+        let cells = hypotheses.first().map_or(0, |tested| tested.cells.len());
+        let count = units.len();
+        writeln!(f, "{n} divisions of {cells} cells; {count} {} left out in turn", left_out.word(count))?;
+        writeln!(f, "{noise}\n")?;
+        let wide = hypotheses.iter().map(|tested| tested.name.chars().count()).fold(10, usize::max);
+        writeln!(f, "{:<wide$}     log L   k       AICc  weight   left out   evidence  p of the fit", "hypothesis")?;
+        for tested in hypotheses {
+            let TestedHypothesis { name, log_likelihood, k, aicc, weight, loo, log_evidence, fit, .. } = tested;
+            let (aicc, weight, evidence) = (or_dash(*aicc, 2), or_dash(*weight, 3), or_dash(*log_evidence, 2));
+            let fit = fit.map_or("-".to_owned(), |fit| fit.to_string());
+            writeln!(
+                f,
+                "{name:<wide$} {log_likelihood:>9.2} {k:>3} {aicc:>10} {weight:>7} {loo:>10.2} {evidence:>10}  {fit}"
+            )?;
+        }
+        for tested in hypotheses {
+            write!(f, "\n{tested}")?;
+        }
+        if let Some(first) = hypotheses.first() {
+            write!(f, "\n{}", CellsTable { hypotheses, cells: &first.cells })?;
+        }
+        for pair in pairs {
+            write!(f, "\n{pair}")?;
+            if let Some(needed) = pair.needed {
+                write!(f, "; needs about {needed} {}", left_out.word(2))?;
+            }
+        }
+        if !pairs.is_empty() {
+            writeln!(f)?;
+        }
+        for Unused { cell, n, why } in unused {
+            write!(f, "\nnot used: {cell}, {n}: {why}")?;
+        }
+        for value in skipped.iter().take(MOST_SKIPPED) {
+            write!(f, "\nskipped {value}")?;
+        }
+        if skipped.len() > MOST_SKIPPED {
+            write!(f, "\nand {} more", skipped.len() - MOST_SKIPPED)?;
+        }
+        if unused.is_empty() && skipped.is_empty() { Ok(()) } else { writeln!(f) }
+    }
+}
+
+impl Display for Noise {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Noise { kind, sd, exponent, degrees_of_freedom, .. } = self;
+        match (kind, sd) {
+            (NoiseKind::Given, _) => write!(f, "errors of χ as given in the table"),
+            (NoiseKind::Common, None) => write!(f, "one error of χ, fitted"),
+            (NoiseKind::Common, Some(sd)) => {
+                write!(f, "one error of χ, fitted; within cells ±{sd:.4} on {degrees_of_freedom} degrees of freedom")
+            }
+            (NoiseKind::Replicates, sd) => {
+                let sd = or_dash(*sd, 4);
+                write!(f, "errors of χ from replicates, ±{sd} on {degrees_of_freedom} degrees of freedom")?;
+                if *exponent > 0.0 { write!(f, ", growing as volume^-{exponent:.2}") } else { Ok(()) }
+            }
+        }
+    }
+}
+
+impl Display for FitTest {
+    /// The probability, and the test.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let p = self.p().map_or("-".to_owned(), probability);
+        match self {
+            FitTest::ChiSquared { statistic, degrees_of_freedom, .. } => {
+                write!(f, "{p} (χ² {statistic:.1} on {degrees_of_freedom})")
+            }
+            FitTest::LackOfFit { statistic, degrees_of_freedom: [above, below], .. } => {
+                write!(f, "{p} (F {statistic:.2} on {above}, {below})")
+            }
+        }
+    }
+}
+
+impl Display for TestedHypothesis {
+    /// The fitted numbers, and the cells that rest.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let TestedHypothesis { name, cue, sigma, parameters, at_limit, resting, cells, .. } = self;
+        let what = if name == cue { String::new() } else { format!(": {cue}") };
+        writeln!(f, "{name}{what}")?;
+        for number in parameters {
+            let error = number.se.map_or("undetermined".to_owned(), |se| format!("± {se:.4}"));
+            let [from, to] = number.searched;
+            writeln!(f, "  {:<24} {:>9.4} {error}  (searched {from}..{to})", number.name, number.value)?;
+        }
+        if let Some(sigma) = sigma {
+            writeln!(f, "  {:<24} {sigma:>9.4}", "error of χ")?;
+        }
+        for number in at_limit {
+            let [from, to] = number.searched;
+            writeln!(f, "  {} ended at the edge of its range, from {from} to {to}", number.name)?;
+        }
+        for cell in cells.iter().filter(|cell| resting.contains(&cell.cell)) {
+            let CellScore { cell, n, log_likelihood, .. } = cell;
+            writeln!(f, "  {cell} does not divide: n = {n}, {log_likelihood:+.1} to log L")?;
+        }
+        Ok(())
+    }
+}
+
+impl Display for Pair {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Pair { a, b, delta, se, p, distinguishable, .. } = self;
+        let better = if *delta >= 0.0 { [a, b] } else { [b, a] };
+        let error = se.map_or(String::new(), |se| format!(" ± {se:.2}"));
+        let p = p.map_or("no test".to_owned(), |p| format!("p = {}", probability(p)));
+        let verdict = if *distinguishable { "distinguishable" } else { "not distinguishable" };
+        let [better, other] = better;
+        write!(f, "{better} above {other} by {:.2}{error}, {p}: {verdict}", delta.abs())
+    }
+}
+
+/// The cells with χ of each hypothesis.
+struct CellsTable<'a> {
+    hypotheses: &'a [TestedHypothesis],
+    cells: &'a [CellScore],
+}
+
+impl Display for CellsTable<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let wide = self.hypotheses.iter().map(|tested| tested.name.chars().count().max(6)).collect::<Vec<_>>();
+        write!(f, "{:<10}   n   χ measured      ", "cell")?;
+        for (tested, wide) in self.hypotheses.iter().zip(&wide) {
+            write!(f, "  {:>wide$}", tested.name)?;
+        }
+        writeln!(f)?;
+        for (k, CellScore { cell, n, measured, sd, .. }) in self.cells.iter().enumerate() {
+            let spread = sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"));
+            write!(f, "{cell:<10} {n:>3}   {measured:.3}{spread:<10}")?;
+            for (tested, wide) in self.hypotheses.iter().zip(&wide) {
+                write!(f, "  {:>wide$}", tested.cells[k].chi.map_or("rests".to_owned(), |chi| format!("{chi:.3}")))?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,70 @@
+//! Measured χ of cells with intervals, and each hypothesis as a line.
+
+use furrow_analysis::hypotheses::{CellScore, HypothesisTest, TestedHypothesis};
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart};
+use crate::drawing::style::{self, Colour, SERIES};
+use crate::drawing::{Canvas, Stroke};
+
+const CHART: f64 = 488.0;
+/// Width for each cell, and limits of the width of the picture.
+const CELL: f64 = 56.0;
+const WIDTHS: [f64; 2] = [900.0, 4000.0];
+/// Longest name of a hypothesis in the legend, in characters.
+const LONGEST: usize = 60;
+
+/// Draws the test.
+pub fn draw(found: &HypothesisTest) -> Canvas {
+    let Some(TestedHypothesis { cells, .. }) = found.hypotheses.first() else {
+        return titled(WIDTHS[0], 0.0, "", &Legend::default()).0;
+    };
+    let colour = |k: usize| style::series(k, found.hypotheses.len(), &SERIES[1..]);
+    let entries = found.hypotheses.iter().enumerate().map(|(k, tested)| (Key::Line(colour(k)), named(tested)));
+    let rests = found.hypotheses.iter().any(|tested| !tested.resting.is_empty());
+    let legend = Legend::default()
+        .with(Key::Point(style::OBSERVED, Marker::Disc), "measured, mean with its 95 % interval")
+        .with_all(entries)
+        .with_if(rests, Key::Dashes(style::MUTED, style::DASHED), "past a cell that does not divide");
+    let width = (160.0 + CELL * cells.len() as f64).clamp(WIDTHS[0], WIDTHS[1]);
+    let (mut canvas, top) = titled(width, CHART, "Size asymmetry of each cell under the hypotheses", &legend);
+    let ends = cells.iter().flat_map(|cell| cell.interval.unwrap_or([cell.measured; 2]));
+    let chi = found.hypotheses.iter().flat_map(|tested| tested.cells.iter().filter_map(|cell| cell.chi));
+    let [low, high] = ends.chain(chi).fold([0.0, 0.1], |[low, high]: [f64; 2], y| [low.min(y), high.max(y)]);
+    let room = 0.06 * (high - low);
+    let x = Axis::names("cell that divides", cells.iter().map(|cell| cell.cell.clone()).collect(), false);
+    let y = Axis::new(style::CHI, [low - room, high + room]);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [width, CHART], x, y);
+    for (k, tested) in found.hypotheses.iter().enumerate() {
+        line(&mut chart, &tested.cells, colour(k));
+    }
+    for (x, CellScore { measured, interval, .. }) in cells.iter().enumerate() {
+        if let Some(interval) = interval {
+            chart.error_bar(x as f64, *interval, 0.0, 5.0, Stroke::solid(style::OBSERVED, 1.8));
+        }
+        chart.point([x as f64, *measured], 6.0, Marker::Disc, style::OBSERVED);
+    }
+    canvas
+}
+
+/// A hypothesis in the legend: its name and its score of left-out embryos.
+fn named(tested: &TestedHypothesis) -> String {
+    let mut name: String = tested.name.chars().take(LONGEST).collect();
+    if name.len() < tested.name.len() {
+        name.push('…');
+    }
+    format!("{name} (left out: {:+.1})", tested.loo)
+}
+
+/// The line of a hypothesis, dashed across cells that do not divide.
+fn line(chart: &mut Chart<'_>, cells: &[CellScore], colour: Colour) {
+    let points: Vec<(usize, f64)> = cells.iter().enumerate().filter_map(|(x, cell)| Some((x, cell.chi?))).collect();
+    for pair in points.windows(2) {
+        let [(a, from), (b, to)] = [pair[0], pair[1]];
+        let ends = [[a as f64, from], [b as f64, to]];
+        let stroke =
+            if b == a + 1 { Stroke::solid(colour, 2.4) } else { Stroke::dashed(style::MUTED, 1.6, style::DASHED) };
+        chart.line(ends, stroke);
+    }
+    chart.points(points.into_iter().map(|(x, chi)| [x as f64, chi]), 5.0, Marker::Diamond, colour);
+}

@@ -1,0 +1,104 @@
+"""Hypotheses beside each other."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Literal, SupportsFloat, SupportsIndex
+
+from . import _furrow
+from ._checks import given_of, optional_path, refused, text_of, threads_of
+from ._memo import memo as shared_memo
+from ._progress import Progress, shown
+from ._shapes import Drawn
+from ._tables import Table, frame, positive, source_of
+from .fit import _search
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ._cell import Value
+    from ._furrow import Memo
+
+
+class Hypotheses(Drawn):
+    """Hypotheses beside each other: the output of ``furrow test --json``."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per hypothesis."""
+        names = ("name", "cue", "log_likelihood", "k", "aicc", "delta_aicc", "weight", "loo", "log_evidence", "sigma")
+        return frame({name: [row[name] for row in self["hypotheses"]] for name in names})
+
+    def pairs_to_pandas(self) -> pd.DataFrame:
+        """One row per pair of hypotheses."""
+        names = ("a", "b", "delta", "se", "p", "distinguishable", "needed")
+        return frame({name: [row[name] for row in self["pairs"]] for name in names})
+
+    def cells_to_pandas(self) -> pd.DataFrame:
+        """One row per cell and hypothesis: what was measured, and χ of the model, missing where the cell does not divide."""
+        names = ("cell", "n", "measured", "sd", "r0", "chi", "log_likelihood")
+        rows = [(tested["name"], *(cell[name] for name in names)) for tested in self["hypotheses"] for cell in tested["cells"]]
+        return frame({name: [row[k] for row in rows] for k, name in enumerate(("hypothesis", *names))})
+
+
+def _texts(field: str, values: Sequence[str]) -> list[str]:
+    if isinstance(values, str):
+        raise refused(field, values, "a list of texts")
+    return [text_of(field, value) for value in values]
+
+
+def _cues(cues: Sequence[str] | Mapping[str, str]) -> list[str]:
+    if isinstance(cues, Mapping):
+        return [f"{text_of('cues', name)}={text_of('cues', cue)}" for name, cue in cues.items()]
+    return _texts("cues", cues)
+
+
+def test(
+    table: Table,
+    cues: Sequence[str] | Mapping[str, str],
+    *,
+    free: Sequence[str] | None = None,
+    noise: Literal["given", "common", "replicates"] | None = None,
+    cells: Sequence[str] | None = None,
+    population: Sequence[str] | None = None,
+    voxel: SupportsFloat | None = None,
+    unit: Literal["um3", "voxels", "relative"] | None = None,
+    lineage: str | os.PathLike[str] | None = None,
+    particles: SupportsIndex = 12,
+    moves: SupportsIndex = 10,
+    seed: SupportsIndex = 0,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Hypotheses:
+    """Tests hypotheses against each other: which of several ``cues`` fits measured χ best, and whether the difference is more
+    than chance.
+
+    ``table`` is one of :func:`furrow.compare.volumes`, such as one with the columns ``mother`` and ``chi`` and optionally
+    ``embryo``, ``chi_sd`` and ``mother_um3``, or a file of targets of :func:`furrow.fit.cue`. ``cues`` are texts, of which
+    ``"name=CUE"`` names a hypothesis, or cues by name. ``free`` lists the numbers that are fitted, such as ``cue.amplitude`` or
+    ``epsilon@somatic``; by default all numbers of each cue, and none for an empty list. ``noise`` says where the errors of χ come
+    from, ``cells`` and ``population`` which cells and groups are used.
+    """
+    names = _cues(cues)
+    if not names:
+        raise refused("cues", cues, "at least one cue")
+    asked = {
+        "table": source_of(table),
+        "cues": names,
+        "free": None if free is None else _texts("free", free) or ["none"],
+        "lineage": optional_path("lineage", lineage),
+        "noise": None if noise is None else text_of("noise", noise),
+        "cells": None if cells is None else _texts("cells", cells),
+        "population": None if population is None else _texts("population", population),
+        "voxel": None if voxel is None else positive("voxel", voxel),
+        "unit": None if unit is None else text_of("unit", unit),
+        "search": _search(particles, moves, seed),
+    }
+    known = shared_memo() if memo is None else memo
+    with shown(progress, "candidates") as tell:
+        found, drawing = _furrow.test(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
+    return Hypotheses(found, drawing)

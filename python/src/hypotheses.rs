@@ -1,0 +1,90 @@
+//! Hypotheses beside each other.
+
+use furrow_analysis::compare::names_of;
+use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
+use furrow_analysis::hypotheses::free::Free;
+use furrow_analysis::hypotheses::observations::Chosen;
+use furrow_analysis::hypotheses::{Hypothesis, Noise, NoiseKind, Observations, Question, test as tested};
+use furrow_analysis::tree_settings;
+use furrow_figures::plot;
+use furrow_input::shown;
+use furrow_lineage::Lineage;
+use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
+use pyo3::prelude::*;
+
+use crate::document::Document;
+use crate::drawings::Drawing;
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::{Given, Source, lineage_of, positive};
+use crate::memo::Memo;
+use crate::supervise::{Interrupt, supervised};
+use crate::trees::one_of;
+
+/// The arguments of a test; Python gives them as a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct TestAsked {
+    table: Source,
+    cues: Vec<String>,
+    free: Option<Vec<String>>,
+    lineage: Option<String>,
+    noise: Option<String>,
+    cells: Option<Vec<String>>,
+    population: Option<Vec<String>>,
+    voxel: Option<f64>,
+    unit: Option<String>,
+    /// Particles, moves and seed of each search.
+    search: (usize, u64, u64),
+}
+
+impl TestAsked {
+    fn observations(&self, lineage: &Lineage) -> Result<Observations, Error> {
+        let voxel = self.voxel.map(|voxel| positive("voxel", voxel, "a length in µm above 0")).transpose()?;
+        let unit = self.unit.as_deref().map(|unit| {
+            unit.parse::<Unit>().map_err(|_| Error::not_allowed("unit", shown(unit), "um3, voxels or relative"))
+        });
+        let reading =
+            ReadOptions { voxel, unit: unit.transpose()?, names: names_of(lineage), ..ReadOptions::default() };
+        let chosen = Chosen { cells: self.cells.as_deref(), groups: self.population.as_deref() };
+        let (text, file) = &self.table;
+        let Some(text) = text else {
+            let file = file.as_deref().unwrap_or("".as_ref());
+            return Ok(Observations::read(file, &reading, lineage, chosen, [ARGUMENTS; 2])?);
+        };
+        let mut volumes = Volumes::default();
+        volumes.read(text.as_bytes(), "table", &reading)?;
+        volumes.require_used("table")?;
+        Ok(Observations::of_tables(&volumes, lineage, chosen, ("table", [ARGUMENTS; 2]))?)
+    }
+}
+
+/// Several cues, each fitted to measured χ, and whether they are distinguishable.
+#[pyfunction]
+#[pyo3(signature = (asked, given, memo, threads, progress=None))]
+pub fn test(
+    py: Python<'_>,
+    asked: TestAsked,
+    given: Given,
+    memo: &Memo,
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> Result<(Document, Drawing), Error> {
+    let memo = memo.solved()?;
+    supervised(py, Interrupt::Finishes, progress, move |watch| {
+        let lineage = lineage_of(asked.lineage.as_deref())?;
+        let settings = tree_settings(given.for_divisions()?, &lineage, 0, memo.quantisation());
+        let free = asked.free.as_ref().map(|texts| Free::list(texts, &lineage, ARGUMENTS)).transpose()?;
+        let hypotheses = Hypothesis::all(&asked.cues, free.as_deref(), &lineage, &settings.cell, [ARGUMENTS; 2])?;
+        let kind = asked.noise.as_deref().map(|kind| one_of("noise", kind, NoiseKind::NAMED)).transpose()?;
+        let observations = asked.observations(&lineage)?;
+        let noise = Noise::of(&observations, kind, ("table", ARGUMENTS))?;
+        let (particles, moves, seed) = asked.search;
+        let effort = SearchBudget { particles, moves, seed };
+        let (observations, hypotheses, noise, memo) = (&observations, &hypotheses, &noise, &memo);
+        let question = Question { observations, hypotheses, noise, effort, memo };
+        let show = |FitProgress { done, of, .. }| watch.set([0, done, of]);
+        let run = FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &watch.stop) };
+        let found = tested(&run, &question)?;
+        Ok((Document::of(&found)?, Drawing::of(plot::hypotheses::draw(&found))))
+    })
+}

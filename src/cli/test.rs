@@ -1,0 +1,129 @@
+//! `furrow test`: hypotheses beside each other.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use furrow_analysis::compare::names_of;
+use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
+use furrow_analysis::hypotheses::free::Free;
+use furrow_analysis::hypotheses::observations::Chosen;
+use furrow_analysis::hypotheses::{Hypothesis, Noise, NoiseKind, Observations, Question, test};
+use furrow_analysis::tree_settings;
+use furrow_figures::plot;
+use furrow_input::InputError;
+use furrow_lineage::Lineage;
+use furrow_lineage::batch::Store;
+use furrow_measured::volumes::{ReadOptions, Unit};
+use serde_json::json;
+
+use super::cell::{load_lineage, one_of};
+use super::context::Context;
+use super::error::CliError;
+use super::interrupt;
+use super::messages;
+use super::output::{merged, number, print_as};
+use super::picture::PlotArgs;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+A table is one of furrow compare volumes: of volumes of cells, of divisions, or of χ with the columns mother and chi (or chi_signed)
+and optionally embryo, group, chi_sd (the standard deviation of that χ) and mother_um3; or a file of targets (.ron) of furrow fit cue.
+
+Each hypothesis is fitted by itself. log L is its largest log likelihood under normal errors of |χ|, k the fitted numbers, and \"left
+out\" the log likelihood of each embryo under the fit to the others (of each division, if there are fewer than two embryos). Two
+hypotheses are distinguishable if the differences of these have p < 0.05 by Student's t.
+
+Examples:
+  furrow test data/jankele2021_volumes.csv --cue none --cue germline --cells P0,P1,P2,P3 --free cue.amplitude
+  furrow test chi.csv --cue germline --cue \"gradient=tension:gradient,amplitude=-0.3\" --free cue.amplitude,epsilon@somatic --json")]
+pub struct TestArgs {
+    /// Measured χ: a table (CSV), an embryo followed by another program, or targets (RON)
+    #[arg(value_name = "TABLE")]
+    table: PathBuf,
+    /// Hypotheses, one for each --cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +; "NAME=CUE"
+    /// names the hypothesis
+    #[arg(help_heading = "Hypotheses", long, value_name = "CUE", required = true)]
+    cue: Vec<String>,
+    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; none fits nothing;
+    /// default all numbers of each cue
+    ///
+    /// A hypothesis without such a number does not have it. Numbers of a cue are searched as by furrow fit cue, others over the range of
+    /// furrow solve; PARAMETER@CLASS=FROM..TO gives another range.
+    #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]
+    free: Option<Vec<String>>,
+    /// Founders with their cues, which the hypotheses replace; default the built-in C. elegans founders
+    #[arg(help_heading = "Hypotheses", long, value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
+    /// Errors of χ: given by the table, one common error that is fitted, or from replicates, growing as cells shrink; default given if
+    /// the table has them, else common
+    #[arg(help_heading = "Measurements", long, value_name = "KIND", value_parser = one_of(NoiseKind::NAMED))]
+    noise: Option<NoiseKind>,
+    /// Cells that are used, such as P0,P1,P2,P3; default all that the lineage has
+    #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
+    cells: Option<Vec<String>>,
+    /// Groups of the table that are used; default all
+    #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
+    population: Option<Vec<String>>,
+    /// Edge of a voxel in µm, which converts voxels to µm³
+    #[arg(help_heading = "Measurements", long, value_name = "UM", value_parser = number)]
+    voxel: Option<f64>,
+    /// Unit of a table without one: um3, voxels or relative
+    #[arg(help_heading = "Measurements", long, value_name = "UNIT", value_parser = str::parse::<Unit>)]
+    unit: Option<Unit>,
+    /// Particles of the swarm that searches for each best fit
+    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    particles: u32,
+    /// Moves of the swarm
+    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    moves: u32,
+    /// Seed of the search
+    #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
+    let start = Instant::now();
+    let picture = args.plot.file()?;
+    let lineage = load_lineage(args.lineage.as_deref())?;
+    context.settings.check_divisions("settings")?;
+    context.settings.check_activity("settings")?;
+    let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
+    let free = args.free.as_ref().map(|texts| Free::list(texts, &lineage, "--free")).transpose()?;
+    let hypotheses = Hypothesis::all(&args.cue, free.as_deref(), &lineage, &settings.cell, ["--cue", "--free"])?;
+    let observations = observations(args, &lineage)?;
+    let noise = Noise::of(&observations, args.noise, (&args.table.display().to_string(), "--noise"))?;
+    let memo = context.memo()?;
+    interrupt::finish();
+    let effort = SearchBudget { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed };
+    let question =
+        Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, memo: &memo };
+    let found = context.shown(|line| {
+        let show = |FitProgress { done, of, least }| {
+            let least = least.map_or(String::new(), |least| format!(", least misfit {least:.3}"));
+            line.show_share(done, of, || format!("candidates{least}"));
+        };
+        let run = FitRun::new(&lineage, &settings, context.threads, interrupt::flag());
+        test(&FitRun { progress: Some(&show), ..run }, &question)
+    })?;
+    messages::warn_of(memo.store().map_or_else(Vec::new, Store::take_warnings));
+    picture.write(|| plot::hypotheses::draw(&found))?;
+    let elapsed_s = start.elapsed().as_secs_f64();
+    let document = merged(json!(found), json!({ "seed": args.seed, "elapsed_s": elapsed_s }));
+    print_as(context.json, &document, || found.to_string())
+}
+
+/// The measured χ of the table, or of a file of targets.
+fn observations(args: &TestArgs, lineage: &Lineage) -> Result<Observations, CliError> {
+    let voxel = args.voxel.unwrap_or(1.0);
+    InputError::require((1e-6..=1e6).contains(&voxel), "--voxel", "voxel", voxel, "a length in µm, from 1e-6 to 1e6")?;
+    let reading = ReadOptions { voxel: args.voxel, group: None, unit: args.unit, names: names_of(lineage) };
+    let chosen = Chosen { cells: args.cells.as_deref(), groups: args.population.as_deref() };
+    let observations = Observations::read(&args.table, &reading, lineage, chosen, ["--cells", "--population"])?;
+    if observations.of_nuclei {
+        messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
+    }
+    Ok(observations)
+}
