@@ -5,6 +5,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use furrow_cell::cue::profile::NAMES;
 use furrow_cell::cue::{Coupling, Field, Profile, Quantity, Regulator, Source, Term, Width};
+use furrow_cell::law::{Constant, Expression, Law};
 use furrow_cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::DivisionInput;
 
@@ -70,12 +71,35 @@ impl CanonicalBytes {
     }
 
     fn cell(&mut self, cell: &Cell) {
-        let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
+        let Cell { r0, epsilon, xi_s, cue, material, shell, law } = cell;
         let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
         let Shell { aspect, p0, w } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
         self.choice(usize::from(rigidity_gradient == RigidityGradient::Dropped));
         self.cue(cue);
+        // Without a law nothing is written, so that cells with the paper's keep their keys.
+        if let Some(law) = law {
+            self.law(law);
+        }
+    }
+
+    /// Writes a mark that neither a regulator nor a discretisation begins with, then everything but the law's name and units.
+    fn law(&mut self, law: &Law) {
+        self.choice(LAW);
+        self.choice(usize::from(law.is_reversed()));
+        for which in Expression::ALL {
+            self.text(law.text(which).unwrap_or_default());
+        }
+        self.count(law.constants().count() as u64);
+        for (name, Constant { value, .. }) in law.constants() {
+            self.text(name);
+            self.reals([*value]);
+        }
+    }
+
+    fn text(&mut self, text: &str) {
+        self.count(text.len() as u64);
+        self.0.extend_from_slice(text.as_bytes());
     }
 
     /// The terms that do something, in their order: in another order the last digit of their sum may be another.
@@ -143,6 +167,9 @@ const SURFACE_VERSION: u64 = 2;
 
 /// Marks the beginning of a regulator. Without one the number of stages of the discretisation follows, which is small.
 const REGULATOR: usize = 255;
+
+/// Marks the beginning of a law of the cell's own.
+const LAW: usize = 254;
 
 /// A profile by its place among the names.
 fn profile_choice(profile: &Profile) -> usize {
