@@ -99,7 +99,8 @@ impl CellArgs {
         let r0 = self.r0.in_units(&context.units);
         set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
         warn_of_size(&context.units, [self.r0]);
-        Ok(context.settings.cell.clone().with_cue(cue))
+        let cell = context.settings.cell.clone().with_cue(cue);
+        cell.check_law("--cue").map(|()| cell)
     }
 }
 

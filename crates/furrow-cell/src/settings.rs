@@ -330,7 +330,25 @@ impl Settings {
             let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
             return Err(InputError::not_allowed(source_name, "numerics.dt", dt, allowed));
         }
+        self.check_law(source_name)?;
         self.check_wall(source_name)
+    }
+
+    /// Refuses a law of the cell's own without axial symmetry.
+    fn check_law(&self, source_name: &str) -> Result<(), InputError> {
+        let (modes, own) = (self.numerics.modes, self.cell.law.is_some());
+        let allowed = "0 with a law of the cell's own: without axial symmetry there are equations for the paper's law alone";
+        InputError::require(modes == 0 || !own, source_name, "modes", modes, allowed)
+    }
+
+    /// Refuses a law of the cell's own, for what has the paper's law alone.
+    ///
+    /// # Errors
+    /// Names the law; errors say that `what` was asked for.
+    pub fn check_paper_law(&self, what: &str) -> Result<(), InputError> {
+        let Some(law) = &self.cell.law else { return Ok(()) };
+        let allowed = format!("paper, the built-in law, for {what}");
+        Err(InputError::not_allowed("--law", "law", shown(law.name()), allowed))
     }
 
     /// Checks whether the mesh has enough intervals for the width of the shell's wall, the same number of them for each part

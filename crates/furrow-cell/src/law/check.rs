@@ -4,13 +4,6 @@ use super::{Expression, Law, LawValues, VARIABLES, Variable};
 use crate::cue::Field;
 use crate::{Cell, Cue};
 
-/// A place of a cell where a law differs from its mirror image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Uneven {
-    /// The place u.
-    pub u: f64,
-}
-
 /// A sequence of numbers between −1 and 1 that fills the interval evenly.
 fn spread(k: usize, dimension: usize) -> f64 {
     // The fractional parts of multiples of irrational numbers.
@@ -98,16 +91,24 @@ impl Law {
         })
     }
 
-    /// The field of a cue that would act on nothing: it paints an activity that no expression names.
-    pub fn unused_field(&self, cue: &Cue) -> Option<Field> {
+    /// Why a cue does not go with the law: it paints an activity that no expression names, or something that the moment uses,
+    /// whose slope along the contour the equations would need.
+    pub fn misfit(&self, cue: &Cue) -> Option<String> {
         let coupled = cue.regulator().into_iter().flat_map(|regulator| &regulator.couplings);
         let strong = coupled.filter(|coupling| coupling.strength != 0.0).map(|coupling| coupling.field);
         let painted = cue.terms().iter().filter(|term| term.amplitude != 0.0).map(|term| term.field);
-        let [deviator, isotropic] = [Variable::XiS, Variable::XiB].map(|variable| self.names(variable));
-        painted.chain(strong).find(|field| match field {
-            Field::XiS => !deviator,
-            Field::XiB => !isotropic,
-            _ => false,
+        painted.chain(strong).find_map(|field| {
+            let name = field.name();
+            let coefficients = Variable::ALL.into_iter().filter(|variable| {
+                Field::ALL.into_iter().any(|own| own.name() == variable.name() && field.modulates(own))
+            });
+            let mut coefficients = coefficients.collect::<Vec<_>>().into_iter();
+            let acts_by_law = matches!(field, Field::XiS | Field::XiB | Field::Activity);
+            if acts_by_law && !coefficients.clone().any(|variable| self.names(variable)) {
+                return Some(format!("{name} acts only where an expression of the law names it, and none does"));
+            }
+            let bent = coefficients.find(|variable| self.uses(Expression::Moment, *variable))?;
+            Some(format!("a moment cannot use {}, which varies along the contour by {name}", bent.name()))
         })
     }
 }

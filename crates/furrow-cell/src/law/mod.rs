@@ -20,7 +20,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::{Cell, Number, Parameter};
-pub use check::Uneven;
+use furrow_input::InputError;
 pub use names::{ConstantName, LONGEST_NAME, Variable};
 pub use program::{Algebra, Function};
 use program::Program;
@@ -253,6 +253,17 @@ impl<D: Algebra> LawValues<D> {
 }
 
 impl Cell {
+    /// Checks whether its cue goes with its law; errors say the cue came from `source_name`.
+    ///
+    /// # Errors
+    /// Names the cue and what is wrong.
+    pub fn check_law(&self, source_name: &str) -> Result<(), InputError> {
+        let Some(law) = &self.law else { return Ok(()) };
+        let Some(reason) = law.misfit(&self.cue) else { return Ok(()) };
+        let allowed = format!("a cue for the law {:?}: {reason}", law.name());
+        Err(InputError::not_allowed(source_name, "cue", &self.cue, allowed))
+    }
+
     /// The same cell with a law of active stress of its own.
     pub fn with_law(self, law: Law) -> Cell {
         Cell { law: Some(Box::new(law)), ..self }

@@ -17,8 +17,8 @@ use furrow_cell::law::{Active, Algebra, LawValues, VARIABLES, Variable};
 use num_dual::Dual64;
 
 use super::equations::{
-    self, Balance, BdfTerm, COMPONENTS, Carried, Constants, J, LENGTH, LocalCoefficients, PHI, PRESSURE, Q, R, REGULATED,
-    ShellCoefficients, T, Transport, Z, carried,
+    self, Balance, BdfTerm, COMPONENTS, Carried, Constants, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
+    REGULATED, ShellCoefficients, T, Transport, V, Z, carried,
 };
 use super::gradient::Gradient;
 use super::jets::Jet;
@@ -222,22 +222,59 @@ impl<D: Lawful> Prepared<D> {
         balance
     }
 
-    /// What the law gives in a state, and the moments m − M^a: for the listing of forces.
+    /// What the law gives in a state at a distance from the axis, with C and ∂_sC; stress and force with the noise.
     pub fn active(
         &mut self,
         here: &LocalCoefficients<D>,
         spot: &Spot<D>,
         y: &[D; COMPONENTS],
         [v_n, length]: [D; 2],
-    ) -> Active<D> {
+    ) -> (Active<D>, [D; 2]) {
         let [r, _, m, psi, q, v, t] = *y;
         let (sin, cos) = psi.sin_cos();
-        let (c2, cot) = (sin / r, cos / r);
-        let mut place = quantities(&self.law, here, spot, [r, c2, cot * v + c2 * v_n], length);
-        let [moment, _] = self.moment(&mut place, here, [m, q, cos, spot.carried[0]], length);
+        let c2 = sin / r;
+        let mut place = quantities(&self.law, here, spot, [r, c2, cos / r * v + c2 * v_n], length);
+        let [moment, mean_s] = self.moment(&mut place, here, [m, q, cos, spot.carried[0]], length);
         let Active { stress, normal_force, .. } = self.stress(&mut place, here, spot.noise, t);
         let stress = stress.map(|stress| stress * spot.noise);
-        Active { stress, moment, normal_force: normal_force * spot.noise }
+        (Active { stress, moment, normal_force: normal_force * spot.noise }, [place[at(Variable::C)], mean_s])
+    }
+
+    /// What decides whether the shortest waves decay: κ + ∂M^a/∂C, and the viscosities along and, at given T_uu, around the contour,
+    /// 1 and those of the material without a law.
+    pub fn moduli(
+        &mut self,
+        here: &LocalCoefficients<D>,
+        spot: &Spot<D>,
+        y: &[D; COMPONENTS],
+        [v_n, length]: [D; 2],
+    ) -> [D; 3] {
+        let [r, _, m, psi, q, v, t] = *y;
+        let (sin, cos) = psi.sin_cos();
+        let c2 = sin / r;
+        let s_phi = cos / r * v + c2 * v_n;
+        let mut place = quantities(&self.law, here, spot, [r, c2, s_phi], length);
+        self.moment(&mut place, here, [m, q, cos, spot.carried[0]], length);
+        self.stress(&mut place, here, spot.noise, t);
+        let Some(jets) = &self.jets else { return [here.kappa, here.eta_sum, here.eta_sum] };
+        let one = D::from(1.0);
+        // Where no rate of strain gives this tension, the law is looked at without flow.
+        if !place[at(Variable::Suu)].real().is_finite() {
+            place[at(Variable::Suu)] = D::from(0.0);
+        }
+        if !place[at(Variable::C)].real().is_finite() {
+            bend(&mut place, m / here.kappa);
+        }
+        let memory = &mut self.jet_memory;
+        let mut slopes = |of: &[Variable]| {
+            let of: Vec<(Variable, D)> = of.iter().map(|variable| (*variable, one)).collect();
+            jets.at(&with_slopes(&place, &of), memory)
+        };
+        let bent = slopes(&[Variable::C1, Variable::C]).moment.slope;
+        let [along, across] = [Variable::Suu, Variable::Sphiphi].map(|rate| slopes(&[rate]).stress.map(|stress| stress.slope));
+        let first = here.eta_sum + along[0];
+        let second = here.eta_sum + across[1] - (here.eta_difference + across[0]) * (here.eta_difference + along[1]) / first;
+        [here.kappa + bent, first, second]
     }
 }
 
@@ -447,7 +484,7 @@ pub(super) fn response(
     y: &[f64],
     length: f64,
 ) -> ([f64; 3], f64) {
-    let (sin, cos) = super::lanes::sin_cos(y[super::equations::PSI]);
+    let (sin, cos) = super::lanes::sin_cos(y[PSI]);
     let v_n = (sin * (y[R] - motion.r_past) + cos * (y[Z] - motion.z_past)) * motion.rate;
     let moved = Dual64::new(v_n, 1.0);
     // The past that gives this normal velocity in one unit of time.
@@ -465,5 +502,60 @@ pub(super) fn response(
     let mut prepared = Prepared::of(&law.map(Dual64::from));
     let Balance { f, place, .. } =
         prepared.balances(&shell, &here, &spot, motion, &shape, length, Dual64::from(0.0));
-    ([Q, super::equations::V, T].map(|k| f[k].eps), place.s_u.eps)
+    ([Q, V, T].map(|k| f[k].eps), place.s_u.eps)
+}
+
+impl Constants<f64> {
+    /// C and ∂_sC in a state at u with these coefficients.
+    pub(crate) fn mean_curvature(&self, u: f64, here: &LocalCoefficients<f64>, y: &[f64], length: f64) -> [f64; 2] {
+        match self.law.as_ref().filter(|law| law.bends) {
+            Some(law) => own_place(self, law, u, (y, 0.0, 1.0), here, length).1,
+            None => {
+                let mean = y[M] / here.kappa;
+                [mean, (y[Q] - mean * here.kappa_u / length) / here.kappa]
+            }
+        }
+    }
+}
+
+/// What the law gives in a state `(y, v_n, noise)` away from the axis, with C and ∂_sC.
+pub(super) fn own_place(
+    constants: &Constants<f64>,
+    law: &LawValues<f64>,
+    u: f64,
+    (y, v_n, noise): (&[f64], f64, f64),
+    here: &LocalCoefficients<f64>,
+    length: f64,
+) -> (Active<f64>, [f64; 2]) {
+    let (state, spot) = state_at(constants, u, y, noise);
+    let mut prepared = Prepared::of(&law.map(Lane));
+    let (active, mean) = prepared.active(&here.map(Lane), &spot, &state, [v_n, length].map(Lane));
+    let Active { stress, moment, normal_force } = active;
+    let active = Active { stress: stress.map(|x| x.0), moment: moment.0, normal_force: normal_force.0 };
+    (active, mean.map(|x| x.0))
+}
+
+fn state_at(constants: &Constants<f64>, u: f64, y: &[f64], noise: f64) -> ([Lane; COMPONENTS], Spot<Lane>) {
+    let carried = if constants.regulator.is_some() { [J, PHI].map(|k| y.get(k).copied().unwrap_or(0.0)) } else { [0.0; 2] };
+    (std::array::from_fn(|k| Lane(y[k])), Spot { u, carried: carried.map(Lane), noise: Lane(noise) })
+}
+
+/// The moduli of a law that must be above 0 in a state `(y, v_n)`, with their names, as shares of those without it.
+pub(crate) fn moduli(
+    constants: &Constants<f64>,
+    law: &LawValues<f64>,
+    u: f64,
+    (y, v_n): (&[f64], f64),
+    length: f64,
+) -> [(&'static str, f64); 3] {
+    let here = constants.of_state(u, y, length);
+    let (state, spot) = state_at(constants, u, y, 1.0);
+    let mut prepared = Prepared::of(&law.map(Lane));
+    let [bending, along, around] =
+        prepared.moduli(&here.map(Lane), &spot, &state, [v_n, length].map(Lane)).map(|x| x.0);
+    [
+        ("the rigidity κ + ∂moment/∂c1", bending / here.kappa),
+        ("the viscosity η_b + η_s + ∂stress_uu/∂S_uu", along / here.eta_sum),
+        ("the viscosity against S_phiphi", around / here.eta_sum),
+    ]
 }

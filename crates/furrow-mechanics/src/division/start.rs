@@ -10,6 +10,7 @@ use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::equilibria::error::CellName;
 use crate::equilibria::passive;
+use crate::law;
 use furrow_cell::{Cell, Numerics};
 
 /// Imbalance of the mesh above which it is rebuilt before the first step.
@@ -39,7 +40,7 @@ pub(super) fn check(cell: &Cell) -> Result<(), DivisionError> {
     let (field, value, allowed) = match (r0.is_finite() && r0 > 0.0, epsilon > 0.0 && epsilon < 1.0) {
         (false, _) => ("r0", r0, "a finite radius above 0"),
         (_, false) => ("epsilon", epsilon, "a volume fraction between 0 and 1, both excluded"),
-        _ => return Ok(()),
+        _ => return law::check(cell).map_err(|source| DivisionError::Law { r0: cell.r0, source }),
     };
     Err(DivisionError::BadInput { field, value, allowed })
 }

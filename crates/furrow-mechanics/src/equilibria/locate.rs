@@ -12,6 +12,7 @@ use super::curves::along_scalar;
 use super::error::{CellName, PointKind, ShapeError};
 use super::point::{ShapePoint, XI};
 use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
+use crate::cortex::lanes::sin_cos;
 use crate::cortex::{Cortex, Domain, observables};
 
 /// The folds between the last two points of a continuation. `passed` says whether ξ_s has turned an odd number of times
@@ -210,6 +211,9 @@ pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f
     let f = &mut f[..y.components];
     cortex.rhs(CollocationPoint { x: 0.5, index: 0 }, state, &y.scalars, f, &mut g);
     let phi = &null.nodes[last * y.components..];
+    if cortex.constants().law.as_ref().is_some_and(|law| law.bends) {
+        return shift_by_differences(cortex, state, [f, &phi[..y.components]], length);
+    }
     // An antisymmetric change leaves φ at the equator unchanged, but changes its slope j.
     let mut kappa_turn = 0.0;
     if y.components == REGULATED {
@@ -223,6 +227,22 @@ pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f
     let change = phi[Q] / kappa + phi[PSI] * (c1 - c2) / state[R] - state[M] * kappa_turn / (kappa * kappa);
     let bend = f[Q] / length / kappa - state[M] * kappa_ss / (kappa * kappa) + c1 * (c1 - c2) / state[R];
     -change / bend / length
+}
+
+/// [`furrow_shift`] by differences of c1_s, for a law with a moment: along the contour, where the state changes by `f` per u,
+/// and along the antisymmetric direction.
+fn shift_by_differences(cortex: &Cortex, state: &[f64], [f, phi]: [&[f64]; 2], length: f64) -> f64 {
+    const STEP: f64 = 1e-5;
+    let slope = |u: f64, by: &[f64], step: f64| {
+        let moved: Vec<f64> = state.iter().zip(by).map(|(y, by)| y + step * by).collect();
+        let here = cortex.constants().of_state(u, &moved, length);
+        let [mean, mean_s] = cortex.constants().mean_curvature(u, &here, &moved, length);
+        let (sin, cos) = sin_cos(moved[PSI]);
+        mean_s - cos / moved[R] * (mean - 2.0 * sin / moved[R])
+    };
+    let change = slope(0.5, phi, STEP) - slope(0.5, phi, -STEP);
+    let bend = slope(0.5 + STEP, f, STEP) - slope(0.5 - STEP, f, -STEP);
+    -change / bend
 }
 
 /// A singular point near the newest point of a branch that cannot be located.

@@ -11,7 +11,7 @@ use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solu
 use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, begin, newest_contour};
 use super::budget::StepBudget;
-use super::error::{CellName, PointKind, Result, ShapeError, resolved};
+use super::error::{CellName, PointKind, Result, ShapeError, resolved, with_paper_law};
 use super::locate::{course, end_at_width, folds_near, not_located, pitchfork_near};
 use super::passive::passive;
 use super::point::ShapePoint;
@@ -169,6 +169,9 @@ pub fn follow_within(
 ) -> Result<Branch> {
     budget.check(cell)?;
     let cell = &*resolved(cell)?;
+    if options.azimuthal > 0 {
+        with_paper_law(cell)?;
+    }
     let (numerics, refinement) = if options.coarse { coarse(numerics) } else { (*numerics, 1) };
     let mut branch = start(cell, &numerics, &options.settings)?;
     let (breaking, pitchforks) = (SymmetryBreaking::default(), options.pitchforks);
