@@ -142,7 +142,9 @@ impl Context {
     /// Names the law.
     pub fn check_azimuthal(&self, given: Option<u8>) -> Result<(), InputError> {
         match given {
-            Some(_) => self.settings.check_paper_law("--azimuthal: disturbances around the axis have its equations alone"),
+            Some(_) => {
+                self.settings.check_paper_law("--azimuthal: disturbances around the axis have its equations alone")
+            }
             None => Ok(()),
         }
     }

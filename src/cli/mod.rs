@@ -222,7 +222,7 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
         Command::Polarity(args) => polarity::run(&args, Context::axisymmetric(globals)?),
         Command::Calibrate(args) => {
             calibrate::run(&args, &Context::of_paper_law(globals, "constants calibrated with it")?)
-        },
+        }
         Command::Fit(args) => fit::run(&args, &Context::axisymmetric(globals)?),
         Command::Compare(args) => compare::run(&args, &Context::new(globals)?),
         Command::Phase(args) => phase::run(&args, Context::axisymmetric(globals)?),
@@ -230,8 +230,12 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
         Command::Sweep(args) => sweep::run(&args, &Context::new(globals)?),
         Command::Merge(args) => merge::run(&args, globals),
         Command::Export(args) => export::run(&args, globals),
-        Command::Reproduce(args) => reproduce::run(&args, &Context::of_paper_law(globals, "the statements of the paper")?),
-        Command::Explore(args) => explore::run(&args, &Context::of_paper_law(globals, "a page whose controls are its constants")?),
+        Command::Reproduce(args) => {
+            reproduce::run(&args, &Context::of_paper_law(globals, "the statements of the paper")?)
+        }
+        Command::Explore(args) => {
+            explore::run(&args, &Context::of_paper_law(globals, "a page whose controls are its constants")?)
+        }
         Command::NewLineage(args) => new_lineage::run(&args, globals),
         Command::Cache(args) => cache::run(&args, globals),
         Command::Completions(args) => completions::run(&args, &mut self::command()),

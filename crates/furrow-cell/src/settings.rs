@@ -337,7 +337,8 @@ impl Settings {
     /// Refuses a law of the cell's own without axial symmetry.
     fn check_law(&self, source_name: &str) -> Result<(), InputError> {
         let (modes, own) = (self.numerics.modes, self.cell.law.is_some());
-        let allowed = "0 with a law of the cell's own: without axial symmetry there are equations for the paper's law alone";
+        let allowed =
+            "0 with a law of the cell's own: without axial symmetry there are equations for the paper's law alone";
         InputError::require(modes == 0 || !own, source_name, "modes", modes, allowed)
     }
 

@@ -1,11 +1,12 @@
 //! Cells with a law of active stress of their own: what they refuse, and whether a law can hold.
 
-use furrow_bvp::Solution;
+use furrow_bvp::{Gauss, Solution, mesh};
 use furrow_cell::Cell;
 
 use crate::cortex::equations::{LENGTH, PSI, R, Z};
 use crate::cortex::lanes::sin_cos;
-use crate::cortex::{Cortex, own};
+use crate::cortex::{Cortex, Domain, own};
+use crate::equilibria::passive::spheroid;
 
 /// Why a cell with a law of its own is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -53,6 +54,15 @@ pub fn check(cell: &Cell) -> Result<(), LawError> {
     law.misfit(&cell.cue).map_or(Ok(()), |reason| Err(refuse(reason)))
 }
 
+/// Whether the law cannot hold in the cell without activity, looked at on a spheroid without flow.
+pub(crate) fn cannot_rest(cell: &Cell) -> Option<LawError> {
+    cell.law.as_ref()?;
+    let passive = cell.passive();
+    let grid = mesh::uniform(0.0, Domain::Half.end(), 8);
+    let y = spheroid(&Gauss::new(3).ok()?, &passive, &grid).ok()?;
+    short_waves(&Cortex::new(&passive, Domain::Half, &[]), &y)
+}
+
 /// The place of a shape at which the law of its cell makes the shortest waves grow. A law whose stress depends neither on the
 /// rates of strain nor on its own moment never does: bending decides there.
 pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
@@ -68,7 +78,7 @@ pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
         let (sin, cos) = sin_cos(state[PSI]);
         let past = cortex.past.get(index).filter(|_| cortex.rate != 0.0);
         let v_n = past.map_or(0.0, |[r, z]| cortex.rate * (sin * (state[R] - r) + cos * (state[Z] - z)));
-        for (modulus, share) in own::moduli(cortex.constants(), law, u, (state, v_n), length) {
+        for (modulus, share) in own::points::moduli(cortex.constants(), law, u, (state, v_n), length) {
             // A number that is none counts as none, too.
             if !(share > 0.0) && worst.is_none_or(|(_, _, least)| share < least) {
                 worst = Some((u, modulus, share));

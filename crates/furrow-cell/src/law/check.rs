@@ -33,7 +33,8 @@ impl Law {
         for variable in [Variable::Suu, Variable::Sphiphi] {
             if self.uses(Expression::Moment, variable) {
                 let (field, text) = (Expression::Moment.name(), self.text(Expression::Moment).unwrap_or_default());
-                let allowed = format!("an expression without {}: a moment may depend on shape and fields", variable.name());
+                let allowed =
+                    format!("an expression without {}: a moment may depend on shape and fields", variable.name());
                 return Err((field.to_owned(), furrow_input::shown(text), allowed));
             }
         }

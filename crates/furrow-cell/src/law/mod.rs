@@ -22,8 +22,8 @@ use serde::{Deserialize, Serialize};
 use crate::{Cell, Number, Parameter};
 use furrow_input::InputError;
 pub use names::{ConstantName, LONGEST_NAME, Variable};
-pub use program::{Algebra, Function};
 use program::Program;
+pub use program::{Algebra, Function};
 pub use text::ExpressionError;
 
 /// An expression of a law.
@@ -141,7 +141,8 @@ impl Law {
 
     /// The law in one line: its name, expressions and constants.
     pub fn described(&self) -> String {
-        let expressions = Expression::ALL.into_iter().filter_map(|which| Some((which.name(), self.text(which)?.to_owned())));
+        let expressions =
+            Expression::ALL.into_iter().filter_map(|which| Some((which.name(), self.text(which)?.to_owned())));
         let constants = self.constants().map(|(name, constant)| (name, constant.value.to_string()));
         let parts = expressions.chain(constants).map(|(name, value)| format!("{name} = {value}"));
         format!("{:?} ({})", self.name, parts.collect::<Vec<_>>().join(", "))

@@ -59,8 +59,8 @@ impl Variable {
     /// Its name in expressions.
     pub fn name(self) -> &'static str {
         const NAMES: [&str; 16] = [
-            "c1", "c2", "C", "u", "s", "r", "S_uu", "S_phiphi", "phi", "kappa", "eta_b", "eta_s", "friction", "tension",
-            "xi_s", "xi_b",
+            "c1", "c2", "C", "u", "s", "r", "S_uu", "S_phiphi", "phi", "kappa", "eta_b", "eta_s", "friction",
+            "tension", "xi_s", "xi_b",
         ];
         NAMES[self as usize]
     }

@@ -235,8 +235,20 @@ impl Program {
                 Step::Subtract(a, b) => at(a) - at(b),
                 Step::Multiply(a, b) => at(a) * at(b),
                 Step::Divide(a, b) => at(a) / at(b),
-                Step::Least(a, b) => if at(b).real() < at(a).real() { at(b) } else { at(a) },
-                Step::Most(a, b) => if at(b).real() > at(a).real() { at(b) } else { at(a) },
+                Step::Least(a, b) => {
+                    if at(b).real() < at(a).real() {
+                        at(b)
+                    } else {
+                        at(a)
+                    }
+                }
+                Step::Most(a, b) => {
+                    if at(b).real() > at(a).real() {
+                        at(b)
+                    } else {
+                        at(a)
+                    }
+                }
                 Step::Power(a, b) => (at(a).call(Function::Ln) * at(b)).call(Function::Exp),
                 Step::WholePower(a, n) => at(a).whole_power(n),
                 Step::Call(function, a) => at(a).call(function),

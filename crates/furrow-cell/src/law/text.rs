@@ -201,7 +201,9 @@ impl Parser<'_> {
                     let [a, b] = self.arguments(name)?;
                     self.add(step(a, b))
                 }
-                _ => self.fail(start, format!("unknown function {}: known are {}", shown(name), functions().join(", "))),
+                _ => {
+                    self.fail(start, format!("unknown function {}: known are {}", shown(name), functions().join(", ")))
+                }
             };
         }
         if function.is_some() || of_two.is_some() {

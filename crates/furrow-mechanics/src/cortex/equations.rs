@@ -376,7 +376,7 @@ pub fn equations<D: Number, const N: usize>(
 ) -> ([D; N], D) {
     let (motion, noise) = (motion.map(D::from), D::from(noise));
     if let Some(law) = &c.law {
-        return own::equations(c, law, u, motion, noise, y, [length, pressure]);
+        return own::points::equations(c, law, u, motion, noise, y, [length, pressure]);
     }
     let shape: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
     let here = c.of_state(u, y, length);

@@ -19,7 +19,7 @@ use furrow_bvp::{Gauss, Solution};
 
 use super::Cortex;
 use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, Z};
-use super::own::own_place;
+use super::own::points::own_place;
 use furrow_cell::cue::Field;
 use furrow_cell::law::{Active, LawValues};
 

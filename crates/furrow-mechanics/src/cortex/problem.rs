@@ -224,7 +224,7 @@ impl Cortex {
         let d_t_phi = here.eta_difference * d_s_u + here.eta_sum * c2;
         let normal = [length * c2 * d_t_phi, length * (d_s_u - c1), length * cos / y[R] * d_t_phi];
         let (normal, d_s_u) = match self.constants.law.as_ref().filter(|law| law.viscous || law.bends) {
-            Some(law) => own::response(&self.constants, law, at.x, self.motion(at), y, length),
+            Some(law) => own::points::response(&self.constants, law, at.x, self.motion(at), y, length),
             None => (normal, d_s_u),
         };
         let mut response = MotionResponse { normal, ..MotionResponse::default() };
@@ -341,8 +341,8 @@ impl BoundaryValueProblem for Cortex {
         let sweep = self.sweep(&coefficients, profiles);
         if let Some(law) = &self.constants.law {
             return match self.is_regulated() {
-                true => own::rhs_many::<REGULATED>(&sweep, law, points, p, f, g),
-                false => own::rhs_many::<COMPONENTS>(&sweep, law, points, p, f, g),
+                true => own::points::rhs_many::<REGULATED>(&sweep, law, points, p, f, g),
+                false => own::points::rhs_many::<COMPONENTS>(&sweep, law, points, p, f, g),
             };
         }
         if self.is_regulated() {
@@ -358,8 +358,8 @@ impl BoundaryValueProblem for Cortex {
         if let Some((law, along_length)) = self.constants.law.as_ref().zip(self.along_length.as_ref()) {
             let columns = (along_length, self.sensitivities.as_slice());
             return match self.is_regulated() {
-                true => own::jacobian_many::<REGULATED>(&sweep, law, points, p, columns, out),
-                false => own::jacobian_many::<COMPONENTS>(&sweep, law, points, p, columns, out),
+                true => own::points::jacobian_many::<REGULATED>(&sweep, law, points, p, columns, out),
+                false => own::points::jacobian_many::<COMPONENTS>(&sweep, law, points, p, columns, out),
             };
         }
         if self.is_regulated() {

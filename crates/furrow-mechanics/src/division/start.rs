@@ -53,8 +53,10 @@ impl Start<'_> {
         let cortex = Cortex::new(&active, Domain::Full, &[]);
         let (shape, report) = match self {
             Start::Passive => {
-                let (half, report) = passive(cell, numerics)
-                    .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
+                let (half, report) = passive(cell, numerics).map_err(|source| match law::cannot_rest(cell) {
+                    Some(source) => DivisionError::Law { r0: cell.r0, source },
+                    None => DivisionError::NoPassiveShape { cell: CellName::of(cell), source },
+                })?;
                 (with_components(&unfold(&half), cortex.components()), report)
             }
             Start::Stationary { shape, .. } => ((*shape).clone(), NewtonReport::default()),

@@ -84,9 +84,7 @@ pub enum ShapeError {
     #[error("{cell}: {source}")]
     Law { cell: CellName, source: LawError },
     /// The cell's cue, or its law, distinguishes the poles: its branch has folds but no pitchfork.
-    #[error(
-        "{cell}: {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold"
-    )]
+    #[error("{cell}: {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold")]
     NoPitchfork { cell: CellName, cue: String },
     /// A curve of singular points does not reach the requested value.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: {source}")]

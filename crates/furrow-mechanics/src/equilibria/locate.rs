@@ -14,6 +14,7 @@ use super::point::{ShapePoint, XI};
 use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::{Cortex, Domain, observables};
+use crate::law;
 
 /// The folds between the last two points of a continuation. `passed` says whether ξ_s has turned an odd number of times
 /// in the step; `before` is [arclength, ξ_s, dξ_s/ds] at its start.
@@ -103,6 +104,9 @@ pub(super) fn course(branch: &Continuation<Cortex>) -> [f64; 3] {
 /// If the newest shape of a branch is narrower than `limit`, in R0, ends the branch at the shape of this width between
 /// the last two points, if there is one: the newest shape depends on the length of the steps.
 pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Option<BranchEnd> {
+    if let Some(source) = law::short_waves(&branch.problem, &branch.state.solution) {
+        return Some(BranchEnd::CannotHold(ShapeError::Law { cell: CellName::of(&branch.problem.cell), source }));
+    }
     const MOST: usize = 30;
     const CLOSE: f64 = 1e-6;
     let (gauss, domain) = (branch.system.gauss.clone(), branch.problem.domain);

@@ -19,6 +19,7 @@ use super::rates::{self, with_rates};
 use crate::cortex::observables::{PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
+use crate::law;
 use crate::stability::Stability;
 use furrow_cell::{Cell, Numerics};
 
@@ -33,7 +34,10 @@ const SMALLEST_PART: f64 = 1e-3;
 /// [`ShapeError::Passive`], [`ShapeError::Cue`].
 pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
     let name = CellName::of(cell);
-    let (half, _) = passive(cell, numerics).map_err(|source| ShapeError::Passive { cell: name, source })?;
+    let (half, _) = passive(cell, numerics).map_err(|source| match law::cannot_rest(cell) {
+        Some(source) => ShapeError::Law { cell: name, source },
+        None => ShapeError::Passive { cell: name, source },
+    })?;
     let domain = Domain::of(cell);
     let mut y = if domain == Domain::Half { half } else { unfold(&half) };
     if cell.cue.is_none() && cell.cue.regulator().is_none() {
@@ -65,9 +69,14 @@ pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solut
 /// The primary branch at ξ_s = 0, ready for continuation to larger ξ_s.
 ///
 /// # Errors
-/// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Branch`].
+/// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Law`], [`ShapeError::Branch`].
 pub fn start(cell: &Cell, numerics: &Numerics, settings: &ContinuationSettings) -> Result<Continuation<Cortex>> {
-    begin(passive_with_cue(cell, numerics)?, cell, settings)
+    let y = passive_with_cue(cell, numerics)?;
+    let inactive = Cortex::new(&Cell { xi_s: 0.0, ..cell.clone() }, Domain::of(cell), &[]);
+    match law::short_waves(&inactive, &y) {
+        Some(source) => Err(ShapeError::Law { cell: CellName::of(cell), source }),
+        None => begin(y, cell, settings),
+    }
 }
 
 /// Detects folds and pitchforks along the branch.

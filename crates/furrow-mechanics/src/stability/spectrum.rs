@@ -79,7 +79,9 @@ pub enum StabilityError {
     #[error(transparent)]
     Projected(#[from] NoEigenvalues),
     /// The equations of disturbances around the axis are those of the paper's law.
-    #[error("disturbances without axial symmetry have equations for the paper's law alone; leave out the cell's own law")]
+    #[error(
+        "disturbances without axial symmetry have equations for the paper's law alone; leave out the cell's own law"
+    )]
     OwnLaw,
     /// The rightmost growth rate did not converge.
     #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
