@@ -5,7 +5,7 @@ use furrow_cell::Cell;
 
 use crate::cortex::equations::{LENGTH, PSI, R, Z};
 use crate::cortex::lanes::sin_cos;
-use crate::cortex::{Cortex, Domain, own};
+use crate::cortex::{Cortex, Domain};
 use crate::equilibria::passive::spheroid;
 
 /// Why a cell with a law of its own is refused.
@@ -72,13 +72,14 @@ pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
     }
     let gauss = y.gauss();
     let length = y.scalars[LENGTH];
+    let mut reader = cortex.constants().reader();
     let mut worst: Option<(f64, &'static str, f64)> = None;
     for (index, state) in y.stages.chunks_exact(y.components).enumerate() {
         let u = y.stage_x(&gauss, index / y.m, index % y.m);
         let (sin, cos) = sin_cos(state[PSI]);
         let past = cortex.past.get(index).filter(|_| cortex.rate != 0.0);
         let v_n = past.map_or(0.0, |[r, z]| cortex.rate * (sin * (state[R] - r) + cos * (state[Z] - z)));
-        for (modulus, share) in own::points::moduli(cortex.constants(), law, u, (state, v_n), length) {
+        for (modulus, share) in reader.moduli(u, (state, v_n), length).into_iter().flatten() {
             // A number that is none counts as none, too.
             if !(share > 0.0) && worst.is_none_or(|(_, _, least)| share < least) {
                 worst = Some((u, modulus, share));

@@ -175,6 +175,8 @@ pub struct LawValues<D> {
     pub viscous: bool,
     /// Whether there is a moment.
     pub bends: bool,
+    /// Whether the moment depends on c1 or C, and whether on any quantity along the contour.
+    pub moment: [bool; 2],
 }
 
 /// What a law gives at a place, in κ0 and L_h.
@@ -205,6 +207,12 @@ impl<D: Number> LawValues<D> {
             reversed: law.reversed,
             viscous: law.names(Variable::Suu) || law.names(Variable::Sphiphi),
             bends: law.program.results[0].is_some(),
+            moment: {
+                let of =
+                    |variables: &[Variable]| variables.iter().any(|variable| law.uses(Expression::Moment, *variable));
+                use Variable::{C, C1, C2, Phi, R, S, U};
+                [of(&[C1, C]), of(&[C1, C, C2, U, S, R, Phi])]
+            },
         }
     }
 }
@@ -212,13 +220,14 @@ impl<D: Number> LawValues<D> {
 impl<D: Algebra> LawValues<D> {
     /// The same with numbers of another kind.
     pub fn map<E>(&self, number: impl Fn(D) -> E) -> LawValues<E> {
-        let LawValues { reversed, viscous, bends, .. } = *self;
+        let LawValues { reversed, viscous, bends, moment, .. } = *self;
         LawValues {
             program: self.program.clone(),
             uniform: self.uniform.iter().map(|value| number(*value)).collect(),
             reversed,
             viscous,
             bends,
+            moment,
         }
     }
 
@@ -240,14 +249,22 @@ impl<D: Algebra> LawValues<D> {
 
     /// The moment at a place, whose quantities are in the order of [`Variable::ALL`]; `values` is working memory.
     pub fn moment(&self, place: &[D; VARIABLES], values: &mut Vec<D>) -> D {
-        self.program.run(true, place, &self.uniform, values);
+        values.clear();
+        self.program.run(Some(self.program.parts()[0]), place, &self.uniform, values);
         self.program.result(0, values)
+    }
+
+    /// The stress T_uu alone.
+    pub fn stress_uu(&self, place: &[D; VARIABLES], values: &mut Vec<D>) -> D {
+        values.clear();
+        self.program.run(Some(self.program.parts()[1]), place, &self.uniform, values);
+        self.program.result(1, values)
     }
 
     /// Everything that the law gives at a place.
     pub fn at(&self, place: &[D; VARIABLES], values: &mut Vec<D>) -> Active<D> {
         let moment = self.moment(place, values);
-        self.program.run(false, place, &self.uniform, values);
+        self.program.run(None, place, &self.uniform, values);
         let [first, second, normal_force] = [1, 2, 3].map(|which| self.program.result(which, values));
         Active { stress: [first, second], moment, normal_force }
     }

@@ -218,12 +218,15 @@ impl Program {
         found
     }
 
-    /// Runs the operations of the first expression, or those of the others.
-    pub(super) fn run<A: Algebra>(&self, first: bool, place: &[A], uniform: &[A], values: &mut Vec<A>) {
-        let steps = if first { &self.steps[..self.first] } else { &self.steps[self.first..] };
-        if first {
-            values.clear();
-        }
+    /// The number of operations before the end of the first expression, and of the second.
+    pub(super) fn parts(&self) -> [usize; 2] {
+        let second = self.results[1].map_or(0, |at| usize::from(at) + 1);
+        [self.first, second.max(self.first)]
+    }
+
+    /// Runs the operations after those that `values` holds, up to a number of them or to the last.
+    pub(super) fn run<A: Algebra>(&self, until: Option<usize>, place: &[A], uniform: &[A], values: &mut Vec<A>) {
+        let steps = &self.steps[values.len()..until.unwrap_or(self.steps.len())];
         for step in steps {
             let at = |index: u16| values[usize::from(index)];
             let value = match *step {

@@ -288,6 +288,31 @@ mod tests {
         }
     }
 
+    /// Texts and constants are in the key, the law's name and the units of its constants are not.
+    #[test]
+    fn laws_differ_by_their_texts_and_constants() {
+        let law = |name: &str, text: &str, constants: &str| {
+            let text = format!(
+                "Law(name: \"{name}\", constants: {{ {constants} }}, stress_uu: \"{text}\", stress_phiphi: \"{text}\")"
+            );
+            furrow_cell::Law::parse(&text, "law.ron").unwrap()
+        };
+        let key = |law| Key::new(&DivisionInput { cell: input(2.0).cell.with_law(law), ..input(2.0) });
+        let (text, a) = ("a*xi_s*C*(1 + 0*u)", "\"a\": (value: 0.5)");
+        let mut keys = vec![
+            Key::new(&input(2.0)),
+            key(law("x", text, a)),
+            key(law("x", text, a).mirrored()),
+            key(law("x", text, "\"a\": (value: 0.6)")),
+            key(law("x", text, "\"a\": (value: 0.5), \"b\": (value: 0.5)")),
+            key(law("x", "a*xi_s*C", a)),
+        ];
+        assert_eq!(keys[1], key(law("y", text, "\"a\": (value: 0.5, unit: \"1/L_h\")")));
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), 6);
+    }
+
     #[test]
     fn counts_choices_and_seed_are_in_the_key() {
         let base = input(2.0);

@@ -19,9 +19,8 @@ use furrow_bvp::{Gauss, Solution};
 
 use super::Cortex;
 use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, Z};
-use super::own::points::own_place;
 use furrow_cell::cue::Field;
-use furrow_cell::law::{Active, LawValues};
+use furrow_cell::law::Active;
 
 /// Closer to the axis than this, relative to R0, cosψ/r and sinψ/r are replaced by their limits.
 const ON_AXIS: f64 = 1e-9;
@@ -214,8 +213,8 @@ fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> 
     let here = constants.of_state(*u, &y[..shape.components], length);
     let (sin, cos) = y[PSI].sin_cos();
     let on_axis = y[R].abs() < ON_AXIS * cortex.cell.r0;
-    let own = constants.law.as_ref().map(|law| Own { cortex, gauss, shape, law, on_axis });
-    let given = own.as_ref().map(|own| own.at(at));
+    let own = constants.law.as_ref().map(|_| Own { cortex, gauss, shape, on_axis });
+    let given = own.as_ref().and_then(|own| own.at(at));
     let mean = given.map_or(y[M] / here.kappa, |(_, [mean, _])| mean);
     // Quantities multiplied by cosψ/r vanish on the axis, where the quotient equals their derivative.
     let by_r = |value: f64, value_u: f64| if on_axis { value_u / length } else { cos / y[R] * value };
@@ -267,7 +266,7 @@ fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> 
 pub fn own_stress(cortex: &Cortex, u: f64, y: &[f64], length: f64) -> Option<[[f64; 2]; 2]> {
     let constants = cortex.constants();
     let here = constants.of_state(u, y, length);
-    let (active, mean) = own_place(constants, constants.law.as_ref()?, u, (y, 0.0, 1.0), &here, length);
+    let (active, mean) = constants.reader().active(u, (y, 0.0, 1.0), &here, length)?;
     Some([active.stress, mean])
 }
 
@@ -276,13 +275,12 @@ struct Own<'a> {
     cortex: &'a Cortex,
     gauss: &'a Gauss,
     shape: &'a Solution,
-    law: &'a LawValues<f64>,
     on_axis: bool,
 }
 
 impl Own<'_> {
     /// What the law gives at θ in interval i, with C and ∂_sC; on the axis, very near it.
-    fn at(&self, (i, theta): (usize, f64)) -> (Active<f64>, [f64; 2]) {
+    fn at(&self, (i, theta): (usize, f64)) -> Option<(Active<f64>, [f64; 2])> {
         let theta = if self.on_axis { theta.clamp(NUDGE, 1.0 - NUDGE) } else { theta };
         let State { u, y, rate, noise, .. } = between(self.cortex, self.gauss, self.shape, i, theta);
         let (length, constants) = (self.shape.scalars[LENGTH], self.cortex.constants());
@@ -290,16 +288,17 @@ impl Own<'_> {
         let here = constants.of_state(u, y, length);
         let (sin, cos) = y[PSI].sin_cos();
         let v_n = sin * rate[0] + cos * rate[1];
-        own_place(constants, self.law, u, (y, v_n, noise), &here, length)
+        constants.reader().active(u, (y, v_n, noise), &here, length)
     }
 
     /// The tangential active force, by a difference along the contour; `round` is its part (cosψ/r)(Tᵃ_uu − Tᵃ_φφ). Of a
     /// moment it has M ∂_sC.
     fn tangential(&self, (i, theta): (usize, f64), round: f64) -> f64 {
-        let [before, after] = [-NUDGE, NUDGE].map(|step| self.at((i, theta + step)).0.stress[0]);
+        let [before, after] =
+            [-NUDGE, NUDGE].map(|step| self.at((i, theta + step)).map_or(0.0, |(it, _)| it.stress[0]));
         let width = self.shape.mesh[i + 1] - self.shape.mesh[i];
-        let (Active { moment, .. }, [_, mean_s]) = self.at((i, theta));
-        (after - before) / (2.0 * NUDGE * width * self.shape.scalars[LENGTH]) + round - moment * mean_s
+        let bent = self.at((i, theta)).map_or(0.0, |(Active { moment, .. }, [_, mean_s])| moment * mean_s);
+        (after - before) / (2.0 * NUDGE * width * self.shape.scalars[LENGTH]) + round - bent
     }
 }
 

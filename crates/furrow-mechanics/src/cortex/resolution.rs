@@ -43,6 +43,7 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
     let length = y.scalars[LENGTH];
     let end = y.mesh[y.intervals()] - y.mesh[0];
     weight.clear();
+    let mut reader = cortex.constants().reader();
     for i in 0..y.intervals() {
         let (from, to) = (y.mesh[i], y.mesh[i + 1]);
         let (mut largest, mut carried): (f64, f64) = (0.0, 0.0);
@@ -51,7 +52,7 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
             let u = from + (to - from) * (j as f64 + 0.5) / y.m as f64;
             let c2 = s[PSI].sin() / s[R];
             let here = cortex.constants().of_state(u, s, length);
-            let c1 = cortex.constants().mean_curvature(u, &here, s, length)[0] - c2;
+            let c1 = reader.mean_curvature(u, &here, s, length)[0] - c2;
             largest = largest.max(length * (c1.abs() + c2.abs()));
             carried = carried.max(gradient(s, length));
         }

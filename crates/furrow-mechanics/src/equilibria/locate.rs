@@ -237,10 +237,11 @@ pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f
 /// and along the antisymmetric direction.
 fn shift_by_differences(cortex: &Cortex, state: &[f64], [f, phi]: [&[f64]; 2], length: f64) -> f64 {
     const STEP: f64 = 1e-5;
-    let slope = |u: f64, by: &[f64], step: f64| {
+    let mut reader = cortex.constants().reader();
+    let mut slope = |u: f64, by: &[f64], step: f64| {
         let moved: Vec<f64> = state.iter().zip(by).map(|(y, by)| y + step * by).collect();
         let here = cortex.constants().of_state(u, &moved, length);
-        let [mean, mean_s] = cortex.constants().mean_curvature(u, &here, &moved, length);
+        let [mean, mean_s] = reader.mean_curvature(u, &here, &moved, length);
         let (sin, cos) = sin_cos(moved[PSI]);
         mean_s - cos / moved[R] * (mean - 2.0 * sin / moved[R])
     };

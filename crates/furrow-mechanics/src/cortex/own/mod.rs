@@ -4,8 +4,8 @@
 //! m = κC + M^a and T the whole dissipative tension, the equations are those of [`equations`](mod@super::equations) without activity
 //! for m − M^a and T − T^a_uu, and
 //!
-//! * \[M.29 own law, normal\] q_s gains c1 T^a_uu + c2 T^a_φφ − M^a (c1² + c2²) − f^a
-//! * \[M.30 own law, tangential\] T_s gains −(cosψ/r)(T^a_uu − T^a_φφ) + M^a ∂_sC
+//! * \[M.28 own law, normal\] q_s gains c1 T^a_uu + c2 T^a_φφ − M^a (c1² + c2²) − f^a
+//! * \[M.29 own law, tangential\] T_s gains −(cosψ/r)(T^a_uu − T^a_φφ) + M^a ∂_sC
 //!
 //! The terms of M^a are those of the tension −M^a C^ij, which goes with a moment whose power is M^a times the rate of C.
 //!
@@ -154,21 +154,33 @@ impl<D: Lawful> Prepared<D> {
         bend(place, m / here.kappa);
         let Some((jets, plain)) = self.jets.as_ref().filter(|_| self.law.bends) else { return [zero; 2] };
         let (memory, plain_memory) = (&mut self.jet_memory.0, &mut self.jet_memory.1);
-        let scale = place[at(Variable::C)].real().abs() + 1e-3;
-        let (mut trial, mut real) = (*place, place.map(|x| Lane(x.real())));
-        let (kappa, of_moment) = (Lane(here.kappa.real()), Lane(m.real()));
-        let mean = solved(place[at(Variable::C)].real(), scale, |mean| {
-            bend(&mut real, mean);
-            let Jet { value, slope } = plain.moment(&with_slopes(&real, &bending()), plain_memory);
-            Jet { value: kappa * mean + value - of_moment, slope: kappa + slope }
-        });
-        let mean = lifted(mean, self.order, |mean| {
-            bend(&mut trial, mean);
-            let Jet { value, slope } = jets.moment(&with_slopes(&trial, &bending()), memory);
-            Jet { value: here.kappa * mean + value - m, slope: here.kappa + slope }
-        });
-        bend(place, mean);
-        let Jet { value: moment, slope: by_mean } = jets.moment(&with_slopes(place, &bending()), memory);
+        let [by_bend, varies] = self.law.moment;
+        let (moment, by_mean) = if by_bend {
+            let scale = place[at(Variable::C)].real().abs() + 1e-3;
+            let (mut trial, mut real) = (*place, place.map(|x| Lane(x.real())));
+            let (kappa, of_moment) = (Lane(here.kappa.real()), Lane(m.real()));
+            let mean = solved(place[at(Variable::C)].real(), scale, |mean| {
+                bend(&mut real, mean);
+                let Jet { value, slope } = plain.moment(&with_slopes(&real, &bending()), plain_memory);
+                Jet { value: kappa * mean + value - of_moment, slope: kappa + slope }
+            });
+            let mean = lifted(mean, self.order, |mean| {
+                bend(&mut trial, mean);
+                let Jet { value, slope } = jets.moment(&with_slopes(&trial, &bending()), memory);
+                Jet { value: here.kappa * mean + value - m, slope: here.kappa + slope }
+            });
+            bend(place, mean);
+            let Jet { value, slope } = jets.moment(&with_slopes(place, &bending()), memory);
+            (value, slope)
+        } else {
+            let moment = self.law.moment(place, &mut self.memory);
+            bend(place, (m - moment) / here.kappa);
+            (moment, zero)
+        };
+        let mean = place[at(Variable::C)];
+        if !varies {
+            return [moment, (q - here.kappa_u / length * mean) / here.kappa];
+        }
         // ∂_sM^a if C stayed the same, and from q = ∂_s(κC + M^a) the slope of C.
         let cot = cos / place[at(Variable::R)];
         let turned = cot * (place[at(Variable::C1)] - place[at(Variable::C2)]);
@@ -199,12 +211,12 @@ impl<D: Lawful> Prepared<D> {
                 [here.eta_sum, here.eta_difference * s_phi - tension, noise].map(|x| Lane(x.real()));
             let s_u = solved(start.real(), start.real().abs() + 1e-3, |s_u| {
                 real[at(Variable::Suu)] = s_u;
-                let [Jet { value, slope }, _] = plain.at(&with_slopes(&real, &[along(Lane(1.0))]), plain_memory).stress;
+                let Jet { value, slope } = plain.stress_uu(&with_slopes(&real, &[along(Lane(1.0))]), plain_memory);
                 Jet { value: sum * s_u + rest + value * factor, slope: sum + slope * factor }
             });
             place[at(Variable::Suu)] = lifted(s_u, self.order, |s_u| {
                 trial[at(Variable::Suu)] = s_u;
-                let [Jet { value, slope }, _] = jets.at(&with_slopes(&trial, &[along(D::from(1.0))]), memory).stress;
+                let Jet { value, slope } = jets.stress_uu(&with_slopes(&trial, &[along(D::from(1.0))]), memory);
                 let value = here.eta_sum * s_u + here.eta_difference * s_phi + value * noise - tension;
                 Jet { value, slope: here.eta_sum + slope * noise }
             });

@@ -246,58 +246,65 @@ pub(in crate::cortex) fn response(
     ([Q, V, T].map(|k| f[k].eps), place.s_u.eps)
 }
 
+/// Reads curvatures and the law's parts at places of a shape.
+pub(crate) struct Reader<'a> {
+    constants: &'a Constants<f64>,
+    prepared: Option<Prepared<Lane>>,
+    /// Whether the law has a moment.
+    bends: bool,
+}
+
 impl Constants<f64> {
-    /// C and ∂_sC in a state at u with these coefficients.
-    pub(crate) fn mean_curvature(&self, u: f64, here: &LocalCoefficients<f64>, y: &[f64], length: f64) -> [f64; 2] {
-        match self.law.as_ref().filter(|law| law.bends) {
-            Some(law) => own_place(self, law, u, (y, 0.0, 1.0), here, length).1,
-            None => {
-                let mean = y[M] / here.kappa;
-                [mean, (y[Q] - mean * here.kappa_u / length) / here.kappa]
-            }
-        }
+    /// A reader of shapes with these constants.
+    pub(crate) fn reader(&self) -> Reader<'_> {
+        let prepared = self.law.as_ref().map(|law| Prepared::of(&law.map(Lane), 0));
+        Reader { constants: self, prepared, bends: self.law.as_ref().is_some_and(|law| law.bends) }
     }
 }
 
-/// What the law gives in a state `(y, v_n, noise)` away from the axis, with C and ∂_sC.
-pub(in crate::cortex) fn own_place(
-    constants: &Constants<f64>,
-    law: &LawValues<f64>,
-    u: f64,
-    (y, v_n, noise): (&[f64], f64, f64),
-    here: &LocalCoefficients<f64>,
-    length: f64,
-) -> (Active<f64>, [f64; 2]) {
-    let (state, spot) = state_at(constants, u, y, noise);
-    let mut prepared = Prepared::of(&law.map(Lane), 0);
-    let (active, mean) = prepared.active(&here.map(Lane), &spot, &state, [v_n, length].map(Lane));
-    let Active { stress, moment, normal_force } = active;
-    let active = Active { stress: stress.map(|x| x.0), moment: moment.0, normal_force: normal_force.0 };
-    (active, mean.map(|x| x.0))
-}
+impl Reader<'_> {
+    /// C and ∂_sC in a state at u with these coefficients.
+    pub(crate) fn mean_curvature(&mut self, u: f64, here: &LocalCoefficients<f64>, y: &[f64], length: f64) -> [f64; 2] {
+        if self.bends
+            && let Some((_, mean)) = self.active(u, (y, 0.0, 1.0), here, length)
+        {
+            return mean;
+        }
+        let mean = y[M] / here.kappa;
+        [mean, (y[Q] - mean * here.kappa_u / length) / here.kappa]
+    }
 
-fn state_at(constants: &Constants<f64>, u: f64, y: &[f64], noise: f64) -> ([Lane; COMPONENTS], Spot<Lane>) {
-    let carried =
-        if constants.regulator.is_some() { [J, PHI].map(|k| y.get(k).copied().unwrap_or(0.0)) } else { [0.0; 2] };
-    (std::array::from_fn(|k| Lane(y[k])), Spot { u, carried: carried.map(Lane), noise: Lane(noise) })
-}
+    /// What the law gives in a state `(y, v_n, noise)` away from the axis, with C and ∂_sC; `None` without a law.
+    pub(in crate::cortex) fn active(
+        &mut self,
+        u: f64,
+        (y, v_n, noise): (&[f64], f64, f64),
+        here: &LocalCoefficients<f64>,
+        length: f64,
+    ) -> Option<(Active<f64>, [f64; 2])> {
+        let (state, spot) = self.state_at(u, y, noise);
+        let (active, mean) = self.prepared.as_mut()?.active(&here.map(Lane), &spot, &state, [v_n, length].map(Lane));
+        let Active { stress, moment, normal_force } = active;
+        let active = Active { stress: stress.map(|x| x.0), moment: moment.0, normal_force: normal_force.0 };
+        Some((active, mean.map(|x| x.0)))
+    }
 
-/// The moduli of a law that must be above 0 in a state `(y, v_n)`, with their names, as shares of those without it.
-pub(crate) fn moduli(
-    constants: &Constants<f64>,
-    law: &LawValues<f64>,
-    u: f64,
-    (y, v_n): (&[f64], f64),
-    length: f64,
-) -> [(&'static str, f64); 3] {
-    let here = constants.of_state(u, y, length);
-    let (state, spot) = state_at(constants, u, y, 1.0);
-    let mut prepared = Prepared::of(&law.map(Lane), 0);
-    let [bending, along, around] =
-        prepared.moduli(&here.map(Lane), &spot, &state, [v_n, length].map(Lane)).map(|x| x.0);
-    [
-        ("the rigidity κ + ∂moment/∂c1", bending / here.kappa),
-        ("the viscosity η_b + η_s + ∂stress_uu/∂S_uu", along / here.eta_sum),
-        ("the viscosity against S_phiphi", around / here.eta_sum),
-    ]
+    /// The moduli of the law that must be above 0 in a state `(y, v_n)`, with their names, as shares of those without it.
+    pub(crate) fn moduli(&mut self, u: f64, (y, v_n): (&[f64], f64), length: f64) -> Option<[(&'static str, f64); 3]> {
+        let here = self.constants.of_state(u, y, length);
+        let (state, spot) = self.state_at(u, y, 1.0);
+        let moduli = self.prepared.as_mut()?.moduli(&here.map(Lane), &spot, &state, [v_n, length].map(Lane));
+        let [bending, along, around] = moduli.map(|x| x.0);
+        Some([
+            ("the rigidity κ + ∂moment/∂c1", bending / here.kappa),
+            ("the viscosity η_b + η_s + ∂stress_uu/∂S_uu", along / here.eta_sum),
+            ("the viscosity against S_phiphi", around / here.eta_sum),
+        ])
+    }
+
+    fn state_at(&self, u: f64, y: &[f64], noise: f64) -> ([Lane; COMPONENTS], Spot<Lane>) {
+        let regulated = self.constants.regulator.is_some();
+        let carried = [J, PHI].map(|k| Lane(y.get(k).copied().filter(|_| regulated).unwrap_or(0.0)));
+        (std::array::from_fn(|k| Lane(y[k])), Spot { u, carried, noise: Lane(noise) })
+    }
 }
