@@ -57,7 +57,8 @@ pub enum Parameter {
     },
     /// A number of the cue's regulator.
     Regulator(RegulatorQuantity),
-    /// A constant of the cell's own law.
+    /// A constant of the cell's own law. Files name it as text alone, `law.NAME`.
+    #[serde(skip_deserializing)]
     Law(ConstantName),
 }
 

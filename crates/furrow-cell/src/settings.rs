@@ -342,7 +342,7 @@ impl Settings {
         InputError::require(modes == 0 || !own, source_name, "modes", modes, allowed)
     }
 
-    /// Refuses a law of the cell's own, for what has the paper's law alone.
+    /// Refuses a law of the cell's own, for computations with the paper's law alone.
     ///
     /// # Errors
     /// Names the law; errors say that `what` was asked for.

@@ -279,7 +279,7 @@ impl Lineage {
     /// Checks whether the cues that founders and rules give go with the law of a cell; errors say they came from `source_name`.
     ///
     /// # Errors
-    /// Names the cue and what is wrong.
+    /// Names the cue and the reason.
     pub fn check_law(&self, cell: &Cell, source_name: &str) -> Result<(), InputError> {
         let of_founders = self.founders.iter().flat_map(|founder| founder.cue.iter().chain(names(&founder.cue_rules)));
         let cues = of_founders.chain(names(&self.cue_rules)).filter_map(|name| self.cue(name));

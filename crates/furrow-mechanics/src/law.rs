@@ -1,4 +1,4 @@
-//! Cells with a law of active stress of their own: what they refuse, and whether a law can hold.
+//! Cells with a law of active stress of their own: refusals, and whether a law can hold.
 
 use furrow_bvp::{Gauss, Solution, mesh};
 use furrow_cell::Cell;
@@ -19,10 +19,10 @@ pub enum LawError {
         law: String,
         /// The cue.
         cue: String,
-        /// What is wrong.
+        /// Why they do not go together.
         reason: String,
     },
-    /// The equations of disturbances around the axis are those of the paper's law.
+    /// Disturbances around the axis have equations for the paper's law alone.
     #[error("the law {law:?}: disturbances without axial symmetry have equations for the paper's law alone")]
     WithoutAxis {
         /// The law's name.
@@ -63,8 +63,8 @@ pub(crate) fn cannot_rest(cell: &Cell) -> Option<LawError> {
     short_waves(&Cortex::new(&passive, Domain::Half, &[]), &y)
 }
 
-/// The place of a shape at which the law of its cell makes the shortest waves grow. A law whose stress depends neither on the
-/// rates of strain nor on its own moment never does: bending decides there.
+/// The place of a shape at which its cell's law makes the shortest waves grow. A law without rates of strain and without a
+/// moment makes none grow, since bending dominates them.
 pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
     let (law, name) = (cortex.constants().law.as_ref()?, cortex.cell.law.as_ref()?.name());
     if !law.viscous && !law.bends {
@@ -80,7 +80,7 @@ pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
         let past = cortex.past.get(index).filter(|_| cortex.rate != 0.0);
         let v_n = past.map_or(0.0, |[r, z]| cortex.rate * (sin * (state[R] - r) + cos * (state[Z] - z)));
         for (modulus, share) in reader.moduli(u, (state, v_n), length).into_iter().flatten() {
-            // A number that is none counts as none, too.
+            // NaN counts as not positive.
             if !(share > 0.0) && worst.is_none_or(|(_, _, least)| share < least) {
                 worst = Some((u, modulus, share));
             }

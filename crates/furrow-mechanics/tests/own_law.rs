@@ -1,5 +1,5 @@
-//! Laws of active stress as text: the paper's gives what the built-in one gives, others what an equal change of the cell gives,
-//! and any expression an outcome or a reason.
+//! Laws of active stress as text: the paper's law against the built-in one, other laws against equal changes of the cell, and
+//! random expressions.
 
 use furrow_cell::law::Law;
 use furrow_cell::{Cell, Numerics, Parameter};

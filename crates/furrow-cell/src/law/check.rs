@@ -1,4 +1,4 @@
-//! What a law must fulfil: it acts by ξ_s, is isotropic at the poles, and uses the fields that a cue paints.
+//! Conditions on a law: it acts by ξ_s, is isotropic at the poles, and uses the fields that a cue paints.
 
 use super::{Expression, Law, LawValues, VARIABLES, Variable};
 use crate::cue::Field;

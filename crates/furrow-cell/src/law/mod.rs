@@ -1,4 +1,4 @@
-//! Laws of active stress as data: expressions of what is known at a place of the cortex.
+//! Laws of active stress as data: expressions of the quantities at a place of the cortex.
 //!
 //! | file | contents |
 //! |---|---|
@@ -6,7 +6,7 @@
 //! | `program` | expressions as a list of operations, for any kind of number |
 //! | `names` | the names that expressions may use |
 //! | `file` | laws in RON and JSON |
-//! | `check` | what a law must fulfil |
+//! | `check` | conditions on a law |
 
 mod check;
 mod file;
@@ -63,7 +63,7 @@ pub struct Constant {
     pub unit: Option<String>,
 }
 
-/// A law of active stress: what the cortex of a cell pulls with, as expressions of [`Variable`]s, parameters and its own constants.
+/// A law of active stress as expressions of [`Variable`]s, parameters and its own constants.
 ///
 /// It replaces the active stress T_uu = g\[½ξ_s(c1 − c2) + ξ_b C\], T_φφ = g\[−½ξ_s(c1 − c2) + ξ_b C\] of the equations; everything
 /// else stays. Where ξ_s = 0 it gives the passive cell, from which divisions and branches start.
@@ -179,7 +179,7 @@ pub struct LawValues<D> {
     pub moment: [bool; 2],
 }
 
-/// What a law gives at a place, in κ0 and L_h.
+/// The values of a law at a place, in κ0 and L_h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Active<D> {
     /// T_uu and T_φφ, in κ0/L_h².
@@ -274,7 +274,7 @@ impl Cell {
     /// Checks whether its cue goes with its law; errors say the cue came from `source_name`.
     ///
     /// # Errors
-    /// Names the cue and what is wrong.
+    /// Names the cue and the reason.
     pub fn check_law(&self, source_name: &str) -> Result<(), InputError> {
         let Some(law) = &self.law else { return Ok(()) };
         let Some(reason) = law.misfit(&self.cue) else { return Ok(()) };

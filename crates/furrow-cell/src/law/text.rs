@@ -24,7 +24,7 @@ const DEEPEST: usize = 60;
 pub struct ExpressionError {
     /// The byte at which it is.
     pub at: usize,
-    /// What is wrong, and what is known.
+    /// The error, with the known names.
     pub message: String,
 }
 

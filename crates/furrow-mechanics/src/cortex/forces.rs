@@ -279,7 +279,7 @@ struct Own<'a> {
 }
 
 impl Own<'_> {
-    /// What the law gives at θ in interval i, with C and ∂_sC; on the axis, very near it.
+    /// The law's values at θ in interval i, with C and ∂_sC; on the axis, those very near it.
     fn at(&self, (i, theta): (usize, f64)) -> Option<(Active<f64>, [f64; 2])> {
         let theta = if self.on_axis { theta.clamp(NUDGE, 1.0 - NUDGE) } else { theta };
         let State { u, y, rate, noise, .. } = between(self.cortex, self.gauss, self.shape, i, theta);

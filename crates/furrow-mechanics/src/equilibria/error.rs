@@ -137,7 +137,7 @@ pub(crate) fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>> {
     polarity::resolved(cell).map_err(|source| ShapeError::Polarity { cell: CellName::of(cell), source })
 }
 
-/// Refuses a law of the cell's own, for what has equations for the paper's law alone.
+/// Refuses a law of the cell's own, for computations with the paper's law alone.
 ///
 /// # Errors
 /// [`ShapeError::Law`].

@@ -78,7 +78,7 @@ pub enum StabilityError {
     /// The eigenvalues of the projected matrix could not be computed.
     #[error(transparent)]
     Projected(#[from] NoEigenvalues),
-    /// The equations of disturbances around the axis are those of the paper's law.
+    /// Disturbances around the axis have equations for the paper's law alone.
     #[error(
         "disturbances without axial symmetry have equations for the paper's law alone; leave out the cell's own law"
     )]

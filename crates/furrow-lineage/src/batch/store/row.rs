@@ -47,7 +47,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let mut row = Vec::with_capacity(WIDTH);
     row.extend([Value::Blob(key.as_bytes().to_vec()), Value::Integer(solver.into())]);
     row.extend([*r0, *epsilon, *xi_s].map(Value::Real));
-    // A law stands behind the cue, so that tables without one stay as they are.
+    // The law follows the cue in its column: a new column would discard existing tables.
     let law = law.iter().map(|law| format!(", law {}", law.described()));
     let cue = [cue.simplified().to_string()].into_iter().chain(law).collect();
     row.extend([Value::Text(cue), Value::Integer(*seed as i64)]);

@@ -7,7 +7,7 @@
 //! * \[M.28 own law, normal\] q_s gains c1 T^a_uu + c2 T^a_φφ − M^a (c1² + c2²) − f^a
 //! * \[M.29 own law, tangential\] T_s gains −(cosψ/r)(T^a_uu − T^a_φφ) + M^a ∂_sC
 //!
-//! The terms of M^a are those of the tension −M^a C^ij, which goes with a moment whose power is M^a times the rate of C.
+//! The power of the moment is M^a times the rate of C, from which the tension −M^a C^ij follows; M.28 and M.29 include it.
 //!
 //! The stress may depend on the rates of strain. S_uu then solves (η_b + η_s) S_uu + (η_b − η_s) S_φφ + T^a_uu = T at each
 //! place, by Newton's method in numbers that carry the derivatives asked for.
@@ -44,7 +44,7 @@ impl<D: Lawful> Prepared<D> {
     }
 }
 
-/// What the balance of one place needs besides its state.
+/// The inputs of the balance at one place besides its state.
 #[derive(Clone, Copy)]
 pub(crate) struct Spot<D> {
     /// The place u.
@@ -64,7 +64,7 @@ fn solved(mut x: f64, scale: f64, mut equation: impl FnMut(Lane) -> Jet<Lane>) -
         let Jet { value, slope } = equation(Lane(x));
         let step = value.0 / slope.0;
         x -= step;
-        // A law without the right sign has no shape: the solver is told so by a number that is none.
+        // With the wrong sign there is no shape; NaN stops the solver.
         if slope.0 <= 0.0 || !step.is_finite() {
             return f64::NAN;
         }
@@ -257,7 +257,7 @@ impl<D: Lawful> Prepared<D> {
         balance
     }
 
-    /// What the law gives in a state at a distance from the axis, with C and ∂_sC; stress and force with the noise.
+    /// The law's values in a state away from the axis, with C and ∂_sC; stress and force include the noise.
     pub fn active(
         &mut self,
         here: &LocalCoefficients<D>,

@@ -13,7 +13,7 @@ use crate::cortex::gradient::Gradient;
 use crate::cortex::lanes::{Lane, sin_cos};
 use crate::cortex::sweep::Sweep;
 
-/// The right-hand sides at one place, in components; those of a regulator too.
+/// The right-hand sides at one place, including those of a regulator.
 fn sides<D: Lawful, const N: usize>(
     prepared: &mut Prepared<D>,
     (c, transport): (&ShellCoefficients<D>, &Transport<D>),
@@ -274,7 +274,7 @@ impl Reader<'_> {
         [mean, (y[Q] - mean * here.kappa_u / length) / here.kappa]
     }
 
-    /// What the law gives in a state `(y, v_n, noise)` away from the axis, with C and ∂_sC; `None` without a law.
+    /// The law's values in a state `(y, v_n, noise)` away from the axis, with C and ∂_sC; `None` without a law.
     pub(in crate::cortex) fn active(
         &mut self,
         u: f64,
