@@ -137,8 +137,9 @@ fn all_that_is_told_of_a_shape_is_the_same_by_the_text() {
 #[test]
 fn laws_do_what_an_equal_change_of_the_cell_does() {
     let cell = || Cell::new(2.5);
+    // The noise of the first step multiplies all that the law gives, not the activity alone.
     let same = |law: Law, other: Cell| {
-        same_division(&solve(cell().with_law(law)).unwrap(), &solve(other).unwrap(), 2e-4);
+        same_division(&solve(cell().with_law(law)).unwrap(), &solve(other).unwrap(), 1e-3);
     };
     // A viscosity against a change of area.
     let viscous = paper_and("more*(S_uu + S_phiphi)", "\"more\": (value: 0.5)", "");
