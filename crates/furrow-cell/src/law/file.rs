@@ -10,7 +10,10 @@ use super::names::{ConstantName, Known, LONGEST_NAME, reserved};
 use super::program::Program;
 use super::text::{ExpressionError, compile};
 use super::{Constant, Expression, Law};
-use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
+use furrow_input::{InputError, did_you_mean, forbidden, parse_document, read_text, shown};
+
+/// Most characters of a law's name.
+const LONGEST: usize = 60;
 
 /// A law as files have it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -84,6 +87,12 @@ impl Document {
         [moment.clone(), Some(stress_uu.clone()), Some(stress_phiphi.clone()), normal_force.clone()]
     }
 
+    fn check_name(&self) -> Result<(), Fault> {
+        let fits = (1..=LONGEST).contains(&self.name.chars().count()) && forbidden(&self.name).is_none();
+        let allowed = format!("from 1 to {LONGEST} printable characters");
+        if fits { Ok(()) } else { Err(Fault::field("name", shown(&self.name), allowed)) }
+    }
+
     fn check_constants(&self) -> Result<(), Fault> {
         for (name, Constant { value, .. }) in &self.constants {
             let taken = reserved().any(|known| known == name);
@@ -102,6 +111,7 @@ impl Document {
     }
 
     fn law(&self) -> Result<Law, Fault> {
+        self.check_name()?;
         self.check_constants()?;
         let (texts, mut program) = (self.texts(), Program::default());
         for which in Expression::ALL {

@@ -19,6 +19,9 @@ const LONGEST: usize = 4096;
 /// Most parentheses and signs within each other.
 const DEEPEST: usize = 60;
 
+/// Most names that an error lists.
+const MOST_NAMES: usize = 60;
+
 /// An error in an expression.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpressionError {
@@ -217,7 +220,9 @@ impl Parser<'_> {
             None => {
                 let all = self.names.all();
                 let nearest = did_you_mean(name, all.iter().map(String::as_str));
-                self.fail(start, format!("unknown name {}: known are {}{nearest}", shown(name), all.join(", ")))
+                let more = if all.len() > MOST_NAMES { ", …" } else { "" };
+                let known = all[..all.len().min(MOST_NAMES)].join(", ");
+                self.fail(start, format!("unknown name {}: known are {known}{more}{nearest}", shown(name)))
             }
         }
     }
