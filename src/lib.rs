@@ -54,7 +54,7 @@ pub mod cli;
 #[doc(no_inline)]
 pub use furrow_analysis::Sweep;
 #[doc(no_inline)]
-pub use furrow_cell::{Cell, Cue, Numerics, Parameter, Settings};
+pub use furrow_cell::{Cell, Cue, Law, Numerics, Parameter, Settings};
 #[doc(no_inline)]
 pub use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 #[doc(no_inline)]

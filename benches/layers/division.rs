@@ -1,7 +1,7 @@
 //! One division of each kind.
 
 use divan::black_box;
-use furrow_cell::Cell;
+use furrow_cell::{Cell, Law};
 use furrow_mechanics::division::{Division, DivisionInput, divide};
 
 /// The germline's cue, painted and carried.
@@ -23,6 +23,26 @@ const KINDS: [(&str, f64, &str); 7] = [
 fn division(kind: &str) -> Division {
     let (_, r0, cue) = KINDS.into_iter().find(|(name, ..)| *name == kind).unwrap();
     divide(&DivisionInput::new(Cell::gao2026_thresholds(black_box(r0)).with_cue(cue.parse().unwrap()))).unwrap()
+}
+
+/// A division of R0 = 2.5 with a law of its own: the paper's as text, the same with rates of strain, and with a moment. The built-in law is
+/// `symmetric 2.5` with other constants.
+const LAWS: [(&str, &str); 4] =
+    [("built-in", ""), ("text", ""), ("rates of strain", "0.5*(S_uu + S_phiphi)"), ("moment", "0.1*C^2")];
+
+#[divan::bench(args = LAWS.map(|(name, _)| name))]
+fn own_law(name: &str) -> Division {
+    let (_, more) = LAWS.into_iter().find(|(other, _)| *other == name).unwrap();
+    let cell = Cell::new(black_box(2.5));
+    if name == "built-in" {
+        return divide(&DivisionInput::new(cell)).unwrap();
+    }
+    let added = if more.is_empty() { String::new() } else { format!(" + {more}") };
+    let moment = if name == "moment" { ", moment: \"0.2*C\"" } else { "" };
+    let text = format!(
+        "Law(name: \"x\", stress_uu: \"gain*(xi_b*C + xi_s*(c1 - c2)/2){added}\", stress_phiphi: \"gain*(xi_b*C - xi_s*(c1 - c2)/2){added}\"{moment})"
+    );
+    divide(&DivisionInput::new(cell.with_law(Law::parse(&text, "law").unwrap()))).unwrap()
 }
 
 /// The work of each.

@@ -6,6 +6,7 @@ pub mod config;
 pub mod constants;
 pub mod contours;
 pub mod cue;
+pub mod law;
 pub mod lineage;
 pub mod sweep;
 pub mod targets;
@@ -22,12 +23,13 @@ use serde::{Serialize, de::DeserializeOwned};
 type Check = fn(&[u8]);
 
 /// All checks by name.
-pub const TARGETS: [(&str, Check); 10] = [
+pub const TARGETS: [(&str, Check); 11] = [
     ("boundary_value", boundary_value::check),
     ("config", config::check),
     ("constants", constants::check),
     ("contours", contours::check),
     ("cue", cue::check),
+    ("law", law::check),
     ("lineage", lineage::check),
     ("sweep", sweep::check),
     ("targets", targets::check),

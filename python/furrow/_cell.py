@@ -47,7 +47,8 @@ class Cell:
     parameters have the names of ``furrow --set``: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on;
     :meth:`parameters` lists them. ``cue`` has the syntax of the command line: ``"none"``, ``"germline"`` or another name
     that the lineage defines, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"`` and
-    ``"regulator:none,turnover=10,diffusion=1,activity=0.3"``.
+    ``"regulator:none,turnover=10,diffusion=1,activity=0.3"``. ``law`` is a law of active stress in place of the paper's: a
+    file of expressions, its text, or ``"paper"``; its constants are set as ``**{"law.a": 2}``.
 
     >>> import furrow
     >>> cell = furrow.Cell(r0=2.0, xi_s=15.0)
@@ -100,12 +101,13 @@ class Cell:
         cue: str = "none",
         preset: str = "gao2026",
         config: str | os.PathLike[str] | None = None,
+        law: str | os.PathLike[str] | None = None,
         lineage: str | os.PathLike[str] | None = None,
         **parameters: Value,
     ) -> None:
         given: dict[str, Value] = {"r0": r0, **parameters}
         try:
-            inputs = _furrow.Inputs(given_of(given, preset, config), text_of("cue", cue), _lineage(lineage))
+            inputs = _furrow.Inputs(given_of(given, preset, config, law=law), text_of("cue", cue), _lineage(lineage))
         except InputError as error:
             # Report the caller's value, not its text form.
             if error.field in given:
@@ -149,6 +151,11 @@ class Cell:
     def is_mirror_symmetric(self) -> bool:
         """Whether the cell is mirror-symmetric."""
         return self._inputs.is_mirror_symmetric()
+
+    @property
+    def law(self) -> str | None:
+        """The law of active stress in one line; None for the paper's."""
+        return self._inputs.law
 
     @property
     def cue(self) -> str:

@@ -12,8 +12,8 @@ from ._errors import InputError
 #: The source that errors name for call arguments.
 ARGUMENTS = "furrow"
 
-#: Parameters, the preset and the configuration file of a computation.
-Given: TypeAlias = "tuple[Mapping[str, Any], str, str | None]"
+#: Parameters, the preset, the configuration file and the law of a computation.
+Given: TypeAlias = "tuple[Mapping[str, Any], str, str | None, str | None]"
 
 
 def refused(field: str, value: object, allowed: str) -> InputError:
@@ -78,7 +78,13 @@ def text_of(field: str, value: object) -> str:
     return value
 
 
-def given_of(parameters: Mapping[str, Any], preset: str, config: str | os.PathLike[str] | None, r0: Any | None = None) -> Given:
-    """Parameters, the radius among them if there is one, with a preset and a configuration file."""
+def given_of(
+    parameters: Mapping[str, Any],
+    preset: str,
+    config: str | os.PathLike[str] | None,
+    r0: Any | None = None,
+    law: str | os.PathLike[str] | None = None,
+) -> Given:
+    """Parameters, the radius among them if there is one, with a preset, a configuration file and a law: its file, its text or a name."""
     given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
-    return given, text_of("preset", preset), optional_path("config", config)
+    return given, text_of("preset", preset), optional_path("config", config), optional_path("law", law)

@@ -68,8 +68,8 @@ _Labelled = tuple[str, str | None]
 _Names = tuple[str, str, str, str | None]
 _Drawn = tuple[dict[str, Any], "Drawing", list[str]]
 _Told = Callable[[int, int], object] | None
-#: Parameters, the preset and the configuration file.
-_Given = tuple[Mapping[str, Any], str, str | None]
+#: Parameters, the preset, the configuration file and the law.
+_Given = tuple[Mapping[str, Any], str, str | None, str | None]
 #: A text, or its file.
 _Source = tuple[str | None, str | None]
 #: Files, and a table as text.
@@ -84,6 +84,8 @@ class Inputs:
         lineage: str | None = None,
     ) -> Inputs: ...
     def parameters(self) -> dict[str, Any]: ...
+    @property
+    def law(self) -> str | None: ...
     @property
     def cue(self) -> str: ...
     def cue_at(self, u: NDArray[np.float64], length: float) -> list[tuple[str, NDArray[np.float64]]]: ...

@@ -86,6 +86,7 @@ def tree(
     dynamics: bool = False,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
     threads: SupportsIndex | None = None,
     progress: Progress = None,
@@ -95,7 +96,8 @@ def tree(
 
     ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue of
     the lineage. ``r0`` is the radius of the first cell; other keywords are parameters with the names of ``furrow --set``.
-    ``dynamics=True`` computes the division of every cell, including those below the critical radius.
+    ``law`` is a law of active stress in place of the paper's, as of :class:`Cell`. ``dynamics=True`` computes the division of
+    every cell, including those below the critical radius.
 
     >>> import furrow
     >>> worm = furrow.tree()
@@ -106,7 +108,7 @@ def tree(
     cells get their parameters from a function.
     """
     known = shared_memo() if memo is None else memo
-    given = given_of(parameters, preset, config, r0)
+    given = given_of(parameters, preset, config, r0, law)
     cues = [] if cue is None else [text_of("cue", cue)]
     with shown(progress, "divisions") as tell:
         named, work = _furrow.grow(
@@ -124,6 +126,7 @@ def scenarios(
     dynamics: bool = False,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
     threads: SupportsIndex | None = None,
     progress: Progress = None,
@@ -139,7 +142,7 @@ def scenarios(
     {'c_elegans-germline': 253, 'c_elegans-none': 319}
     """
     known = shared_memo() if memo is None else memo
-    given = given_of(parameters, preset, config, r0)
+    given = given_of(parameters, preset, config, r0, law)
     if isinstance(cues, str):
         raise refused("cues", cues, "a list of cues")
     listed = [lineages] if lineages is None or isinstance(lineages, (str, os.PathLike)) else list(lineages)
@@ -168,6 +171,7 @@ def tree_ensemble(
     dynamics: bool = False,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
     threads: SupportsIndex | None = None,
     progress: Progress = None,
@@ -176,7 +180,7 @@ def tree_ensemble(
     """Grows a lineage many times: with every set of ``constants``, a table written by ``furrow calibrate --ensemble`` or the
     result of :func:`ensemble`, or with ``replicates`` seeds of the noise. Gives the range of every count."""
     known = shared_memo() if memo is None else memo
-    given = given_of(parameters, preset, config, r0)
+    given = given_of(parameters, preset, config, r0, law)
     cues = [] if cue is None else [text_of("cue", cue)]
     if (constants is None) == (replicates is None):
         raise refused("constants", constants, "given, or replicates in its place")

@@ -153,6 +153,7 @@ def polarity(
     amplitude: SupportsFloat = 0.1,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     **parameters: Value,
 ) -> Polarity:
     """PAR polarity at the sizes of the germline, or of one cell of the radius ``r0``: where its boundary lies, what χ follows,
@@ -162,7 +163,7 @@ def polarity(
     ``profile``, ``step`` or ``band``, of this ``amplitude``.
     """
     found, profiles = _furrow.polarity(
-        given_of(parameters, preset, config, r0),
+        given_of(parameters, preset, config, r0, law),
         optional_path("lineage", lineage),
         r0 is not None,
         dict(par or {}),

@@ -30,6 +30,7 @@ def solve(
     lineage: str | os.PathLike[str] | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
     threads: SupportsIndex | None = None,
     progress: Progress = None,
@@ -64,7 +65,7 @@ def solve(
     if ends is not None and len(ends) != 2:
         raise refused("range", range, "a first and a last value")
     place = optional_path("lineage", lineage)
-    inputs = _furrow.Inputs(given_of(parameters, preset, config), text_of("cue", cue), place)
+    inputs = _furrow.Inputs(given_of(parameters, preset, config, law=law), text_of("cue", cue), place)
     known = shared_memo() if memo is None else memo
     asked = (name, _number(name, value))
     count = whole("points", points, 2, 100_000)

@@ -115,6 +115,7 @@ def sweep(
     shard: tuple[SupportsIndex, SupportsIndex] | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
     threads: SupportsIndex | None = None,
     progress: Progress = None,
@@ -147,7 +148,7 @@ def sweep(
         "seed": seed_of(seed),
         "lineage": optional_path("lineage", lineage),
     }
-    given = given_of(parameters, preset, config)
+    given = given_of(parameters, preset, config, law=law)
     folder = optional_path("out", out)
     part = None if shard is None else (whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000))
     with shown(progress, "points") as tell:

@@ -118,6 +118,7 @@ def dose(
     lineage: str | os.PathLike[str] | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
     threads: SupportsIndex | None = None,
     progress: Progress = None,
@@ -136,7 +137,7 @@ def dose(
             None if bins is None else _edges(bins),
             text_of("cue", cue),
             optional_path("lineage", lineage),
-            given_of(parameters, preset, config, r0),
+            given_of(parameters, preset, config, r0, law),
             known,
             threads_of(threads),
             tell,
@@ -234,6 +235,7 @@ def volumes(
     constants: str | os.PathLike[str] | Constants | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
+    law: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
     threads: SupportsIndex | None = None,
     progress: Progress = None,
@@ -280,7 +282,7 @@ def volumes(
         else positive("length_scale", length_scale),
     }
     with shown(progress, "divisions") as tell:
-        found = _furrow.compare_volumes(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
+        found = _furrow.compare_volumes(asked, given_of(parameters, preset, config, law=law), known, threads_of(threads), tell)
     scale = found["length_scale"]
     mothers = [_mother(of["group"], event) for of in found["groups"] for event in of["events"]]
     return VolumesComparison(

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use furrow_cell::settings::{self, Overrides, Settings, Value, canonical_name};
-use furrow_cell::{Cell, CueError, Numerics};
+use furrow_cell::{Cell, CueError, Law, Numerics};
 use furrow_input::{InputError, read_text, shown};
 use furrow_lineage::{Length, Lineage};
 use furrow_mechanics::division::DivisionInput;
@@ -87,7 +87,8 @@ pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     Ok(Value::Number(value.extract().map_err(|_| wrong_type(()))?))
 }
 
-/// Given parameters, by the names of `--set`. They override a configuration file, which overrides a preset.
+/// Given parameters, by the names of `--set`. They override a configuration file, which overrides a preset. A law may replace the
+/// paper's.
 #[derive(Clone)]
 pub struct Given {
     /// The parameters.
@@ -96,14 +97,16 @@ pub struct Given {
     pub preset: String,
     /// The configuration file.
     pub config: Option<PathBuf>,
+    /// The law: its text, its file or its name.
+    pub law: Option<String>,
 }
 
 impl<'py> FromPyObject<'_, 'py> for Given {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Given> {
-        let (parameters, preset, config) = given.extract()?;
-        Ok(Given { parameters, preset, config })
+        let (parameters, preset, config, law) = given.extract()?;
+        Ok(Given { parameters, preset, config, law })
     }
 }
 
@@ -112,12 +115,19 @@ impl Given {
     pub fn named(&self) -> String {
         let file = self.config.iter().map(|_| "a configuration file".to_owned());
         let set = self.parameters.0.iter().map(|(name, value)| format!("{name}={value}"));
-        [self.preset.clone()].into_iter().chain(file).chain(set).collect::<Vec<_>>().join(", ")
+        let law = self.law.iter().map(|_| "a law".to_owned());
+        [self.preset.clone()].into_iter().chain(file).chain(law).chain(set).collect::<Vec<_>>().join(", ")
     }
 
-    /// The preset and the configuration file, without the parameters.
+    /// The preset, the configuration file and the law, without the parameters.
     pub fn base(&self) -> Result<Settings, InputError> {
-        Settings::load(&self.preset, self.config.as_deref(), &[])
+        let is_text = |law: &str| law.trim_start().starts_with('(') || law.contains("Law(");
+        let path = self.law.as_deref().filter(|law| !is_text(law)).map(Path::new);
+        let mut settings = Settings::load(&self.preset, self.config.as_deref(), path, &[])?;
+        if let Some(text) = self.law.as_deref().filter(|law| is_text(law)) {
+            settings.cell.law = Some(Box::new(Law::parse(text, "law")?));
+        }
+        Ok(settings)
     }
 
     /// The parameters.
@@ -219,7 +229,9 @@ impl Inputs {
         let settings = given.settings()?;
         let cue = lineage.parse_cue(cue).map_err(bad_cue)?;
         settings.check_cue(ARGUMENTS, &cue)?;
-        Ok(Inputs { cell: settings.cell.with_cue(cue), numerics: settings.numerics })
+        let cell = settings.cell.with_cue(cue);
+        cell.check_law(ARGUMENTS)?;
+        Ok(Inputs { cell, numerics: settings.numerics })
     }
 
     /// Every parameter by its name, and the cue.
@@ -235,6 +247,12 @@ impl Inputs {
         }
         map.insert("cue".to_owned(), self.cue().into());
         Document::of(map)
+    }
+
+    /// The law of active stress, in one line; None for the paper's.
+    #[getter]
+    fn law(&self) -> Option<String> {
+        self.cell.law.as_ref().map(|law| law.described())
     }
 
     /// The cue as users write it.

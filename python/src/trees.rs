@@ -59,6 +59,7 @@ pub fn scenarios(
             lineage.forget_first_radius();
         }
         let settings = tree_settings(settings, &lineage, seed, quantisation);
+        lineage.check_law(&settings.cell, ARGUMENTS)?;
         sources.push(Source { label: label.clone(), lineage, settings });
     }
     combine(&sources, &cues.iter().map(String::as_str).collect::<Vec<_>>()).map_err(|error| match error {

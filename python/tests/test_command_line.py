@@ -23,6 +23,7 @@ PROGRAM = {
     "--set": "keywords of every function, such as aspect=1.4",
     "--preset": "preset=, of every function",
     "--config": "config=, of every function",
+    "--law": "law=, of every function that computes cells with it",
     "--threads": "threads=, of every function that solves several divisions",
 }
 #: Options that select a cell, for any computation.

@@ -66,6 +66,7 @@ const HEADER: &str = "curve,r0,epsilon,value,xi_s,H,criticality,coefficient";
 pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     set(&mut context.settings, [("--xi", "xi_s", args.xi)])?;
     let varied = args.vary.read(&mut context)?;
+    context.check_azimuthal(args.azimuthal)?;
     args.check(&varied, context.settings.numerics.modes)?;
     let picture = args.plot.file()?;
     let Varied { cell, parameter, range } = &varied;

@@ -82,6 +82,7 @@ fn last(branch: &Branch) -> f64 {
 
 pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
+    context.check_azimuthal(args.azimuthal)?;
     let picture = args.plot.file()?;
     writable_file("--csv", args.csv.as_deref())?;
     let options = BranchOptions {

@@ -101,7 +101,8 @@ impl CellArgs {
         set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
         warn_of_size(&context.units, [self.r0]);
         context.settings.check_cue("--cue", &cue)?;
-        Ok(context.settings.cell.clone().with_cue(cue))
+        let cell = context.settings.cell.clone().with_cue(cue);
+        cell.check_law("--cue").map(|()| cell)
     }
 }
 

@@ -27,6 +27,9 @@ pub struct Globals {
     /// keep the preset's values
     #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
     pub config: Option<PathBuf>,
+    /// Law of active stress: a file of expressions, as in laws/, or paper, the built-in one; its constants are set as law.NAME
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
+    pub law: Option<PathBuf>,
     /// Sets one parameter and overrides --config; repeatable
     #[arg(help_heading = "Parameters", long, global = true, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
@@ -123,6 +126,29 @@ impl Context {
         Ok(context)
     }
 
+    /// The same for a command that knows the paper's law alone; `what` says for what.
+    ///
+    /// # Errors
+    /// As [`Context::axisymmetric`], and of a law.
+    pub fn of_paper_law(globals: &Globals, what: &str) -> Result<Context, CliError> {
+        let context = Context::axisymmetric(globals)?;
+        context.settings.check_paper_law(what)?;
+        Ok(context)
+    }
+
+    /// Refuses a law where an option with a value asks for disturbances around the axis.
+    ///
+    /// # Errors
+    /// Names the law.
+    pub fn check_azimuthal(&self, given: Option<u8>) -> Result<(), InputError> {
+        match given {
+            Some(_) => {
+                self.settings.check_paper_law("--azimuthal: disturbances around the axis have its equations alone")
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The parameters, with a radius in µm by these units.
     ///
     /// # Errors
@@ -183,7 +209,7 @@ fn settings_in(globals: &Globals, units: &Units) -> Result<Settings, InputError>
         None => entry.clone(),
     };
     let set: Vec<String> = globals.set.iter().map(natural).collect();
-    Settings::load(&globals.preset, globals.config.as_deref(), &set)
+    Settings::load(&globals.preset, globals.config.as_deref(), globals.law.as_deref(), &set)
 }
 
 /// The radius that an entry of `--set` gives in µm.

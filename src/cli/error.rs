@@ -96,7 +96,7 @@ impl CliError {
         };
         let bad_input = error.is::<InputError>()
             || matches!(division, Some(DivisionError::BadInput { .. }))
-            || matches!(error.downcast_ref(), Some(BentError::NoMirror { .. }))
+            || matches!(error.downcast_ref(), Some(BentError::NoMirror { .. } | BentError::OwnLaw { .. }))
             || matches!(error.downcast_ref(), Some(StoreError::NotAFolder { .. }));
         if bad_input { 2 } else { 1 }
     }

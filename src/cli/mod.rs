@@ -228,7 +228,9 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
         Command::Pitchfork(args) => pitchfork::run(&args, Context::axisymmetric(globals)?),
         Command::Boundary(args) => boundary::run(&args, Context::new(globals)?),
         Command::Polarity(args) => polarity::run(&args, Context::axisymmetric(globals)?),
-        Command::Calibrate(args) => calibrate::run(&args, &Context::axisymmetric(globals)?),
+        Command::Calibrate(args) => {
+            calibrate::run(&args, &Context::of_paper_law(globals, "constants calibrated with it")?)
+        }
         Command::Fit(args) => fit::run(&args, &Context::axisymmetric(globals)?),
         Command::Test(args) => test::run(&args, &Context::axisymmetric(globals)?),
         Command::Compare(args) => compare::run(&args, &Context::new(globals)?),
@@ -237,8 +239,14 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
         Command::Sweep(args) => sweep::run(&args, &Context::new(globals)?),
         Command::Merge(args) => merge::run(&args, globals),
         Command::Export(args) => export::run(&args, globals),
-        Command::Reproduce(args) => reproduce::run(&args, &Context::new(globals)?),
-        Command::Explore(args) => explore::run(&args, &Context::axisymmetric(globals)?),
+        Command::Reproduce(args) => {
+            let context = Context::new(globals)?;
+            context.settings.check_paper_law("the statements of the paper")?;
+            reproduce::run(&args, &context)
+        }
+        Command::Explore(args) => {
+            explore::run(&args, &Context::of_paper_law(globals, "a page whose controls are its constants")?)
+        }
         Command::NewLineage(args) => new_lineage::run(&args, globals),
         Command::Cache(args) => cache::run(&args, globals),
         Command::Completions(args) => completions::run(&args, &mut self::command()),

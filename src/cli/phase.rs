@@ -63,6 +63,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         InputError::require(fine, option, "xi_s", value, "a finite number, 0 or above")?;
     }
     let Varied { cell, parameter, range } = args.vary.read(&mut context)?;
+    context.check_azimuthal(args.azimuthal)?;
     context.settings.check_divisions("settings")?;
     let picture = args.plot.file()?;
     let plane = PhasePlane {

@@ -91,6 +91,7 @@ fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
 
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
+    context.check_azimuthal(args.azimuthal)?;
     let picture = args.plot.file()?;
     if context.settings.numerics.modes > 0 {
         let only = "absent without axial symmetry, where growth rates are those of all modes";

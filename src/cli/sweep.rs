@@ -46,7 +46,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     interrupt::finish();
     // The sweep file overrides --config; --set overrides the sweep file.
     let globals = &context.globals;
-    let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
+    let base = Settings::load(&globals.preset, globals.config.as_deref(), globals.law.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
     if !matches!(sweep.kind, Kind::Division | Kind::Tree | Kind::Critical) {
         sweep.settings.check_axisymmetric("settings")?;

@@ -327,6 +327,9 @@ pub fn grown(
     memo: &Memo,
     context: &Context,
 ) -> Result<(Grown, Vec<LineageRanges>), CliError> {
+    for Scenario { lineage, settings, .. } in scenarios {
+        lineage.check_law(&settings.cell, "the lineage")?;
+    }
     let (grown, spread) = context.shown(|line| {
         let show = |progress| line.show(progress);
         let (options, flag) = (context.scheduling(&show), interrupt::flag());

@@ -105,9 +105,15 @@ impl Given<'_> {
         let cue = parse_cue(&self.cue.cue, &lineage)?;
         context.settings.check_cue("--cue", &cue)?;
         let cell = context.settings.cell.clone().with_cue(cue);
+        cell.check_law("--cue")?;
         let mut allowed = Parameter::allowed_of_cue(&cell.cue);
         if cell.cue == Cue::none() {
             allowed += ": see --cue";
+        }
+        if let Parameter::Law(_) = parameter {
+            let own = cell.law.iter().flat_map(|law| law.parameters()).map(Parameter::name).collect::<Vec<_>>();
+            let of_law = if own.is_empty() { String::new() } else { format!(": {}", own.join(", ")) };
+            allowed = format!("a constant of the law of --law{of_law}");
         }
         InputError::require(
             parameter.is_of(&cell),

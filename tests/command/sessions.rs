@@ -9,6 +9,11 @@ fn tables() {
 }
 
 #[test]
+fn laws() {
+    check_session("command/sessions/laws.txt");
+}
+
+#[test]
 fn branches() {
     check_session("command/sessions/branches.txt");
 }

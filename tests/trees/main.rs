@@ -11,6 +11,7 @@ mod growth;
 mod lineage_cues;
 mod lineage_file;
 mod newick;
+mod own_law;
 mod physics_rules;
 mod random_trees;
 mod replicates;

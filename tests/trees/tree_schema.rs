@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use furrow_cell::Cell;
 use furrow_formats::{TREE_SCHEMA, tree_from_json, tree_to_json};
-use furrow_lineage::{Limits, Lineage, TerminalReason};
+use furrow_lineage::{Limits, Lineage, TerminalReason, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
 use serde_json::Value;
 
-use crate::common::stand_in::{division, fake, grown};
+use crate::common::stand_in::{division, fake, grow, grown};
 
 /// A lineage in which every field is given.
 const EVERYTHING: &str = r#"Lineage(
@@ -85,7 +85,13 @@ fn documents() -> Vec<Value> {
     ];
     let mut trees = trees;
     trees[0].settings.cell.shell.flattening = 0.8;
-    let texts = trees.map(|tree| tree_to_json(&tree).unwrap());
+    // A law with every field, seen from the other pole.
+    let law = r#"Law(name: "x", constants: { "a": (value: 1, unit: "1/L_h") }, stress_uu: "a*xi_s*u", stress_phiphi: "a*xi_s*u",
+        moment: "a", normal_force: "a")"#;
+    let law = furrow_cell::Law::parse(law, "law.ron").unwrap().mirrored();
+    let settings = TreeSettings { cell: Cell::new(3.0).with_law(law), ..TreeSettings::default() };
+    let with_law = grow(&lineage, &settings, 1, &|_| None, fake).0;
+    let texts = trees.iter().chain([&with_law]).map(|tree| tree_to_json(tree).unwrap()).collect::<Vec<_>>();
     texts.iter().for_each(|text| assert_eq!(tree_to_json(&tree_from_json(text).unwrap()).unwrap(), *text));
     texts.iter().map(|text| serde_json::from_str(text).unwrap()).collect()
 }

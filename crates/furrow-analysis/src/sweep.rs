@@ -138,7 +138,11 @@ impl Sweep {
                 .and_then(|()| settings.check_cue(&self.file, &cell.cue));
         }
         let checked = checked.and_then(|()| {
-            cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))
+            cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))?;
+            match self.kind {
+                Kind::Tree => self.lineage_at(&cell).check_law(&cell, &self.file),
+                _ => cell.check_law(&self.file),
+            }
         });
         (DivisionInput { cell, numerics: settings.numerics, seed }, checked)
     }

@@ -6,10 +6,12 @@
 //! | [`Material`] | the constants of the cortex: rigidity, viscosities, friction, tension, what activity does |
 //! | [`Shell`] | the constants of the ellipsoidal shell that confines it |
 //! | [`Cue`] | a polarity cue: a sum of [`cue::Term`]s, each a field, a profile and an amplitude, and a [`cue::Regulator`] that flow carries |
+//! | [`Law`] | a law of active stress of the user's own, in place of the equations' |
 //! | [`Parameter`] | a scalar of a cell by its name, to be read, set, continued in or fitted |
 //! | [`Numerics`] | settings of the discretisation |
 
 pub mod cue;
+pub mod law;
 pub mod material;
 pub mod numerics;
 pub mod parameter;
@@ -17,6 +19,7 @@ pub mod settings;
 mod value;
 
 pub use cue::{Cue, CueError};
+pub use law::Law;
 pub use material::{Material, RigidityGradient, Shell};
 pub use numerics::{Numerics, Scheme};
 pub use parameter::Parameter;
@@ -64,18 +67,22 @@ pub struct Cell {
     pub material: Material,
     /// Constants of the shell.
     pub shell: Shell,
+    /// The law of active stress; `None` is the paper's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<Box<Law>>,
 }
 
 impl Cell {
     /// A cell of radius `r0` without a cue, with the preset's confinement ε = 0.87, activity ξ_s = 25, material and shell.
     pub const fn new(r0: f64) -> Cell {
-        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material: Material::GAO2026, shell: Shell::GAO2026 }
+        let (material, shell) = (Material::GAO2026, Shell::GAO2026);
+        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None }
     }
 
     /// The same of the preset `gao2026-thresholds`.
     pub const fn gao2026_thresholds(r0: f64) -> Cell {
         let (material, shell) = (Material::GAO2026_THRESHOLDS, Shell::GAO2026_THRESHOLDS);
-        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell }
+        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None }
     }
 
     /// The same cell with a cue.
@@ -83,9 +90,9 @@ impl Cell {
         Cell { cue, ..self }
     }
 
-    /// Whether nothing tells one pole from the other: its cue, if any, is even about u = ½.
+    /// Whether nothing tells one pole from the other: its cue and its law, if any, are even about u = ½.
     pub fn is_mirror_symmetric(&self) -> bool {
-        self.cue.is_mirror_symmetric()
+        self.law.as_ref().is_none_or(|law| law.is_mirror_symmetric(self)) && self.cue.is_mirror_symmetric()
     }
 
     /// Whether its shell and its cue are round about the axis of division.
@@ -95,7 +102,8 @@ impl Cell {
 
     /// The mirror image of the cell under u → 1 − u.
     pub fn mirrored(&self) -> Cell {
-        Cell { cue: self.cue.mirrored(), ..self.clone() }
+        let law = self.law.as_ref().map(|law| Box::new(law.mirrored()));
+        Cell { cue: self.cue.mirrored(), law, ..self.clone() }
     }
 
     /// The same cell without activity and without a cue: every division starts from it.

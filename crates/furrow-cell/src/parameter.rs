@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Cell;
 use super::cue::{Cue, Quantity, Regulator, RegulatorQuantity};
+use super::law::ConstantName;
 use super::settings::{Number, parameters};
 
 /// A scalar parameter of one cell.
@@ -59,6 +60,9 @@ pub enum Parameter {
     },
     /// A number of the cue's regulator.
     Regulator(RegulatorQuantity),
+    /// A constant of the cell's own law. Files name it as text alone, `law.NAME`.
+    #[serde(skip_deserializing)]
+    Law(ConstantName),
 }
 
 /// A name that is no parameter's.
@@ -117,31 +121,32 @@ impl Parameter {
         matches!(self, Parameter::Cue { .. } | Parameter::Regulator(_))
     }
 
-    /// Its row in the table of parameters, with its name; `None` for a number of a cue.
+    /// Its row in the table of parameters, with its name; `None` for a number of a cue or of a law.
     fn row(self) -> Option<(&'static Number, &'static str)> {
         parameters().find(|(row, ..)| row.parameter == self).map(|(row, name, _)| (row, name))
     }
 
-    /// Its value, unless it is a quantity that the cell's cue does not have.
+    /// Its value, unless it is a quantity that the cell's cue or law does not have.
     fn read(self, cell: &Cell) -> Option<f64> {
         match self {
             Parameter::Cue { term, quantity } => cell.cue.terms().get(term)?.quantity(quantity),
             Parameter::Regulator(quantity) => cell.cue.regulator()?.quantity(quantity),
+            Parameter::Law(name) => cell.law.as_ref()?.constant(name),
             _ => self.row().map(|(row, _)| (row.get)(cell)),
         }
     }
 
-    /// Its value; 0 for a quantity that the cell's cue does not have.
+    /// Its value; 0 for a quantity that the cell's cue or law does not have.
     pub fn get(self, cell: &Cell) -> f64 {
         self.read(cell).unwrap_or(0.0)
     }
 
-    /// Whether the cell has it: false for quantities of terms that its cue does not have.
+    /// Whether the cell has it: false for quantities of terms that its cue does not have, and constants of another law.
     pub fn is_of(self, cell: &Cell) -> bool {
         self.read(cell).is_some()
     }
 
-    /// Sets it. A quantity that the cell's cue does not have is left alone.
+    /// Sets it. A quantity that the cell's cue or law does not have is left alone.
     pub fn set(self, cell: &mut Cell, value: f64) {
         let slot = match self {
             Parameter::Cue { term, quantity } => {
@@ -150,6 +155,7 @@ impl Parameter {
             Parameter::Regulator(quantity) => {
                 cell.cue.regulator_mut().and_then(|regulator| regulator.quantity_mut(quantity))
             }
+            Parameter::Law(name) => cell.law.as_mut().and_then(|law| law.constant_mut(name)),
             _ => self.row().map(|(row, _)| (row.slot)(cell)),
         };
         if let Some(slot) = slot {
@@ -157,7 +163,7 @@ impl Parameter {
         }
     }
 
-    /// Checks a value. Of a quantity of a cue's profile it need only be finite.
+    /// Checks a value. Of a quantity of a cue's profile, and of a law's constant, it need only be finite.
     ///
     /// # Errors
     /// The allowed values.
@@ -172,11 +178,12 @@ impl Parameter {
         }
     }
 
-    /// Its name in files and options; of a cue's quantity the quantity's alone.
+    /// Its name in files and options; of a cue's quantity the quantity's alone, of a law's constant with `law.`.
     pub fn name(self) -> &'static str {
         match self {
             Parameter::Cue { quantity, .. } => quantity.name(),
             Parameter::Regulator(quantity) => quantity.name(),
+            Parameter::Law(name) => name.whole(),
             _ => self.row().map_or("", |(_, name)| name),
         }
     }
@@ -195,11 +202,15 @@ impl std::fmt::Display for Parameter {
 impl std::str::FromStr for Parameter {
     type Err = UnknownParameter;
 
-    /// Reads a name; `cue.u0` is the first term's u0, `cue[1].u0` the second's, `regulator.kappa` the regulator's coupling to κ.
+    /// Reads a name; `cue.u0` is the first term's u0, `cue[1].u0` the second's, `regulator.kappa` the regulator's coupling to κ,
+    /// `law.a` the constant a of the cell's law.
     fn from_str(text: &str) -> Result<Parameter, UnknownParameter> {
         let unknown = || UnknownParameter { name: text.to_owned() };
         if let Some(name) = text.strip_prefix("regulator.") {
             return RegulatorQuantity::named(name).map(Parameter::Regulator).ok_or_else(unknown);
+        }
+        if let Some(name) = ConstantName::read(text) {
+            return Ok(Parameter::Law(name));
         }
         if let Some(rest) = text.strip_prefix("cue") {
             let (index, name) = rest.split_once('.').ok_or_else(unknown)?;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use crate::law::{ConstantName, Law};
 use crate::value::Kind;
 pub use crate::value::Value;
 use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ZYGOTE};
@@ -192,16 +193,25 @@ impl Settings {
         Ok(settings)
     }
 
-    /// A preset with the parameters of a configuration file, if any, and then with `overrides` of the form `key=value`.
+    /// A preset with the parameters of a configuration file, if any, with the law of a file or of a name, if any, and then with
+    /// `overrides` of the form `key=value`.
     ///
     /// Keys are the fields of [`Cell`], its material and shell, the fields of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
     /// shell's strength), `R0`, `Gamma`, `gamma`. Besides these, `xi_b` sets `xi_ratio` = ξ_b/ξ_s from the ξ_s that all
-    /// settings together give: the ratio stays constant if ξ_s varies afterwards.
+    /// settings together give: the ratio stays constant if ξ_s varies afterwards. `law.NAME` sets a constant of the law.
     ///
     /// # Errors
     /// Names the file or option, the field, its value and the allowed ones.
-    pub fn load(preset: &str, config: Option<&Path>, overrides: &[String]) -> Result<Settings, InputError> {
+    pub fn load(
+        preset: &str,
+        config: Option<&Path>,
+        law: Option<&Path>,
+        overrides: &[String],
+    ) -> Result<Settings, InputError> {
         let mut settings = Settings::preset(preset)?;
+        if let Some(path) = law {
+            settings.cell.law = Law::read(path)?.map(Box::new);
+        }
         if let Some(path) = config {
             let file = path.display().to_string();
             settings.apply_config(&read_text(path)?, &file)?;
@@ -250,6 +260,8 @@ impl Settings {
                 xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
             } else if let Some(field) = Field::named(name) {
                 (field.set)(self, value).map_err(refuse)?;
+            } else if let Some(constant) = ConstantName::read(name) {
+                self.set_constant(constant, value).map_err(|allowed| refuse(&allowed))?;
             }
         }
         if let Some(xi_b) = xi_b {
@@ -263,8 +275,30 @@ impl Settings {
         Ok(())
     }
 
-    /// Sets one number by the name of its field and checks it; errors say it came from `source_name`.
+    /// Sets a constant of the law.
+    ///
+    /// # Errors
+    /// The allowed constants, or values.
+    fn set_constant(&mut self, name: ConstantName, value: &Value) -> Result<(), String> {
+        let Some(law) = &mut self.cell.law else { return Err("given with a law that has this constant".to_owned()) };
+        let known: Vec<String> = law.constants().map(|(name, _)| format!("law.{name}")).collect();
+        let Some(slot) = law.constant_mut(name) else {
+            let nearest = did_you_mean(name.whole(), known.iter().map(String::as_str));
+            return Err(match known.is_empty() {
+                true => format!("given with a law that has this constant; {:?} has none", law.name()),
+                false => format!("a constant of the law {:?}: {}{nearest}", law.name(), known.join(", ")),
+            });
+        };
+        *slot = value.number().filter(|value| value.is_finite()).ok_or("a finite number")?;
+        Ok(())
+    }
+
+    /// Sets one number by the name of its field, or of the law's constant, and checks it; errors say it came from `source_name`.
     pub fn set_number(&mut self, source_name: &str, name: &str, value: f64) -> Result<(), InputError> {
+        if let Some(constant) = ConstantName::read(name) {
+            let set = self.set_constant(constant, &Value::Number(value));
+            return set.map_err(|allowed| InputError::not_allowed(source_name, name, value, allowed));
+        }
         let set = Field::named(name).map_or(Ok(()), |field| (field.set)(self, &Value::Number(value)));
         let checked = set.and_then(|()| self.validate(name));
         checked.map_err(|allowed| InputError::not_allowed(source_name, name, value, allowed))
@@ -301,7 +335,26 @@ impl Settings {
         let (flattening, name) = (self.cell.shell.flattening, "physics.shell_flattening");
         let fine = flattening == 1.0 || modes >= 2;
         InputError::require(fine, source_name, name, flattening, "1 for cells with axial symmetry, whose modes are 0")?;
+        self.check_law(source_name)?;
         self.check_wall(source_name)
+    }
+
+    /// Refuses a law of the cell's own without axial symmetry.
+    fn check_law(&self, source_name: &str) -> Result<(), InputError> {
+        let (modes, own) = (self.numerics.modes, self.cell.law.is_some());
+        let allowed =
+            "0 with a law of the cell's own: without axial symmetry there are equations for the paper's law alone";
+        InputError::require(modes == 0 || !own, source_name, "modes", modes, allowed)
+    }
+
+    /// Refuses a law of the cell's own, for computations with the paper's law alone.
+    ///
+    /// # Errors
+    /// Names the law; errors say that `what` was asked for.
+    pub fn check_paper_law(&self, what: &str) -> Result<(), InputError> {
+        let Some(law) = &self.cell.law else { return Ok(()) };
+        let allowed = format!("paper, the built-in law, for {what}");
+        Err(InputError::not_allowed("--law", "law", shown(law.name()), allowed))
     }
 
     /// Refuses a cue at one side of the axis, for cells with axial symmetry.
@@ -365,7 +418,11 @@ impl Settings {
     /// Checks the activity of a cell that is to be computed at it; errors say it came from `source_name`. Branches, curves
     /// and diagrams run over ξ_s and take no notice of it.
     pub fn check_activity(&self, source_name: &str) -> Result<(), InputError> {
-        let Cell { xi_s, ref material, .. } = self.cell;
+        let Cell { xi_s, ref material, ref law, .. } = self.cell;
+        if law.is_some() {
+            // What ξ_s means is up to the law.
+            return Ok(());
+        }
         // What moves the cell is its active stress over its rigidity.
         let [least, most] = STRESS.map(|stress| stress * (material.kappa / material.gain));
         if (least..=most).contains(&xi_s) {
@@ -420,7 +477,8 @@ pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static st
 /// Sets `xi_ratio` from the ξ_s in force.
 const XI_B: &str = "xi_b";
 
-/// The name of the field that a key of `--set` means: an alias's own, and without the section before it.
+/// The name of the field that a key of `--set` means: an alias's own, and without the section before it. A constant of a law
+/// keeps its `law.`; whether the law has it is known when it is set.
 ///
 /// ```
 /// use furrow_cell::settings::canonical_name;
@@ -432,6 +490,9 @@ const XI_B: &str = "xi_b";
 /// # Errors
 /// Says which keys there are.
 pub fn canonical_name(key: &str) -> Result<&'static str, String> {
+    if let Some(name) = ConstantName::read(key) {
+        return Ok(name.whole());
+    }
     let (section, plain) = match key.split_once('.') {
         Some((section @ ("physics" | "numerics"), plain)) => (Some(section), plain),
         _ => (None, key),

@@ -13,8 +13,8 @@ use super::rules::{PhysicsRule, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
-use furrow_cell::{Cue, CueError};
-use furrow_input::{did_you_mean, listed, shown};
+use furrow_cell::{Cell, Cue, CueError};
+use furrow_input::{InputError, did_you_mean, listed, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../lineages/c_elegans.ron");
@@ -307,6 +307,16 @@ impl Lineage {
         let founder = &self.founders[founder];
         let acts = |name: &String| self.cues.get(name).is_some_and(|cue| !cue.is_none());
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
+    }
+
+    /// Checks whether the cues that founders and rules give go with the law of a cell; errors say they came from `source_name`.
+    ///
+    /// # Errors
+    /// Names the cue and the reason.
+    pub fn check_law(&self, cell: &Cell, source_name: &str) -> Result<(), InputError> {
+        let of_founders = self.founders.iter().flat_map(|founder| founder.cue.iter().chain(names(&founder.cue_rules)));
+        let cues = of_founders.chain(names(&self.cue_rules)).filter_map(|name| self.cue(name));
+        cues.into_iter().try_for_each(|cue| cell.clone().with_cue(cue).check_law(source_name))
     }
 
     /// Whether every cue that a founder or a rule names is `none`.

@@ -232,7 +232,8 @@ mod parameter_name {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Parameter, D::Error> {
         let name = String::deserialize(deserializer)?;
-        let parameter = name.parse().ok().filter(|parameter| *parameter != Parameter::R0);
+        let fits = |parameter: &Parameter| !matches!(parameter, Parameter::R0 | Parameter::Law(_));
+        let parameter = name.parse().ok().filter(fits);
         parameter.ok_or_else(|| {
             let names: Vec<_> =
                 Parameter::ALL.into_iter().filter(|p| *p != Parameter::R0).map(Parameter::name).collect();

@@ -14,6 +14,7 @@
 //! | [`calibration`] | constants from thresholds |
 //! | [`division`] | one division in time |
 //! | [`critical`] | the radius below which a cell does not divide |
+//! | [`law`] | cells with a law of active stress of their own |
 //! | [`perturbation`] | the evolution of a perturbed stationary shape |
 //! | [`polarity`] | PAR polarity on the passive shape: two antagonists with cytosolic pools |
 //!
@@ -27,6 +28,7 @@ pub mod cortex;
 pub mod critical;
 pub mod division;
 pub mod equilibria;
+pub mod law;
 pub mod perturbation;
 pub mod polarity;
 pub mod stability;

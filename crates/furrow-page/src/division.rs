@@ -6,6 +6,7 @@ use furrow_input::InputError;
 use furrow_lineage::batch::Quantisation;
 use furrow_lineage::{FounderPhysics, Lineage, parse_cue};
 use furrow_mechanics::cortex::equations::{LENGTH, M, PSI, R, REGULATED, Z};
+use furrow_mechanics::cortex::forces::own_stress;
 use furrow_mechanics::cortex::observables::regulator_at;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
@@ -172,14 +173,22 @@ impl Film {
         numbers.extend(self.places.iter().filter_map(phi).map(|phi| phi as f32));
     }
 
-    /// Active tensions T^a_uu = X_s(½C − c2) + X_b C and T^a_φφ = −X_s(½C − c2) + X_b C at u.
+    /// Active tensions T^a_uu = X_s(½C − c2) + X_b C and T^a_φφ = −X_s(½C − c2) + X_b C at u; or those of the cell's own law.
     fn active_tensions(&self, shape: &Solution, u: f64) -> [f64; 2] {
         let (mut state, n) = ([0.0; REGULATED], shape.components);
         shape.eval(&self.gauss, u, &mut state[..n]);
+        if let Some([stress, _]) = own_stress(&self.cortex, u, &state[..n], shape.scalars[LENGTH]) {
+            return stress;
+        }
         let here = self.cortex.constants().of_state(u, &state[..n], shape.scalars[LENGTH]);
         let mean = state[M] / here.kappa;
         let deviator = here.xi_s * (0.5 * mean - state[PSI].sin() / state[R]);
         [deviator + here.xi_b * mean, here.xi_b * mean - deviator]
+    }
+
+    /// Whether the law uses rates of strain.
+    fn needs_motion(&self) -> bool {
+        self.cortex.constants().law.as_ref().is_some_and(|law| law.viscous)
     }
 
     /// Active force density div T^a at u, along r and z. With the outward normal n = (sinψ, cosψ) and the tangent
@@ -190,7 +199,12 @@ impl Film {
         let length = shape.scalars[LENGTH];
         let (sin, cos) = state[PSI].sin_cos();
         let c2 = sin / state[R];
-        let c1 = state[M] / self.cortex.constants().of_state(u, &state[..n], length).kappa - c2;
+        let c1 = match own_stress(&self.cortex, u, &state[..n], length) {
+            // The rates of strain are not known from one shape.
+            Some(_) if self.needs_motion() => return [0.0; 2],
+            Some([_, [mean, _]]) => mean - c2,
+            None => state[M] / self.cortex.constants().of_state(u, &state[..n], length).kappa - c2,
+        };
         let [t_u, t_phi] = self.active_tensions(shape, u);
         let [before, after] = [u - STEP, u + STEP].map(|u| self.active_tensions(shape, u)[0]);
         let tangential = (after - before) / (2.0 * STEP * length) + cos / state[R] * (t_u - t_phi);

@@ -173,6 +173,9 @@ pub(super) fn listed(settings: Settings, more: &str) -> String {
     for (section, name, value) in listing(&settings) {
         let _ = writeln!(text, "{section}.{name} = {value}");
     }
+    if let Some(law) = &settings.cell.law {
+        let _ = writeln!(text, "law = {}", law.described());
+    }
     let Provenance { furrow, git_commit, .. } = Provenance::current();
     let commit = git_commit.map_or(String::new(), |commit| format!(", commit {commit}"));
     let text = escape(&format!("{}furrow {furrow}{commit}", rounded(&(text + more))));

@@ -125,6 +125,12 @@ pub enum BentError {
         /// The cue.
         cue: String,
     },
+    /// Surfaces have the paper's law alone.
+    #[error("bent states have equations for the paper's law alone, not for {law:?}")]
+    OwnLaw {
+        /// The law's name.
+        law: String,
+    },
     /// A pitchfork or fold.
     #[error("the end of the stable bent states near a bend of {bend:.4} R0 is not located")]
     NotLocated {
@@ -492,6 +498,9 @@ pub(crate) fn can_follow(cue: &Cue) -> bool {
 }
 
 fn check(cell: &Cell) -> Result<(), BentError> {
+    if let Some(law) = &cell.law {
+        return Err(BentError::OwnLaw { law: law.name().to_owned() });
+    }
     match can_follow(&cell.cue) {
         true => Ok(()),
         false => Err(BentError::NoMirror { cue: cell.cue.to_string() }),

@@ -172,6 +172,12 @@ fn check(cell: &Cell, numerics: &Numerics) -> Result<(), DivisionError> {
             "paint the cue, or leave out --three-dimensional",
         );
     }
+    if cell.law.is_some() {
+        return unsupported(
+            "a law of active stress of the cell's own has no equations without axial symmetry",
+            "leave out --law, or --three-dimensional",
+        );
+    }
     if numerics.scheme == Scheme::Published {
         return unsupported("the published scheme has axial symmetry alone", "set scheme = converged");
     }

@@ -36,6 +36,10 @@ pub struct Place {
     pub r: f64,
     /// Position along the axis.
     pub z: f64,
+    /// Length of the whole contour.
+    pub length: f64,
+    /// The regulator φ, 0 without one.
+    pub phi: f64,
     /// (sinψ, cosψ).
     pub normal: [f64; 2],
     /// (c1, c2).
@@ -104,6 +108,8 @@ impl Computed {
             area: 2.0 * PI * state[R] * length * (y.mesh[i + 1] - y.mesh[i]) * gauss.b[j],
             r: state[R],
             z: state[Z],
+            length,
+            phi: carried.map_or(0.0, |[phi, _]| phi),
             normal: [sin, cos],
             curvature: [c1, c2],
             v: state[V],

@@ -239,7 +239,7 @@ mod tests {
         let targets = with("(r0: 5.4, outcome: symmetric)");
         targets.check("t.ron", &lineage).unwrap();
         let contradicted = ["gao2026", "gao2026-thresholds"].map(|preset| {
-            let Settings { cell, numerics, .. } = Settings::load(preset, None, &[]).unwrap();
+            let Settings { cell, numerics, .. } = Settings::load(preset, None, None, &[]).unwrap();
             targets.contradicted(&cell, numerics, &Memo::new(Quantisation::DEFAULT), &false.into()).unwrap()
         });
         assert_eq!(contradicted, [0, 1]);

@@ -199,6 +199,7 @@ pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
         Parameter::Tension => "tension γ (κ₀/Lₕ²)",
         Parameter::Cue { term, quantity } => return of_cue(term, quantity, cue),
         Parameter::Regulator(quantity) => return of_regulator(quantity, cue),
+        Parameter::Law(name) => return format!("{} of the law", name.bare()),
     };
     name.to_owned()
 }
@@ -267,6 +268,7 @@ pub fn symbol(parameter: Parameter) -> String {
             Quantity::Amplitude => "amplitude",
         },
         Parameter::Regulator(RegulatorQuantity::Strength(on)) => return format!("coupling to {}", field(on)),
+        Parameter::Law(name) => name.bare(),
         other => other.name(),
     };
     sign.to_owned()

@@ -5,6 +5,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use furrow_cell::cue::profile::NAMES;
 use furrow_cell::cue::{Coupling, Field, Profile, Quantity, Regulator, Side, Source, Term, Width};
+use furrow_cell::law::{Constant, Expression, Law};
 use furrow_cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::DivisionInput;
 
@@ -70,7 +71,7 @@ impl CanonicalBytes {
     }
 
     fn cell(&mut self, cell: &Cell) {
-        let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
+        let Cell { r0, epsilon, xi_s, cue, material, shell, law } = cell;
         let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
         let Shell { aspect, p0, w, flattening } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
@@ -81,6 +82,29 @@ impl CanonicalBytes {
             self.reals([flattening]);
         }
         self.cue(cue);
+        // Without a law nothing is written, so that cells with the paper's keep their keys.
+        if let Some(law) = law {
+            self.law(law);
+        }
+    }
+
+    /// Writes a mark that neither a regulator nor a discretisation begins with, then everything but the law's name and units.
+    fn law(&mut self, law: &Law) {
+        self.choice(LAW);
+        self.choice(usize::from(law.is_reversed()));
+        for which in Expression::ALL {
+            self.text(law.text(which).unwrap_or_default());
+        }
+        self.count(law.constants().count() as u64);
+        for (name, Constant { value, .. }) in law.constants() {
+            self.text(name);
+            self.reals([*value]);
+        }
+    }
+
+    fn text(&mut self, text: &str) {
+        self.count(text.len() as u64);
+        self.0.extend_from_slice(text.as_bytes());
     }
 
     /// The terms that do something, in their order: in another order the last digit of their sum may be another.
@@ -151,13 +175,16 @@ impl CanonicalBytes {
 const SURFACE_VERSION: u64 = 3;
 
 /// Marks a shell that is not round.
-const FLATTENED: usize = 254;
+const FLATTENED: usize = 252;
 
 /// Marks the side of a term, where the next term's field follows otherwise, or the regulator or the number of stages.
 const ONE_SIDED: usize = 253;
 
 /// Marks the beginning of a regulator. Without one the number of stages of the discretisation follows, which is small.
 const REGULATOR: usize = 255;
+
+/// Marks the beginning of a law of the cell's own.
+const LAW: usize = 254;
 
 /// A profile by its place among the names.
 fn profile_choice(profile: &Profile) -> usize {
@@ -280,6 +307,31 @@ mod tests {
             let cell = input(2.0).cell.with_cue(cue.parse().unwrap());
             assert_eq!(Key::new(&DivisionInput { cell, ..input(2.0) }).prefix(), prefix, "{cue}");
         }
+    }
+
+    /// Texts and constants are in the key, the law's name and the units of its constants are not.
+    #[test]
+    fn laws_differ_by_their_texts_and_constants() {
+        let law = |name: &str, text: &str, constants: &str| {
+            let text = format!(
+                "Law(name: \"{name}\", constants: {{ {constants} }}, stress_uu: \"{text}\", stress_phiphi: \"{text}\")"
+            );
+            furrow_cell::Law::parse(&text, "law.ron").unwrap()
+        };
+        let key = |law| Key::new(&DivisionInput { cell: input(2.0).cell.with_law(law), ..input(2.0) });
+        let (text, a) = ("a*xi_s*C*(1 + 0*u)", "\"a\": (value: 0.5)");
+        let mut keys = vec![
+            Key::new(&input(2.0)),
+            key(law("x", text, a)),
+            key(law("x", text, a).mirrored()),
+            key(law("x", text, "\"a\": (value: 0.6)")),
+            key(law("x", text, "\"a\": (value: 0.5), \"b\": (value: 0.5)")),
+            key(law("x", "a*xi_s*C", a)),
+        ];
+        assert_eq!(keys[1], key(law("y", text, "\"a\": (value: 0.5, unit: \"1/L_h\")")));
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), 6);
     }
 
     #[test]

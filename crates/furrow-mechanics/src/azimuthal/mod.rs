@@ -61,6 +61,8 @@ pub struct Azimuthal {
     pub arnoldi: Arnoldi,
     /// The azimuthal number.
     pub m: usize,
+    /// Whether the cell has a law of its own, which these equations lack.
+    own_law: bool,
     problem: Disturbance,
     system: System,
     shifts: Shifts,
@@ -116,6 +118,7 @@ impl Azimuthal {
         Azimuthal {
             arnoldi: Arnoldi::default(),
             m,
+            own_law: cortex.cell.law.is_some(),
             problem,
             system,
             shifts,
@@ -131,11 +134,17 @@ impl Azimuthal {
         }
     }
 
+    /// Refuses a cell with a law of active stress of its own.
+    fn check(&self) -> Result<()> {
+        if self.own_law { Err(StabilityError::OwnLaw) } else { Ok(()) }
+    }
+
     /// The rightmost growth rates, from two shifts.
     ///
     /// # Errors
     /// A failed factorisation, or a rightmost growth rate that does not converge.
     pub fn leading(&mut self) -> Result<Spectrum> {
+        self.check()?;
         let (shifts, arnoldi) = (self.shifts, self.arnoldi);
         shifts.leading(arnoldi, |shift, arnoldi| self.at_shift(shift, arnoldi))
     }
@@ -145,6 +154,7 @@ impl Azimuthal {
     /// # Errors
     /// As [`leading`](Self::leading).
     pub fn growth_rate(&mut self) -> Result<f64> {
+        self.check()?;
         let (shifts, arnoldi) = (self.shifts, self.arnoldi);
         shifts.growth_rate(arnoldi, |shift, arnoldi| self.at_shift(shift, arnoldi))
     }
@@ -155,6 +165,7 @@ impl Azimuthal {
     /// # Errors
     /// A factorisation fails.
     pub fn mode(&mut self, rate: f64) -> Result<Mode> {
+        self.check()?;
         // Close enough to the rate that the step magnifies this mode most, and far enough that rounding does not
         // dominate.
         let shift = rate + MODE_DISTANCE * (rate.abs() + self.shifts.scale());

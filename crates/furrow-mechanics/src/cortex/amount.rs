@@ -105,12 +105,21 @@ impl AmountOf {
     /// The factors for perturbations of the shape `y`.
     pub(crate) fn disturbances(cortex: &Cortex, y: &Solution, gauss: &Gauss) -> AmountOf {
         let points = if cortex.conserves_regulator() { y.intervals() * y.m } else { 0 };
+        let mut reader = cortex.constants().reader();
         let at = |index: usize| {
             let (i, j) = (index / y.m, index % y.m);
             let (state, x) = (y.stage(i, j), y.stage_x(gauss, i, j));
             let here = cortex.coefficients_at(CollocationPoint { x, index }, state, y.scalars[LENGTH]);
             let area = (y.mesh[i + 1] - y.mesh[i]) * gauss.b[j] * state[R];
-            [area * (1.0 + state[PHI]) * state[M] / here.kappa, area]
+            // The order of the operations of a cell without a moment of its own decides the last bit.
+            let by_normal = match cortex.constants().law.as_ref().filter(|law| law.bends) {
+                Some(_) => {
+                    let [mean, _] = reader.mean_curvature(x, &here, state, y.scalars[LENGTH]);
+                    area * (1.0 + state[PHI]) * mean
+                }
+                None => area * (1.0 + state[PHI]) * state[M] / here.kappa,
+            };
+            [by_normal, area]
         };
         AmountOf((0..points).map(at).collect())
     }

@@ -37,7 +37,9 @@ use std::f64::consts::PI;
 
 pub use super::coefficients::LocalCoefficients;
 use super::lanes::{Arithmetic, sin_cos};
+use super::own;
 use furrow_cell::cue::{Field, Regulator, Source, Term};
+use furrow_cell::law::LawValues;
 use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
 
 /// Radius r.
@@ -190,6 +192,8 @@ pub struct Constants<D> {
     pub regulator: Option<Regulator<D>>,
     /// The shell, and the choice of terms in the equations.
     pub shell: ShellCoefficients<D>,
+    /// The law of active stress, unless it is the equations' own.
+    pub law: Option<LawValues<D>>,
     /// Volume of the whole cell, 4πR0³/3.
     pub volume: D,
 }
@@ -230,6 +234,7 @@ impl<D: Number> Constants<D> {
                 inverse_w2,
                 rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
             },
+            law: cell.law.as_ref().map(|law| LawValues::new(law, cell, &vary)),
             volume: r0.powi(3) * (4.0 * PI / 3.0),
         }
     }
@@ -384,6 +389,9 @@ pub fn equations<D: Number, const N: usize>(
     pressure: D,
 ) -> ([D; N], D) {
     let (motion, noise) = (motion.map(D::from), D::from(noise));
+    if let Some(law) = &c.law {
+        return own::points::equations(c, law, u, motion, noise, y, [length, pressure]);
+    }
     let shape: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
     let here = c.of_state(u, y, length);
     let Balance { f, volume, place } = balances(&c.shell, &here, motion, noise, &shape, length, pressure);

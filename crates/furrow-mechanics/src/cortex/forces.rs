@@ -20,9 +20,13 @@ use furrow_bvp::{Gauss, Solution};
 use super::Cortex;
 use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, Z};
 use furrow_cell::cue::Field;
+use furrow_cell::law::Active;
 
 /// Closer to the axis than this, relative to R0, cosψ/r and sinψ/r are replaced by their limits.
 const ON_AXIS: f64 = 1e-9;
+
+/// A small part of an interval.
+const NUDGE: f64 = 1e-3;
 
 /// The normal forces at a place by their origin; outwards is positive, in κ0/L_h³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -140,7 +144,7 @@ struct State {
 pub fn at(cortex: &Cortex, gauss: &Gauss, y: &Solution, u: f64) -> Place {
     let i = y.interval_of(u);
     let theta = (u - y.mesh[i]) / (y.mesh[i + 1] - y.mesh[i]);
-    place(cortex, y, &between(cortex, gauss, y, i, theta))
+    place(cortex, gauss, y, (i, theta))
 }
 
 /// The states at the collocation points, where the equations were solved, and at the two ends of the mesh.
@@ -175,7 +179,7 @@ pub(crate) fn dense_profile(cortex: &Cortex, gauss: &Gauss, y: &Solution, count:
 fn along(cortex: &Cortex, gauss: &Gauss, y: &Solution, thetas: &[f64]) -> Vec<Place> {
     let inside = (0..y.intervals()).flat_map(|i| thetas.iter().map(move |theta| (i, *theta)));
     let all = [(0, 0.0)].into_iter().chain(inside).chain([(y.intervals() - 1, 1.0)]);
-    all.map(|(i, theta)| place(cortex, y, &between(cortex, gauss, y, i, theta))).collect()
+    all.map(|at| place(cortex, gauss, y, at)).collect()
 }
 
 /// The shape and its rate of change at θ in interval i, by their polynomials; the rate is known at the Gauss points.
@@ -202,13 +206,16 @@ fn between(cortex: &Cortex, gauss: &Gauss, y: &Solution, i: usize, theta: f64) -
     state
 }
 
-fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
+fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> Place {
+    let state = &between(cortex, gauss, shape, at.0, at.1);
     let State { u, y, slope, rate, noise } = state;
     let (length, constants) = (shape.scalars[LENGTH], cortex.constants());
     let here = constants.of_state(*u, &y[..shape.components], length);
     let (sin, cos) = y[PSI].sin_cos();
-    let mean = y[M] / here.kappa;
     let on_axis = y[R].abs() < ON_AXIS * cortex.cell.r0;
+    let own = constants.law.as_ref().map(|_| Own { cortex, gauss, shape, on_axis });
+    let given = own.as_ref().and_then(|own| own.at(at));
+    let mean = given.map_or(y[M] / here.kappa, |(_, [mean, _])| mean);
     // Quantities multiplied by cosψ/r vanish on the axis, where the quotient equals their derivative.
     let by_r = |value: f64, value_u: f64| if on_axis { value_u / length } else { cos / y[R] * value };
     let c_pp = if on_axis { 0.5 * mean } else { sin / y[R] };
@@ -217,8 +224,12 @@ fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
     let v_n = sin * rate[0] + cos * rate[1];
     let s_pp = by_r(y[V], slope[V]) + c_pp * v_n;
     let (x_s, x_b) = (here.xi_s * noise, here.xi_b * noise);
-    let active_uu = 0.5 * x_s * difference + x_b * mean;
-    let active_pp = -0.5 * x_s * difference + x_b * mean;
+    let (active_uu, active_pp, pushed) = match given {
+        Some((Active { stress: [along, around], moment, normal_force }, _)) => {
+            (along, around, normal_force + moment * (c_uu * c_uu + c_pp * c_pp))
+        }
+        None => (0.5 * x_s * difference + x_b * mean, -0.5 * x_s * difference + x_b * mean, 0.0),
+    };
     let viscous_uu = y[T] - active_uu;
     let s_uu = (viscous_uu - here.eta_difference * s_pp) / here.eta_sum;
     let viscous_pp = here.eta_difference * s_uu + here.eta_sum * s_pp;
@@ -235,15 +246,59 @@ fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
         v: y[V],
         v_n,
         moving: *rate,
-        active_tangential: if on_axis { 0.0 } else { active_tangential(cortex, shape, state) },
+        active_tangential: match &own {
+            _ if on_axis => 0.0,
+            Some(own) => own.tangential(at, cos / y[R] * (active_uu - active_pp)),
+            None => active_tangential(cortex, shape, state),
+        },
         normal: NormalForces {
-            active: -(c_uu * active_uu + c_pp * active_pp),
+            active: pushed - (c_uu * active_uu + c_pp * active_pp),
             viscous: -(c_uu * viscous_uu + c_pp * viscous_pp),
             elastic: bending - here.tension * mean + 0.5 * here.kappa * difference * difference * mean,
             pressure: shape.scalars[PRESSURE],
             shell: shell(cortex, y),
         },
         phi: (shape.components == REGULATED).then_some(y[PHI]),
+    }
+}
+
+/// T^a_uu and T^a_φφ that the cell's own law gives in a state without motion, and C and ∂_sC; `None` without such a law.
+pub fn own_stress(cortex: &Cortex, u: f64, y: &[f64], length: f64) -> Option<[[f64; 2]; 2]> {
+    let constants = cortex.constants();
+    let here = constants.of_state(u, y, length);
+    let (active, mean) = constants.reader().active(u, (y, 0.0, 1.0), &here, length)?;
+    Some([active.stress, mean])
+}
+
+/// The law of a cell that has one of its own, on a shape.
+struct Own<'a> {
+    cortex: &'a Cortex,
+    gauss: &'a Gauss,
+    shape: &'a Solution,
+    on_axis: bool,
+}
+
+impl Own<'_> {
+    /// The law's values at θ in interval i, with C and ∂_sC; on the axis, those very near it.
+    fn at(&self, (i, theta): (usize, f64)) -> Option<(Active<f64>, [f64; 2])> {
+        let theta = if self.on_axis { theta.clamp(NUDGE, 1.0 - NUDGE) } else { theta };
+        let State { u, y, rate, noise, .. } = between(self.cortex, self.gauss, self.shape, i, theta);
+        let (length, constants) = (self.shape.scalars[LENGTH], self.cortex.constants());
+        let y = &y[..self.shape.components];
+        let here = constants.of_state(u, y, length);
+        let (sin, cos) = y[PSI].sin_cos();
+        let v_n = sin * rate[0] + cos * rate[1];
+        constants.reader().active(u, (y, v_n, noise), &here, length)
+    }
+
+    /// The tangential active force, by a difference along the contour; `round` is its part (cosψ/r)(Tᵃ_uu − Tᵃ_φφ). Of a
+    /// moment it has M ∂_sC.
+    fn tangential(&self, (i, theta): (usize, f64), round: f64) -> f64 {
+        let [before, after] =
+            [-NUDGE, NUDGE].map(|step| self.at((i, theta + step)).map_or(0.0, |(it, _)| it.stress[0]));
+        let width = self.shape.mesh[i + 1] - self.shape.mesh[i];
+        let bent = self.at((i, theta)).map_or(0.0, |(Active { moment, .. }, [_, mean_s])| moment * mean_s);
+        (after - before) / (2.0 * NUDGE * width * self.shape.scalars[LENGTH]) + round - bent
     }
 }
 

@@ -14,9 +14,9 @@ use super::lanes::{Arithmetic, Lane};
 /// A number with its derivative along a direction. Nested jets hold higher derivatives: the compiler drops unused ones,
 /// and a derivative along equal directions is computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Jet<T> {
-    value: T,
-    slope: T,
+pub(super) struct Jet<T> {
+    pub value: T,
+    pub slope: T,
 }
 
 type First = Jet<Lane>;

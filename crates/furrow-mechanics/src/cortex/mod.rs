@@ -6,6 +6,8 @@
 //! | [`jacobian`] | the same with hand-written derivatives, for speed |
 //! | [`lanes`] | numbers for vectorised loops |
 //! | `sweep` | both at many points side by side |
+//! | `own` | the same of a cell with a law of active stress of its own |
+//! | `gradient` | numbers that carry derivatives by the state |
 //! | `columns` | derivatives by parameters at many points |
 //! | `coefficients` | the coefficients at a place, and a cache for the points of a sweep |
 //! | [`problem`] | the boundary-value problem [`Cortex`] |
@@ -23,10 +25,12 @@ mod columns;
 pub mod derivatives;
 pub mod equations;
 pub mod forces;
+mod gradient;
 pub mod jacobian;
 mod jets;
 pub mod lanes;
 pub mod observables;
+pub(crate) mod own;
 pub mod problem;
 pub mod resolution;
 mod sweep;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use furrow_bvp::{CollocationPoint, Gauss, Solution};
 
 use super::Cortex;
-use super::equations::{Carried, Domain, LENGTH, M, PHI, PSI, Q, R, REGULATED, Z};
+use super::equations::{Carried, Domain, LENGTH, PHI, PSI, R, REGULATED, Z};
 use super::lanes::sin_cos;
 
 /// Collects (r, z) at the collocation points of a solution.
@@ -148,19 +148,21 @@ pub(crate) fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> O
     let length = y.scalars[LENGTH];
     let place = |index: usize| y.stage_x(gauss, index / y.m, index % y.m);
     let states = || y.stages.chunks_exact(y.components);
+    let mut reader = cortex.constants().reader();
     let curvature = |(index, s): (usize, &[f64])| {
         let here = cortex.coefficients_at(CollocationPoint { x: place(index), index }, s, length);
-        (s[M] / here.kappa - sin_cos(s[PSI]).0 / s[R], index)
+        let [mean, _] = reader.mean_curvature(place(index), &here, s, length);
+        (mean - sin_cos(s[PSI]).0 / s[R], index)
     };
     let (_, nearest) =
         states().enumerate().map(curvature).filter(|(c1, _)| *c1 < 0.0).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let slope = |u: f64| {
+    let mut slope = |u: f64| {
         let mut value = [0.0; REGULATED];
         let s = &mut value[..y.components];
         y.eval(gauss, u, s);
         let here = cortex.constants().of_state(u, s, length);
-        let (mean, (sin, cos)) = (s[M] / here.kappa, sin_cos(s[PSI]));
-        (s[Q] - mean * here.kappa_u / length) / here.kappa - cos / s[R] * (mean - 2.0 * sin / s[R])
+        let ([mean, mean_s], (sin, cos)) = (reader.mean_curvature(u, &here, s, length), sin_cos(s[PSI]));
+        mean_s - cos / s[R] * (mean - 2.0 * sin / s[R])
     };
     let around = [nearest.saturating_sub(1), (nearest + 1).min(states().len() - 1)];
     let [mut before, mut newest] = around.map(|index| (place(index), slope(place(index))));

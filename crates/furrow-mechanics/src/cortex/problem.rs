@@ -13,6 +13,7 @@ use super::equations::{
     BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PSI, Q, R, REGULATED, T, V,
 };
 use super::lanes::sin_cos;
+use super::own;
 use super::sweep::{self, Sweep};
 use super::symmetry::{CENTRE, odd};
 use furrow_cell::cue::{Term, Width};
@@ -147,7 +148,9 @@ impl Cortex {
         let sourced =
             matches!(self.constants.source().and_then(|source| source.profile.width()), Some(Width::Length(_)));
         let by_length = sourced || self.cell.cue.terms().iter().any(by_length);
-        self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
+        // A cell with its own law has no hand-written derivatives by the length.
+        let by_any = by_length || self.cell.law.is_some();
+        self.along_length = by_any.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
         if (&before.cue, before.source()) != (&self.constants.cue, self.constants.source()) {
             self.coefficients = CoefficientCache::default();
         }
@@ -219,10 +222,12 @@ impl Cortex {
         let c1 = y[M] / here.kappa - c2;
         let d_s_u = -here.eta_difference * c2 / here.eta_sum;
         let d_t_phi = here.eta_difference * d_s_u + here.eta_sum * c2;
-        let mut response = MotionResponse {
-            normal: [length * c2 * d_t_phi, length * (d_s_u - c1), length * cos / y[R] * d_t_phi],
-            ..MotionResponse::default()
+        let normal = [length * c2 * d_t_phi, length * (d_s_u - c1), length * cos / y[R] * d_t_phi];
+        let (normal, d_s_u) = match self.constants.law.as_ref().filter(|law| law.viscous || law.bends) {
+            Some(law) => own::points::response(&self.constants, law, at.x, self.motion(at), y, length),
+            None => (normal, d_s_u),
         };
+        let mut response = MotionResponse { normal, ..MotionResponse::default() };
         if let Some(regulator) = self.constants.regulator.as_ref().filter(|_| y.len() == REGULATED) {
             let per = length / regulator.diffusion;
             let dilution = if regulator.diluted { 1.0 + y[PHI] } else { 0.0 };
@@ -334,6 +339,12 @@ impl BoundaryValueProblem for Cortex {
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
         let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
         let sweep = self.sweep(&coefficients, profiles);
+        if let Some(law) = &self.constants.law {
+            return match self.is_regulated() {
+                true => own::points::rhs_many::<REGULATED>(&sweep, law, points, p, f, g),
+                false => own::points::rhs_many::<COMPONENTS>(&sweep, law, points, p, f, g),
+            };
+        }
         if self.is_regulated() {
             sweep::rhs_many::<REGULATED>(&sweep, points, p, f, g);
         } else {
@@ -344,6 +355,13 @@ impl BoundaryValueProblem for Cortex {
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
         let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
         let (sweep, columns) = (self.sweep(&coefficients, profiles), self.columns(p[LENGTH]));
+        if let Some((law, along_length)) = self.constants.law.as_ref().zip(self.along_length.as_ref()) {
+            let columns = (along_length, self.sensitivities.as_slice());
+            return match self.is_regulated() {
+                true => own::points::jacobian_many::<REGULATED>(&sweep, law, points, p, columns, out),
+                false => own::points::jacobian_many::<COMPONENTS>(&sweep, law, points, p, columns, out),
+            };
+        }
         if self.is_regulated() {
             sweep::jacobian_many::<REGULATED>(&sweep, points, p, columns, out);
         } else {

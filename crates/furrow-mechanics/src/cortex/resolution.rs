@@ -3,7 +3,7 @@
 use furrow_bvp::Solution;
 
 use super::Cortex;
-use super::equations::{J, LENGTH, M, PHI, PSI, R, REGULATED};
+use super::equations::{J, LENGTH, PHI, PSI, R, REGULATED};
 
 /// Floor added to the mesh monitor everywhere, as a fraction of its mean.
 const FLOOR: f64 = 0.3;
@@ -43,6 +43,7 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
     let length = y.scalars[LENGTH];
     let end = y.mesh[y.intervals()] - y.mesh[0];
     weight.clear();
+    let mut reader = cortex.constants().reader();
     for i in 0..y.intervals() {
         let (from, to) = (y.mesh[i], y.mesh[i + 1]);
         let (mut largest, mut carried): (f64, f64) = (0.0, 0.0);
@@ -50,7 +51,8 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
             let s = y.stage(i, j);
             let u = from + (to - from) * (j as f64 + 0.5) / y.m as f64;
             let c2 = s[PSI].sin() / s[R];
-            let c1 = s[M] / cortex.constants().of_state(u, s, length).kappa - c2;
+            let here = cortex.constants().of_state(u, s, length);
+            let c1 = reader.mean_curvature(u, &here, s, length)[0] - c2;
             largest = largest.max(length * (c1.abs() + c2.abs()));
             carried = carried.max(gradient(s, length));
         }

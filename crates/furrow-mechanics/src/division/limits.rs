@@ -4,6 +4,7 @@ use super::outcome::DivisionError;
 use super::stepper::{HistoryPoint, MAX_ORDER, Stepper};
 use crate::cortex::equations::{LENGTH, LocalCoefficients, PHI};
 use crate::cortex::{Cortex, Domain};
+use crate::law;
 use crate::stability::Stability;
 use furrow_cell::cue::Field;
 use furrow_cell::{Numerics, Scheme};
@@ -59,6 +60,12 @@ pub fn neutral_drift(stepper: &Stepper) -> Option<f64> {
 /// along the axis pushes the cell against very little resistance: it is followed until it rests, or divides elsewhere.
 pub fn creeps(stepper: &Stepper, t_max: f64) -> bool {
     stepper.speed() < CREEPING && stepper.history[0].t < MORE_TIME * t_max
+}
+
+/// An error for a law that cannot hold in the newest shape.
+pub fn short_waves(stepper: &Stepper) -> Option<DivisionError> {
+    let found = law::short_waves(&stepper.cortex, &stepper.history[0].y);
+    found.map(|source| DivisionError::Law { r0: stepper.cortex.cell.r0, source })
 }
 
 /// An error for the coefficient that a regulator has reduced most in the newest shape, if less than `share` of its

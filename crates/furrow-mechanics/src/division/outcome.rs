@@ -4,6 +4,7 @@ use furrow_bvp::{NewtonError, Work};
 use serde::{Deserialize, Serialize};
 
 use crate::equilibria::error::CellName;
+use crate::law::LawError;
 use crate::polarity::PolarityError;
 
 /// The outcome of a division in one word.
@@ -273,6 +274,9 @@ pub enum DivisionError {
     /// The position of a cue that follows PAR polarity could not be computed.
     #[error("PAR polarity, which the cue follows: {source}")]
     Polarity { source: PolarityError },
+    /// The cell's own law of active stress is refused, or cannot hold.
+    #[error("R0 = {r0}: {source}")]
+    Law { r0: f64, source: LawError },
     /// The start shape did not converge on the division's mesh.
     #[error(
         "the stationary shape of {cell} did not converge on the division's mesh ({source}); try more mesh intervals"

@@ -173,7 +173,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
         }
         run.advance(&mut stepper)?;
         // The equations may have solutions beyond this point, but they have no physical meaning.
-        if let Some(error) = limits::taken_away(&stepper, 0.0) {
+        if let Some(error) = limits::taken_away(&stepper, 0.0).or_else(|| limits::short_waves(&stepper)) {
             return Err(error);
         }
         let newest = &stepper.history[0];
@@ -313,7 +313,7 @@ impl Run {
     fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
         let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
         let stalled = DivisionError::Stalled { r0, t, dt: self.dt, source };
-        let taken_away = limits::taken_away(stepper, limits::TAKEN_AWAY);
+        let taken_away = limits::taken_away(stepper, limits::TAKEN_AWAY).or_else(|| limits::short_waves(stepper));
         taken_away.or_else(|| limits::collapsed(stepper)).unwrap_or(stalled)
     }
 

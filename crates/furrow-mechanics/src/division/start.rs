@@ -10,6 +10,7 @@ use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::equilibria::error::CellName;
 use crate::equilibria::passive;
+use crate::law;
 use furrow_cell::{Cell, Numerics};
 
 /// Imbalance of the mesh above which it is rebuilt before the first step.
@@ -39,7 +40,7 @@ pub(super) fn check(cell: &Cell) -> Result<(), DivisionError> {
     let (field, value, allowed) = match (r0.is_finite() && r0 > 0.0, epsilon > 0.0 && epsilon < 1.0) {
         (false, _) => ("r0", r0, "a finite radius above 0"),
         (_, false) => ("epsilon", epsilon, "a volume fraction between 0 and 1, both excluded"),
-        _ => return Ok(()),
+        _ => return law::check(cell).map_err(|source| DivisionError::Law { r0: cell.r0, source }),
     };
     Err(DivisionError::BadInput { field, value, allowed })
 }
@@ -52,8 +53,10 @@ impl Start<'_> {
         let cortex = Cortex::new(&active, Domain::Full, &[]);
         let (shape, report) = match self {
             Start::Passive => {
-                let (half, report) = passive(cell, numerics)
-                    .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
+                let (half, report) = passive(cell, numerics).map_err(|source| match law::cannot_rest(cell) {
+                    Some(source) => DivisionError::Law { r0: cell.r0, source },
+                    None => DivisionError::NoPassiveShape { cell: CellName::of(cell), source },
+                })?;
                 (with_components(&unfold(&half), cortex.components()), report)
             }
             Start::Stationary { shape, .. } => ((*shape).clone(), NewtonReport::default()),

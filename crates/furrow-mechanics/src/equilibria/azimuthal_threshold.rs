@@ -10,7 +10,7 @@ use furrow_bvp::{Gauss, Solution, mesh};
 use super::azimuthal_scan::{CLOSE, Corrector, between, crossing, rate};
 use super::branch::{BranchOptions, mesh_monitor};
 use super::curves::{self, Curve, CurveEnd, CurvePoint};
-use super::error::{CellName, PointKind, Result, ShapeError, resolved};
+use super::error::{CellName, PointKind, Result, ShapeError, resolved, with_paper_law};
 use super::point::{ShapePoint, XI};
 use super::primary;
 use super::stationary::{PINCHING, waist};
@@ -79,6 +79,7 @@ struct Threshold {
 /// [`ShapeError`]; [`ShapeError::NoGrowth`] if they never grow.
 pub fn first(cell: &Cell, numerics: &Numerics, m: usize) -> Result<(Cortex, ShapePoint, Solution)> {
     let cell = &*resolved(cell)?;
+    with_paper_law(cell)?;
     let options = BranchOptions::default();
     let mut branch = primary::start(cell, numerics, &options.settings)?;
     let mut before = rate(&branch.problem, &branch.state.solution, m).map(|r| (r, branch.state.solution.clone()));

@@ -189,6 +189,8 @@ pub enum BranchEnd {
     Lost(ShapeError),
     /// A singular point could not be located; the events before it are complete.
     NotLocated(ShapeError),
+    /// The cell's own law of active stress cannot hold at the last point.
+    CannotHold(ShapeError),
 }
 
 impl BranchEnd {
@@ -202,6 +204,7 @@ impl BranchEnd {
             BranchEnd::PassedFold => ("passed_fold", "it is well beyond its fold".into()),
             BranchEnd::Enough => ("enough", "stopped by the caller".into()),
             BranchEnd::Lost(_) => ("lost", "lost".into()),
+            BranchEnd::CannotHold(_) => ("cannot_hold", "the law cannot hold there".into()),
             BranchEnd::NotLocated(_) => ("not_located", "a singular point that cannot be located".into()),
         }
     }
@@ -214,7 +217,7 @@ impl BranchEnd {
     /// The error, if there was one.
     pub fn error(&self) -> Option<&ShapeError> {
         match self {
-            BranchEnd::Lost(error) | BranchEnd::NotLocated(error) => Some(error),
+            BranchEnd::Lost(error) | BranchEnd::NotLocated(error) | BranchEnd::CannotHold(error) => Some(error),
             _ => None,
         }
     }

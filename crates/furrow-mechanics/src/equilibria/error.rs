@@ -2,6 +2,7 @@
 
 use furrow_bvp::{ContinuationError, CurveError, NewtonError, SingularError};
 
+use crate::law::{self, LawError};
 use crate::polarity::{self, PolarityError};
 use furrow_cell::{Cell, Parameter};
 use furrow_input::shown_number;
@@ -79,10 +80,11 @@ pub enum ShapeError {
     /// The range contains no such point.
     #[error("{cell}: no {kind} for xi_s up to {xi_max}")]
     NotFound { cell: CellName, kind: PointKind, xi_max: f64 },
-    /// The cell's cue distinguishes the poles: its branch has folds but no pitchfork.
-    #[error(
-        "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold"
-    )]
+    /// The cell's own law of active stress is refused, or cannot hold.
+    #[error("{cell}: {source}")]
+    Law { cell: CellName, source: LawError },
+    /// The cell's cue, or its law, distinguishes the poles: its branch has folds but no pitchfork.
+    #[error("{cell}: {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold")]
     NoPitchfork { cell: CellName, cue: String },
     /// A curve of singular points does not reach the requested value.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: {source}")]
@@ -131,7 +133,7 @@ pub enum ShapeError {
 /// The cell, with cues that follow PAR polarity at their resolved positions.
 ///
 /// # Errors
-/// [`ShapeError::Polarity`], [`ShapeError::NoTurnover`] and [`ShapeError::NoAxis`].
+/// [`ShapeError::Polarity`], [`ShapeError::NoTurnover`], [`ShapeError::NoAxis`] and [`ShapeError::Law`].
 pub(crate) fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>> {
     if cell.cue.regulator().is_some_and(|regulator| regulator.turnover == 0.0) {
         return Err(ShapeError::NoTurnover { cell: CellName::of(cell) });
@@ -139,5 +141,15 @@ pub(crate) fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>> {
     if !cell.has_axis() {
         return Err(ShapeError::NoAxis { cell: CellName::of(cell) });
     }
+    law::check(cell).map_err(|source| ShapeError::Law { cell: CellName::of(cell), source })?;
     polarity::resolved(cell).map_err(|source| ShapeError::Polarity { cell: CellName::of(cell), source })
+}
+
+/// Refuses a law of the cell's own, for computations with the paper's law alone.
+///
+/// # Errors
+/// [`ShapeError::Law`].
+pub(crate) fn with_paper_law(cell: &Cell) -> Result<()> {
+    let Some(law) = &cell.law else { return Ok(()) };
+    Err(ShapeError::Law { cell: CellName::of(cell), source: LawError::WithoutAxis { law: law.name().to_owned() } })
 }

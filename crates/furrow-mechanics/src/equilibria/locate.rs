@@ -12,7 +12,9 @@ use super::curves::along_scalar;
 use super::error::{CellName, PointKind, ShapeError};
 use super::point::{ShapePoint, XI};
 use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
+use crate::cortex::lanes::sin_cos;
 use crate::cortex::{Cortex, Domain, observables};
+use crate::law;
 
 /// The folds between the last two points of a continuation. `passed` says whether ξ_s has turned an odd number of times
 /// in the step; `before` is [arclength, ξ_s, dξ_s/ds] at its start.
@@ -102,6 +104,9 @@ pub(super) fn course(branch: &Continuation<Cortex>) -> [f64; 3] {
 /// If the newest shape of a branch is narrower than `limit`, in R0, ends the branch at the shape of this width between
 /// the last two points, if there is one: the newest shape depends on the length of the steps.
 pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Option<BranchEnd> {
+    if let Some(source) = law::short_waves(&branch.problem, &branch.state.solution) {
+        return Some(BranchEnd::CannotHold(ShapeError::Law { cell: CellName::of(&branch.problem.cell), source }));
+    }
     const MOST: usize = 30;
     const CLOSE: f64 = 1e-6;
     let (gauss, domain) = (branch.system.gauss.clone(), branch.problem.domain);
@@ -210,6 +215,9 @@ pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f
     let f = &mut f[..y.components];
     cortex.rhs(CollocationPoint { x: 0.5, index: 0 }, state, &y.scalars, f, &mut g);
     let phi = &null.nodes[last * y.components..];
+    if cortex.constants().law.as_ref().is_some_and(|law| law.bends) {
+        return shift_by_differences(cortex, state, [f, &phi[..y.components]], length);
+    }
     // An antisymmetric change leaves φ at the equator unchanged, but changes its slope j.
     let mut kappa_turn = 0.0;
     if y.components == REGULATED {
@@ -223,6 +231,23 @@ pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f
     let change = phi[Q] / kappa + phi[PSI] * (c1 - c2) / state[R] - state[M] * kappa_turn / (kappa * kappa);
     let bend = f[Q] / length / kappa - state[M] * kappa_ss / (kappa * kappa) + c1 * (c1 - c2) / state[R];
     -change / bend / length
+}
+
+/// [`furrow_shift`] by differences of c1_s, for a law with a moment: along the contour, where the state changes by `f` per u,
+/// and along the antisymmetric direction.
+fn shift_by_differences(cortex: &Cortex, state: &[f64], [f, phi]: [&[f64]; 2], length: f64) -> f64 {
+    const STEP: f64 = 1e-5;
+    let mut reader = cortex.constants().reader();
+    let mut slope = |u: f64, by: &[f64], step: f64| {
+        let moved: Vec<f64> = state.iter().zip(by).map(|(y, by)| y + step * by).collect();
+        let here = cortex.constants().of_state(u, &moved, length);
+        let [mean, mean_s] = reader.mean_curvature(u, &here, &moved, length);
+        let (sin, cos) = sin_cos(moved[PSI]);
+        mean_s - cos / moved[R] * (mean - 2.0 * sin / moved[R])
+    };
+    let change = slope(0.5, phi, STEP) - slope(0.5, phi, -STEP);
+    let bend = slope(0.5 + STEP, f, STEP) - slope(0.5 - STEP, f, -STEP);
+    -change / bend
 }
 
 /// A singular point near the newest point of a branch that cannot be located.

@@ -55,7 +55,9 @@ pub fn first_within(
 ) -> Result<Pitchfork> {
     let name = CellName::of(cell);
     if !cell.is_mirror_symmetric() {
-        return Err(ShapeError::NoPitchfork { cell: name, cue: cell.cue.to_string() });
+        let law = cell.law.as_ref().filter(|law| !law.is_mirror_symmetric(cell));
+        let cue = law.map_or_else(|| format!("the cue {}", cell.cue), |law| format!("the law {:?}", law.name()));
+        return Err(ShapeError::NoPitchfork { cell: name, cue });
     }
     let mut unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
     // The coarse mesh misses narrow necks: if it gives a fold first, or no pitchfork, the given mesh decides.

@@ -11,7 +11,7 @@ use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solu
 use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, begin, newest_contour};
 use super::budget::StepBudget;
-use super::error::{CellName, PointKind, Result, ShapeError, resolved};
+use super::error::{CellName, PointKind, Result, ShapeError, resolved, with_paper_law};
 use super::locate::{course, end_at_width, folds_near, not_located, pitchfork_near};
 use super::passive::passive;
 use super::point::ShapePoint;
@@ -19,6 +19,7 @@ use super::rates::{self, with_rates};
 use crate::cortex::observables::{PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
+use crate::law;
 use crate::stability::Stability;
 use furrow_cell::{Cell, Numerics};
 
@@ -33,7 +34,10 @@ const SMALLEST_PART: f64 = 1e-3;
 /// [`ShapeError::Passive`], [`ShapeError::Cue`].
 pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
     let name = CellName::of(cell);
-    let (half, _) = passive(cell, numerics).map_err(|source| ShapeError::Passive { cell: name, source })?;
+    let (half, _) = passive(cell, numerics).map_err(|source| match law::cannot_rest(cell) {
+        Some(source) => ShapeError::Law { cell: name, source },
+        None => ShapeError::Passive { cell: name, source },
+    })?;
     let domain = Domain::of(cell);
     let mut y = if domain == Domain::Half { half } else { unfold(&half) };
     if cell.cue.is_none() && cell.cue.regulator().is_none() {
@@ -65,9 +69,14 @@ pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solut
 /// The primary branch at ξ_s = 0, ready for continuation to larger ξ_s.
 ///
 /// # Errors
-/// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Branch`].
+/// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Law`], [`ShapeError::Branch`].
 pub fn start(cell: &Cell, numerics: &Numerics, settings: &ContinuationSettings) -> Result<Continuation<Cortex>> {
-    begin(passive_with_cue(cell, numerics)?, cell, settings)
+    let y = passive_with_cue(cell, numerics)?;
+    let inactive = Cortex::new(&Cell { xi_s: 0.0, ..cell.clone() }, Domain::of(cell), &[]);
+    match law::short_waves(&inactive, &y) {
+        Some(source) => Err(ShapeError::Law { cell: CellName::of(cell), source }),
+        None => begin(y, cell, settings),
+    }
 }
 
 /// Detects folds and pitchforks along the branch.
@@ -169,6 +178,9 @@ pub fn follow_within(
 ) -> Result<Branch> {
     budget.check(cell)?;
     let cell = &*resolved(cell)?;
+    if options.azimuthal > 0 {
+        with_paper_law(cell)?;
+    }
     let (numerics, refinement) = if options.coarse { coarse(numerics) } else { (*numerics, 1) };
     let mut branch = start(cell, &numerics, &options.settings)?;
     let (breaking, pitchforks) = (SymmetryBreaking::default(), options.pitchforks);

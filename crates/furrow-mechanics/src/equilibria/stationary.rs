@@ -12,6 +12,7 @@ use crate::azimuthal::Azimuthal;
 use crate::cortex::equations::{LENGTH, PRESSURE, R};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables};
+use crate::law;
 use crate::stability::{Spectrum, Stability, StabilityError};
 use furrow_cell::{Cell, Numerics};
 
@@ -91,6 +92,7 @@ pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, S
         && let Ok(shape) = along_branch(cell, &quick, long)
         && let Some(shape) = shape.refined(parts)
     {
+        shape.holds()?;
         return Ok(shape);
     }
     let mut shape = shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
@@ -101,6 +103,7 @@ pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, S
     })?;
     // At a fold the accuracy of the branch must suffice.
     let _ = shape.polish();
+    shape.holds()?;
     Ok(shape)
 }
 
@@ -148,6 +151,13 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
 const SAME: f64 = 1e-3;
 
 impl StationaryShape {
+    /// Refuses a shape at which the cell's own law cannot hold.
+    fn holds(&self) -> Result<()> {
+        let found = law::short_waves(&self.cortex, &self.solution);
+        let cell = CellName::of(&self.cortex.cell);
+        found.map_or(Ok(()), |source| Err(ShapeError::Law { cell, source }))
+    }
+
     /// Solves for the shape to rounding; leaves it unchanged if this fails.
     fn polish(&mut self) -> Result<(), NewtonError> {
         let mut system = System::new(self.cortex.dimensions(), self.solution.m);

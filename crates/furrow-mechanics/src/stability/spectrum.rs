@@ -78,6 +78,11 @@ pub enum StabilityError {
     /// The eigenvalues of the projected matrix could not be computed.
     #[error(transparent)]
     Projected(#[from] NoEigenvalues),
+    /// Disturbances around the axis have equations for the paper's law alone.
+    #[error(
+        "disturbances without axial symmetry have equations for the paper's law alone; leave out the cell's own law"
+    )]
+    OwnLaw,
     /// The rightmost growth rate did not converge.
     #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
     NotConverged { value: f64, error: f64, dimension: usize },

@@ -4,6 +4,7 @@ mod decisions;
 mod derivatives;
 mod growth_rates;
 mod manufactured;
+mod own_laws;
 mod peer;
 mod random_cells;
 mod regulator;

@@ -201,6 +201,22 @@ fn a_chosen_state_is_found_again_whatever_the_cue() {
     within("chosen states", largest, 1e-8);
 }
 
+/// The same of the paper's law as text.
+#[test]
+fn a_chosen_state_is_found_again_by_a_law_as_text() {
+    let law = furrow_cell::Law::parse(include_str!("../../../../laws/paper.ron"), "paper.ron").unwrap();
+    let mut largest = 0.0f64;
+    for cue in cues().iter().step_by(3) {
+        let cell = cell(cue).with_law(law.clone());
+        let Errors { nodes, scalars, .. } = match cell.cue.regulator() {
+            Some(_) => errors_of::<REGULATED>(cell, 4, 32),
+            None => errors_of::<COMPONENTS>(cell, 4, 32),
+        };
+        largest = largest.max(nodes).max(scalars);
+    }
+    within("chosen states, law as text", largest, 1e-8);
+}
+
 /// Expected orders at nodes rise by two with each stage.
 const ORDER: f64 = 0.8;
 

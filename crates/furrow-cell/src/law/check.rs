@@ -1,0 +1,115 @@
+//! Conditions on a law: it acts by ξ_s, is isotropic at the poles, and uses the fields that a cue paints.
+
+use super::{Expression, Law, LawValues, VARIABLES, Variable};
+use crate::cue::Field;
+use crate::{Cell, Cue};
+
+/// A sequence of numbers between −1 and 1 that fills the interval evenly.
+fn spread(k: usize, dimension: usize) -> f64 {
+    // The fractional parts of multiples of irrational numbers.
+    let step = (2.0 + dimension as f64 * 3.0).sqrt().fract();
+    2.0 * ((k + 1) as f64 * step).fract() - 1.0
+}
+
+/// Number of places at which a law is looked at.
+const PLACES: usize = 24;
+
+/// Relative difference of numbers that count as equal.
+const SAME: f64 = 1e-9;
+
+fn differ(a: f64, b: f64) -> bool {
+    // A value that is not finite shows at the place of the cell, if the cell gets there.
+    (a - b).abs() > SAME * (1.0 + a.abs().max(b.abs()))
+}
+
+impl Law {
+    /// Checks what can be known without a cell: field, value, allowed.
+    pub(super) fn check(&self) -> Result<(), (String, String, String)> {
+        if !self.names(Variable::XiS) && !self.names(Variable::XiB) {
+            let (field, text) = (Expression::StressUu.name(), self.text(Expression::StressUu).unwrap_or_default());
+            let allowed = "an expression with xi_s (or xi_b = xi_ratio*xi_s), the strength of the activity: cells start from rest at xi_s = 0, and thresholds are sought in it";
+            return Err((field.to_owned(), furrow_input::shown(text), allowed.to_owned()));
+        }
+        for variable in [Variable::Suu, Variable::Sphiphi] {
+            if self.uses(Expression::Moment, variable) {
+                let (field, text) = (Expression::Moment.name(), self.text(Expression::Moment).unwrap_or_default());
+                let allowed =
+                    format!("an expression without {}: a moment may depend on shape and fields", variable.name());
+                return Err((field.to_owned(), furrow_input::shown(text), allowed));
+            }
+        }
+        self.check_poles(&Cell::new(2.0))
+    }
+
+    /// The quantities at sample k: curvatures, rates and φ are anything, fields those of a cell.
+    fn sample(&self, cell: &Cell, values: &LawValues<f64>, k: usize, u: f64) -> [f64; VARIABLES] {
+        let length = 3.0 * cell.r0;
+        let [u, s] = values.along(u, length);
+        let curvature = |dimension| (1.0 + 0.8 * spread(k, dimension)) / cell.r0;
+        let (c1, c2) = (curvature(0), curvature(1));
+        let (rate, other, phi) = (spread(k, 2), spread(k, 3), 0.5 * spread(k, 4));
+        let r = cell.r0 * (0.5 + 0.4 * spread(k, 5));
+        let material = &cell.material;
+        let xi_b = cell.xi_s * material.xi_ratio;
+        let fields = [material.kappa, material.eta_b, material.eta_s, material.friction, material.tension];
+        let [kappa, eta_b, eta_s, friction, tension] = fields;
+        [c1, c2, c1 + c2, u, s, r, rate, other, phi, kappa, eta_b, eta_s, friction, tension, cell.xi_s, xi_b]
+    }
+
+    /// Refuses stresses that differ at a pole, where no direction is another.
+    fn check_poles(&self, cell: &Cell) -> Result<(), (String, String, String)> {
+        let (values, mut memory) = (LawValues::new(self, cell, |_, v| v), Vec::new());
+        for k in 0..PLACES {
+            let mut place = self.sample(cell, &values, k, (k % 2) as f64);
+            place[Variable::C2 as usize] = place[Variable::C1 as usize];
+            place[Variable::C as usize] = 2.0 * place[Variable::C1 as usize];
+            place[Variable::Sphiphi as usize] = place[Variable::Suu as usize];
+            place[Variable::R as usize] = 1e-9;
+            let [a, b] = values.at(&place, &mut memory).stress;
+            if differ(a, b) {
+                let text = self.text(Expression::StressPhiphi).unwrap_or_default();
+                let [c, rate] = [Variable::C1, Variable::Suu].map(|variable| place[variable as usize]);
+                let allowed = format!(
+                    "equal to stress_uu at a pole, where c1 = c2, S_uu = S_phiphi and r = 0: at c1 = {c:.3}, S_uu = {rate:.3} it is {b:.6}, and stress_uu is {a:.6}"
+                );
+                return Err((Expression::StressPhiphi.name().to_owned(), furrow_input::shown(text), allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether it is the same seen from either pole of a cell.
+    pub fn is_mirror_symmetric(&self, cell: &Cell) -> bool {
+        if !self.names(Variable::U) && !self.names(Variable::S) {
+            return true;
+        }
+        let (values, mut memory) = (LawValues::new(self, cell, |_, v| v), Vec::new());
+        (0..PLACES).all(|k| {
+            let u = 0.25 * (1.0 + 0.98 * spread(k, 6));
+            let [here, there] = [u, 1.0 - u].map(|u| values.at(&self.sample(cell, &values, k, u), &mut memory));
+            let numbers = |of: &super::Active<f64>| [of.stress[0], of.stress[1], of.moment, of.normal_force];
+            numbers(&here).into_iter().zip(numbers(&there)).all(|(a, b)| !differ(a, b))
+        })
+    }
+
+    /// Why a cue does not go with the law: it paints an activity that no expression names, or something that the moment uses,
+    /// whose slope along the contour the equations would need.
+    pub fn misfit(&self, cue: &Cue) -> Option<String> {
+        let coupled = cue.regulator().into_iter().flat_map(|regulator| &regulator.couplings);
+        let strong = coupled.filter(|coupling| coupling.strength != 0.0).map(|coupling| coupling.field);
+        let painted = cue.terms().iter().filter(|term| term.amplitude != 0.0).map(|term| term.field);
+        painted.chain(strong).find_map(|field| {
+            let name = field.name();
+            let coefficients = Variable::ALL.into_iter().filter(|variable| {
+                Field::ALL.into_iter().any(|own| own.name() == variable.name() && field.modulates(own))
+            });
+            let mut coefficients = coefficients.collect::<Vec<_>>().into_iter();
+            let acts_by_law = matches!(field, Field::XiS | Field::XiB | Field::Activity);
+            if acts_by_law && !coefficients.clone().any(|variable| self.names(variable)) {
+                return Some(format!("{name} acts only where an expression of the law names it, and none does"));
+            }
+            let bent = coefficients.find(|variable| self.uses(Expression::Moment, *variable))?;
+            Some(format!("a moment cannot use {}, which varies along the contour by {name}", bent.name()))
+        })
+    }
+}

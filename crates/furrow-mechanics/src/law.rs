@@ -1,0 +1,90 @@
+//! Cells with a law of active stress of their own: refusals, and whether a law can hold.
+
+use furrow_bvp::{Gauss, Solution, mesh};
+use furrow_cell::Cell;
+
+use crate::cortex::equations::{LENGTH, PSI, R, Z};
+use crate::cortex::lanes::sin_cos;
+use crate::cortex::{Cortex, Domain};
+use crate::equilibria::passive::spheroid;
+
+/// Why a cell with a law of its own is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LawError {
+    /// The cue and the law do not go together.
+    #[error("the law {law:?} and the cue {cue}: {reason}")]
+    Cue {
+        /// The law's name.
+        law: String,
+        /// The cue.
+        cue: String,
+        /// Why they do not go together.
+        reason: String,
+    },
+    /// Disturbances around the axis have equations for the paper's law alone.
+    #[error("the law {law:?}: disturbances without axial symmetry have equations for the paper's law alone")]
+    WithoutAxis {
+        /// The law's name.
+        law: String,
+    },
+    /// The shortest waves grow fastest: no mesh is fine enough.
+    #[error(
+        "the law {law:?} cannot hold at u = {u:.3}: {modulus} there is {share:.3} of its value without the law and must stay above 0, else waves grow the faster the shorter they are, down to the mesh's own wavelength"
+    )]
+    ShortWaves {
+        /// The law's name.
+        law: String,
+        /// The place.
+        u: f64,
+        /// The modulus that is not positive.
+        modulus: &'static str,
+        /// Its share of the value without the law.
+        share: f64,
+    },
+}
+
+/// Checks whether the cue of a cell goes with its law.
+///
+/// # Errors
+/// [`LawError::Cue`].
+pub fn check(cell: &Cell) -> Result<(), LawError> {
+    let Some(law) = &cell.law else { return Ok(()) };
+    let refuse = |reason| LawError::Cue { law: law.name().to_owned(), cue: cell.cue.to_string(), reason };
+    law.misfit(&cell.cue).map_or(Ok(()), |reason| Err(refuse(reason)))
+}
+
+/// Whether the law cannot hold in the cell without activity, looked at on a spheroid without flow.
+pub(crate) fn cannot_rest(cell: &Cell) -> Option<LawError> {
+    cell.law.as_ref()?;
+    let passive = cell.passive();
+    let grid = mesh::uniform(0.0, Domain::Half.end(), 8);
+    let y = spheroid(&Gauss::new(3).ok()?, &passive, &grid).ok()?;
+    short_waves(&Cortex::new(&passive, Domain::Half, &[]), &y)
+}
+
+/// The place of a shape at which its cell's law makes the shortest waves grow. A law without rates of strain and without a
+/// moment makes none grow, since bending dominates them.
+pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
+    let (law, name) = (cortex.constants().law.as_ref()?, cortex.cell.law.as_ref()?.name());
+    if !law.viscous && !law.bends {
+        return None;
+    }
+    let gauss = y.gauss();
+    let length = y.scalars[LENGTH];
+    let mut reader = cortex.constants().reader();
+    let mut worst: Option<(f64, &'static str, f64)> = None;
+    for (index, state) in y.stages.chunks_exact(y.components).enumerate() {
+        let u = y.stage_x(&gauss, index / y.m, index % y.m);
+        let (sin, cos) = sin_cos(state[PSI]);
+        let past = cortex.past.get(index).filter(|_| cortex.rate != 0.0);
+        let v_n = past.map_or(0.0, |[r, z]| cortex.rate * (sin * (state[R] - r) + cos * (state[Z] - z)));
+        for (modulus, share) in reader.moduli(u, (state, v_n), length).into_iter().flatten() {
+            // NaN counts as not positive.
+            if !(share > 0.0) && worst.is_none_or(|(_, _, least)| share < least) {
+                worst = Some((u, modulus, share));
+            }
+        }
+    }
+    worst.map(|(u, modulus, share)| LawError::ShortWaves { law: name.to_owned(), u, modulus, share })
+}

@@ -1,0 +1,46 @@
+"""Laws of active stress of one's own."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import pytest
+
+import furrow
+
+PAPER = """Law(
+    name: "as text",
+    constants: { "a": (value: 1.0) },
+    stress_uu: "a*gain*(xi_s*(c1 - c2)/2 + xi_b*C)",
+    stress_phiphi: "a*gain*(xi_b*C - xi_s*(c1 - c2)/2)",
+)"""
+
+
+def test_the_papers_law_as_text_gives_the_same(tmp_path: Path) -> None:
+    built_in, own = furrow.Cell(2.0), furrow.Cell(2.0, law=PAPER)
+    assert own.divide().chi == pytest.approx(built_in.divide().chi, rel=1e-8)
+    assert own.pitchfork().coefficient == pytest.approx(built_in.pitchfork().coefficient, rel=1e-8)
+    file = tmp_path / "paper.ron"
+    file.write_text(PAPER, encoding="utf-8")
+    assert furrow.Cell(2.0, law=file) == own
+    assert furrow.Cell(2.0, law="paper") == built_in
+    assert pickle.loads(pickle.dumps(own)) == own
+    assert built_in.law is None
+    assert own.law is not None and own.law.startswith('"as text"')
+
+
+def test_constants_of_a_law_are_parameters() -> None:
+    stronger = furrow.Cell(2.0, law=PAPER, **{"law.a": 1.1})
+    assert stronger.pitchfork().xi_s == pytest.approx(furrow.Cell(2.0).pitchfork().xi_s / 1.1, rel=1e-6)
+    tree = furrow.tree(law=PAPER, r0=2.2)
+    assert len(tree) == len(furrow.tree(r0=2.2))
+
+
+def test_wrong_laws_are_refused() -> None:
+    with pytest.raises(furrow.InputError, match="law:4:16: stress_uu: unknown name"):
+        furrow.Cell(2.0, law=PAPER.replace("a*gain*(xi_s", "b*gain*(xi_s"))
+    with pytest.raises(furrow.InputError, match=r"law\.b"):
+        furrow.Cell(2.0, law=PAPER, **{"law.b": 1.1})
+    with pytest.raises(furrow.InputError, match="without axial symmetry"):
+        furrow.Cell(2.0, law=PAPER, modes=4)
