@@ -525,7 +525,7 @@ def _from_json(text: str) -> Cell:
 
 
 def _defaults() -> dict[str, Any]:
-    return dict(_furrow.Inputs(({}, "gao2026", None)).parameters())
+    return dict(_furrow.Inputs(({}, "gao2026", None, None)).parameters())
 
 
 def _whole(places: Mapping[str, Any]) -> dict[str, Any]:

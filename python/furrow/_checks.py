@@ -85,6 +85,6 @@ def given_of(
     r0: Any | None = None,
     law: str | os.PathLike[str] | None = None,
 ) -> Given:
-    """Parameters, the radius among them if there is one, with a preset, a configuration file and a law: its file, its text or a name."""
+    """Parameters, the radius among them if there is one, with a preset, a configuration file and a law."""
     given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
     return given, text_of("preset", preset), optional_path("config", config), optional_path("law", law)

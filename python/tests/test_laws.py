@@ -38,7 +38,7 @@ def test_constants_of_a_law_are_parameters() -> None:
 
 
 def test_wrong_laws_are_refused() -> None:
-    with pytest.raises(furrow.InputError, match="law:4:16: stress_uu: unknown name"):
+    with pytest.raises(furrow.InputError, match="law:4:17: stress_uu: unknown name"):
         furrow.Cell(2.0, law=PAPER.replace("a*gain*(xi_s", "b*gain*(xi_s"))
     with pytest.raises(furrow.InputError, match=r"law\.b"):
         furrow.Cell(2.0, law=PAPER, **{"law.b": 1.1})
