@@ -81,7 +81,7 @@ pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
         let v_n = past.map_or(0.0, |[r, z]| cortex.rate * (sin * (state[R] - r) + cos * (state[Z] - z)));
         for (modulus, share) in reader.moduli(u, (state, v_n), length).into_iter().flatten() {
             // NaN counts as not positive.
-            if !(share > 0.0) && worst.is_none_or(|(_, _, least)| share < least) {
+            if (share.is_nan() || share <= 0.0) && worst.is_none_or(|(_, _, least)| share < least) {
                 worst = Some((u, modulus, share));
             }
         }

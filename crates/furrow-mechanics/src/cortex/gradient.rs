@@ -71,6 +71,7 @@ impl<const N: usize> Sub<f64> for Gradient<N> {
 impl<const N: usize> Mul for Gradient<N> {
     type Output = Gradient<N>;
 
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     #[inline(always)]
     fn mul(self, other: Gradient<N>) -> Gradient<N> {
         self.both(other, self.value * other.value, |a, b| a * other.value + self.value * b)

@@ -25,11 +25,14 @@ pub(crate) trait Lawful: Arithmetic + Algebra {}
 
 impl<D: Arithmetic + Algebra> Lawful for D {}
 
+/// A law for derivatives along one quantity, with all other derivatives and without.
+type Jets<D> = (LawValues<Jet<D>>, LawValues<Jet<Lane>>);
+
 /// A law, its form for derivatives along one quantity, and working memory.
 pub(crate) struct Prepared<D> {
     law: LawValues<D>,
     /// Only of laws that depend on the rates of strain, or have a moment: for slopes, and without other derivatives.
-    jets: Option<(LawValues<Jet<D>>, LawValues<Jet<Lane>>)>,
+    jets: Option<Jets<D>>,
     /// The highest derivatives that the numbers carry.
     order: usize,
     memory: Vec<D>,

@@ -175,10 +175,12 @@ pub(in crate::cortex) fn jacobian_many<const N: usize>(
     }
 }
 
+/// A scalar unknown: its index, the constants, the length, the law and the transport.
+type Unknown<'a> = (usize, &'a Constants<Dual64>, Dual64, Option<Prepared<Dual64>>, Transport<Dual64>);
+
 /// The columns of the scalar unknowns.
 struct Columns<'a> {
-    /// Which unknown, the constants, the length, and the law.
-    each: Vec<(usize, &'a Constants<Dual64>, Dual64, Option<Prepared<Dual64>>, Transport<Dual64>)>,
+    each: Vec<Unknown<'a>>,
 }
 
 impl<'a> Columns<'a> {
