@@ -63,8 +63,8 @@ pub fn boundary_with_bent(
     Ok(found)
 }
 
-/// The curves that end stable bent states over the parameter across a plane, for its picture; none without azimuthal modes, over
-/// another parameter or where they cannot be followed.
+/// Curves of the events that end stable bent states, over the horizontal parameter of a phase plane. The list is empty with axial
+/// symmetry, for a parameter that bent states cannot be followed in, and if the curves cannot be followed.
 pub fn bent_edges(plane: &PhasePlane, warnings: &mut Vec<String>) -> Vec<(&'static str, Curve)> {
     let PhasePlane { cell, numerics, parameter, across, .. } = plane;
     let range = match (across.first(), across.last()) {

@@ -31,7 +31,7 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// [`warnings`](Self::warnings), and those of growth rates beyond axial symmetry that are not known, and of sign changes that are not located.
+    /// [`warnings`](Self::warnings), and growth rates beyond axial symmetry that are not known, and of sign changes that are not located.
     pub fn all_warnings(&self) -> Vec<String> {
         let rates = self.branches.iter().flat_map(|(name, branch)| unknown(name, &branch.points, &branch.azimuthal));
         self.warnings.iter().cloned().chain(rates).collect()

@@ -182,7 +182,7 @@ pub struct Lineage<C = Cue, L = Lifetimes> {
     /// counted from the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub physics_rules: Vec<PhysicsRule>,
-    /// Cells that die in place of dividing, by their names; `*` stands for any letters.
+    /// Cells that die in place of dividing, by name, with `*` for any letters.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub dies: Vec<String>,
     /// How long cells live; without it trees have no minutes.
@@ -192,7 +192,7 @@ pub struct Lineage<C = Cue, L = Lifetimes> {
     pub founders: Vec<Founder>,
 }
 
-/// Whether a name is what a pattern says, in which `*` stands for any letters.
+/// Whether a name matches a pattern with `*` for any letters.
 ///
 /// ```
 /// use furrow_lineage::definition::matches;

@@ -59,7 +59,7 @@ pub const CLOSED: f64 = 0.015;
 pub const THREAD: f64 = 0.05;
 /// Distance of the neck from the axis, relative to R0, from which on it is at one side.
 const ONE_SIDED: f64 = 0.3;
-/// A neck less round than this is a slit, whose walls touch before it is a point: it closes as a neck at one side does.
+/// A neck with a smaller roundness is a slit. Its walls touch while it is still wide, so it ends at [`THREAD`].
 const SLIT: f64 = 0.5;
 /// A neck narrower than this, relative to R0, has closed too if its last steps cannot be computed.
 const CLOSING: f64 = 0.08;

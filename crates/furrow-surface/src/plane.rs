@@ -18,7 +18,7 @@ pub enum Plates {
 }
 
 impl Plates {
-    /// Factors on 1/x², 1/y², 1/z² of the half axes of a round shell, which give those of S.7.
+    /// Factors that turn 1/x², 1/y², 1/z² of a round shell's half axes into the half axes of S.7.
     pub fn factors(self, flattening: f64) -> Vector<f64> {
         let (wide, thin) = (flattening, 1.0 / (flattening * flattening));
         match self {

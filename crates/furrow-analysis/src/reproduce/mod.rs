@@ -202,7 +202,6 @@ pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Repr
         for statement in *group {
             let found = |figure: &Figure<'_>| figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
             let mut item = item(statement, found(&figure), seconds);
-            // What has axial symmetry alone, as bifurcations do, is the same for both.
             if let Some(finding) = bent.as_ref().and_then(found).filter(|_| item.verdict != Verdict::Apart) {
                 item.without_axis_agrees = Some(agrees(statement, &finding).1 == Some(true));
                 item.without_axis = Some(finding.computed);

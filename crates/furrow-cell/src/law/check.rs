@@ -41,7 +41,7 @@ impl Law {
         self.check_poles(&Cell::new(2.0))
     }
 
-    /// The quantities at sample k: curvatures, rates and φ are anything, fields those of a cell.
+    /// Quantities at sample k: arbitrary curvatures, rates and φ, and the fields of a cell.
     fn sample(&self, cell: &Cell, values: &LawValues<f64>, k: usize, u: f64) -> [f64; VARIABLES] {
         let length = 3.0 * cell.r0;
         let [u, s] = values.along(u, length);

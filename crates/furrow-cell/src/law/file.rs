@@ -150,7 +150,7 @@ impl Law {
     /// Reads a law; errors call the text `file`.
     ///
     /// # Errors
-    /// Names the file, the field or the place in an expression, and what is allowed there.
+    /// Names the file, the field or the position in an expression, and the allowed values.
     pub fn parse(text: &str, file: &str) -> Result<Law, InputError> {
         let document: Document = parse_document(text, file, "a law", "Law")?;
         document.law().map_err(|fault| fault.of_file(text, file, &document))

@@ -13,7 +13,7 @@ use crate::cortex::gradient::Gradient;
 use crate::cortex::lanes::{Lane, sin_cos};
 use crate::cortex::sweep::Sweep;
 
-/// The right-hand sides at one place, including those of a regulator.
+/// Right-hand sides at one place, with the regulator.
 fn sides<D: Lawful, const N: usize>(
     prepared: &mut Prepared<D>,
     (c, transport): (&ShellCoefficients<D>, &Transport<D>),
