@@ -1,16 +1,16 @@
 //! Where division begins: boundaries, phase diagrams, critical radii, disturbed shapes, PAR polarity.
 
+use furrow_analysis::bent::{bent_edges, boundary_with_bent, can_vary};
 use furrow_analysis::boundary::over_range;
 use furrow_analysis::polarity::{Follows, NamedCell, PolarityStudyError, germline, polarity as studied};
-use furrow_analysis::bent::{bent_edges, boundary_with_bent, can_vary};
 use furrow_analysis::{BoundaryOptions, edges};
 use furrow_cell::{Cell, Parameter};
 use furrow_figures::drawing::style::described;
 use furrow_figures::plot;
 use furrow_lineage::batch::PhasePlane;
+use furrow_lineage::batch::method;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::phase::spaced;
-use furrow_lineage::batch::method;
 use furrow_mechanics::equilibria::StepBudget;
 use furrow_mechanics::perturbation::Perturbation;
 use furrow_mechanics::polarity::{Chemistry, LENGTH_UM, ParConstants};
@@ -116,7 +116,8 @@ pub fn phase(
 pub fn critical_radius(py: Python<'_>, inputs: &Inputs) -> Result<Document, Error> {
     let Inputs { cell, numerics } = inputs.clone();
     supervised(py, Interrupt::Abandons, None, move |_| {
-        let found = (method(&numerics).radius)(&cell, &numerics, &StepBudget::unlimited()).map_err(Error::no_outcome)?;
+        let found =
+            (method(&numerics).radius)(&cell, &numerics, &StepBudget::unlimited()).map_err(Error::no_outcome)?;
         Ok(json!({ "r0": found.r0, "kind": found.kind, "slope": found.slope }).into())
     })
 }

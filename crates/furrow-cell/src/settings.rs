@@ -363,7 +363,13 @@ impl Settings {
     /// Names the cue; the values came from `source_name`.
     pub fn check_cue(&self, source_name: &str, cue: &Cue) -> Result<(), InputError> {
         let fine = self.numerics.modes > 0 || !cue.is_one_sided();
-        InputError::require(fine, source_name, "cue", cue, "without at=PHI for cells with axial symmetry, whose modes are 0")
+        InputError::require(
+            fine,
+            source_name,
+            "cue",
+            cue,
+            "without at=PHI for cells with axial symmetry, whose modes are 0",
+        )
     }
 
     /// Checks whether the mesh has enough intervals for the width of the shell's wall, the same number of them for each part

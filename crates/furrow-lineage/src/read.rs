@@ -69,7 +69,8 @@ fn checked(lineage: Lineage, text: &str, file: &str) -> Result<Lineage, InputErr
 fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
     let written: Lineage<WrittenCue, WrittenLifetimes> = parse_document(text, file, "a lineage file", "Lineage")?;
     // Without `..`: the compiler asks for every field.
-    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders } = written;
+    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders } =
+        written;
     let cues = in_units(cues, units, file)?;
     let clock = clock.map(|clock| clock.resolved(file)).transpose()?;
     Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders })

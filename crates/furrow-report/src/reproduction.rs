@@ -16,7 +16,8 @@ pub fn markdown(found: &Reproduction, constants: &str) -> String {
     let mut out = format!("{HEAD}\n{}\n", counts(found, constants));
     let without_axis = found.items.iter().any(|item| item.without_axis.is_some());
     let (column, rule) = if without_axis { (" without the axis |", "---|") } else { ("", "") };
-    let _ = writeln!(out, "\n| figure | quantity | paper | furrow | Δt = 0.1 τ | Δt = 0.01 τ | off by | verdict |{column}");
+    let _ =
+        writeln!(out, "\n| figure | quantity | paper | furrow | Δt = 0.1 τ | Δt = 0.01 τ | off by | verdict |{column}");
     let _ = writeln!(out, "|---|---|---|---|---|---|---|---|{rule}");
     for item in &found.items {
         out.push_str(&row(item));

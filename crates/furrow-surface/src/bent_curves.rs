@@ -50,7 +50,10 @@ pub fn resting_bent(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<Res
     };
     let edges: Vec<Edge> = found.iter().map(edge).collect();
     let end = edges.iter().map(Edge::xi_s).fold(xi_max, f64::min);
-    Ok(RestShapes { intervals: vec![[0.0, end]], edges: edges.into_iter().filter(|edge| edge.xi_s() <= xi_max).collect() })
+    Ok(RestShapes {
+        intervals: vec![[0.0, end]],
+        edges: edges.into_iter().filter(|edge| edge.xi_s() <= xi_max).collect(),
+    })
 }
 
 /// A located event.

@@ -42,11 +42,17 @@ pub fn turned(cell: &Cell) -> Result<(Cell, Plates), DivisionError> {
         return Ok((turned, Plates::Beside));
     };
     if cell.material.rigidity_gradient == RigidityGradient::Dropped {
-        return unsupported("a cue at one side of the axis needs the full force balance", "set rigidity_gradient = full");
+        return unsupported(
+            "a cue at one side of the axis needs the full force balance",
+            "set rigidity_gradient = full",
+        );
     }
     for Side { at, .. } in turned.cue.terms_mut().iter_mut().filter_map(|term| term.side.as_mut()) {
         let Some(half_turns) = multiple(*at - turn, PI) else {
-            return unsupported("the terms of the cue lie on no common plane through the axis", "place them at the same angle or at opposite ones");
+            return unsupported(
+                "the terms of the cue lie on no common plane through the axis",
+                "place them at the same angle or at opposite ones",
+            );
         };
         *at = if half_turns % 2 == 0 { 0.0 } else { PI };
     }
@@ -56,7 +62,10 @@ pub fn turned(cell: &Cell) -> Result<(Cell, Plates), DivisionError> {
     match multiple(turn, FRAC_PI_2) {
         Some(quarters) if quarters % 2 == 0 => Ok((turned, Plates::Beside)),
         Some(_) => Ok((turned, Plates::Across)),
-        None => unsupported("between plates a cue lies midway between them or faces one", "set at = 0deg, 90deg, 180deg or 270deg"),
+        None => unsupported(
+            "between plates a cue lies midway between them or faces one",
+            "set at = 0deg, 90deg, 180deg or 270deg",
+        ),
     }
 }
 

@@ -5,8 +5,8 @@ use furrow_cell::Cell;
 use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients, ShellCoefficients};
 
 use crate::law::{Balance, Contact, Flow, Place, Shape, Vector, balance};
-use crate::plane::Plates;
 use crate::mesh::Mesh;
+use crate::plane::Plates;
 use crate::space::{Entries, Meridian, POINTS, Space, Station};
 
 /// Surface, flow and pressure.
@@ -168,7 +168,8 @@ impl Problem {
         }
         let (speeds, length) = self.speeds(surface);
         if self.constants.is_one_sided() {
-            let around = |share| self.space.meridians.iter().map(move |of| self.constants.beside(share, of.phi, length));
+            let around =
+                |share| self.space.meridians.iter().map(move |of| self.constants.beside(share, of.phi, length));
             return self.shares(&speeds, length).into_iter().flat_map(around).collect();
         }
         let at = |(share, speed): (f64, f64)| {

@@ -200,7 +200,8 @@ pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Repr
         let bent = bent.then(|| computed(context, group)).transpose()?;
         let seconds = start.elapsed().as_secs_f64();
         for statement in *group {
-            let found = |figure: &Figure<'_>| figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
+            let found =
+                |figure: &Figure<'_>| figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
             let mut item = item(statement, found(&figure), seconds);
             if let Some(finding) = bent.as_ref().and_then(found).filter(|_| item.verdict != Verdict::Apart) {
                 item.without_axis_agrees = Some(agrees(statement, &finding).1 == Some(true));

@@ -190,7 +190,11 @@ impl Cue {
         let grid = (0..=1000).map(|i| f64::from(i) / 1000.0);
         let angles = self.angles();
         let around = |u| angles.iter().map(move |&phi| (u, phi));
-        let sums = grid.chain(centres).chain(between).flat_map(around).map(|(u, phi)| self.sum_at(coefficient, u, phi, length));
+        let sums = grid
+            .chain(centres)
+            .chain(between)
+            .flat_map(around)
+            .map(|(u, phi)| self.sum_at(coefficient, u, phi, length));
         sums.fold(f64::INFINITY, f64::min)
     }
 }

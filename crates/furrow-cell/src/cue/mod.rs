@@ -18,8 +18,8 @@ pub mod field;
 mod file;
 pub mod profile;
 pub mod regulator;
-pub mod side;
 mod regulator_text;
+pub mod side;
 mod text;
 mod written;
 
@@ -250,7 +250,10 @@ impl Cue {
     /// Angles at which terms differ most: at their sides and between them.
     fn angles(&self) -> Vec<f64> {
         let sides = self.terms.iter().filter_map(|term| term.side);
-        [0.0].into_iter().chain(sides.flat_map(|Side { at, spread }| [at, at + 0.5 * spread, at - 0.5 * spread])).collect()
+        [0.0]
+            .into_iter()
+            .chain(sides.flat_map(|Side { at, spread }| [at, at + 0.5 * spread, at - 0.5 * spread]))
+            .collect()
     }
 
     /// Σ A f(u) over the terms that touch a coefficient, at the angle `phi`.
@@ -280,7 +283,10 @@ impl Cue {
     pub fn simplified(&self) -> Cue {
         let mut terms: Vec<Term> = Vec::new();
         for term in &self.terms {
-            match terms.iter_mut().find(|other| other.field == term.field && other.profile == term.profile && other.side == term.side) {
+            match terms
+                .iter_mut()
+                .find(|other| other.field == term.field && other.profile == term.profile && other.side == term.side)
+            {
                 Some(same) => same.amplitude += term.amplitude,
                 None => terms.push(*term),
             }

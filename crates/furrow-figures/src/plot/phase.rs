@@ -1,11 +1,11 @@
 //! Outcomes over a plane of one parameter and activity, with the exact edges on top of them.
 
+use super::boundary::{BENT_DASHES, bent_colour};
 use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, bins, widened};
 use crate::drawing::style::{self, Colour, FOLD, PITCHFORK, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke, scale};
-use super::boundary::{BENT_DASHES, bent_colour};
 use furrow_analysis::Edges;
 use furrow_cell::Parameter;
 use furrow_lineage::batch::phase::PhaseOutcome;

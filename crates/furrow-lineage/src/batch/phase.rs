@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::memo::{Failure, Memo};
-use super::solve::{resting, solve};
 use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary};
+use super::solve::{resting, solve};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::division::{Division, DivisionInput, Outcome};
 use furrow_mechanics::equilibria::at_rest::{Edge, RestShapes};

@@ -25,7 +25,11 @@ use furrow_verification::states::{passive_shape, uneven_cell};
 
 /// A cell that is a sphere at any activity.
 fn sphere(r0: f64, xi_s: f64) -> Cell {
-    Cell { epsilon: 0.7, shell: Shell { aspect: 1.0, p0: 0.2, w: 0.4, ..Shell::GAO2026 }, ..uneven_cell(r0, xi_s, "none").unwrap() }
+    Cell {
+        epsilon: 0.7,
+        shell: Shell { aspect: 1.0, p0: 0.2, w: 0.4, ..Shell::GAO2026 },
+        ..uneven_cell(r0, xi_s, "none").unwrap()
+    }
 }
 
 /// σ of mode ℓ.
