@@ -260,6 +260,9 @@ impl Problem {
 /// Most steps like the last one by which the end of a division is extrapolated.
 const MOST_LEFT: f64 = 10.0;
 
+/// Largest change of the neck's u in a step.
+const SAME_WAIST: f64 = 0.1;
+
 /// How many steps like the last one a neck needs to a radius, or negative if it has passed it; 0 if it does not narrow.
 fn steps_left(before: f64, now: f64, target: f64) -> f64 {
     let narrowed = before - now;
@@ -383,7 +386,9 @@ impl Run<'_> {
         if now.neck.radius >= if failed { CLOSING } else { closed } * self.r0 {
             return None;
         }
-        let left = if failed { 0.0 } else { steps_left(before.neck.radius, now.neck.radius, target * self.r0) };
+        // With two waists, another one may have been the narrower before.
+        let same = (now.neck.u - before.neck.u).abs() < SAME_WAIST;
+        let left = if failed || !same { 0.0 } else { steps_left(before.neck.radius, now.neck.radius, target * self.r0) };
         let [level, last, ..] = stepper.history.as_slice() else { return None };
         let space = &stepper.problem.space;
         let chi = asymmetry(space, &level.state.surface, &now.neck);
