@@ -388,7 +388,8 @@ impl Run<'_> {
         }
         // With two waists, another one may have been the narrower before.
         let same = (now.neck.u - before.neck.u).abs() < SAME_WAIST;
-        let left = if failed || !same { 0.0 } else { steps_left(before.neck.radius, now.neck.radius, target * self.r0) };
+        let left =
+            if failed || !same { 0.0 } else { steps_left(before.neck.radius, now.neck.radius, target * self.r0) };
         let [level, last, ..] = stepper.history.as_slice() else { return None };
         let space = &stepper.problem.space;
         let chi = asymmetry(space, &level.state.surface, &now.neck);

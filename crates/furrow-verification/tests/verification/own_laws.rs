@@ -129,13 +129,13 @@ fn worst(law: &Stated, state: &Computed) -> f64 {
     // Without the law and its activity, the powers of everything else.
     let mut passive = state.clone();
     (passive.cell.law, passive.cell.xi_s) = (None, 0.0);
-    let of = |motion: &Box<dyn Fn(f64) -> Motion>| {
+    let of = |motion: &dyn Fn(f64) -> Motion| {
         let others = power(&passive, motion);
         let own = active(law, state, motion);
         let size = others.parts().iter().fold(own.abs(), |most: f64, part| most.max(part.abs()));
         [(others.parts().iter().sum::<f64>() + own).abs(), size]
     };
-    let all: Vec<[f64; 2]> = motions().iter().map(of).collect();
+    let all: Vec<[f64; 2]> = motions().iter().map(|motion| of(&**motion)).collect();
     let most = |k: usize| all.iter().fold(0.0f64, |most, pair| most.max(pair[k]));
     most(0) / most(1)
 }
