@@ -76,6 +76,7 @@ class Cell:
         aspect: float
         p0: float
         w: float
+        shell_flattening: float
         r0: float
         epsilon: float
         rigidity_gradient: str

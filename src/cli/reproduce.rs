@@ -28,8 +28,6 @@ Examples:
   furrow reproduce 1 S3 --out reproduced --json
   furrow reproduce movies --table movies.md")]
 pub struct ReproduceArgs {
-    #[command(flatten)]
-    pub axis: AxisArgs,
     /// Figures, tables and movies of the paper; default all
     #[arg(value_name = "FIGURE")]
     figures: Vec<String>,
@@ -47,6 +45,8 @@ pub struct ReproduceArgs {
     /// Writes the table as Markdown
     #[arg(help_heading = "Output", long, value_name = "FILE.md")]
     table: Option<PathBuf>,
+    #[command(flatten)]
+    pub axis: AxisArgs,
 }
 
 pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
