@@ -330,6 +330,9 @@ pub fn grown(
     for Scenario { lineage, settings, .. } in scenarios {
         lineage.check_law(&settings.cell, "the lineage")?;
     }
+    for Scenario { lineage, .. } in scenarios.iter().filter(|scenario| scenario.settings.numerics.modes == 0) {
+        lineage.check_axisymmetric(&lineage.name)?;
+    }
     let (grown, spread) = context.shown(|line| {
         let show = |progress| line.show(progress);
         let (options, flag) = (context.scheduling(&show), interrupt::flag());

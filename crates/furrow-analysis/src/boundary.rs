@@ -63,7 +63,7 @@ pub fn over_range(
             }
         } else {
             settings.set_number(source, parameter.name(), value)?;
-            settings.check_wall(source)?;
+            settings.check_shell(source)?;
         }
         parameter.set(&mut cell, value);
     }
