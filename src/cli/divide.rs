@@ -259,7 +259,9 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 fn page(input: &DivisionInput, film: &Trajectory, frames: usize) -> io::Result<String> {
     let times = even_times(film.times().last().copied().unwrap_or(0.0), frames);
     let frames: Vec<_> = times.into_iter().map(|t| frames::surface(&film.at(t))).collect();
-    FilmPage { input, division: &film.division, shell: film.shell(), value: frames::TENSION, frames: &frames }.html()
+    let [along, across] = film.shell();
+    let shell = [across, across, along];
+    FilmPage { input, division: &film.division, shell, value: frames::TENSION, frames: &frames }.html()
 }
 
 /// The film of a division without axial symmetry as a page.

@@ -197,7 +197,7 @@ fn a_movie_shows_a_furrow_on_one_side() {
         let surface = |_: f64| notched(depth);
         let scene = Scene {
             title: "one side".to_owned(),
-            shell: [3.3, 2.75],
+            shell: [2.75, 2.75, 3.3],
             times: vec![0.0, 1.0],
             surface: &surface,
             forces: &|_| Vec::new(),
@@ -219,6 +219,39 @@ fn a_movie_shows_a_furrow_on_one_side() {
     };
     let ([above, below], [whole, also]) = (width(0.6), width(0.0));
     assert!(above < 0.93 * whole && (below / also - 1.0).abs() < 0.01, "{above} {whole} {below} {also}");
+}
+
+/// The glass of a shell between plates that face x is less high, and as long, as that of a round one with the same other axes.
+#[test]
+fn a_movie_shows_a_flattened_shell() {
+    let extent = |x: f64| {
+        let surface = |_: f64| {
+            let mut grid = notched(0.0);
+            grid.points.iter_mut().flatten().for_each(|x| *x *= 0.3);
+            grid
+        };
+        let scene = Scene {
+            title: String::new(),
+            shell: [x, 2.75, 2.9],
+            times: vec![0.0, 1.0],
+            surface: &surface,
+            forces: &|_| Vec::new(),
+            legend: Vec::new(),
+            outcome: (2.0, String::new(), [0; 3]),
+        };
+        let (pixels, width) = decoded(&scene.png(0.0, 1.0).unwrap());
+        let tinted = |k: usize| pixels[k].map(f64::from) != [255.0; 3];
+        // Between the words at the top and at the bottom, and between the names of the poles.
+        let inside = (50..400).flat_map(|y| (100..width - 100).map(move |x| (x, y)));
+        let seen: Vec<(usize, usize)> = inside.filter(|(x, y)| tinted(y * width + x)).collect();
+        let range = |of: fn(&(usize, usize)) -> usize| {
+            (seen.iter().map(of).max().unwrap() - seen.iter().map(of).min().unwrap()) as f64
+        };
+        range(|at| at.1) / range(|at| at.0)
+    };
+    let (round, flat) = (extent(2.75), extent(0.7 * 2.75));
+    // Half the height of the outline is √((x cos 0.3)² + 0.67) as seen from above by 0.3.
+    assert!((flat / round - 0.731).abs() < 0.02, "{flat} {round}");
 }
 
 /// Whether the title is broken into lines, contains the whole cue, and leaves a margin on the right.

@@ -27,8 +27,8 @@ pub struct FilmPage<'a> {
     pub input: &'a DivisionInput,
     /// How it ended.
     pub division: &'a Division,
-    /// Half axes of the shell along z and across, in L_h.
-    pub shell: [f64; 2],
+    /// Half axes of the shell along x, y and z, in L_h.
+    pub shell: [f64; 3],
     /// The quantity and unit of the surfaces' values.
     pub value: &'a str,
     /// Its surfaces, with the numbers of each in [`About`](furrow_formats::frames::About).

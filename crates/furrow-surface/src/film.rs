@@ -67,8 +67,8 @@ pub struct Film {
     pub found: SurfaceDivision,
     /// The cell, with the resolved position of its cue.
     pub cell: Cell,
-    /// The half axes of the shell along z and across in the mirror plane, in L_h.
-    pub shell: [f64; 2],
+    /// The half axes of the shell along x, y and z, in L_h; y = 0 is the mirror plane.
+    pub shell: [f64; 3],
     /// The shapes after every step, the first at t = 0.
     pub steps: Vec<Step>,
 }
@@ -83,7 +83,7 @@ impl Film {
         let found = divide(input, &mut |problem, level| steps.push(Step::of(problem, level)))?;
         let cell = polarity::resolved(&input.cell).map_err(|source| DivisionError::Polarity { source })?.into_owned();
         let axes = steps.first().map_or([f64::NAN; 3], |step: &Step| step.problem.inverse_axes2());
-        let shell = [axes[2], axes[0]].map(|inverse: f64| inverse.recip().sqrt());
+        let shell = axes.map(|inverse: f64| inverse.recip().sqrt());
         Ok(Film { found, cell, shell, steps })
     }
 

@@ -56,9 +56,10 @@ impl Movie<'_> {
         let still = |t: f64| &stills[times.partition_point(|time| *time < t).min(last)];
         let surface = |t: f64| surface(still(t), film, phi);
         let forces = |t: f64| forces(still(t));
+        let [along, across] = film.shell();
         use_it(&Scene {
             title: title(cell),
-            shell: film.shell(),
+            shell: [across, across, along],
             times: times.clone(),
             surface: &surface,
             forces: &forces,

@@ -112,17 +112,17 @@ impl<'s, 'a> Stage<'s, 'a> {
 
     /// Rings around the shell; their far halves lie behind the cell.
     fn rings(&self, canvas: &mut Canvas, behind: bool) {
-        let [along, across] = self.scene.shell;
+        let axes = self.scene.shell;
         let thin = Stroke::solid(if behind { [0xd8; 3] } else { [0xb9; 3] }, 0.9);
         for ring in -2..=2 {
-            let z = 0.4 * f64::from(ring) * along;
-            let r = across * (1.0 - (z / along).powi(2)).sqrt();
+            let share = 0.4 * f64::from(ring);
+            let r = (1.0 - share * share).sqrt();
             let place = |k: usize| {
                 let (sin, cos) = (k as f64 / RING as f64 * TAU).sin_cos();
-                [r * cos, r * sin, z]
+                [axes[0] * r * cos, axes[1] * r * sin, axes[2] * share]
             };
-            let hidden = |[x, y, z]: [f64; 3]| {
-                let outwards = [x / (across * across), y / (across * across), z / (along * along)];
+            let hidden = |point: [f64; 3]| {
+                let outwards = [0, 1, 2].map(|k| point[k] / (axes[k] * axes[k]));
                 self.view.turned(outwards)[2] < 0.0
             };
             let is_shown = |k: usize| hidden(place(k)) == behind;
@@ -167,7 +167,7 @@ impl<'s, 'a> Stage<'s, 'a> {
             canvas.text([x + 24.0, y], word, text::TICK, Anchor::Start, style::MUTED);
             x += 16.0 + width;
         }
-        let end = shell[0];
+        let end = shell[2];
         for (x, z, pole, anchor) in
             [(20.0, -end, ANTERIOR, Anchor::Start), (SIZE[0] - 20.0, end, POSTERIOR, Anchor::End)]
         {

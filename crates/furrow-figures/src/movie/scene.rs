@@ -18,8 +18,8 @@ pub struct Force {
 pub struct Scene<'a> {
     /// The cell in words.
     pub title: String,
-    /// Half axes of the shell along z and across, in L_h.
-    pub shell: [f64; 2],
+    /// Half axes of the shell along x, y and z, in L_h.
+    pub shell: [f64; 3],
     /// The times of the frames, in τ.
     pub times: Vec<f64>,
     /// The surface at one of these times. Its values, from −1 (blue) to 1 (orange), set its tint.

@@ -11,11 +11,10 @@ const EDGE: f64 = 0.30;
 /// Samples of a pixel along each side.
 const SAMPLES: usize = 2;
 
-/// The share of each pixel of a window that the glass of an ellipsoid, with half axes along z and across, covers.
-pub fn glass(axes: [f64; 2], view: &View, density: f64, window: Window) -> Vec<f32> {
-    let [along, across] = axes;
+/// The share of each pixel of a window that the glass of an ellipsoid, with half axes along x, y and z, covers.
+pub fn glass(axes: [f64; 3], view: &View, density: f64, window: Window) -> Vec<f32> {
     // In a space where the ellipsoid is the unit sphere.
-    let round = |[x, y, z]: [f64; 3]| [x / across, y / across, z / along];
+    let round = |point: [f64; 3]| [0, 1, 2].map(|k| point[k] / axes[k]);
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let towards = view.back([0.0, 0.0, 1.0]);
     let ray = round(towards);

@@ -49,8 +49,8 @@ impl View {
     }
 
     /// Lengths on the canvas of half the outline of an ellipsoid, to the right and upwards.
-    pub fn outline(&self, [along, across]: [f64; 2]) -> [f64; 2] {
-        let axes = [[across, 0.0, 0.0], [0.0, across, 0.0], [0.0, 0.0, along]].map(|axis| self.turned(axis));
+    pub fn outline(&self, [x, y, z]: [f64; 3]) -> [f64; 2] {
+        let axes = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]].map(|axis| self.turned(axis));
         [0, 1].map(|c| self.scale * axes.iter().map(|axis| axis[c] * axis[c]).sum::<f64>().sqrt())
     }
 }

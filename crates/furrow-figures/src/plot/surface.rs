@@ -33,11 +33,11 @@ pub fn draw(cell: &Cell, film: &Film) -> Canvas {
 /// Times between which the neck closes, or the mean meridian grows, by equal parts.
 fn times(film: &Film) -> Vec<f64> {
     let Some(first) = film.steps.first() else { return Vec::new() };
-    let radius = |shape: &Observables| shape.neck.map_or(film.shell[1], |neck| neck.radius);
+    let radius = |shape: &Observables| shape.neck.map_or(film.shell[0], |neck| neck.radius);
     let closes = film.found.division.chi().is_some();
     let progress = |step: &Step| {
         let longer = (step.shape.length / first.shape.length).ln();
-        if closes { 0.5 * longer + 1.0 - radius(&step.shape) / film.shell[1] } else { longer }
+        if closes { 0.5 * longer + 1.0 - radius(&step.shape) / film.shell[0] } else { longer }
     };
     let times: Vec<f64> = film.steps.iter().map(|step| step.shape.t).collect();
     let passed: Vec<f64> = film.steps.iter().map(progress).collect();
@@ -48,7 +48,7 @@ fn times(film: &Film) -> Vec<f64> {
 
 fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
     let width = (WIDTH - 40.0) / STILLS as f64;
-    let shell = film.shell;
+    let shell = [film.shell[2], film.shell[0]];
     let scale = (0.46 * width / shell[0]).min(0.42 * (CELLS - 30.0) / shell[1]);
     // The side of the axis on which the neck ends is drawn below.
     let side = film.steps.iter().rev().find_map(|step| step.shape.neck).map_or(1.0, |neck| -neck.offset.signum());

@@ -64,11 +64,12 @@ function normals(at, rows, columns) {
   return out;
 }
 
-/** Rings around the shell, as pairs of points. */
-function shellLines([along, across]) {
+/** Rings around the shell with half axes along x, y and z, as pairs of points. */
+function shellLines([a, b, c]) {
   const lines = [];
   for (const z of [-0.8, -0.4, 0, 0.4, 0.8]) {
-    const place = (k) => [Math.cos, Math.sin].map((part) => across * Math.sqrt(1 - z * z) * part((k * Math.PI) / 60)).concat(along * z);
+    const r = Math.sqrt(1 - z * z);
+    const place = (k) => [a * r * Math.cos((k * Math.PI) / 60), b * r * Math.sin((k * Math.PI) / 60), c * z];
     for (let k = 0; k < 120; k++) lines.push(...place(k), ...place(k + 1));
   }
   return new Float32Array(lines);
@@ -208,8 +209,8 @@ class Turned extends Playing {
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     const size = [canvas.clientWidth, canvas.clientHeight];
     size.forEach((length, c) => (canvas[["width", "height"][c]] = Math.round(length * ratio)));
-    const [along] = data.shell;
-    // There is room for the long axis in every direction.
+    const along = Math.max(...data.shell);
+    // There is room for the longest axis in every direction.
     const pixels = (this.zoom * 0.47 * Math.min(...size)) / along;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -234,7 +235,7 @@ class Turned extends Playing {
   /** Words and numbers of the frame that is shown. */
   tell(pixels, [width, height]) {
     for (const [name, z] of [["posterior", 1.17], ["anterior", -1.17]]) {
-      const [x, y] = this.turn.map((row) => pixels * row[2] * z * this.data.shell[0]);
+      const [x, y] = this.turn.map((row) => pixels * row[2] * z * this.data.shell[2]);
       const within = (place, length) => Math.min(length - 36, Math.max(36, place));
       Object.assign(element(name).style, { left: `${within(width / 2 + x, width)}px`, top: `${within(height / 2 - y, height)}px` });
     }
