@@ -166,3 +166,18 @@ fn division_agrees_with_the_boundary_on_both_sides() {
         assert_eq!([0.99, 1.01].map(|factor| radii.ends(&at(factor)).unwrap().is_none()), [false, true]);
     }
 }
+
+/// At ε = 0.64 cells rest on the first sheet of their branch, which folds above their activity, on both sides of the pitchfork.
+#[test]
+fn cells_that_rest_above_their_critical_radius_are_told() {
+    let told = |epsilon: f64, critical: f64| {
+        let found = (BoundaryKind::Pitchfork, critical);
+        critical::divides_above(&at(1.0, epsilon), &Numerics::default(), found, &critical::AXISYMMETRIC, None)
+    };
+    let error = told(0.64, 0.478335).unwrap_err().to_string();
+    assert!(
+        error.contains("division begins above the pitchfork at R0 = 0.478335: cells of 0.487902 rest too"),
+        "{error}"
+    );
+    assert!(told(0.87, 1.720757).is_ok());
+}

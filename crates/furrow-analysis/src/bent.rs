@@ -1,6 +1,6 @@
 //! Bent states, without axial symmetry, beside the axisymmetric shapes of the same studies.
 
-use crate::boundary::{BoundaryOptions, BoundaryStudy, boundary};
+use crate::boundary::{BoundaryOptions, BoundaryStudy, boundary, trials};
 use crate::diagram::{Diagram, diagram};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::PhasePlane;
@@ -35,7 +35,8 @@ pub fn diagram_with_bent(
 /// [`boundary`], with the curves that end stable bent states if the numerics have azimuthal modes.
 ///
 /// # Errors
-/// As of [`boundary`], and of the bent curves at the first value.
+/// As of [`boundary`], and of the critical radius of bent states; where no bent states are stable at the first value of the range, a
+/// warning says so.
 pub fn boundary_with_bent(
     cell: &Cell,
     numerics: &Numerics,
@@ -47,9 +48,14 @@ pub fn boundary_with_bent(
     if numerics.modes == 0 {
         return Ok(found);
     }
-    found.bent = Some(curves(cell, numerics, parameter, range, &mut found.warnings)?);
+    let curves = curves(cell, numerics, parameter, range, &mut found.warnings);
+    found.bent = Some(curves.unwrap_or_else(|error| {
+        found.warnings.push(format!("no curves of bent states: {error}"));
+        Vec::new()
+    }));
     if options.critical && parameter == Parameter::R0 {
         let critical = bent_curves::critical_radius(cell, numerics, &StepBudget::unlimited())?;
+        found.warnings.extend(trials(cell, numerics, (critical.kind, critical.r0), &bent_curves::WITHOUT_AXIS));
         found.bent_critical = Some(CurvePoint {
             r0: critical.r0,
             epsilon: cell.epsilon,

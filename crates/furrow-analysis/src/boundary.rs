@@ -5,7 +5,7 @@ use crate::json::filled;
 use furrow_cell::{Cell, Numerics, Parameter, Settings};
 use furrow_input::InputError;
 use furrow_lineage::batch::PhasePlane;
-use furrow_mechanics::critical::{self, BoundaryKind};
+use furrow_mechanics::critical::{self, BoundaryKind, Method};
 use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
@@ -175,8 +175,8 @@ fn thresholds(
 }
 
 /// Where the boundary lies at the cell's activity: `on_curve`, where the curve over the range says it, else it is searched for.
-/// Along R0 it is the critical radius of a tree, from wherever the range begins; a warning says if smaller cells divide all the
-/// same.
+/// Along R0 it is the critical radius of a tree, from wherever the range begins; warnings say if smaller cells divide, or larger
+/// ones rest, all the same.
 fn critical_point(
     cell: &Cell,
     numerics: &Numerics,
@@ -189,12 +189,22 @@ fn critical_point(
     let starts = if parameter == Parameter::R0 { &critical::STARTS[..] } else { &middle };
     let search = || critical::critical_value(cell, numerics, parameter, starts, &StepBudget::unlimited());
     let (kind, point) = on_curve.map_or_else(search, Ok)?;
-    if parameter == Parameter::R0
-        && let Err(error) = critical::rests_below(cell, numerics, (kind, point.value), &critical::AXISYMMETRIC, None)
-    {
-        warnings.push(error.to_string());
+    if parameter == Parameter::R0 {
+        warnings.extend(trials(cell, numerics, (kind, point.value), &critical::AXISYMMETRIC));
     }
     Ok(point)
+}
+
+/// What trial divisions just below and just above a critical radius say against it.
+pub(crate) fn trials(
+    cell: &Cell,
+    numerics: &Numerics,
+    at: (BoundaryKind, f64),
+    method: &Method,
+) -> impl Iterator<Item = String> {
+    let below = critical::rests_below(cell, numerics, at, method, None).err();
+    let above = critical::divides_above(cell, numerics, at, method, None).err();
+    below.into_iter().chain(above).map(|error| error.to_string())
 }
 
 /// The cusps of fold curves, each once although two curves lead to it.

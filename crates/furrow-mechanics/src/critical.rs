@@ -27,7 +27,7 @@ use crate::equilibria::point::XI;
 use crate::equilibria::{pitchfork, primary};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 
-pub use trials::{resting_radii, rests_below, rests_from};
+pub use trials::{divides_above, resting_radii, rests_below, rests_from};
 
 mod trials;
 

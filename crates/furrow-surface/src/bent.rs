@@ -137,6 +137,12 @@ pub enum BentError {
         /// Bend of the last state that was tried.
         bend: f64,
     },
+    /// The bent branch begins towards smaller activities.
+    #[error("bent states begin subcritically, at xi_s = {xi_s:.4}: none is stable there")]
+    Subcritical {
+        /// Activity of the first state that was computed.
+        xi_s: f64,
+    },
     /// The bent states stay stable.
     #[error("the bent states are stable to the largest bend that is followed")]
     Unbounded,
@@ -468,7 +474,7 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
 /// The events of the bent states of a cell in order, up to the fold; `only_first` ends at the first.
 ///
 /// # Errors
-/// [`BentError`]; [`BentError::Unbounded`] if there is no event.
+/// [`BentError`]; [`BentError::Subcritical`] if no bent state is stable, [`BentError::Unbounded`] if there is no event.
 pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Result<Vec<(BentEvent, Bent)>, BentError> {
     check(cell)?;
     let (mut work, mut bent) = (Work::default(), Bent::at_threshold(cell, numerics)?);
@@ -476,6 +482,9 @@ pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Resu
     let all = [BentEvent::Pitchfork, BentEvent::Fold];
     let values = |bent: &Bent| -> Result<[f64; 2], RatesError> { Ok([all[0].before(bent)?, all[1].before(bent)?]) };
     let mut before = values(&bent)?;
+    if before[1] <= 0.0 {
+        return Err(BentError::Subcritical { xi_s: bent.cell.xi_s });
+    }
     let mut found: Vec<(BentEvent, Bent)> = Vec::new();
     let mut step = 2.0 * STEP;
     while bent.bend() < LARGEST && before[1] > 0.0 && (found.is_empty() || !only_first) {

@@ -1,4 +1,4 @@
-//! Trial divisions below a critical radius: it ends branches of trees only where they come to rest.
+//! Trial divisions near a critical radius: it ends branches of trees only where they come to rest below it.
 
 use std::sync::atomic::AtomicBool;
 
@@ -10,6 +10,9 @@ use furrow_cell::{Cell, Numerics};
 
 /// The fraction of the critical radius at which the first division is tried.
 const JUST_BELOW: f64 = 0.999;
+
+/// The fraction at which a division is tried above it. Closer cells divide after a long time.
+const JUST_ABOVE: f64 = 1.02;
 
 /// The fractions at which further divisions are tried, in order.
 const TRIED: [f64; 5] = [0.97, 0.9, 0.75, 0.5, 0.2];
@@ -42,6 +45,24 @@ pub fn rests_below(
     match rests(cell, numerics, r0, method, cancel)? {
         true => Ok(r0),
         false => Err(ShapeError::NoBound { cell: CellName::of(cell), kind: kind.point(), r0: critical_r0 }),
+    }
+}
+
+/// Whether division begins at the critical radius `critical_r0` of cells like `cell`, by a trial division just above it.
+///
+/// # Errors
+/// [`ShapeError::RestsAbove`] if that cell comes to rest; [`ShapeError::Interrupted`].
+pub fn divides_above(
+    cell: &Cell,
+    numerics: &Numerics,
+    (kind, critical_r0): (BoundaryKind, f64),
+    method: &Method,
+    cancel: Option<&AtomicBool>,
+) -> Result<()> {
+    let above = JUST_ABOVE * critical_r0;
+    match rests(cell, numerics, above, method, cancel)? {
+        true => Err(ShapeError::RestsAbove { cell: CellName::of(cell), kind: kind.point(), r0: critical_r0, above }),
+        false => Ok(()),
     }
 }
 

@@ -101,6 +101,9 @@ pub enum ShapeError {
     /// Cells below a critical radius divide, or do not come to rest.
     #[error("{cell}: the {kind} at R0 = {r0} bounds no division: smaller cells do not rest")]
     NoBound { cell: CellName, kind: PointKind, r0: f64 },
+    /// Cells above a critical radius rest as well: on a branch that this point does not end.
+    #[error("{cell}: division begins above the {kind} at R0 = {r0}: cells of {above:.6} rest too")]
+    RestsAbove { cell: CellName, kind: PointKind, r0: f64, above: f64 },
     /// The position of a cue that follows PAR polarity could not be computed.
     #[error("{cell}: PAR polarity, which the cue follows: {source}")]
     Polarity { cell: CellName, source: PolarityError },

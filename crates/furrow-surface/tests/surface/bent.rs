@@ -54,6 +54,16 @@ fn curves_of_bent_events_pass_through_those_of_each_branch() {
     }
 }
 
+/// At R0 = 0.5 and ε = 0.64 the bent branch turns back to smaller activities at once.
+#[test]
+fn a_subcritical_bent_branch_ends_no_stable_states() {
+    let cell = Cell { epsilon: 0.64, ..Cell::new(0.5) };
+    let found = branch(&cell, &coarse(), 40.0).unwrap();
+    assert!(found.threshold.coefficient < -10.0 && found.points[1].xi_s < found.threshold.xi_s);
+    let error = curves(&cell, &coarse(), Parameter::R0, [0.5, 0.52]).unwrap_err().to_string();
+    assert!(error.contains("begin subcritically, at xi_s = 23."), "{error}");
+}
+
 /// Near the end of this furrow rings without drag have no spread close to their last one.
 #[test]
 fn a_cued_furrow_at_one_side_closes() {

@@ -6,10 +6,7 @@ use furrow_cell::cue::Side;
 use furrow_cell::{Cell, Cue, Numerics, RigidityGradient};
 use furrow_mechanics::division::DivisionInput;
 use furrow_surface::division::{divide, start};
-use furrow_surface::law::{Vector, wall_force};
 use furrow_surface::plane::{Plates, turned};
-use furrow_surface::problem::Problem;
-use furrow_surface::space::Space;
 
 use crate::states::within;
 
@@ -21,29 +18,6 @@ fn pressed(flattening: f64) -> Cell {
 
 fn cue(text: &str) -> Cue {
     text.parse().unwrap()
-}
-
-/// f_c = −∇(P0 exp((q − 1)/w²))·n with q = Σ x²/axis².
-#[test]
-fn the_force_of_a_flattened_shell_is_the_slope_of_its_wall() {
-    let cell = pressed(0.8);
-    let problem = Problem::new(&cell, Space::new(12, 2));
-    let axes = problem.inverse_axes2();
-    let [x, y, z] = axes.map(|inverse| inverse.recip().sqrt());
-    within("volume", (x * y * z * cell.epsilon / cell.r0.powi(3) - 1.0).abs(), 1e-12);
-    within("thickness", (y / x - 0.8f64.powf(1.5)).abs(), 1e-12);
-    within("aspect", (z / x - cell.shell.aspect).abs(), 1e-12);
-    let wall = |at: Vector<f64>| {
-        let reach: f64 = at.iter().zip(axes).map(|(x, inverse)| x * x * inverse).sum();
-        cell.shell.p0 * ((reach - 1.0) / (cell.shell.w * cell.shell.w)).exp()
-    };
-    let place = problem.place_at(0.5, 1.0);
-    let (at, normal) = ([0.7 * x, 0.5 * y, 0.4 * z], [0.6, 0.64, 0.48]);
-    let moved = |h: f64| wall([0, 1, 2].map(|k| at[k] + h * normal[k]));
-    let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-    within("force", (wall_force(&place, &normal, &at) / -slope - 1.0).abs(), 1e-7);
-    let [[x, y, z], turned] = [Plates::Beside, Plates::Across].map(|plates| plates.factors(0.8));
-    assert_eq!(turned, [y, x, z]);
 }
 
 /// Turned by a quarter, the mirror plane lies across the plates.
@@ -63,15 +37,6 @@ fn a_passive_cell_between_plates_is_the_same_seen_from_both_mirror_planes() {
     within("width", (wide / wide_across - 1.0).abs(), 2e-4);
     within("thickness", (thin / thin_across - 1.0).abs(), 2e-4);
     within("pressure", (p / p_across - 1.0).abs(), 2e-4);
-}
-
-#[test]
-fn the_share_of_a_side_is_1_at_its_middle_and_the_same_all_around_a_pole() {
-    let side = Side { at: 0.5, spread: 0.8 };
-    within("middle", (side.share(0.5, 0.5) - 1.0).abs(), 1e-15);
-    within("slope", (side.share(0.5, 0.6) / (-0.01f64 / 0.64).exp() - 1.0).abs(), 3e-5);
-    within("pole", (side.share(0.0, 0.5) - side.share(0.0, 3.0)).abs(), 1e-12);
-    within("far", (side.share(0.5, 0.5 + PI) - (-4.0f64 / 0.64).exp()).abs(), 1e-12);
 }
 
 #[test]

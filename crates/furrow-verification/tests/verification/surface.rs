@@ -8,11 +8,11 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use furrow_cell::{Cell, Numerics, RigidityGradient};
+use furrow_cell::{Cell, Cue, Numerics, RigidityGradient};
 use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
 use furrow_surface::division::start;
 use furrow_surface::embed::project;
-use furrow_surface::law::{Contact, Flow, Place, Shape, Vector, balance};
+use furrow_surface::law::{Contact, Flow, Place, Shape, Vector, balance, wall_force};
 use furrow_surface::plane::Plates;
 use furrow_surface::problem::Problem;
 use furrow_surface::space::{Harmonic, Space};
@@ -421,4 +421,43 @@ fn walls_are_where_rays_meet_the_surface() {
     }
     println!("{} walls", felt.len());
     within("walls", worst, 1e-5);
+}
+
+/// S.7: f_c = −∇(P0 exp((q − 1)/w²))·n with q = Σ x²/axis², for half axes b/√f, bf and a/√f.
+#[test]
+fn the_force_of_a_flattened_shell_is_the_slope_of_its_wall() {
+    let mut cell = Cell::new(2.0);
+    cell.shell.flattening = 0.8;
+    let problem = Problem::new(&cell, Space::new(12, 2));
+    let [x, y, z] = problem.inverse_axes2().map(|inverse| inverse.recip().sqrt());
+    within("volume", (x * y * z * cell.epsilon / cell.r0.powi(3) - 1.0).abs(), 1e-12);
+    within("thickness", (y / x - 0.8f64.powf(1.5)).abs(), 1e-12);
+    within("aspect", (z / x - cell.shell.aspect).abs(), 1e-12);
+    let wall = |at: Vector<f64>| {
+        let reach: f64 = at.iter().zip([x, y, z]).map(|(at, axis)| (at / axis).powi(2)).sum();
+        cell.shell.p0 * ((reach - 1.0) / (cell.shell.w * cell.shell.w)).exp()
+    };
+    let place = problem.place_at(0.5, 1.0);
+    let (at, normal) = ([0.7 * x, 0.5 * y, 0.4 * z], [0.6, 0.64, 0.48]);
+    let moved = |h: f64| wall([0, 1, 2].map(|k| at[k] + h * normal[k]));
+    let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+    within("force", (wall_force(&place, &normal, &at) / -slope - 1.0).abs(), 1e-7);
+    let [[x, y, z], turned] = [Plates::Beside, Plates::Across].map(|plates| plates.factors(0.8));
+    assert_eq!(turned, [y, x, z]);
+}
+
+/// S.8: beside the axis a coefficient is changed as by a cue around it of a smaller amplitude.
+#[test]
+fn a_cue_at_one_side_is_one_around_the_axis_with_a_share_of_its_amplitude() {
+    let coefficients = |amplitude: f64, side: &str| {
+        let cue = format!("xi_s:band,u0=0.45,omega=0.1,amplitude={amplitude}{side}");
+        let cell = Cell::new(2.0).with_cue(cue.parse::<Cue>().unwrap());
+        Constants::<f64>::new(&cell, |_, value| value)
+    };
+    let one_sided = coefficients(0.3, ",at=0.5,spread=0.8");
+    for (u, phi) in [(0.5, 0.5), (0.4, 0.6), (0.35, 1.7), (0.01, 3.0), (0.5, 0.5 + PI)] {
+        let share = (2.0 * ((PI * u).sin() * (phi - 0.5f64).cos() - 1.0) / 0.64).exp();
+        let found = one_sided.beside(u, phi, 7.0).xi_s;
+        near("coefficient", found, coefficients(0.3 * share, "").at(u, 7.0).xi_s, 1e-12);
+    }
 }
