@@ -422,7 +422,7 @@ class Cell:
         if places is not None:
             raise refused("places", places, "None without axial symmetry, where all frames have the same rings and meridians")
         found, of, grids, shell = _furrow.surfaces(self._inputs, memo, seed, _every(frames))
-        surfaces = Surfaces(**of, **grids, shell=(shell[0], shell[1]))
+        surfaces = Surfaces(**of, **grids, shell=(shell[0], shell[1], shell[2]))
         neck = Neck(**{name: np.array(values) for name, values in found["neck"].items()})
         return division(self, seed, found["division"], surfaces=surfaces, neck=neck, modes=found["modes"])
 

@@ -116,7 +116,7 @@ class Surfaces(Series[SurfaceFrame]):
     ``positions``: x, y and z, in L_h: frames × rings × meridians × 3.
     ``normals``: Outward normals of length 1: frames × rings × meridians × 3.
     ``tension``: Mean active tension, in κ0/L_h²: frames × rings × meridians.
-    ``shell``: Half axes of the shell along z and across, in L_h.
+    ``shell``: Half axes of the shell along x, y and z, in L_h.
     """
 
     t: Array
@@ -126,7 +126,7 @@ class Surfaces(Series[SurfaceFrame]):
     neck_offset: Array
     neck_position: Array
     chi: Array
-    shell: tuple[float, float]
+    shell: tuple[float, float, float]
     u: Array
     positions: Array
     normals: Array

@@ -274,10 +274,11 @@ def _sections(found: Division, frames: Surfaces) -> Figure:
     # The side of the axis on which the neck ends is drawn below.
     offsets = frames.neck_offset[~np.isnan(frames.neck_offset)]
     side = -1.0 if len(offsets) and offsets[-1] > 0.0 else 1.0
-    for k, frame in enumerate(_stills(frames, frames.shell[1], found.divided)):
+    across, _, along = frames.shell
+    for k, frame in enumerate(_stills(frames, across, found.divided)):
         axes = figure.add_subplot(row[k])
         x, z = frame.surface.section.T
-        _shell(axes, frames.shell)
+        _shell(axes, (along, across))
         axes.fill(z, side * x, facecolor=CYTOPLASM, edgecolor=INK, linewidth=1.6)
         axes.set_aspect("equal")
         axes.axis("off")

@@ -36,7 +36,7 @@ pub fn filmed(input: &DivisionInput, memo: &Solved) -> Result<(Division, Film), 
 }
 
 /// A division with its neck over time, the columns of frames, the surfaces, and the half axes of the shell.
-type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyDict>, [f64; 2]);
+type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyDict>, [f64; 3]);
 
 /// Divides a cell without axial symmetry and keeps its shapes, after every step or every `every` τ.
 #[pyfunction]

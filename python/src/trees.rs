@@ -59,16 +59,20 @@ pub fn scenarios(
             lineage.forget_first_radius();
         }
         let settings = tree_settings(settings, &lineage, seed, quantisation);
-        lineage.check_law(&settings.cell, ARGUMENTS)?;
         sources.push(Source { label: label.clone(), lineage, settings });
     }
-    combine(&sources, &cues.iter().map(String::as_str).collect::<Vec<_>>()).map_err(|error| match error {
+    let combined = combine(&sources, &cues.iter().map(String::as_str).collect::<Vec<_>>());
+    let scenarios = combined.map_err(|error| match error {
         ScenarioError::Cue(error) => bad_cue(error),
         ScenarioError::Same { first, second } => {
             let allowed = format!("a different scenario; it duplicates {first}");
             InputError::not_allowed(ARGUMENTS, "cues", second, allowed)
         }
-    })
+    })?;
+    for Scenario { lineage, settings, .. } in &scenarios {
+        lineage.check_cells(&settings.cell, &settings.numerics, ARGUMENTS)?;
+    }
+    Ok(scenarios)
 }
 
 /// A tree with the name, the lineage and the cue of its scenario.

@@ -13,6 +13,7 @@ import pytest
 import furrow
 
 COARSE = {"modes": 2, "elements": 32}
+ONE_SIDED = "tension:gradient,amplitude=1,at=0,spread=1"
 OPTIONS = ("--three-dimensional", "--modes", "2", "--set", "elements=32")
 
 
@@ -141,7 +142,8 @@ def test_pictures_of_surfaces(divided, tmp_path):
         (lambda cell: cell.pitchfork(), "must be 0"),
         (lambda cell: cell.boundary("aspect", 1.3, 1.4), "r0 or epsilon without axial symmetry"),
         (lambda cell: furrow.Cell(2.0, shell_flattening=0.9), "1 for cells with axial symmetry"),
-        (lambda cell: furrow.Cell(2.0, cue="tension:gradient,amplitude=1,at=0,spread=1"), "without at=PHI for"),
+        (lambda cell: furrow.tree(cue=ONE_SIDED), "without at=PHI for cells with axial symmetry"),
+        (lambda cell: furrow.Cell(2.0, cue=ONE_SIDED), "without at=PHI for"),
     ],
 )
 def test_what_surfaces_do_not_have_is_refused(call, said):

@@ -328,10 +328,7 @@ pub fn grown(
     context: &Context,
 ) -> Result<(Grown, Vec<LineageRanges>), CliError> {
     for Scenario { lineage, settings, .. } in scenarios {
-        lineage.check_law(&settings.cell, "the lineage")?;
-    }
-    for Scenario { lineage, .. } in scenarios.iter().filter(|scenario| scenario.settings.numerics.modes == 0) {
-        lineage.check_axisymmetric(&lineage.name)?;
+        lineage.check_cells(&settings.cell, &settings.numerics, &lineage.name)?;
     }
     let (grown, spread) = context.shown(|line| {
         let show = |progress| line.show(progress);

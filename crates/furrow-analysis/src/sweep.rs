@@ -140,7 +140,7 @@ impl Sweep {
         let checked = checked.and_then(|()| {
             cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))?;
             match self.kind {
-                Kind::Tree => self.lineage_at(&cell).check_law(&cell, &self.file),
+                Kind::Tree => self.lineage_at(&cell).check_cells(&cell, &settings.numerics, &self.file),
                 _ => cell.check_law(&self.file),
             }
         });

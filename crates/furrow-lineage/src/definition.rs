@@ -13,7 +13,7 @@ use super::rules::{PhysicsRule, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
-use furrow_cell::{Cell, Cue, CueError};
+use furrow_cell::{Cell, Cue, CueError, Numerics};
 use furrow_input::{InputError, did_you_mean, listed, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
@@ -309,11 +309,15 @@ impl Lineage {
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
     }
 
-    /// Checks whether the cues that founders and rules give go with the law of a cell; errors say they came from `source_name`.
+    /// Checks whether its cells can divide with the law of `cell` and the symmetry of `numerics`; errors say they came from
+    /// `source_name`.
     ///
     /// # Errors
-    /// Names the cue and the reason.
-    pub fn check_law(&self, cell: &Cell, source_name: &str) -> Result<(), InputError> {
+    /// Names the cue, founder or rule and the reason.
+    pub fn check_cells(&self, cell: &Cell, numerics: &Numerics, source_name: &str) -> Result<(), InputError> {
+        if numerics.modes == 0 {
+            self.check_axisymmetric(source_name)?;
+        }
         let of_founders = self.founders.iter().flat_map(|founder| founder.cue.iter().chain(names(&founder.cue_rules)));
         let cues = of_founders.chain(names(&self.cue_rules)).filter_map(|name| self.cue(name));
         cues.into_iter().try_for_each(|cue| cell.clone().with_cue(cue).check_law(source_name))

@@ -55,7 +55,7 @@ impl Lineage {
     ///
     /// # Errors
     /// Names the cue, the founder or the rule.
-    pub fn check_axisymmetric(&self, file: &str) -> Result<(), InputError> {
+    pub(crate) fn check_axisymmetric(&self, file: &str) -> Result<(), InputError> {
         if let Some((name, cue)) = self.cues.iter().find(|(_, cue)| cue.is_one_sided()) {
             let allowed = "without at=PHI for cells with axial symmetry, whose modes are 0";
             return Err(InputError::not_allowed(file, format!("cues[{name:?}]"), cue, allowed));

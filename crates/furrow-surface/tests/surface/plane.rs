@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use furrow_cell::cue::Side;
 use furrow_cell::{Cell, Cue, Numerics, RigidityGradient};
 use furrow_mechanics::division::DivisionInput;
 use furrow_surface::division::{divide, start};
