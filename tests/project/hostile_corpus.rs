@@ -1,14 +1,14 @@
-//! Replays the files of `fuzz/corpus` with the functions of the fuzzers.
+//! Replays the files of `tests/fuzz/corpus` with the functions of the fuzzers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-#[path = "../../fuzz/targets/mod.rs"]
+#[path = "../fuzz/targets/mod.rs"]
 mod readers;
 
-/// The entries of a folder of `fuzz`, sorted by name.
+/// The entries of a folder of `tests/fuzz`, sorted by name.
 fn listed(folder: &str) -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(folder);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz").join(folder);
     let mut paths: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     paths.sort();
     paths
@@ -23,7 +23,7 @@ fn every_target_passes_its_corpus() {
     };
     let targets: Vec<String> = readers::TARGETS.iter().map(|(name, _)| (*name).to_owned()).collect();
     assert_eq!((names("targets"), names("corpus")), (targets.clone(), targets));
-    let fuzzers = include_str!("../../fuzz/Cargo.toml");
+    let fuzzers = include_str!("../fuzz/Cargo.toml");
     for (name, check) in readers::TARGETS {
         assert!(fuzzers.contains(&format!("name = \"{name}\"")), "{name}");
         let paths = listed(&format!("corpus/{name}"));

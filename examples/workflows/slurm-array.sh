@@ -1,7 +1,7 @@
 #!/bin/sh
 # Solves one part of a sweep in each task of a Slurm array:
 #
-#   sbatch --array=1-4 workflows/slurm-array.sh studies/size.ron size 4
+#   sbatch --array=1-4 examples/workflows/slurm-array.sh studies/size.ron size 4
 #
 # When all tasks are done, merge the parts:
 #

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Draws the figures of paper.md: `paper/figures.sh`. FURROW names the program, if it is not `furrow` on the PATH. Needs nothing else.
+# Draws the figures of paper.md: `docs/paper/figures.sh`. FURROW names the program, if it is not `furrow` on the PATH. Needs nothing else.
 set -eu
 cd "$(dirname "$0")"
 furrow=${FURROW:-furrow}

@@ -1,6 +1,6 @@
 //! Boundary-value problems, branches and singular points from any bytes.
 
-#[path = "../../crates/furrow-bvp/tests/hostile/mod.rs"]
+#[path = "../../../crates/furrow-bvp/tests/hostile/mod.rs"]
 mod hostile;
 
 /// Every problem ends with a result or an error; results keep their tolerance.

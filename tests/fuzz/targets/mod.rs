@@ -1,5 +1,5 @@
 //! Checks of every reader: one function per reader takes any bytes and panics if the reader misbehaves. The fuzzers call them
-//! with random bytes, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
+//! with random bytes, `tests/project/hostile_corpus.rs` with the files in `tests/fuzz/corpus`.
 
 pub mod boundary_value;
 pub mod config;
