@@ -206,7 +206,7 @@ impl Inputs {
         Ok(DivisionInput { cell: settings.cell, numerics: self.numerics, seed })
     }
 
-    /// The same, refused with azimuthal modes: for what has equations with axial symmetry alone.
+    /// The same, refused with azimuthal modes: for functions with axisymmetric equations only.
     pub fn axisymmetric(&self) -> Result<Inputs, Error> {
         self.settings().check_axisymmetric(ARGUMENTS)?;
         Ok(self.clone())

@@ -183,7 +183,7 @@ impl Context {
         work(&ProgressLine::new(self.progress))
     }
 
-    /// The same for divisions, of which the line shows how many are done. It appears with the first of them: until then the work may
+    /// The same for divisions: the line counts those that are done. It appears with the first one: until then the work may
     /// show another line.
     pub fn scheduled<T>(&self, work: impl FnOnce(&SchedulerOptions<'_>) -> T) -> T {
         let line = OnceCell::new();

@@ -101,7 +101,7 @@ struct Divisions {
     mesh: Option<MeshEffect>,
 }
 
-/// What a comparison of two divisions of a cell shows of the other one.
+/// The other division's part of a comparison of two divisions of a cell.
 fn compared(other: &Division) -> Value {
     filled(json!({ "outcome": other.outcome(), "chi": other.chi(), "u_furrow": other.u_furrow() }))
 }

@@ -36,7 +36,7 @@ pub struct SearchOptions<'a> {
 pub struct SearchRun {
     /// The schema of the definition in its journal.
     pub schema: &'static str,
-    /// What is counted, in that definition.
+    /// The rounds that this definition counts.
     pub counted: &'static str,
     /// The same in the progress line.
     pub progress: &'static str,

@@ -194,7 +194,7 @@ fn survive_full_disks() {
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
-/// The options, with the parameter that --three-dimensional stands for.
+/// The options, with the parameter that --three-dimensional sets.
 fn with_axis<'a>(globals: &'a Globals, command: &Command) -> Cow<'a, Globals> {
     let setting = match command {
         Command::Tree(args) => args.axis.setting(),

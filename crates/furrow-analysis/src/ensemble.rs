@@ -232,7 +232,7 @@ impl<'a> ConstantsSearch<'a> {
         self.targets.starts(self.cell).into_iter().map(|(parameter, _)| parameter).collect()
     }
 
-    /// Checks the constants at several x, of which the first has number `first`; `expected` sets are expected in all.
+    /// Checks the constants at several x, numbered from `first`; `expected` sets are expected in all.
     pub(super) fn check_all(
         &self,
         pool: &ThreadPool,

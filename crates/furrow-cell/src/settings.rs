@@ -413,7 +413,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Refuses azimuthal modes, for what has equations with axial symmetry alone.
+    /// Refuses azimuthal modes, for commands with axisymmetric equations only.
     pub fn check_axisymmetric(&self, source_name: &str) -> Result<(), InputError> {
         let modes = self.numerics.modes;
         let allowed = "0: only divisions, trees, states at rest, phase diagrams and the boundary of division over R0 or ε can be computed without axial symmetry";

@@ -221,7 +221,7 @@ fn a_movie_shows_a_furrow_on_one_side() {
     assert!(above < 0.93 * whole && (below / also - 1.0).abs() < 0.01, "{above} {whole} {below} {also}");
 }
 
-/// The glass of a shell between plates that face x is less high, and as long, as that of a round one with the same other axes.
+/// A shell between plates that face x is drawn less high than a round one, and as long.
 #[test]
 fn a_movie_shows_a_flattened_shell() {
     let extent = |x: f64| {

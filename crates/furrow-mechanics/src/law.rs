@@ -64,7 +64,7 @@ pub(crate) fn cannot_rest(cell: &Cell) -> Option<LawError> {
 }
 
 /// The place of a shape at which its cell's law makes the shortest waves grow. A law without rates of strain and without a
-/// moment makes none grow, since bending dominates them.
+/// moment does not make them grow, since bending dominates.
 pub fn short_waves(cortex: &Cortex, y: &Solution) -> Option<LawError> {
     let (law, name) = (cortex.constants().law.as_ref()?, cortex.cell.law.as_ref()?.name());
     if !law.viscous && !law.bends {

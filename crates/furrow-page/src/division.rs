@@ -173,7 +173,7 @@ impl Film {
         numbers.extend(self.places.iter().filter_map(phi).map(|phi| phi as f32));
     }
 
-    /// Active tensions T^a_uu = X_s(½C − c2) + X_b C and T^a_φφ = −X_s(½C − c2) + X_b C at u; or those of the cell's own law.
+    /// Active tensions T^a_uu = X_s(½C − c2) + X_b C and T^a_φφ = −X_s(½C − c2) + X_b C at u, or by the cell's own law.
     fn active_tensions(&self, shape: &Solution, u: f64) -> [f64; 2] {
         let (mut state, n) = ([0.0; REGULATED], shape.components);
         shape.eval(&self.gauss, u, &mut state[..n]);

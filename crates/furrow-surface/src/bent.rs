@@ -49,7 +49,7 @@ pub struct BentPoint {
 }
 
 impl BentPoint {
-    /// The observables that axisymmetric shapes have too. The bend stands for the arclength.
+    /// The observables of axisymmetric shapes, with the bend in place of the arclength.
     pub fn shape(&self) -> ShapePoint {
         ShapePoint {
             xi_s: self.xi_s,

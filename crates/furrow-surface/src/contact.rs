@@ -117,7 +117,7 @@ impl Problem {
         [b / shell.inverse_w2, shell.shell_force / b]
     }
 
-    /// The walls that the points of a surface may touch, by station × meridian; empty if there are none.
+    /// The walls that the points of a surface may touch, by station × meridian; empty without contact.
     pub fn walls(&self, surface: &[f64]) -> Vec<Contact> {
         let [lambda, pressure] = self.contact_law();
         let points = points(&self.space, surface);

@@ -63,7 +63,7 @@ impl Problem {
         (self.constants.volume * 0.75 / std::f64::consts::PI).cbrt()
     }
 
-    /// Takes away what the last change has added to the volume to second order.
+    /// Removes the change of the volume of second order in the last step.
     fn keep_volume(&self, state: &mut State, factored: &Factored) {
         let excess = self.volume(&state.surface) - self.constants.volume;
         let mut change = vec![0.0; self.space.unknowns()];

@@ -218,7 +218,7 @@ impl Space {
         self.blocks = (0..blocks).map(range).collect();
     }
 
-    /// Renumbers the unknowns so that none is missing, in the same order.
+    /// Numbers the unknowns without gaps, in the same order.
     fn close_gaps(&mut self) {
         let mut used: Vec<u32> = self.unknown.iter().copied().filter(|k| *k != FIXED).collect();
         used.sort_unstable();

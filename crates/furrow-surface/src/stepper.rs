@@ -32,7 +32,7 @@ pub struct Stepper {
     factored: Option<Factored>,
     /// The density of rings in the last step.
     density_before: Vec<f64>,
-    /// Rate of the step whose derivatives are known.
+    /// Rate of the step at which the Jacobian was computed.
     known_rate: f64,
 }
 

@@ -350,7 +350,7 @@ mod tests {
     use super::super::search::moved;
     use super::*;
 
-    /// A number of one class of cells changes their divisions and, by the radius, those of their descendants.
+    /// A number of one class of cells changes the divisions of this class and, through the radius, of its descendants.
     #[test]
     fn numbers_of_a_class_of_cells_act_on_their_descendants_by_the_radius_alone() {
         let preset = Numerics::default();

@@ -6,7 +6,7 @@
 //! * \[F.11 difference\] Δ = Σ_e d_e, with the standard error √n s_d and t = Δ/(√n s_d) on n − 1 degrees of freedom.
 //!
 //! Two hypotheses are distinguishable if p < 0.05. The null hypothesis is that both predict new embryos equally well, whether or not
-//! they are nested. A number fitted in vain makes predictions worse, so that k needs no further correction. A difference of this size is
+//! they are nested. A needless free number makes predictions worse, so that k needs no further correction. A difference of this size is
 //! significant in 80 of 100 tables with (1.960 + 0.842)² s_d²/d̄² embryos; at least as many as were measured are said to be needed.
 //!
 //! # References

@@ -114,7 +114,7 @@ fn fill(samples: &mut [Sample], [width, height]: [usize; 2], corners: [Corner; 3
     }
 }
 
-/// Averages the samples of a pixel: those of the nearest part, and those behind it.
+/// Averages the samples of a pixel, separately for the nearest part and for the parts behind it.
 fn resolve<'s>(samples: impl Iterator<Item = &'s Sample> + Clone, count: usize) -> [Part; 2] {
     let nearest = samples.clone().map(|sample| sample.near).fold(f32::NEG_INFINITY, f32::max);
     let mut parts = [Part::default(); 2];

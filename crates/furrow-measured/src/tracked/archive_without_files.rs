@@ -1,4 +1,4 @@
-//! Archives where there are no files: WebAssembly has none to open.
+//! Archives in WebAssembly, which cannot open files.
 
 use std::path::Path;
 

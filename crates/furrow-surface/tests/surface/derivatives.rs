@@ -21,7 +21,7 @@ fn put_walls(problem: &mut Problem) {
     problem.contacts = (0..points).map(wall).collect();
 }
 
-/// How the residual changes along a direction of all unknowns, the pressure last: by differences, less what the derivatives say,
+/// The difference quotient of the residual along a direction of all unknowns, the pressure last, minus the derivatives,
 /// relative to the largest change; and the same for the volume.
 fn off(problem: &Problem, state: &State, direction: &[f64], pressure: f64) -> [f64; 2] {
     let h = 2e-4;

@@ -1,4 +1,4 @@
-//! Divisions with axial symmetry, m = 0 alone, against those of furrow-mechanics with the same noise.
+//! Divisions with m = 0 alone agree with furrow-mechanics for the same noise.
 
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_mechanics::division::{DivisionInput, divide};

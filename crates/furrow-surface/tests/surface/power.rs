@@ -35,7 +35,7 @@ impl Powers {
         self.parts().iter().map(|part| part.abs()).sum()
     }
 
-    /// Adds a point; the stresses are those of S.2 in an orthonormal frame of the surface.
+    /// Adds a point, with the stresses of S.2 in an orthonormal frame of the surface.
     fn add(&mut self, weight: f64, place: &Place, x: &Shape<f64>, v: &Flow<f64>, pressure: f64) {
         let geometry = Geometry::new(x);
         let (n, local) = (geometry.normal, &place.local);

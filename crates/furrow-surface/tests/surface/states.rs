@@ -91,7 +91,7 @@ pub fn bent(cell: &Cell, elements: usize, modes: usize, bent: usize) -> (Problem
             }
         }
     }
-    // Within the shell, whose force rises steeply.
+    // Within the shell, where its force is small.
     state.surface.iter_mut().for_each(|x| *x *= 0.85);
     problem.change(&mut state, &change, 0.3);
     problem.spread(&state.surface);

@@ -59,7 +59,7 @@ fn cued_shapes_at_rest_are_those_of_the_axisymmetric_equations() {
     assert!((found[0] / found[1] - 1.0).abs() > 1e-3, "the readings differ: {found:?}");
 }
 
-/// The two leading rates, and the leading one of each parity, are among those of the engine.
+/// The engine finds the two leading rates, and the leading one of each parity.
 fn off(found: &[furrow_surface::rates::Rate], expected: &Spectrum) -> f64 {
     let leading = expected.values.iter().take(2);
     let of = [Parity::Even, Parity::Odd].into_iter().filter_map(|parity| expected.rightmost(Some(parity)));

@@ -155,7 +155,7 @@ fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
     }
 }
 
-/// On a sphere a disturbance of azimuthal number m has the rates of all ℓ ≥ m, for every m. Without activity they are those of
+/// On a sphere a disturbance of azimuthal number m has the rates of all ℓ ≥ m, for every m. Without activity they are the rates of
 /// Helfrich's modes of a vesicle, (ℓ − 1)(ℓ + 2)\[γ + κℓ(ℓ + 1)/R²\]/R² over what resists.
 #[test]
 fn on_a_sphere_rates_depend_on_the_degree_alone() {

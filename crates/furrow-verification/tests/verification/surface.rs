@@ -1,8 +1,8 @@
 //! The balance at a point of a general surface against the axisymmetric balance of forces.
 //!
 //! On any smooth axisymmetric surface with any flow, at rest or not, the virtual power on a motion W is −∫ (F_t W_t + F_n W_n) dA, where
-//! F_t and F_n are what is left of the tangential and the normal balance. These are evaluated as the paper prints them, with stresses that are
-//! differentiated along the contour. The surface is told to `law` in coordinates that are skew: lines of constant φ wind around the
+//! F_t and F_n are the residuals of the tangential and the normal balance, evaluated as the paper prints them, with stresses that are
+//! differentiated along the contour. `law` gets the surface in skew coordinates: lines of constant φ wind around the
 //! axis, so that no component of the metric or the curvature vanishes.
 
 use std::array::from_fn;
@@ -190,7 +190,7 @@ impl Surface {
         (contact, pressure * (decay * (2.0 * (0.02 * 0.6 + 0.03 * 0.8) - distance)).exp())
     }
 
-    /// What is left of the tangential and the normal balance, [tangential] and [normal] of the paper.
+    /// The residuals of the tangential and the normal balance, [tangential] and [normal] of the paper.
     fn unbalanced(&self) -> [Values; 2] {
         let [v, v_n] = &self.v;
         let c2: Values = from_fn(|k| self.sin[k] / self.r[k]);
@@ -322,7 +322,7 @@ fn the_mesh_moves_with_the_normal_velocity_alone() {
     within("the mesh's balance", worst, 1e-9);
 }
 
-/// A mesh at rest is spread as its density says, and the weights of S.5 are those of one function.
+/// A mesh at rest is spread as its density says, and the weights of S.5 come from one function.
 #[test]
 fn a_mesh_is_spread_as_its_density_says() {
     let cell = Cell::new(2.5);

@@ -279,7 +279,7 @@ impl<D: Lawful> Prepared<D> {
     }
 
     /// What decides whether the shortest waves decay: κ + ∂M^a/∂C, and the viscosities along and, at given T_uu, around the contour,
-    /// 1 and those of the material without a law.
+    /// 1 and the material's own coefficients without a law.
     pub fn moduli(
         &mut self,
         here: &LocalCoefficients<D>,
