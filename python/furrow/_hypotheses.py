@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Literal, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, optional_path, refused, text_of, threads_of
+from ._checks import given_of, optional_path, refused, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
@@ -18,11 +18,26 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ._cell import Value
-    from ._furrow import Memo
+    from ._furrow import Drawing, Memo
 
 
 class Hypotheses(Drawn):
     """Hypotheses beside each other: the output of ``furrow test --json``."""
+
+    def __init__(self, found: Mapping[str, Any], drawing: Drawing, points: list[list[list[float]]]) -> None:
+        super().__init__(found, drawing)
+        self._points = points
+
+    def samples_to_pandas(self, hypothesis: str | None = None) -> pd.DataFrame:
+        """The sample of a hypothesis, by default of the first: one column per number, one row per point."""
+        names = [row["name"] for row in self["hypotheses"]]
+        if hypothesis is not None and hypothesis not in names:
+            raise refused("hypothesis", hypothesis, f"one of {', '.join(names)}")
+        at = 0 if hypothesis is None else names.index(hypothesis)
+        if not self._points[at]:
+            raise refused("samples", None, "given in the test")
+        numbers = [number["name"] for number in self["hypotheses"][at]["posterior"]["parameters"]]
+        return frame({name: [point[k] for point in self._points[at]] for k, name in enumerate(numbers)})
 
     def to_pandas(self) -> pd.DataFrame:
         """One row per hypothesis."""
@@ -67,6 +82,7 @@ def test(
     particles: SupportsIndex = 12,
     moves: SupportsIndex = 10,
     seed: SupportsIndex = 0,
+    samples: SupportsIndex | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
@@ -81,7 +97,7 @@ def test(
     ``embryo``, ``chi_sd`` and ``mother_um3``, or a file of targets of :func:`furrow.fit.cue`. ``cues`` are texts, of which
     ``"name=CUE"`` names a hypothesis, or cues by name. ``free`` lists the numbers that are fitted, such as ``cue.amplitude`` or
     ``epsilon@somatic``; by default all numbers of each cue, and none for an empty list. ``noise`` says where the errors of χ come
-    from, ``cells`` and ``population`` which cells and groups are used.
+    from, ``cells`` and ``population`` which cells and groups are used. ``samples`` draws so many points of each posterior.
     """
     names = _cues(cues)
     if not names:
@@ -97,8 +113,9 @@ def test(
         "voxel": None if voxel is None else positive("voxel", voxel),
         "unit": None if unit is None else text_of("unit", unit),
         "search": _search(particles, moves, seed),
+        "samples": None if samples is None else whole("samples", samples, 20, 100_000),
     }
     known = shared_memo() if memo is None else memo
     with shown(progress, "candidates") as tell:
-        found, drawing = _furrow.test(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
-    return Hypotheses(found, drawing)
+        found, drawing, points = _furrow.test(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
+    return Hypotheses(found, drawing, points)

@@ -4,7 +4,10 @@ use furrow_analysis::compare::names_of;
 use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
-use furrow_analysis::hypotheses::{Hypothesis, Noise, NoiseKind, Observations, Question, test as tested};
+use furrow_analysis::hypotheses::{
+    Hypothesis, Noise, NoiseKind, Observations, Question, TestedHypothesis, test as tested,
+};
+use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
 use furrow_input::shown;
@@ -35,6 +38,8 @@ pub struct TestAsked {
     unit: Option<String>,
     /// Particles, moves and seed of each search.
     search: (usize, u64, u64),
+    /// Points of each sample.
+    samples: Option<usize>,
 }
 
 impl TestAsked {
@@ -58,6 +63,9 @@ impl TestAsked {
     }
 }
 
+/// The samples of all hypotheses: the numbers of each point.
+type Samples = Vec<Vec<Vec<f64>>>;
+
 /// Several cues, each fitted to measured χ, and whether they are distinguishable.
 #[pyfunction]
 #[pyo3(signature = (asked, given, memo, threads, progress=None))]
@@ -68,7 +76,7 @@ pub fn test(
     memo: &Memo,
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
-) -> Result<(Document, Drawing), Error> {
+) -> Result<(Document, Drawing, Samples), Error> {
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         let lineage = lineage_of(asked.lineage.as_deref())?;
@@ -81,10 +89,13 @@ pub fn test(
         let (particles, moves, seed) = asked.search;
         let effort = SearchBudget { particles, moves, seed };
         let (observations, hypotheses, noise, memo) = (&observations, &hypotheses, &noise, &memo);
-        let question = Question { observations, hypotheses, noise, effort, memo };
+        let sampling = asked.samples.map(|particles| Sampling { particles, seed });
+        let question = Question { observations, hypotheses, noise, effort, sampling, memo };
         let show = |FitProgress { done, of, .. }| watch.set([0, done, of]);
         let run = FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &watch.stop) };
         let found = tested(&run, &question)?;
-        Ok((Document::of(&found)?, Drawing::of(plot::hypotheses::draw(&found))))
+        let points = |tested: &TestedHypothesis| tested.posterior.as_ref().map_or(Vec::new(), |p| p.points.clone());
+        let points = found.hypotheses.iter().map(points).collect();
+        Ok((Document::of(&found)?, Drawing::of(plot::hypotheses::draw(&found)), points))
     })
 }

@@ -204,6 +204,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "test": (
         "furrow.test",
         {"<TABLE>": "furrow.test(table)", "--cue": "furrow.test(cues)", "--plot": "furrow.Hypotheses.save(path)"}
+        | {"--samples": "furrow.test(samples)", "--posterior": "furrow.Hypotheses.samples_to_pandas(hypothesis)"}
         | {
             f"--{name}": f"furrow.test({name})"
             for name in ("free", "noise", "cells", "population", "voxel", "unit", "lineage", "particles", "moves", "seed")

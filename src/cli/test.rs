@@ -8,9 +8,11 @@ use furrow_analysis::compare::names_of;
 use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
-use furrow_analysis::hypotheses::{Hypothesis, Noise, NoiseKind, Observations, Question, test};
+use furrow_analysis::hypotheses::{Hypothesis, Noise, NoiseKind, Observations, Question, samples_csv, test};
+use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
+use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::Lineage;
 use furrow_lineage::batch::Store;
@@ -77,9 +79,16 @@ pub struct TestArgs {
     /// Moves of the swarm
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     moves: u32,
-    /// Seed of the search
+    /// Seed of the search and of the samples
     #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0)]
     seed: u64,
+    /// Also draws a sample of each posterior with this many points: intervals, evidence, numbers that are open along a line, and cells
+    /// that surprise the hypothesis
+    #[arg(help_heading = "Posterior", long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    samples: Option<u32>,
+    /// Writes the samples as a table (CSV): a column for each number, a row for each point
+    #[arg(help_heading = "Posterior", long, value_name = "FILE.csv", requires = "samples")]
+    posterior: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotArgs,
 }
@@ -98,8 +107,9 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let memo = context.memo()?;
     interrupt::finish();
     let effort = SearchBudget { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed };
+    let sampling = args.samples.map(|samples| Sampling { particles: samples as usize, seed: args.seed });
     let question =
-        Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, memo: &memo };
+        Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };
     let found = context.shown(|line| {
         let show = |FitProgress { done, of, least }| {
             let least = least.map_or(String::new(), |least| format!(", least misfit {least:.3}"));
@@ -110,6 +120,11 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     })?;
     messages::warn_of(memo.store().map_or_else(Vec::new, Store::take_warnings));
     picture.write(|| plot::hypotheses::draw(&found))?;
+    if let Some(file) = &args.posterior {
+        let sampled =
+            found.hypotheses.iter().filter_map(|tested| Some((tested.name.as_str(), tested.posterior.as_ref()?)));
+        write_atomically(file, samples_csv(sampled).as_bytes())?;
+    }
     let elapsed_s = start.elapsed().as_secs_f64();
     let document = merged(json!(found), json!({ "seed": args.seed, "elapsed_s": elapsed_s }));
     print_as(context.json, &document, || found.to_string())

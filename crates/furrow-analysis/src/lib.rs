@@ -16,6 +16,7 @@
 //! | [`mod@solve`] | the value of one parameter that gives a wanted division |
 //! | [`mod@boundary`] | the boundary of division over a parameter |
 //! | `bent` | bent states, without axial symmetry, in diagrams, boundaries and phase diagrams |
+//! | [`tempering`] | samples of a posterior by sequential Monte Carlo |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
 //! | [`hypotheses`] | several cues beside each other: which one the measured χ speak for |
 //! | [`mod@polarity`] | PAR polarity along the germline, and its effect on divisions |
@@ -52,6 +53,7 @@ pub mod solve;
 pub mod sweep;
 pub mod sweep_files;
 pub mod table;
+pub mod tempering;
 
 pub use boundary::{BoundaryOptions, BoundaryStudy, boundary, edges};
 pub use constants::{Constants, read_constants, write_constants};

@@ -1,7 +1,10 @@
 //! Probabilities of slopes, of differences of means and of orders.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use serde::Serialize;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, FisherSnedecor, StudentsT};
+use statrs::function::erf::erfc;
 
 use crate::statistics::{Line, line, mean, sd};
 
@@ -99,6 +102,18 @@ pub fn welch(a: Sample, b: Sample) -> Option<f64> {
 pub fn sign_test(agree: usize, of: usize) -> f64 {
     let below = agree.checked_sub(1).zip(Binomial::new(0.5, of as u64).ok());
     below.map_or(1.0, |(below, tosses)| tosses.sf(below as u64))
+}
+
+/// Probability that a standard normal number is as large or larger.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::significance::normal_tail;
+/// // scipy.stats.norm.sf(1.5)
+/// assert!((normal_tail(1.5) - 0.066_807_201_268_858_07).abs() < 1e-14);
+/// ```
+pub fn normal_tail(z: f64) -> f64 {
+    0.5 * erfc(z * FRAC_1_SQRT_2)
 }
 
 /// Probability of a χ² as large or larger; `None` without degrees of freedom.

@@ -26,7 +26,7 @@ pub struct NoSingularValues;
 const MOST_ITERATIONS: usize = 100;
 
 impl Svd {
-    /// Decomposes the matrix with these rows, all of the same length.
+    /// Decomposes the matrix with these rows, all of the same length. A matrix without entries has no singular values.
     ///
     /// # Errors
     /// [`NoSingularValues`].
@@ -39,12 +39,16 @@ impl Svd {
     /// assert!((svd.values[0] - 50.0f64.sqrt()).abs() < 1e-14 && svd.values[1] < 1e-14);
     /// let open = &svd.right[1];
     /// assert!((open[0] + open[1]).abs() < 1e-14);
+    /// assert!(Svd::of_rows(&[])?.values.is_empty());
     /// # Ok::<(), furrow_spectra::NoSingularValues>(())
     /// ```
     pub fn of_rows(rows: &[Vec<f64>]) -> Result<Svd, NoSingularValues> {
         let columns = rows.first().map_or(0, Vec::len);
         if rows.iter().flatten().any(|x| !x.is_finite()) {
             return Err(NoSingularValues);
+        }
+        if columns == 0 {
+            return Ok(Svd { values: Vec::new(), left: Vec::new(), right: Vec::new() });
         }
         // Rows of zeros make it at least square, so that all right vectors are computed.
         let (count, height) = (rows.len().min(columns), rows.len().max(columns));

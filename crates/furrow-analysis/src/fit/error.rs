@@ -40,6 +40,6 @@ pub enum FitError {
 }
 
 /// An error if the search was cancelled.
-pub(super) fn check_cancelled(cancel: &AtomicBool, tried: usize, what: &'static str) -> Result<(), FitError> {
+pub(crate) fn check_cancelled(cancel: &AtomicBool, tried: usize, what: &'static str) -> Result<(), FitError> {
     if cancel.load(Ordering::Relaxed) { Err(FitError::Interrupted { tried, what }) } else { Ok(()) }
 }

@@ -7,6 +7,7 @@
 //! | [`noise`] | the errors of χ, and the likelihood |
 //! | `scores` | the fit of each hypothesis, and how it predicts embryos that were left out |
 //! | [`pairs`] | whether two hypotheses are distinguishable |
+//! | [`posterior`] | the numbers as a sample of their posterior, and what surprises the hypothesis |
 //! | `text` | the answer as text |
 //!
 //! The residuals of χ are taken to be normal and independent:
@@ -27,6 +28,7 @@ pub mod free;
 pub mod noise;
 pub mod observations;
 pub mod pairs;
+pub mod posterior;
 mod scores;
 #[cfg(test)]
 mod tests;
@@ -36,6 +38,7 @@ pub use free::{Hypothesis, Named};
 pub use noise::{Noise, NoiseKind};
 pub use observations::Observations;
 pub use pairs::Pair;
+pub use posterior::{Posterior, samples_csv};
 pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};
 
 use furrow_lineage::batch::{Memo, scheduler};
@@ -44,6 +47,7 @@ use serde::Serialize;
 
 use crate::fit::search::{FitRun, SearchBudget};
 use crate::fit::{FitError, NumberAtLimit};
+use crate::tempering::Sampling;
 use observations::{LeftOut, Unused};
 
 /// The input of a test.
@@ -56,6 +60,8 @@ pub struct Question<'a> {
     pub noise: &'a Noise,
     /// How long each fit is searched.
     pub effort: SearchBudget,
+    /// The sample of each posterior; `None` draws none.
+    pub sampling: Option<Sampling>,
     /// Solved divisions.
     pub memo: &'a Memo,
 }

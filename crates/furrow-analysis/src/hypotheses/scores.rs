@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use super::noise::{Noise, NoiseKind, UNDIVIDED, aicc, log_density, log_likelihood};
 use super::observations::{Observation, Observations};
+use super::posterior::{Posterior, posterior};
 use super::{AtLimit, Hypothesis, Question};
 use crate::fit::chain::{Kin, Model};
 use crate::fit::germline::{CueNumber, Objective, at_limit, held, numbers};
@@ -135,6 +136,9 @@ pub struct TestedHypothesis {
     pub resting: Vec<String>,
     /// Candidates tried in the search with all data.
     pub tried: usize,
+    /// The sample of its posterior, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<Posterior>,
 }
 
 /// The cells' means, weighted by the errors of the rows, with the errors of the means. A cell without a row has no weight.
@@ -222,6 +226,7 @@ pub(super) fn tested(
         resting: cells.iter().filter(|cell| cell.chi.is_none()).map(|cell| cell.cell.clone()).collect(),
         cells,
         tried: objective.tried(),
+        posterior: question.sampling.map(|sampling| posterior(question, &objective.model, sampling)).transpose()?,
     })
 }
 

@@ -17,6 +17,7 @@ use super::*;
 use crate::compare::names_of;
 use crate::ensemble::normal;
 use crate::fit::{Targets, fit_cue};
+use crate::tempering::Sampling;
 
 /// A table as text, read with the worm's names.
 fn table(text: &str, chosen: Chosen<'_>) -> Result<Observations, String> {
@@ -278,6 +279,17 @@ fn tested(
     free: &str,
     threads: usize,
 ) -> HypothesisTest {
+    sampled(observations, kind, cues, free, (threads, None))
+}
+
+/// The same with a sample of each posterior.
+fn sampled(
+    observations: &Observations,
+    kind: Option<NoiseKind>,
+    cues: &[&str],
+    free: &str,
+    (threads, sampling): (usize, Option<Sampling>),
+) -> HypothesisTest {
     let (lineage, settings, cancel) = (Lineage::c_elegans().unwrap(), coarse(), AtomicBool::new(false));
     let cues: Vec<String> = cues.iter().map(|cue| (*cue).to_owned()).collect();
     let free: Vec<String> = free.split(',').map(str::to_owned).collect();
@@ -285,7 +297,8 @@ fn tested(
     let hypotheses = Hypothesis::all(&cues, Some(&free), &lineage, &settings.cell, ["--cue", "--free"]).unwrap();
     let noise = Noise::of(observations, kind, ("t.csv", "--noise")).unwrap();
     let memo = Memo::new(Quantisation::EXACT);
-    let question = Question { observations, hypotheses: &hypotheses, noise: &noise, effort: EFFORT, memo: &memo };
+    let question =
+        Question { observations, hypotheses: &hypotheses, noise: &noise, effort: EFFORT, sampling, memo: &memo };
     test(&FitRun::new(&lineage, &settings, threads, &cancel), &question).unwrap()
 }
 
@@ -375,4 +388,46 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
     let resting = tested(&table(text, Chosen::default()).unwrap(), None, &cues[2..], "cue.amplitude", 1);
     let rests = &resting.hypotheses[0];
     assert!(rests.resting == ["Caaa"] && rests.parameters[0].se.is_some() && rests.loo.is_finite(), "{resting}");
+}
+
+/// One number with small errors: the sample has the fit's mean and standard error, and Laplace's evidence.
+#[test]
+fn a_sample_agrees_with_the_fit_where_that_is_good() {
+    let observations = table("embryo,mother,chi,sd\na,P0,0.165,0.014\nb,P0,0.175,0.014\n", Chosen::default()).unwrap();
+    let cues = ["tension:gradient,amplitude=-0.3", "none"];
+    let sampling = Some(Sampling { particles: 60, seed: 4 });
+    let found = sampled(&observations, None, &cues, "cue.amplitude", (2, sampling));
+    let [gradient, none] = &found.hypotheses[..] else { panic!("{found:?}") };
+    let posterior = gradient.posterior.as_ref().unwrap();
+    let (number, fitted) = (&posterior.parameters[0], &gradient.parameters[0]);
+    let error = fitted.se.unwrap();
+    assert!((number.mean - fitted.value).abs() < error && (number.sd / error - 1.0).abs() < 0.35, "{found}");
+    assert!((posterior.log_evidence - gradient.log_evidence.unwrap()).abs() < 0.5, "{found}");
+    assert_eq!((posterior.samples, posterior.ridges.len()), (60, 0));
+    // Without a free number the sample is the fit; χ = 0 is 17 standard deviations from the measured mean.
+    let one = none.posterior.as_ref().unwrap();
+    assert!(one.samples == 1 && (one.log_evidence - none.log_likelihood).abs() < 1e-9);
+    assert!(one.surprising().count() == 1 && found.to_string().contains("P0 is surprising, p = "), "{found}");
+    let csv = samples_of(&found);
+    assert!(csv.starts_with("hypothesis,cue.amplitude\n\"tension:gradient,amplitude=-0.3\",-0."), "{csv}");
+    assert_eq!(csv.lines().count(), 62);
+}
+
+fn samples_of(found: &HypothesisTest) -> String {
+    let named = |tested: &TestedHypothesis| tested.posterior.clone().map(|posterior| (tested.name.clone(), posterior));
+    let all: Vec<(String, Posterior)> = found.hypotheses.iter().filter_map(named).collect();
+    samples_csv(all.iter().map(|(name, posterior)| (name.as_str(), posterior)))
+}
+
+/// Without a model: a common error leaves ½Γ(n/2)(πΣr²)^(−n/2) of the likelihood.
+#[test]
+fn a_common_error_is_integrated_out() {
+    let observations = table("mother,chi\nP0,0.18\nP1,0.14\nP2,0.3\n", Chosen::default()).unwrap();
+    let noise = noise_of(&observations, NoiseKind::Common);
+    let residuals = [0.02, -0.01, 0.05];
+    // By the trapezoidal rule over ln σ.
+    let steps = (-700..500).map(|k| 0.01 * f64::from(k));
+    let integral: f64 = steps.map(|log: f64| 0.01 * log_likelihood(&residuals, &[log.exp(); 3]).exp()).sum();
+    let found = super::posterior::log_density_of(&observations.rows, &residuals, &noise);
+    assert!((found - integral.ln()).abs() < 1e-6, "{found} {}", integral.ln());
 }

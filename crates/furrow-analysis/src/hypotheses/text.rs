@@ -4,8 +4,10 @@ use std::fmt::{Display, Formatter, Result};
 
 use super::noise::{Noise, NoiseKind};
 use super::observations::Unused;
+use super::posterior::{Posterior, PredictedCell, Ridge};
 use super::scores::{CellScore, FitTest, TestedHypothesis};
 use super::{HypothesisTest, Pair};
+use crate::ranges::Range;
 
 /// Skipped values that are listed.
 const MOST_SKIPPED: usize = 10;
@@ -102,7 +104,7 @@ impl Display for FitTest {
 impl Display for TestedHypothesis {
     /// The fitted numbers, and the cells that rest.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let TestedHypothesis { name, cue, sigma, parameters, at_limit, resting, cells, .. } = self;
+        let TestedHypothesis { name, cue, sigma, parameters, at_limit, resting, cells, posterior, .. } = self;
         let what = if name == cue { String::new() } else { format!(": {cue}") };
         writeln!(f, "{name}{what}")?;
         for number in parameters {
@@ -113,6 +115,9 @@ impl Display for TestedHypothesis {
         if let Some(sigma) = sigma {
             writeln!(f, "  {:<24} {sigma:>9.4}", "error of χ")?;
         }
+        if let Some(posterior) = posterior {
+            write!(f, "{posterior}")?;
+        }
         for number in at_limit {
             let [from, to] = number.searched;
             writeln!(f, "  {} ended at the edge of its range, from {from} to {to}", number.name)?;
@@ -120,6 +125,29 @@ impl Display for TestedHypothesis {
         for cell in cells.iter().filter(|cell| resting.contains(&cell.cell)) {
             let CellScore { cell, n, log_likelihood, .. } = cell;
             writeln!(f, "  {cell} does not divide: n = {n}, {log_likelihood:+.1} to log L")?;
+        }
+        Ok(())
+    }
+}
+
+impl Display for Posterior {
+    /// Medians with 90 % intervals, ridges and surprises.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Posterior { samples, log_evidence, parameters, ridges, .. } = self;
+        writeln!(f, "  posterior of {samples}: log evidence {log_evidence:.2}")?;
+        for number in parameters {
+            let Range { p5, p50, p95 } = number.range;
+            writeln!(f, "    {:<22} {p50:>9.4} from {p5:.4} to {p95:.4} (90 %)", number.name)?;
+        }
+        for Ridge { numbers: [a, b], correlation } in ridges {
+            writeln!(f, "    {a} and {b} are open along a line: correlation {correlation:+.3}")?;
+        }
+        for PredictedCell { cell, chi, rests, p } in self.surprising() {
+            let predicted = match chi {
+                Some(Range { p5, p95, .. }) if *rests < 0.5 => format!("χ from {p5:.3} to {p95:.3}"),
+                _ => format!("at rest in {:.0} %", 100.0 * rests),
+            };
+            writeln!(f, "    {cell} is surprising, p = {}: predicted {predicted}", probability(*p))?;
         }
         Ok(())
     }
