@@ -6,7 +6,7 @@ use furrow_analysis::compare::counts::{counts as counted, counts_of_embryo};
 use furrow_analysis::compare::names_of;
 use furrow_analysis::compare::volumes::{GroupComparison, Regression, regression_of};
 use furrow_analysis::compare::volumes_comparison::{LengthScale, MeasuredVolumes, VolumesComparison, VolumesModel};
-use furrow_analysis::{grown, read_constants, scenarios_of, tree_settings};
+use furrow_analysis::{grown, read_constants_of, scenarios_of, tree_settings};
 use furrow_input::shown;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
@@ -164,7 +164,7 @@ pub fn compare_volumes(
         given.for_divisions()?;
         let tree_settings = tree_settings(settings.clone(), &lineage, 0, memo.quantisation());
         let sets = match text_of(&asked.constants.clone().unwrap_or_default(), "constants")? {
-            Some((text, name)) => read_constants(&text, &name)?,
+            Some((text, name)) => read_constants_of(&text, &name, &lineage)?,
             None => Vec::new(),
         };
         let found = watch.scheduled(threads, |options| {

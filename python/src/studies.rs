@@ -1,7 +1,7 @@
 //! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
 use furrow_analysis::fit::CalibrationStudy;
-use furrow_analysis::{ConstantsSearch, EnsembleError, read_constants, write_constants};
+use furrow_analysis::{ConstantsSearch, EnsembleError, read_constants_of, write_constants};
 use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;
 use furrow_figures::plot;
@@ -92,9 +92,9 @@ pub fn ranges(
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (text, name) =
             text_of(&source, "constants")?.ok_or_else(|| Error::not_allowed("constants", "None", "a table"))?;
-        let sets = read_constants(&text, &name)?;
         let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
         let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
+        let sets = read_constants_of(&text, &name, &first.lineage)?;
         let found = ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop, &|| ())?;
         let drawing = Drawing::of(plot::rounds::draw_ranges(&first.lineage, &found));
         Ok((Document::of(&found)?, drawing))

@@ -8,7 +8,7 @@ use super::output::{filled, merged, print_as, records_csv, to_json, writable_fil
 use super::picture::Picture;
 use furrow_analysis::ensemble::{ConstantsSearch, EnsembleError, JOURNAL_COLUMNS};
 use furrow_analysis::ranges::{FounderRange, RoundsRange};
-use furrow_analysis::{Ensemble, Journal, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
+use furrow_analysis::{Ensemble, Journal, LineageRanges, Range, ensemble, ranges, read_constants_of, write_constants};
 use furrow_cell::settings::Settings;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot;
@@ -153,7 +153,7 @@ pub fn grow_over(
     let start = Instant::now();
     writable_folder("--out", out, &RANGES_FILES)?;
     let files = out.map(|folder| FileSet::begin(folder, RANGES_FILES));
-    let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
+    let sets = read_constants_of(&read_text(file)?, &file.display().to_string(), lineage)?;
     // These trees are not cached, so there is nothing to finish.
     interrupt::abort();
     let done = AtomicUsize::new(0);

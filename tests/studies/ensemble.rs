@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::path::Path;
 
 use furrow_analysis::ensemble::{ConstantsSearch, EnsembleError, JOURNAL_COLUMNS};
-use furrow_analysis::{Constants, ConstraintCheck, Extent, Journal, check_constraints, ensemble, front, ranges};
+use furrow_analysis::{
+    Constant, Constants, ConstraintCheck, Extent, Journal, check_constraints, ensemble, front, ranges,
+};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::calibration::{Targets, calibrate, with_values};
@@ -179,7 +181,10 @@ fn an_interrupted_front_resumes_with_the_same_result() {
 #[test]
 fn ranges_of_one_set_are_its_tree() {
     let lineage = Lineage::c_elegans().unwrap();
-    let set = |aspect: f64, weight: f64| Constants { values: vec![(Parameter::Aspect, aspect)], weight };
+    let set = |aspect: f64, weight: f64| Constants {
+        values: vec![Constant { parameter: Parameter::Aspect, class: None, value: aspect }],
+        weight,
+    };
     let settings = TreeSettings::default();
     let one = ranges(&lineage, &settings, &[set(1.5, 1.0)], 1, &AtomicBool::new(false), &|| ()).unwrap();
     let cells = one.cells.unwrap();

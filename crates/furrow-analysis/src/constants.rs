@@ -1,24 +1,120 @@
-//! Sets of constants as a table: one row a set, columns by the names of parameters, and their weights.
+//! Sets of constants as a table: one row a set, columns by the names of parameters, `PARAMETER` or `PARAMETER@CLASS` for a class of
+//! cells, and their weights.
 
 use super::table::csv_of;
-use furrow_cell::{Cell, Parameter};
+use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::table::{Row, Table, malformed, text as text_of};
 use furrow_input::{InputError, did_you_mean, shown};
+use furrow_lineage::{FounderPhysics, Lineage, TreeSettings};
+
+/// Classes of cells beside the founders' names: the first cell and, from mother to daughter, the founders that are the smaller
+/// daughter; and all others.
+pub(crate) const GERMLINE: &str = "germline";
+pub(crate) const SOMATIC: &str = "somatic";
+
+/// A constant of all cells, or of a class of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constant {
+    /// The parameter; a number of a cue belongs to every cue of the lineage that has it.
+    pub parameter: Parameter,
+    /// The class: `germline`, `somatic` or a founder; `None` for all cells.
+    pub class: Option<String>,
+    /// Its value.
+    pub value: f64,
+}
+
+impl Constant {
+    /// Its name, as `epsilon` or `epsilon@somatic`.
+    pub fn name(&self) -> String {
+        named(self.parameter, self.class.as_deref())
+    }
+}
+
+/// The name of a parameter of a class of cells.
+pub(crate) fn named(parameter: Parameter, class: Option<&str>) -> String {
+    class.map_or_else(|| parameter.to_string(), |class| format!("{parameter}@{class}"))
+}
 
 /// A set of constants with its share of the whole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constants {
-    /// Parameters and their values.
-    pub values: Vec<(Parameter, f64)>,
+    /// The constants.
+    pub values: Vec<Constant>,
     /// Its weight; 1 if the table has no weights.
     pub weight: f64,
 }
 
 impl Constants {
-    /// A cell with these constants.
-    pub fn of(&self, cell: &Cell) -> Cell {
-        furrow_mechanics::calibration::with_values(cell, &self.values)
+    /// Checks whether a lineage can have these constants; errors name the table `file`.
+    ///
+    /// # Errors
+    /// Names the column.
+    pub fn check(&self, lineage: &Lineage, file: &str) -> Result<(), InputError> {
+        for constant in &self.values {
+            let Constant { parameter, class, .. } = constant;
+            let founders = class.as_ref().map(|class| founders_of(class, lineage, file, "column")).transpose()?;
+            let (is_known, allowed) = match parameter.is_of_cue() {
+                true => {
+                    let has = |cue: &Cue| parameter.is_of(&Cell::new(1.0).with_cue(cue.clone()));
+                    let is_known = founders.is_none() && lineage.cues.values().any(has);
+                    (is_known, "a number of a cue of the lineage, for all cells: choose the cue by --cue")
+                }
+                false => {
+                    (founders.is_none() || FounderPhysics::can_have(*parameter), "a parameter that founders can have")
+                }
+            };
+            InputError::require(is_known, file, "column", shown(&constant.name()), allowed)?;
+        }
+        Ok(())
     }
+
+    /// A lineage and the settings of its divisions with these constants; what the lineage cannot have is left out. A founder's own
+    /// value in the lineage file gives way to one of all cells.
+    pub fn applied(&self, lineage: &Lineage, settings: &TreeSettings) -> (Lineage, TreeSettings) {
+        let (mut lineage, mut settings) = (lineage.clone(), settings.clone());
+        for Constant { parameter, class, value } in &self.values {
+            if class.is_none() {
+                parameter.set(&mut settings.cell, *value);
+            }
+            if parameter.is_of_cue() {
+                for cue in lineage.cues.values_mut() {
+                    let mut cell = Cell::new(1.0).with_cue(cue.clone());
+                    parameter.set(&mut cell, *value);
+                    *cue = cell.cue;
+                }
+                continue;
+            }
+            let own = |k: &usize| lineage.founders[*k].physics.has(*parameter);
+            let founders: Vec<usize> = match class {
+                Some(class) => founders_of(class, &lineage, "", "").unwrap_or_default(),
+                None => (0..lineage.founders.len()).filter(own).collect(),
+            };
+            founders.into_iter().for_each(|k| lineage.founders[k].physics.set(*parameter, *value));
+        }
+        (lineage, settings)
+    }
+}
+
+/// The founders of a class of cells; errors name `field` of `source`.
+///
+/// # Errors
+/// The class has no founder.
+pub(crate) fn founders_of(class: &str, lineage: &Lineage, source: &str, field: &str) -> Result<Vec<usize>, InputError> {
+    let germline = lineage.smaller_line();
+    let founders: Vec<usize> = match class {
+        GERMLINE => germline,
+        SOMATIC => (0..lineage.founders.len()).filter(|founder| !germline.contains(founder)).collect(),
+        name => lineage.founder_named(name).into_iter().collect(),
+    };
+    let names = || [GERMLINE, SOMATIC].into_iter().chain(lineage.founders.iter().map(|f| f.name.as_str()));
+    let allowed = || {
+        let nearest = did_you_mean(class, names());
+        format!("a class of cells: {}{nearest}", names().collect::<Vec<_>>().join(", "))
+    };
+    if founders.is_empty() {
+        return Err(InputError::not_allowed(source, field, format!("{class:?}"), allowed()));
+    }
+    Ok(founders)
 }
 
 /// The name of the column of weights.
@@ -27,11 +123,23 @@ const WEIGHT: &str = "weight";
 /// The table as text; numbers with all their digits, so that reading gives the same numbers.
 pub fn write_constants(sets: &[Constants]) -> String {
     let Some(first) = sets.first() else { return String::new() };
-    let head = first.values.iter().map(|(parameter, _)| parameter.to_string()).chain([WEIGHT.to_owned()]).collect();
+    let head = first.values.iter().map(Constant::name).chain([WEIGHT.to_owned()]).collect();
     let row = |set: &Constants| -> Vec<String> {
-        set.values.iter().map(|(_, value)| *value).chain([set.weight]).map(|number| number.to_string()).collect()
+        set.values.iter().map(|constant| constant.value).chain([set.weight]).map(|number| number.to_string()).collect()
     };
     csv_of(std::iter::once(head).chain(sets.iter().map(row)))
+}
+
+/// Reads a table for a lineage; errors name it `file`.
+///
+/// # Errors
+/// As [`read_constants`], and a constant that the lineage cannot have.
+pub fn read_constants_of(text: &str, file: &str, lineage: &Lineage) -> Result<Vec<Constants>, InputError> {
+    let sets = read_constants(text, file)?;
+    if let Some(first) = sets.first() {
+        first.check(lineage, file)?;
+    }
+    Ok(sets)
 }
 
 /// Reads a table; errors name it `file`. Lines that begin with `#` are passed over.
@@ -44,12 +152,12 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     let known: Vec<&str> = Parameter::ALL.iter().map(|parameter| parameter.name()).chain([WEIGHT]).collect();
     // Columns without a name have no values either.
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
-        let parameter = name.parse::<Parameter>().ok();
-        let is_known = *name == WEIGHT || parameter.is_some_and(|p| Parameter::ALL.contains(&p));
+        let parameter = parsed(name).map(|(parameter, _)| parameter);
+        let is_known = *name == WEIGHT || parameter.is_some_and(|p| p.is_of_cue() || Parameter::ALL.contains(&p));
         let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
         InputError::require(is_known, file, format!("column {}", k + 1), shown(name), allowed)?;
         // A parameter has two names where one of them is short.
-        let same = |other: &String| other == name || parameter.is_some() && other.parse().ok() == parameter;
+        let same = |other: &String| other == name || parameter.is_some() && parsed(other) == parsed(name);
         let new = !columns[..k].iter().any(same);
         InputError::require(new, file, format!("column {}", k + 1), shown(name), "named once")?;
     }
@@ -71,18 +179,24 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     Ok(out)
 }
 
+/// The parameter and the class of a column.
+fn parsed(name: &str) -> Option<(Parameter, Option<&str>)> {
+    let (parameter, class) = name.split_once('@').map_or((name, None), |(parameter, class)| (parameter, Some(class)));
+    Some((parameter.parse().ok()?, class))
+}
+
 /// Reads one set. An error is the column and the allowed values there.
 fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, String)> {
     let mut out = Constants { values: Vec::new(), weight: 1.0 };
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
         let value = row.numbers.read(row.text(k)).map_err(|why| (k, format!("a number ({why})")))?;
-        match name.parse::<Parameter>() {
-            Ok(parameter) => {
+        match parsed(name) {
+            Some((parameter, class)) => {
                 parameter.validate(value).map_err(|allowed| (k, allowed.to_owned()))?;
-                out.values.push((parameter, value));
+                out.values.push(Constant { parameter, class: class.map(str::to_owned), value });
             }
-            Err(_) if value >= 0.0 => out.weight = value,
-            Err(_) => return Err((k, "a finite number, 0 or above".to_owned())),
+            None if value >= 0.0 => out.weight = value,
+            None => return Err((k, "a finite number, 0 or above".to_owned())),
         }
     }
     Ok(out)
@@ -92,10 +206,33 @@ fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, Stri
 mod tests {
     use super::*;
 
+    fn of_all(parameter: Parameter, value: f64) -> Constant {
+        Constant { parameter, class: None, value }
+    }
+
+    /// A posterior's columns: numbers of a class set its founders, those of a cue every cue that has them.
+    #[test]
+    fn classes_and_cues_have_constants_of_their_own() {
+        let sets = read_constants("epsilon@somatic,cue[0].amplitude,xi_s,weight\n0.8,0.2,24,1\n", "c.csv").unwrap();
+        assert_eq!(read_constants(&write_constants(&sets), "c.csv").unwrap(), sets);
+        let mut lineage = Lineage::c_elegans().unwrap();
+        lineage.founders[0].physics.set(Parameter::XiS, 30.0);
+        sets[0].check(&lineage, "c.csv").unwrap();
+        let (found, settings) = sets[0].applied(&lineage, &TreeSettings::default());
+        let of = |name: &str| &found.founders[found.founder_named(name).unwrap()].physics;
+        assert_eq!((of("AB").epsilon, of("P1").epsilon, settings.cell.xi_s), (Some(0.8), None, 24.0));
+        assert_eq!(found.founders[0].physics.xi_s, Some(24.0));
+        assert!(found.cues["germline"].to_string().contains("amplitude=0.2"));
+        let refused = |text: &str| read_constants_of(text, "c.csv", &lineage).unwrap_err().to_string();
+        assert!(refused("epsilon@somatc\n0.8\n").ends_with("did you mean somatic?"));
+        assert!(refused("cue[3].u0\n0.4\n").contains("a number of a cue of the lineage"));
+        assert!(refused("r0@AB\n2\n").contains("a parameter that founders can have"));
+    }
+
     #[test]
     fn written_values_are_read_back() {
         let set = |aspect: f64, weight: f64| Constants {
-            values: vec![(Parameter::Aspect, aspect), (Parameter::P0, 0.1 + 0.2)],
+            values: vec![of_all(Parameter::Aspect, aspect), of_all(Parameter::P0, 0.1 + 0.2)],
             weight,
         };
         let sets = [set(1.5, 0.25), set(1.0 / 3.0, 0.75)];

@@ -1,7 +1,6 @@
 //! Ranges of a lineage's counts over many trees: one for each set of constants, or one for each seed of the noise.
 
-use super::constants::Constants;
-use furrow_cell::Parameter;
+use super::constants::{Constant, Constants};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, critical_radii, scheduler, solve};
 use furrow_lineage::{
     EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
@@ -217,11 +216,11 @@ pub(crate) fn each_tree<T: Send>(
         if cancel.load(Ordering::Relaxed) {
             return Err(GrowError::Interrupted { solved: 0 });
         }
-        let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
+        let (lineage, settings) = set.applied(lineage, settings);
         let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
         let rule = Thresholds::new(critical_radii(&settings.numerics, None));
         let memo = Memo::new(quantisation);
-        let (tree, summary) = grow_alone(lineage, settings, EndRule::Thresholds(&rule), &memo, cancel)?;
+        let (tree, summary) = grow_alone(&lineage, settings, EndRule::Thresholds(&rule), &memo, cancel)?;
         Ok(read(set, &tree, &summary))
     };
     let pool = scheduler::pool(threads).map_err(GrowError::Workers)?;
@@ -321,10 +320,10 @@ pub(crate) fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCoun
 /// The constant that correlates most with the given numbers, one a set; `None` if all numbers are equal.
 fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
     let ranked = ranks(numbers);
-    let by = |(k, (parameter, _)): (usize, &(Parameter, f64))| -> Option<Dependence> {
-        let values: Vec<f64> = sets.iter().map(|set| set.values[k].1).collect();
+    let by = |(k, constant): (usize, &Constant)| -> Option<Dependence> {
+        let values: Vec<f64> = sets.iter().map(|set| set.values[k].value).collect();
         let rank_correlation = correlation(&ranks(&values), &ranked)?;
-        Some(Dependence { parameter: parameter.to_string(), rank_correlation })
+        Some(Dependence { parameter: constant.name(), rank_correlation })
     };
     let all = sets.first()?.values.iter().enumerate().filter_map(by);
     all.max_by(|a, b| a.rank_correlation.abs().total_cmp(&b.rank_correlation.abs()))

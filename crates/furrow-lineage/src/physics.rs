@@ -83,6 +83,16 @@ impl FounderPhysics {
         self.slots().into_iter().filter(|(of, _)| *of == parameter).for_each(|(_, slot)| *slot = Some(value));
     }
 
+    /// Whether a parameter is set.
+    pub fn has(&self, parameter: Parameter) -> bool {
+        self.values().any(|(of, _)| of == parameter)
+    }
+
+    /// Whether founders can have a parameter.
+    pub fn can_have(parameter: Parameter) -> bool {
+        FounderPhysics::default().slots().iter().any(|(of, _)| *of == parameter)
+    }
+
     /// Whether no parameter is set.
     pub fn is_empty(&self) -> bool {
         self.values().next().is_none()

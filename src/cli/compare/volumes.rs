@@ -22,7 +22,7 @@ use furrow_analysis::compare::volumes::{
     size_curves,
 };
 use furrow_analysis::compare::volumes_comparison::{LengthScale, MeasuredVolumes, VolumesComparison, VolumesModel};
-use furrow_analysis::{Range, read_constants, tree_settings};
+use furrow_analysis::{Range, read_constants_of, tree_settings};
 use furrow_figures::plot;
 use furrow_input::{InputError, read_text};
 use furrow_lineage::batch::Memo;
@@ -112,11 +112,11 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     check(args)?;
     let picture = args.plot.file()?;
     writable_folder("--out", args.out.as_deref(), &files::NAMES)?;
+    let lineage = load_lineage(args.lineage.as_deref())?;
     let sets = match &args.constants {
-        Some(file) => read_constants(&read_text(file)?, &file.display().to_string())?,
+        Some(file) => read_constants_of(&read_text(file)?, &file.display().to_string(), &lineage)?,
         None => Vec::new(),
     };
-    let lineage = load_lineage(args.lineage.as_deref())?;
     let measured = read(args, &names_of(&lineage))?;
     let settings: TreeSettings =
         tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);

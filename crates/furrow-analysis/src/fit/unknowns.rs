@@ -3,6 +3,8 @@
 use furrow_cell::cue::{Profile, Quantity, RegulatorQuantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 
+use crate::constants::named;
+
 /// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes and strengths;
 /// turnovers, diffusions and half-saturations of a regulator.
 const PLACES: [f64; 2] = [0.05, 0.95];
@@ -34,8 +36,7 @@ impl Unknown {
 
     /// Its name, as `cue[0].amplitude` or `epsilon@somatic`.
     pub fn name(&self) -> String {
-        let class = self.founders.as_ref().map_or(String::new(), |(class, _)| format!("@{class}"));
-        format!("{}{class}", self.parameter)
+        named(self.parameter, self.founders.as_ref().map(|(class, _)| class.as_str()))
     }
 
     pub fn value(&self, share: f64) -> f64 {

@@ -2,6 +2,8 @@
 
 use furrow_cell::{Cell, CueError, Parameter};
 use furrow_input::{InputError, did_you_mean};
+
+use crate::constants::founders_of;
 use furrow_lineage::{Lineage, named_cue};
 
 use crate::fit::unknowns::{Unknown, unknowns};
@@ -38,10 +40,6 @@ pub struct Hypothesis {
     pub(crate) unknowns: Vec<Unknown>,
 }
 
-/// Classes of cells beside the founders' names: the first cell and, from mother to daughter, the founders that are the smaller
-/// daughter; and all others.
-const GERMLINE: &str = "germline";
-const SOMATIC: &str = "somatic";
 /// Written for an empty list.
 const NOTHING: &str = "none";
 
@@ -111,18 +109,7 @@ fn refused(source: &str, value: &str, allowed: String) -> InputError {
 
 /// A class of cells and its founders.
 fn class_of(class: &str, lineage: &Lineage, source: &str) -> Result<(String, Vec<usize>), InputError> {
-    let germline = lineage.smaller_line();
-    let founders: Vec<usize> = match class {
-        GERMLINE => germline,
-        SOMATIC => (0..lineage.founders.len()).filter(|founder| !germline.contains(founder)).collect(),
-        name => lineage.founder_named(name).into_iter().collect(),
-    };
-    if founders.is_empty() {
-        let names = || [GERMLINE, SOMATIC].into_iter().chain(lineage.founders.iter().map(|f| f.name.as_str()));
-        let (all, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(class, names()));
-        return Err(refused(source, class, format!("a class of cells: {all}{nearest}")));
-    }
-    Ok((class.to_owned(), founders))
+    Ok((class.to_owned(), founders_of(class, lineage, source, "free")?))
 }
 
 impl Named {
