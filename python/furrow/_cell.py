@@ -70,6 +70,7 @@ class Cell:
         eta_s: float
         friction: float
         tension: float
+        spontaneous_curvature: float
         xi_s: float
         xi_ratio: float
         gain: float

@@ -234,8 +234,9 @@ impl Displaced<'_> {
         let here = coefficients(&self.state.cell, u, length, carried);
         let (sin, cos) = shape[base::PSI].sin_cos();
         let [c1, c2] = [shape_s[base::PSI], sin / shape[base::R]];
-        // From κC = m.
-        let c1_s = (shape_s[base::M] - (c1 + c2) * here.kappa_s) / here.kappa - cos / shape[base::R] * (c1 - c2);
+        // From κ(C − C0) = m.
+        let c1_s = (shape_s[base::M] - (c1 + c2 - here.spontaneous) * here.kappa_s) / here.kappa
+            - cos / shape[base::R] * (c1 - c2);
         let [r_t, z_t] = self.state.motion.get(k).copied().unwrap_or_default();
         Point {
             u,
@@ -342,6 +343,7 @@ impl Displaced<'_> {
             xi_s: value(here.xi_s),
             xi_b: value(here.xi_b),
             source: value(here.source),
+            spontaneous: value(here.spontaneous),
         }
     }
 }
@@ -356,6 +358,7 @@ struct Local {
     xi_s: D,
     xi_b: D,
     source: D,
+    spontaneous: D,
 }
 
 struct Forces<'a> {
@@ -374,13 +377,14 @@ impl Forces<'_> {
             surface.strain(moved.along.map(number), moved.slope.map(|row| row.map(number)), number(moved.n));
         let traced = |t: &Tensor| contracted(&surface.inverse, t);
         let mean = traced(&surface.curvature);
+        let bent = mean - local.spontaneous;
         let squared = contracted(&surface.raised(&surface.curvature), &surface.curvature);
         let laplacian = surface.laplacian(moved.by, moved.by_by);
         let mut bending =
-            local.kappa * mean * (-laplacian - squared * moved.n) + local.kappa * mean.powi(3) * 0.5 * moved.n;
+            local.kappa * bent * (-laplacian - squared * moved.n) + local.kappa * bent * bent * mean * 0.5 * moved.n;
         if of.state.cell.material.rigidity_gradient == RigidityGradient::Full {
             let carried: D = (0..2).map(|k| local.kappa_by[k] * moved.along[k]).sum();
-            bending -= mean * mean * carried * 0.5;
+            bending -= bent * bent * carried * 0.5;
         }
         let stretched = traced(&virtual_strain);
         let tension = local.tension * stretched;

@@ -201,7 +201,7 @@ pub(super) fn pitchfork_at(found: Located<Cortex, SymmetryBreaking>) -> Result<P
 }
 
 /// Displacement of the furrow, the minimum of the meridional curvature c1 at the equator, per unit of the antisymmetric
-/// direction φ: −∂_u δc1/∂_uu c1. With c1 = m/κ − c2, c2_s = (cosψ/r)(c1 − c2) and κ_s = 0, at the equator
+/// direction φ: −∂_u δc1/∂_uu c1. With c1 = m/κ + C0 − c2, c2_s = (cosψ/r)(c1 − c2) and κ_s = 0, at the equator
 ///
 /// * δc1_s = δq/κ + δψ (c1 − c2)/r, c1_ss = q_s/κ − m κ_ss/κ² + c1(c1 − c2)/r.
 pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f64 {
@@ -226,7 +226,7 @@ pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f
         kappa_turn = by_phi.kappa * phi[J];
     }
     let c2 = 1.0 / state[R];
-    let c1 = state[M] / kappa - c2;
+    let c1 = here.mean(state[M]) - c2;
     debug_assert!((state[PSI] - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
     let change = phi[Q] / kappa + phi[PSI] * (c1 - c2) / state[R] - state[M] * kappa_turn / (kappa * kappa);
     let bend = f[Q] / length / kappa - state[M] * kappa_ss / (kappa * kappa) + c1 * (c1 - c2) / state[R];
