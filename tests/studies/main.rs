@@ -1,4 +1,4 @@
-//! Killed sweeps, ensembles of constants, fits, contours, and the reproduction of the paper.
+//! Killed sweeps, ensembles of constants, fits, contours, the reproduction of the paper, and what other groups found.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -10,3 +10,4 @@ mod fit_clock;
 mod reproduction;
 mod solve;
 mod sweep;
+mod vesicles;

@@ -313,3 +313,15 @@ fn a_spontaneous_curvature_as_a_law_is_the_built_in_one() {
     let without = pitchfork::first(&Cell::new(2.0), &numerics, &BranchOptions::default()).unwrap();
     assert!((without.point.xi_s - plain.point.xi_s).abs() > 0.1, "{}", plain.point.xi_s);
 }
+
+/// A regulator may act through the law alone.
+#[test]
+fn a_regulator_without_couplings_is_carried_for_a_law_that_names_it() {
+    let regulator = "regulator:band,u0=0.465,omega=0.0577,amplitude=0.1,turnover=25,diffusion=1,activity=";
+    let cell = |strength: &str| Cell::new(3.0).with_cue(format!("{regulator}{strength}").parse().unwrap());
+    let stress = |sign: &str| format!("gain*(1 + phi)*(xi_b*C {sign} xi_s*(c1 - c2)/2)");
+    let named = law("", [&stress("+"), &stress("-")], "");
+    let [own, built_in, idle] = [cell("0").with_law(named), cell("1"), cell("0")].map(|cell| solve(cell).unwrap());
+    same_division(&own, &built_in, 1e-6);
+    assert_ne!(numbers(&idle), numbers(&built_in));
+}

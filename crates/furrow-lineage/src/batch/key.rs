@@ -71,7 +71,7 @@ impl CanonicalBytes {
     }
 
     fn cell(&mut self, cell: &Cell) {
-        let Cell { r0, epsilon, xi_s, cue, material, shell, law } = cell;
+        let Cell { r0, epsilon, xi_s, cue: _, material, shell, law } = cell;
         let Material {
             kappa,
             eta_b,
@@ -96,7 +96,7 @@ impl CanonicalBytes {
             self.choice(CURLED);
             self.reals([spontaneous_curvature]);
         }
-        self.cue(cue);
+        self.cue(&cell.simplified_cue());
         // Without a law nothing is written, so that cells with the paper's keep their keys.
         if let Some(law) = law {
             self.law(law);
@@ -124,7 +124,6 @@ impl CanonicalBytes {
 
     /// The terms that do something, in their order: in another order the last digit of their sum may be another.
     fn cue(&mut self, cue: &Cue) {
-        let cue = cue.simplified();
         // Every term names its kind, so the number of terms only separates them from the fields that follow.
         self.choice(cue.terms().len());
         for Term { field, profile, amplitude, side } in cue.terms() {

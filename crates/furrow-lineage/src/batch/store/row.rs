@@ -24,7 +24,7 @@ const OUTCOME: usize = 33;
 pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division) -> Vec<Value> {
     // Taken apart without `..`: a new field does not compile until it has its column.
     let DivisionInput { cell, numerics, seed } = input;
-    let Cell { r0, epsilon, xi_s, cue, material, shell, law } = cell;
+    let Cell { r0, epsilon, xi_s, cue: _, material, shell, law } = cell;
     let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, spontaneous_curvature } =
         *material;
     let Shell { aspect, p0, w, flattening } = *shell;
@@ -52,7 +52,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let curled = Some(spontaneous_curvature).filter(|curvature| *curvature != 0.0);
     let curled = curled.map(|curvature| format!(", spontaneous_curvature {curvature}"));
     let law = law.iter().map(|law| format!(", law {}", law.described()));
-    let cue = [cue.simplified().to_string()].into_iter().chain(curled).chain(law).collect();
+    let cue = [cell.simplified_cue().to_string()].into_iter().chain(curled).chain(law).collect();
     row.extend([Value::Text(cue), Value::Integer(*seed as i64)]);
     row.extend([kappa, eta_b, eta_s, friction, tension, xi_ratio, gain].map(Value::Real));
     row.push(Value::Text(rigidity_gradient.to_string()));
