@@ -128,8 +128,8 @@ fn bud(contour: Vec<[f64; 2]>) -> Option<Bud> {
         let [a, b] = [ends[0], ends[1]];
         PI / 3.0 * (a[1] - b[1]) * (a[0] * a[0] + a[0] * b[0] + b[0] * b[0])
     };
-    let radii = [&contour[..=neck], &contour[neck..]]
-        .map(|part| (0.75 / PI * part.windows(2).map(cone).sum::<f64>()).cbrt());
+    let radii =
+        [&contour[..=neck], &contour[neck..]].map(|part| (0.75 / PI * part.windows(2).map(cone).sum::<f64>()).cbrt());
     Some(Bud { neck: contour[neck][0], radii, contour })
 }
 

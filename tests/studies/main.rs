@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod confinement;
 mod contours;
 mod ensemble;
 mod fit;
