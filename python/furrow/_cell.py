@@ -71,6 +71,7 @@ class Cell:
         friction: float
         tension: float
         spontaneous_curvature: float
+        normal_friction: float
         xi_s: float
         xi_ratio: float
         gain: float

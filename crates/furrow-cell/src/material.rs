@@ -33,12 +33,15 @@ pub struct Material {
     /// How a varying κ enters the tangential balance.
     pub rigidity_gradient: RigidityGradient,
     /// Spontaneous curvature C0, in 1/L_h: the energy of bending is ½κ(C − C0)² per area.
-    #[serde(default, skip_serializing_if = "is_flat")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub spontaneous_curvature: f64,
+    /// Friction Γ_n with the surroundings against motion along the normal, in the unit of Γ.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub normal_friction: f64,
 }
 
-fn is_flat(spontaneous_curvature: &f64) -> bool {
-    *spontaneous_curvature == 0.0
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Material {
@@ -53,6 +56,7 @@ impl Material {
         gain: 0.4826,
         rigidity_gradient: RigidityGradient::Full,
         spontaneous_curvature: 0.0,
+        normal_friction: 0.0,
     };
     /// The preset `gao2026-thresholds`: a gain of ½.
     pub const GAO2026_THRESHOLDS: Material = Material { gain: 0.5, ..Material::GAO2026 };

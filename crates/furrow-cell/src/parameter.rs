@@ -53,6 +53,8 @@ pub enum Parameter {
     Tension,
     /// Spontaneous curvature C0.
     SpontaneousCurvature,
+    /// Normal friction Γ_n.
+    NormalFriction,
     /// A quantity of one term of the cue.
     Cue {
         /// Which term, from 0.
@@ -92,7 +94,7 @@ impl Parameter {
     ];
 
     /// Every parameter except the numbers of cues, for listings.
-    pub const ALL: [Parameter; 15] = {
+    pub const ALL: [Parameter; 16] = {
         use Parameter::*;
         [
             XiS,
@@ -110,6 +112,7 @@ impl Parameter {
             Friction,
             Tension,
             SpontaneousCurvature,
+            NormalFriction,
         ]
     };
 

@@ -131,6 +131,7 @@ fields! {
         friction ["Gamma"] at cell.material.friction => f64 as Friction, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         tension ["gamma"] at cell.material.tension => f64 as Tension, "a finite number", |v| v.is_finite();
         spontaneous_curvature ["C0"] at cell.material.spontaneous_curvature => f64 as SpontaneousCurvature, "a finite number", |v| v.is_finite();
+        normal_friction at cell.material.normal_friction => f64 as NormalFriction, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
         xi_s ["xi"] at cell.xi_s => f64 as XiS, "a finite number", |v| v.is_finite();
         xi_ratio at cell.material.xi_ratio => f64 as XiRatio, "a finite number", |v| v.is_finite();
         gain ["g"] at cell.material.gain => f64 as Gain, "a finite number above 0", |v| v.is_finite() && v > 0.0;
@@ -546,8 +547,8 @@ mod tests {
     #[test]
     fn table_covers_every_field() {
         let Settings { cell: Cell { mut material, mut shell, .. }, numerics } = Settings::default();
-        // A round shell is written without its flattening, and a spontaneous curvature of 0 is not written.
-        (shell.flattening, material.spontaneous_curvature) = (0.9, 0.1);
+        // A round shell is written without its flattening, and neither spontaneous curvature nor normal friction is written if it is 0.
+        (shell.flattening, material.spontaneous_curvature, material.normal_friction) = (0.9, 0.1, 0.1);
         let parts = [serde_json::to_value(material), serde_json::to_value(shell), serde_json::to_value(numerics)];
         let mut numbers = vec!["r0".to_owned(), "epsilon".to_owned(), "xi_s".to_owned()];
         for part in parts {

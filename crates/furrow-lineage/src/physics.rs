@@ -36,11 +36,13 @@ pub struct FounderPhysics {
     pub tension: Option<f64>,
     /// Spontaneous curvature C0.
     pub spontaneous_curvature: Option<f64>,
+    /// Normal friction Γ_n.
+    pub normal_friction: Option<f64>,
 }
 
 impl FounderPhysics {
     /// Its fields, with their parameters.
-    fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 14] {
+    fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 15] {
         // Without `..`: a new field does not compile until it has its parameter.
         let FounderPhysics {
             xi_s,
@@ -57,6 +59,7 @@ impl FounderPhysics {
             friction,
             tension,
             spontaneous_curvature,
+            normal_friction,
         } = self;
         [
             (Parameter::XiS, xi_s),
@@ -73,6 +76,7 @@ impl FounderPhysics {
             (Parameter::Friction, friction),
             (Parameter::Tension, tension),
             (Parameter::SpontaneousCurvature, spontaneous_curvature),
+            (Parameter::NormalFriction, normal_friction),
         ]
     }
 

@@ -3,7 +3,7 @@
 //! The surface is X(u, φ) with the outward normal n = X_u × X_φ/J, J = |X_u × X_φ|, the metric g_ij = ∂_iX·∂_jX and the
 //! curvatures C_ij = −n·∂_i∂_jX, C = g^ij C_ij. For every test field W the virtual power vanishes:
 //!
-//! * \[S.1 virtual power\] ∫ [T^ij ∂_iX·∂_jW + Γ v_t·W − (p + f_c) n·W] dA + δ_W ∫ (½κ(C − C0)² + γ) dA = 0,
+//! * \[S.1 virtual power\] ∫ [T^ij ∂_iX·∂_jW + Γ v_t·W + Γ_n v·n n·W − (p + f_c) n·W] dA + δ_W ∫ (½κ(C − C0)² + γ) dA = 0,
 //! * \[S.2 stress\] T^ij = (η_b − η_s) S^k_k g^ij + 2η_s S^ij + X_s (C^ij − ½C g^ij) + X_b C g^ij,
 //!   S_ij = ½(∂_iX·∂_jv + ∂_jX·∂_iv), X_s = gξ_s and X_b = gξ_b,
 //! * \[S.3 energy\] δ_W ∫ (½κ(C − C0)² + γ) dA = ∫ {κ(C − C0) [−g^ij n·(∂_i∂_jW − Γ^k_ij ∂_kW) − 2C^ij ∂_iX·∂_jW] + (½κ(C − C0)² + γ) g^ij ∂_iX·∂_jW} dA
@@ -238,7 +238,7 @@ pub fn by_flow<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v
     add_tension(&mut out, &[stress[0] * *area, stress[1] * *area, stress[2] * *area], x);
     let v_n = dot(&v[0], normal) * *area;
     add(&mut out[0], *area * place.local.friction, &v[0]);
-    add(&mut out[0], -v_n * place.local.friction, normal);
+    add(&mut out[0], v_n * (place.shell.normal_friction - place.local.friction), normal);
     add(&mut out[6], -v_n, normal);
     out
 }

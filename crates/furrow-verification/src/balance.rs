@@ -46,7 +46,8 @@ pub fn rates<D: Number, const N: usize>(
     if cell.material.rigidity_gradient == RigidityGradient::Full {
         t_s -= m * m / (c.kappa * c.kappa) * c.kappa_s * 0.5;
     }
-    let q_s = c1 * (h_uu + t) + c2 * (h_pp + t_pp) - cos / r * q - pressure - shell_force(cell, r, z, psi);
+    let q_s = c1 * (h_uu + t) + c2 * (h_pp + t_pp) - cos / r * q - pressure - shell_force(cell, r, z, psi)
+        + v_n * cell.material.normal_friction;
     let mut out = [D::from(0.0); N];
     out[..COMPONENTS].copy_from_slice(&[cos, -sin, q, c1, q_s, s_uu - c1 * v_n, t_s]);
     if let (Some(regulator), true) = (cell.cue.regulator(), N > COMPONENTS) {

@@ -268,7 +268,7 @@ impl Displaced<'_> {
         let v_n = epsilon * (self.mode.rate * x[W] * cos_m) + point.v_n;
         let strain = surface.strain(v, slope, v_n);
         let local = self.local(point, sin_m, cos_m);
-        let forces = Forces { surface: &surface, strain, v, local };
+        let forces = Forces { surface: &surface, strain, v, v_n, local };
         let weight = point.ds * dphi;
         for (motion, out) in motions.iter().zip(out) {
             let moved = virtual_motion(point, *motion, m, [sin_m, cos_m], self.state.length());
@@ -365,13 +365,14 @@ struct Forces<'a> {
     surface: &'a Surface,
     strain: Tensor,
     v: [D; 2],
+    v_n: D,
     local: Local,
 }
 
 impl Forces<'_> {
     /// Per area: bending, tension, viscosity, activity, friction, pressure and shell.
     fn powers(&self, of: &Displaced<'_>, moved: &Moved, cos_m: f64, point: &Point) -> [D; 7] {
-        let Forces { surface, strain, v, local } = self;
+        let Forces { surface, strain, v, local, .. } = self;
         let number = |x: f64| D::from(x);
         let virtual_strain =
             surface.strain(moved.along.map(number), moved.slope.map(|row| row.map(number)), number(moved.n));
@@ -400,7 +401,8 @@ impl Forces<'_> {
         let slipped: D = (0..4).map(|k| surface.metric[k / 2][k % 2] * v[k / 2] * moved.along[k % 2]).sum();
         let pressure = D::new(of.state.pressure(), of.mode.disturbance.scalars[PRESSURE] * cos_m);
         let shell = self.shell(of, point, cos_m) * moved.n;
-        [bending, tension, viscous, active, local.friction * slipped, -pressure * moved.n, shell]
+        let friction = local.friction * slipped + self.v_n * (of.state.cell.material.normal_friction * moved.n);
+        [bending, tension, viscous, active, friction, -pressure * moved.n, shell]
     }
 
     /// n·∇U at the displaced point.

@@ -94,7 +94,7 @@ pub fn power(state: &Computed, motion: impl Fn(f64) -> Motion) -> Power {
         sum.tension += on([here.tension; 2]);
         sum.viscous += on(place.viscous);
         sum.active += on(place.active);
-        sum.friction += area * here.friction * place.v * v;
+        sum.friction += area * (here.friction * place.v * v + state.cell.material.normal_friction * place.v_n * n);
         sum.pressure -= area * state.pressure() * n;
         sum.shell -= area * place.shell * n;
     }

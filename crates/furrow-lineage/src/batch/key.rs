@@ -82,6 +82,7 @@ impl CanonicalBytes {
             gain,
             rigidity_gradient,
             spontaneous_curvature,
+            normal_friction,
         } = *material;
         let Shell { aspect, p0, w, flattening } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
@@ -95,6 +96,10 @@ impl CanonicalBytes {
         if spontaneous_curvature != 0.0 {
             self.choice(CURLED);
             self.reals([spontaneous_curvature]);
+        }
+        if normal_friction != 0.0 {
+            self.choice(DRAGGED);
+            self.reals([normal_friction]);
         }
         self.cue(&cell.simplified_cue());
         // Without a law nothing is written, so that cells with the paper's keep their keys.
@@ -187,6 +192,9 @@ impl CanonicalBytes {
 
 /// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
 const SURFACE_VERSION: u64 = 3;
+
+/// Marks a normal friction.
+const DRAGGED: usize = 250;
 
 /// Marks a spontaneous curvature.
 const CURLED: usize = 251;

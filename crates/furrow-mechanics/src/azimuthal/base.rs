@@ -51,6 +51,8 @@ pub struct Base {
     pub push_along: f64,
     /// n·∇∇U·n.
     pub push_outwards: f64,
+    /// Normal friction Γ_n.
+    pub normal_friction: f64,
     /// Gradient j of the regulator.
     pub j: f64,
     /// j_s.
@@ -113,6 +115,7 @@ impl<'a> BaseConstants<'a> {
             rigidity_gradient: if c.shell.rigidity_gradient { 1.0 } else { 0.0 },
             push_along: 0.0,
             push_outwards: 0.0,
+            normal_friction: c.shell.normal_friction,
             j: 0.0,
             j_s: 0.0,
             phi: 0.0,

@@ -17,7 +17,7 @@
 //! * \[A.5 stress\] τ2 = η₋S11 + η₊S22 − X_s(½K − k2) + X_b K + …, χ = 2η_s S12 + X_s k12
 //! * \[A.6 flow\] v1_s = S11 + c1 w v_s − c1 σw − k1 v_n, v2_s = cot v2 + (m/r)(v1 − c1 v w) + 2S12 − 2k12 v_n
 //! * \[A.7 shear\] M_s = Q + c1 w q, Q_s = −cot Q − δcot q + c1 w q_s + m²M/r² + δ\[γC + κC(2c1c2 − ½C²) + κC0(½C0C − 2c1c2)\] + k1 T + k2 T_φφ + c1 τ + c2 τ2 −
-//!   δp − δf_c
+//!   δp − δf_c + Γ_n σw
 //! * \[A.8 tangential\] τ_s = c1 w T_s − cot(τ − τ2) − δcot(T − T_φφ) − (m/r)χ + Γv1 + v δΓ − (C − C0) K κ_s − ½(C − C0)²δκ_s − δγ_s
 //! * \[A.9 azimuthal\] χ_s = −2cot χ + (m/r)\[τ2 + c1 w(T_φφ − T) + ½(C − C0)²δκ + δγ\] + Γv2
 //! * \[A.10 shell\] δf_c = β ∂_sU − w ∂_n²U, U the shell's potential
@@ -107,7 +107,8 @@ pub fn rates<const N: usize>(b: &Base, m: f64, x: &[f64; N], scalars: [f64; 2], 
         + b.c1 * x[T11]
         + b.c2 * s.t22
         - scalars[PRESSURE]
-        - (tilt * b.push_along - w * b.push_outwards);
+        - (tilt * b.push_along - w * b.push_outwards)
+        + b.normal_friction * motion.normal;
     out[V1] = s.s11 + stretch * b.v_s - b.c1 * motion.normal - k.k1 * b.v_n;
     out[T11] = stretch * b.t_s - b.cot * (x[T11] - s.t22) - line * (b.t - b.t_phi) - per_r * x[T12]
         + b.here.friction * x[V1]

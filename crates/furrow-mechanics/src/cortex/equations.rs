@@ -13,7 +13,7 @@
 //! * \[M.1 geometry\] r_s = cosψ, z_s = −sinψ, ψ_s = c1, m_s = q
 //! * \[M.4 strain rate\] S_φφ = (cosψ/r) v + c2 v_n, S_uu = (T − X_s(½C − c2) − X_b C − (η_b − η_s)S_φφ)/(η_b + η_s)
 //! * \[M.5 stress\] T_φφ = (η_b − η_s)S_uu + (η_b + η_s)S_φφ − X_s(½C − c2) + X_b C
-//! * \[M.6 normal\] q_s = −(cosψ/r) q + c1 T + c2 T_φφ + γC − ½κ(c1 − c2)²C + κC0(½C0C − 2c1c2) − p − f_c
+//! * \[M.6 normal\] q_s = −(cosψ/r) q + c1 T + c2 T_φφ + γC − ½κ(c1 − c2)²C + κC0(½C0C − 2c1c2) − p − f_c + Γ_n v_n
 //! * \[M.7 tangential\] T_s = −(cosψ/r)(T − T_φφ) + Γv − ½(C − C0)²κ_s − γ_s
 //! * \[M.8 flow\] v_s = S_uu − c1 v_n, v_n = sinψ ∂_t r + cosψ ∂_t z
 //! * \[M.9 shell\] f_c = −(2P0/w²) exp\[(z²/a² + r²/b² − 1)/w²\] (r sinψ/b² + z cosψ/a²)
@@ -152,7 +152,7 @@ impl<D> BdfTerm<D> {
     }
 }
 
-/// The shell: coefficients that are uniform along the contour.
+/// The surroundings: coefficients that are uniform along the contour.
 #[derive(Clone, Copy, Debug)]
 pub struct ShellCoefficients<D> {
     /// 1/a² of the shell.
@@ -163,6 +163,8 @@ pub struct ShellCoefficients<D> {
     pub shell_force: D,
     /// 1/w².
     pub inverse_w2: D,
+    /// Normal friction Γ_n.
+    pub normal_friction: D,
     /// Whether the term ½(C − C0)²∂_sκ is kept.
     pub rigidity_gradient: bool,
 }
@@ -176,6 +178,7 @@ impl<D> ShellCoefficients<D> {
             inverse_b2: number(self.inverse_b2),
             shell_force: number(self.shell_force),
             inverse_w2: number(self.inverse_w2),
+            normal_friction: number(self.normal_friction),
             rigidity_gradient: self.rigidity_gradient,
         }
     }
@@ -233,6 +236,7 @@ impl<D: Number> Constants<D> {
                 inverse_b2: b2.recip(),
                 shell_force: vary(Parameter::P0, shell.p0) * inverse_w2 * 2.0,
                 inverse_w2,
+                normal_friction: vary(Parameter::NormalFriction, material.normal_friction),
                 rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
             },
             law: cell.law.as_ref().map(|law| LawValues::new(law, cell, &vary)),
@@ -505,7 +509,7 @@ pub fn balances<D: Arithmetic>(
             -(length * sin),
             length * q,
             length * c1,
-            length * (c1 * t + c2 * t_phi + elastic - cot * q - pressure - shell),
+            length * (c1 * t + c2 * t_phi + elastic - cot * q - pressure - shell + c.normal_friction * v_n),
             length * (s_u - c1 * v_n),
             t_u,
         ],

@@ -7,7 +7,7 @@
 //! | part | |
 //! |---|---|
 //! | active | −(c1 Tᵃ_uu + c2 Tᵃ_φφ), Tᵃ_uu = ½X_s(c1 − c2) + X_b C, Tᵃ_φφ = −½X_s(c1 − c2) + X_b C |
-//! | viscous | −(c1 Tᵈ_uu + c2 Tᵈ_φφ) with the remainder of T, η_b(S_uu + S_φφ) ± η_s(S_uu − S_φφ) |
+//! | viscous | −(c1 Tᵈ_uu + c2 Tᵈ_φφ) with the remainder of T, η_b(S_uu + S_φφ) ± η_s(S_uu − S_φφ), and normal friction −Γ_n v_n |
 //! | elastic | ∂_s q + (cosψ/r) q − γC + ½κ(c1 − c2)²C − κC0(½C0C − 2c1c2): bending, and passive tension |
 //! | pressure | p |
 //! | shell | f_c |
@@ -33,7 +33,7 @@ const NUDGE: f64 = 1e-3;
 pub struct NormalForces {
     /// Due to active tension.
     pub active: f64,
-    /// Due to viscous tension.
+    /// Due to viscous tension and normal friction.
     pub viscous: f64,
     /// Due to bending and passive tension.
     pub elastic: f64,
@@ -254,7 +254,7 @@ fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> 
         },
         normal: NormalForces {
             active: pushed - (c_uu * active_uu + c_pp * active_pp),
-            viscous: -(c_uu * viscous_uu + c_pp * viscous_pp),
+            viscous: -(c_uu * viscous_uu + c_pp * viscous_pp) - constants.shell.normal_friction * v_n,
             elastic: bending - here.tension * mean + 0.5 * here.kappa * difference * difference * mean - curled,
             pressure: shape.scalars[PRESSURE],
             shell: shell(cortex, y),

@@ -102,17 +102,18 @@ pub fn linearised<D: Arithmetic>(
     let slope = by_b2 * sin + by_a2 * cos;
     let steeper = slope * c.inverse_w2 * 2.0;
     let difference = c1 - c2;
+    let drag = c.normal_friction;
     let curl = here.kappa * here.spontaneous;
     let curled = curl * (here.spontaneous * 0.5 - mean);
     let stretch = here.tension - here.kappa * difference * difference * 0.5 + curled;
     let shear = -(here.kappa * difference * bent);
     let (first, second) = (t + shear, t_phi - shear);
-    let q_s = c1 * t + c2 * t_phi + stretch * mean - cot * q + push * slope + curl * (c1 * c1 + c2 * c2);
+    let q_s = c1 * t + c2 * t_phi + stretch * mean - cot * q + push * slope + curl * (c1 * c1 + c2 * c2) + drag * v_n;
     let normal = [
-        c2_r * (second - first) + t_r * c2 - cot_r * q + push * (by_b2 * steeper + sin * c.inverse_b2),
-        t_z * c2 + push * (by_a2 * steeper + cos * c.inverse_a2),
+        c2_r * (second - first) + t_r * c2 - cot_r * q + push * (by_b2 * steeper + sin * c.inverse_b2) + drag * n_r,
+        t_z * c2 + push * (by_a2 * steeper + cos * c.inverse_a2) + drag * n_z,
         inverse_kappa * (first + stretch) + t_m * c2,
-        cot * (second - first) + t_psi * c2 + c2 * q + push * (by_b2 * cos - by_a2 * sin),
+        cot * (second - first) + t_psi * c2 + c2 * q + push * (by_b2 * cos - by_a2 * sin) + drag * n_psi,
         -cot,
         t_v * c2,
         t_t * c2 + c1,
@@ -296,7 +297,7 @@ pub fn varied<D: Arithmetic>(
     let slope = across * c.inverse_b2 + along * c.inverse_a2;
     let turned = across * by.inverse_b2 + along * by.inverse_a2;
     let push = by.shell_force * slope + c.shell_force * (steeper * slope + turned);
-    f[Q] = f[Q] + length * (ellipse * c.inverse_w2).exp() * push;
+    f[Q] = f[Q] + length * ((ellipse * c.inverse_w2).exp() * push + by.normal_friction * place.v_n);
     (f, strain, place)
 }
 

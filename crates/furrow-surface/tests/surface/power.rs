@@ -60,7 +60,11 @@ impl Powers {
         let squared = strain[0].powi(2) + 2.0 * strain[1].powi(2) + strain[2].powi(2);
         let sheared = 2.0 * (squared - 0.5 * grown * grown);
         let slipping = dot(&v[0], &v[0]) - v_n * v_n;
-        self.dissipation += area * (eta_b * grown * grown + eta_s * sheared + local.friction * slipping);
+        self.dissipation += area
+            * (eta_b * grown * grown
+                + eta_s * sheared
+                + local.friction * slipping
+                + place.shell.normal_friction * v_n * v_n);
         let shear = bend[0] * strain[0] + 2.0 * bend[1] * strain[1] + bend[2] * strain[2] - 0.5 * mean * grown;
         self.active += area * place.noise * (local.xi_s * shear + local.xi_b * mean * grown);
         self.pressure -= area * pressure * v_n;

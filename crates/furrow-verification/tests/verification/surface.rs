@@ -127,7 +127,7 @@ fn even([size, first, second]: [f64; 3]) -> Values {
 impl Surface {
     fn new(full: bool) -> Surface {
         let mut cell = Cell::new(1.9);
-        cell.material.spontaneous_curvature = 0.3;
+        (cell.material.spontaneous_curvature, cell.material.normal_friction) = (0.3, 0.8);
         if !full {
             cell.material.rigidity_gradient = RigidityGradient::Dropped;
         }
@@ -232,7 +232,7 @@ impl Surface {
             let along = c1[k] * (elastic(c1[k]) + t_uu[k]) + c2[k] * (elastic(c2[k]) + t_pp[k]);
             let outside =
                 shell_force(&self.cell, self.r[k], self.z[k], self.sin[k].atan2(self.cos[k])) - self.wall(k).1;
-            q_s[k] + cot[k] * q[k] - along + self.pressure + outside
+            q_s[k] + cot[k] * q[k] - along + self.pressure + outside - self.cell.material.normal_friction * v_n[k]
         };
         [from_fn(tangential), from_fn(normal)]
     }

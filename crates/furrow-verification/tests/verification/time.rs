@@ -115,7 +115,9 @@ fn observe(stepper: &Stepper) -> Observed {
         energy: state.integral(|p| {
             0.5 * p.here.kappa * (p.curvature[0] + p.curvature[1] - p.here.spontaneous).powi(2) + p.here.tension
         }),
-        dissipated: state.integral(|p| on(p.viscous, p.strain) + p.here.friction * p.v * p.v),
+        dissipated: state.integral(|p| {
+            on(p.viscous, p.strain) + p.here.friction * p.v * p.v + cortex.cell.material.normal_friction * p.v_n * p.v_n
+        }),
         by_shell: state.integral(|p| p.shell * p.v_n),
         by_activity: -state.integral(|p| on(p.active, p.strain)),
     }
