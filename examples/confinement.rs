@@ -1,4 +1,4 @@
-//! Where a shell breaks the symmetry of a dividing cell whose tension follows a regulator: Gao, Mietke and Ma, "Confinement-induced symmetry
+//! A shell breaks the symmetry of a dividing cell with tension that follows a regulator: Gao, Mietke and Ma, "Confinement-induced symmetry
 //! breaking of active surfaces" (arXiv 2602.21519), with the constants of the scripts that they published
 //! (github.com/ruima86/Confinement-symmetry-breaking).
 //!

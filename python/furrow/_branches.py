@@ -31,7 +31,7 @@ class Steady(Result):
     ``p``: Pressure, in κ0/L_h³.
     ``H``: Elongation (z(0) − z(1))/R0.
     ``r_eq``: Radius at the equator, in L_h.
-    ``reduced_volume``: Volume over that of the sphere of the same area; NaN without axial symmetry.
+    ``reduced_volume``: Volume divided by the volume of a sphere with the same area; NaN without axial symmetry.
     ``bending_energy``: ∫ ½κ(C − C0)² dA, in κ0; NaN without axial symmetry.
     ``stable``: Whether every disturbance decays.
     ``growth_rate``: Largest real part of the growth rates, in 1/τ.
@@ -168,7 +168,7 @@ class Curve(Result):
     ``r_eq``: Radius at the equator, in L_h.
     ``growth_rate``: Largest growth rate, in 1/τ; NaN if not found.
     ``delta_u``: Furrow position u_furrow − ½.
-    ``reduced_volume``: Volume over that of the sphere of the same area; NaN of ``bent`` shapes.
+    ``reduced_volume``: Volume divided by the volume of a sphere with the same area; NaN of ``bent`` shapes.
     ``bending_energy``: ∫ ½κ(C − C0)² dA, in κ0; NaN of ``bent`` shapes.
     ``ended``: Why the continuation stopped.
     ``azimuthal``: Growth rates of disturbances cos mφ, in 1/τ: one row per shape, column k for m = k + 1; NaN if not found.

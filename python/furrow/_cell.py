@@ -484,8 +484,8 @@ class Cell:
         reduced_volume: SupportsFloat | None = None,
     ) -> Branch:
         """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks. ``max_step`` is the
-        largest step along a branch, in arclength. A branch ends where its reduced volume, the volume over that of a sphere with the
-        cell's area, has fallen to ``reduced_volume``.
+        largest step along a branch, in arclength. A branch ends where its reduced volume, its volume divided by the volume of
+        a sphere with the same area, falls to ``reduced_volume``.
 
         ``azimuthal=M`` also computes growth rates of disturbances cos mφ, m = 1 to M, at every point, and where they change
         sign. For a cell with ``modes`` the curve ``bent`` has the states at rest without axial symmetry.

@@ -41,7 +41,7 @@ pub struct BranchArgs {
     /// Largest ξ_s
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
-    /// Ends a branch where its reduced volume has fallen to V: the volume over that of a sphere with the cell's area
+    /// Ends a branch where its reduced volume falls to V: the volume divided by the volume of a sphere with the same area
     #[arg(help_heading = "Numerics", long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
     reduced_volume: Option<f64>,
     /// Largest step along a branch, in arclength

@@ -290,8 +290,8 @@ fn any_expression_ends_in_an_outcome_or_a_reason() {
     assert!(ended.into_iter().all(|count| count > 20) && refused > 10, "{ended:?} {refused}");
 }
 
-/// The spontaneous curvature that cells have is that of the law that states it as a stress and a moment. Noise multiplies all stress of a
-/// law, so there is none.
+/// A cell with a spontaneous curvature divides like a cell whose law states it as a stress and a moment. Noise, which multiplies all stress
+/// of a law, is left out.
 #[test]
 fn a_spontaneous_curvature_as_a_law_is_the_built_in_one() {
     let stated = include_str!("../../../laws/spontaneous_curvature.ron");

@@ -198,8 +198,7 @@ impl Cue {
         self.is_even_for(false)
     }
 
-    /// [`is_mirror_symmetric`](Self::is_mirror_symmetric) of a cell whose law names φ, or does not: see
-    /// [`simplified_for`](Self::simplified_for).
+    /// [`is_mirror_symmetric`](Self::is_mirror_symmetric) if a law names φ (`phi`) or not: see [`simplified_for`](Self::simplified_for).
     pub(crate) fn is_even_for(&self, phi: bool) -> bool {
         if self.follows_par() {
             return false;
@@ -290,7 +289,7 @@ impl Cue {
         self.simplified_for(false)
     }
 
-    /// [`simplified`](Self::simplified) of a cell whose law names φ, or does not: if so, a regulator that acts on no field stays.
+    /// [`simplified`](Self::simplified) ; if a law names φ (`phi`), a regulator without fields stays.
     pub(crate) fn simplified_for(&self, phi: bool) -> Cue {
         let mut terms: Vec<Term> = Vec::new();
         for term in &self.terms {

@@ -82,7 +82,7 @@ pub fn area_and_bending(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> [f64; 2
     sums
 }
 
-/// Reduced volume of a cell of radius R0 with this area: its volume over that of the sphere of the same area.
+/// Reduced volume of a cell of radius R0 with this area: its volume divided by the volume of a sphere with this area.
 pub fn reduced_volume(r0: f64, area: f64) -> f64 {
     (4.0 * PI * r0 * r0 / area).powf(1.5)
 }

@@ -182,7 +182,7 @@ pub enum BranchEnd {
     PointLimit(usize),
     /// The neck is narrower than this, relative to R0: the shapes beyond are two cells connected by a thread.
     Pinched(f64),
-    /// The reduced volume has fallen to that of [`BranchOptions::reduced_volume`], the last point's.
+    /// The reduced volume has fallen to this, at the last point.
     Deflated(f64),
     /// An asymmetric branch has returned to mirror-symmetric shapes, at one of their pitchforks.
     Rejoined,

@@ -24,7 +24,7 @@ pub struct ShapePoint {
     pub equator_radius: f64,
     /// Furrow position u_f − ½ of asymmetric shapes; 0 on the symmetric branch.
     pub delta_u: f64,
-    /// Reduced volume: the cell's volume over that of the sphere of the same area, 1 for a sphere.
+    /// Reduced volume: the cell's volume divided by the volume of a sphere with the same area.
     pub reduced_volume: f64,
     /// Energy of bending ∫ ½κ(C − C0)² dA, in κ0; 8πκ for a sphere without C0.
     pub bending_energy: f64,
