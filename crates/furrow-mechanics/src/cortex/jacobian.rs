@@ -297,7 +297,7 @@ pub fn varied<D: Arithmetic>(
     let slope = across * c.inverse_b2 + along * c.inverse_a2;
     let turned = across * by.inverse_b2 + along * by.inverse_a2;
     let push = by.shell_force * slope + c.shell_force * (steeper * slope + turned);
-    f[Q] = f[Q] + length * ((ellipse * c.inverse_w2).exp() * push + by.normal_friction * place.v_n);
+    f[Q] = f[Q] + length * (ellipse * c.inverse_w2).exp() * push + length * by.normal_friction * place.v_n;
     (f, strain, place)
 }
 
