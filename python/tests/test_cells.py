@@ -164,7 +164,7 @@ def test_branches_end_at_a_reduced_volume():
     oblate = vesicle.branch(reduced_volume=0.65)["symmetric"]
     assert oblate.reduced_volume[-1] == pytest.approx(0.65, abs=1e-5) and oblate.H[-1] < 1.2
     assert oblate.bending_energy[0] == pytest.approx(8 * np.pi, rel=1e-6)
-    with pytest.raises(furrow.InputError, match="reduced_volume = 1.5: must be above 0 and below 1"):
+    with pytest.raises(furrow.InputError, match=r"reduced_volume = 1\.5: must be above 0 and below 1"):
         vesicle.branch(reduced_volume=1.5)
 
 
