@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -30,6 +31,8 @@ class Steady(Result):
     ``p``: Pressure, in κ0/L_h³.
     ``H``: Elongation (z(0) − z(1))/R0.
     ``r_eq``: Radius at the equator, in L_h.
+    ``reduced_volume``: Volume divided by the volume of a sphere with the same area; NaN without axial symmetry.
+    ``bending_energy``: ∫ ½κ(C − C0)² dA, in κ0; NaN without axial symmetry.
     ``stable``: Whether every disturbance decays.
     ``growth_rate``: Largest real part of the growth rates, in 1/τ.
     ``growth_rates``: The rightmost ones, by decreasing real part.
@@ -63,6 +66,8 @@ class Steady(Result):
     neck_offset: float | None = None
     modes: int | None = None
     surface: Surface | None = field(default=None, repr=False)
+    reduced_volume: float = math.nan
+    bending_energy: float = math.nan
 
     @property
     def contour(self) -> Contour:
@@ -163,6 +168,8 @@ class Curve(Result):
     ``r_eq``: Radius at the equator, in L_h.
     ``growth_rate``: Largest growth rate, in 1/τ; NaN if not found.
     ``delta_u``: Furrow position u_furrow − ½.
+    ``reduced_volume``: Volume divided by the volume of a sphere with the same area; NaN of ``bent`` shapes.
+    ``bending_energy``: ∫ ½κ(C − C0)² dA, in κ0; NaN of ``bent`` shapes.
     ``ended``: Why the continuation stopped.
     ``azimuthal``: Growth rates of disturbances cos mφ, in 1/τ: one row per shape, column k for m = k + 1; NaN if not found.
         None unless asked for.
@@ -176,6 +183,8 @@ class Curve(Result):
     r_eq: Array = field(repr=False)
     growth_rate: Array = field(repr=False)
     delta_u: Array = field(repr=False)
+    reduced_volume: Array = field(repr=False)
+    bending_energy: Array = field(repr=False)
     ended: str
     azimuthal: Array | None = field(default=None, repr=False)
 
@@ -189,7 +198,7 @@ class Curve(Result):
 
     def to_pandas(self) -> pd.DataFrame:
         """One row per shape."""
-        names = ("xi_s", "H", "L", "p", "r_eq", "growth_rate", "delta_u")
+        names = ("xi_s", "H", "L", "p", "r_eq", "growth_rate", "delta_u", "reduced_volume", "bending_energy")
         columns: dict[str, Any] = {name: getattr(self, name) for name in names}
         modes = () if self.azimuthal is None else self.azimuthal.T
         rates = {f"growth_rate_m{m}": rate for m, rate in enumerate(modes, 1)}

@@ -70,6 +70,8 @@ class Cell:
         eta_s: float
         friction: float
         tension: float
+        spontaneous_curvature: float
+        normal_friction: float
         xi_s: float
         xi_ratio: float
         gain: float
@@ -479,15 +481,19 @@ class Cell:
         max_step: SupportsFloat = 1.0,
         *,
         azimuthal: SupportsIndex | None = None,
+        reduced_volume: SupportsFloat | None = None,
     ) -> Branch:
         """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks. ``max_step`` is the
-        largest step along a branch, in arclength.
+        largest step along a branch, in arclength. A branch ends where its reduced volume, its volume divided by the volume of
+        a sphere with the same area, falls to ``reduced_volume``.
 
         ``azimuthal=M`` also computes growth rates of disturbances cos mφ, m = 1 to M, at every point, and where they change
         sign. For a cell with ``modes`` the curve ``bent`` has the states at rest without axial symmetry.
         """
         most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
-        found, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step), most)
+        volume = None if reduced_volume is None else _number("reduced_volume", reduced_volume)
+        ends_at = (_number("xi_max", xi_max), _number("max_step", max_step))
+        found, points = _furrow.branch(self._inputs, *ends_at, most, volume)
         ends = {end["branch"]: end["why"] for end in found["ends"]}
         scaling = found["scaling"] or (None, None)
         return Branch(

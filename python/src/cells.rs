@@ -2,6 +2,7 @@
 
 use furrow_analysis::Diagram;
 use furrow_analysis::bent::diagram_with_bent;
+use furrow_analysis::diagram;
 use furrow_formats::frames::{COLUMNS, check_step, row, stills};
 use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
@@ -161,17 +162,19 @@ pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<Documen
 /// The branches of a cell: its events and ends, and the points of each by its name; with `azimuthal` also the growth rates of
 /// disturbances cos mφ up to this m, one row a point, and where they change sign.
 #[pyfunction]
-#[pyo3(signature = (inputs, xi_max, max_step, azimuthal=None))]
+#[pyo3(signature = (inputs, xi_max, max_step, azimuthal=None, reduced_volume=None))]
 pub fn branch<'py>(
     py: Python<'py>,
     inputs: &Inputs,
     xi_max: f64,
     max_step: f64,
     azimuthal: Option<usize>,
+    reduced_volume: Option<f64>,
 ) -> Result<(Document, Bound<'py, PyDict>), Error> {
     let xi = [0.0, positive("xi_max", xi_max, ABOVE_0)?];
     let azimuthal = azimuthal.unwrap_or(0);
-    let options = BranchOptions { xi, growth_rates: true, azimuthal, ..BranchOptions::default() };
+    let reduced_volume = diagram::reduced_volume(ARGUMENTS, reduced_volume)?;
+    let options = BranchOptions { xi, growth_rates: true, azimuthal, reduced_volume, ..BranchOptions::default() };
     let options = options.with_max_step(positive("max_step", max_step, ABOVE_0)?);
     let Inputs { cell, numerics } = inputs.clone();
     let (found, bent) = supervised(py, Interrupt::Abandons, None, move |_| {
@@ -188,6 +191,8 @@ pub fn branch<'py>(
             ("r_eq", column(|p| p.equator_radius)),
             ("growth_rate", column(|p| p.growth_rate.unwrap_or(f64::NAN))),
             ("delta_u", column(|p| p.delta_u)),
+            ("reduced_volume", column(|p| p.reduced_volume)),
+            ("bending_energy", column(|p| p.bending_energy)),
         ];
         let columns = arrays(py, of)?;
         if azimuthal > 0 {

@@ -157,6 +157,25 @@ def test_branches_are_those_of_the_command_line(cli):
         ours["cued"]
 
 
+def test_branches_end_at_a_reduced_volume():
+    lacking = '"-xi_s"'
+    law = f'Law(name: "vesicle", stress_uu: {lacking}, stress_phiphi: {lacking})'
+    vesicle = furrow.Cell(1.0, law=law, aspect=0.6, epsilon=0.01, w=3, p0=1e-3)
+    oblate = vesicle.branch(reduced_volume=0.65)["symmetric"]
+    assert oblate.reduced_volume[-1] == pytest.approx(0.65, abs=1e-5) and oblate.H[-1] < 1.2
+    assert oblate.bending_energy[0] == pytest.approx(8 * np.pi, rel=1e-6)
+    with pytest.raises(furrow.InputError, match=r"reduced_volume = 1\.5: must be above 0 and below 1"):
+        vesicle.branch(reduced_volume=1.5)
+
+
+def test_spontaneous_curvature_and_normal_friction_are_parameters():
+    plain, curled = furrow.Cell(1.6).steady(), furrow.Cell(1.6, spontaneous_curvature=0.3).steady()
+    assert curled.H != plain.H and curled.bending_energy < plain.bending_energy
+    dragged = furrow.Cell(1.6, normal_friction=0.5)
+    assert dragged.steady().H == plain.H and dragged.steady().growth_rate > plain.growth_rate
+    assert dragged.normal_friction == 0.5 and furrow.Cell(1.6).normal_friction == 0
+
+
 def test_branches_have_growth_rates_beyond_axial_symmetry(cli):
     theirs = cli.json("branch", "--r0", "2", "--xi-max", "24", "--azimuthal", "2", "--set", "intervals=32")
     ours = furrow.Cell(r0=2, intervals=32).branch(24, azimuthal=2)

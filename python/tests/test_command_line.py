@@ -102,6 +102,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
             xi_max="furrow.Cell.branch(xi_max)",
             max_step="furrow.Cell.branch(max_step)",
             azimuthal="furrow.Cell.branch(azimuthal)",
+            reduced_volume="furrow.Cell.branch(reduced_volume)",
             points="the curves have all points",
             csv="furrow.Branch.to_pandas",
             plot="furrow.Branch.plot(path)",

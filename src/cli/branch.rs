@@ -10,6 +10,7 @@ use super::steady::MOST_AZIMUTHAL;
 use clap::Args;
 use furrow_analysis::Diagram;
 use furrow_analysis::bent::diagram_with_bent;
+use furrow_analysis::diagram::reduced_volume;
 use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
@@ -30,7 +31,8 @@ Examples:
   furrow branch --r0 2 --xi-max 30 --plot branch.svg --csv branch.csv
   furrow branch --r0 2.2 --cue germline --xi-max 30 --json
   furrow branch --r0 2 --xi-max 30 --azimuthal 2
-  furrow branch --r0 1.4 --xi-max 30 --three-dimensional --plot bent.svg")]
+  furrow branch --r0 1.4 --xi-max 30 --three-dimensional --plot bent.svg
+  furrow branch --r0 1 --law laws/vesicle.ron --set p0=1e-3 --set w=3 --set epsilon=0.01 --reduced-volume 0.65")]
 pub struct BranchArgs {
     #[command(flatten)]
     cell: CellArgs,
@@ -39,6 +41,9 @@ pub struct BranchArgs {
     /// Largest ξ_s
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
+    /// Ends a branch where its reduced volume falls to V: the volume divided by the volume of a sphere with the same area
+    #[arg(help_heading = "Numerics", long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
+    reduced_volume: Option<f64>,
     /// Largest step along a branch, in arclength
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
     max_step: f64,
@@ -56,7 +61,7 @@ pub struct BranchArgs {
 }
 
 /// The columns of `--csv`.
-const HEADER: &str = "branch,xi_s,H,L,p,r_eq,stable,growth_rate,delta_u";
+const HEADER: &str = "branch,xi_s,H,L,p,r_eq,stable,growth_rate,delta_u,reduced_volume,bending_energy";
 
 fn point(branch: &str, p: &ShapePoint) -> Value {
     let stable = p.growth_rate.map(|rate| rate < 0.0);
@@ -64,6 +69,7 @@ fn point(branch: &str, p: &ShapePoint) -> Value {
     filled(json!({
         "branch": branch, "xi_s": p.xi_s, "H": p.elongation, "L": p.length, "p": p.pressure, "r_eq": p.equator_radius,
         "stable": stable, "growth_rate": p.growth_rate, "delta_u": p.delta_u,
+        "reduced_volume": p.reduced_volume, "bending_energy": p.bending_energy,
     }))
 }
 
@@ -88,6 +94,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     let options = BranchOptions {
         contours: picture.is_wanted(),
         xi: [0.0, positive("--xi-max", args.xi_max)?],
+        reduced_volume: reduced_volume("--reduced-volume", args.reduced_volume)?,
         growth_rates: true,
         azimuthal: args.azimuthal.map_or(0, usize::from),
         ..BranchOptions::default()

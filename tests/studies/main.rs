@@ -1,8 +1,9 @@
-//! Killed sweeps, ensembles of constants, fits, contours, and the reproduction of the paper.
+//! Killed sweeps, ensembles of constants, fits, contours, the reproduction of the paper, and what other groups found.
 
 #[path = "../common/mod.rs"]
 mod common;
 
+mod confinement;
 mod contours;
 mod ensemble;
 mod fit;
@@ -10,3 +11,4 @@ mod fit_clock;
 mod reproduction;
 mod solve;
 mod sweep;
+mod vesicles;

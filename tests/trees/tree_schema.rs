@@ -36,11 +36,12 @@ const EVERYTHING: &str = r#"Lineage(
          clock: (lifetime_min: 30, at_volume: 0.5, exponent: 0.3),
          cue_rules: [(cue: "sum", from_generation: 1, to_generation: 9, below_r0: 9, above_r0: 0.1)],
          physics: (xi_s: 26, xi_ratio: -0.1, gain: 0.5, epsilon: 0.86, aspect: 1.4, p0: 0.12, w: 0.14, shell_flattening: 0.9, kappa: 1, eta_b: 1,
-                   eta_s: 1, friction: 1, tension: 0),
+                   eta_s: 1, friction: 1, tension: 0, spontaneous_curvature: 0.1, normal_friction: 0.1),
          physics_rules: [(parameter: "xi_ratio", add: 0.01), (parameter: "gain", value: 0.5), (parameter: "epsilon", add: -0.01),
                          (parameter: "aspect", value: 1.4), (parameter: "p0", value: 0.12), (parameter: "w", value: 0.14), (parameter: "shell_flattening", value: 0.9),
                          (parameter: "kappa", value: 1), (parameter: "eta_b", value: 1), (parameter: "eta_s", value: 1),
-                         (parameter: "friction", value: 1), (parameter: "tension", add: 0.01)]),
+                         (parameter: "friction", value: 1), (parameter: "tension", add: 0.01),
+                         (parameter: "spontaneous_curvature", add: 0.01), (parameter: "normal_friction", add: 0.01)]),
         (name: "T", mother: "S", daughter: smaller, most_rounds: 2),
     ],
 )"#;
@@ -85,6 +86,8 @@ fn documents() -> Vec<Value> {
     ];
     let mut trees = trees;
     trees[0].settings.cell.shell.flattening = 0.8;
+    trees[0].settings.cell.material.spontaneous_curvature = 0.2;
+    trees[0].settings.cell.material.normal_friction = 0.2;
     // A law with every field, seen from the other pole.
     let law = r#"Law(name: "x", constants: { "a": (value: 1, unit: "1/L_h") }, stress_uu: "a*xi_s*u", stress_phiphi: "a*xi_s*u",
         moment: "a", normal_force: "a")"#;

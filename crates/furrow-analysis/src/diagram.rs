@@ -1,6 +1,7 @@
 //! The branch diagram of a cell: its stationary shapes over ξ_s.
 
 use furrow_cell::{Cell, Numerics};
+use furrow_input::InputError;
 use furrow_mechanics::equilibria::asymmetric::{self, Scaling};
 use furrow_mechanics::equilibria::azimuthal_scan::AzimuthalScan;
 use furrow_mechanics::equilibria::curves::Curve;
@@ -64,6 +65,16 @@ pub fn diagram(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Res
         scaling = found.scaling;
     }
     Ok(Diagram { branches, scaling, warnings: Vec::new() })
+}
+
+/// Checks the reduced volume at which branches are to end; errors say it came from `source_name`.
+///
+/// # Errors
+/// One that is not between 0 and 1.
+pub fn reduced_volume(source_name: &str, value: Option<f64>) -> Result<Option<f64>, InputError> {
+    let fine = value.is_none_or(|value| value > 0.0 && value < 1.0);
+    let allowed = "above 0 and below 1, that of a sphere";
+    InputError::require(fine, source_name, "reduced_volume", value.unwrap_or_default(), allowed).map(|()| value)
 }
 
 fn unknown(name: &str, points: &[ShapePoint], scan: &AzimuthalScan) -> Vec<String> {

@@ -92,7 +92,7 @@ impl Cell {
 
     /// Whether nothing tells one pole from the other: its cue and its law, if any, are even about u = ½.
     pub fn is_mirror_symmetric(&self) -> bool {
-        self.law.as_ref().is_none_or(|law| law.is_mirror_symmetric(self)) && self.cue.is_mirror_symmetric()
+        self.law.as_ref().is_none_or(|law| law.is_mirror_symmetric(self)) && self.cue.is_even_for(self.law_names_phi())
     }
 
     /// Whether its shell and its cue are round about the axis of division.
@@ -109,6 +109,15 @@ impl Cell {
     /// The same cell without activity and without a cue: every division starts from it.
     pub fn passive(&self) -> Cell {
         Cell { xi_s: 0.0, cue: Cue::none(), ..self.clone() }
+    }
+
+    /// The cell's cue with the fewest terms: as [`Cue::simplified`], but a regulator that the cell's law names stays, whatever it acts on.
+    pub fn simplified_cue(&self) -> Cue {
+        self.cue.simplified_for(self.law_names_phi())
+    }
+
+    fn law_names_phi(&self) -> bool {
+        self.law.as_ref().is_some_and(|law| law.names(law::Variable::Phi))
     }
 
     /// Volume 4πR0³/3, in L_h³.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RigidityGradient {
-    /// The full force balance: the term ½C²∂_sκ is kept.
+    /// The full force balance: the term ½(C − C0)²∂_sκ is kept.
     Full,
     /// The paper's reading: κ is attached to the mesh and the term is dropped.
     Dropped,
@@ -32,6 +32,16 @@ pub struct Material {
     pub gain: f64,
     /// How a varying κ enters the tangential balance.
     pub rigidity_gradient: RigidityGradient,
+    /// Spontaneous curvature C0, in 1/L_h: the energy of bending is ½κ(C − C0)² per area.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub spontaneous_curvature: f64,
+    /// Friction Γ_n with the surroundings against motion along the normal, in the unit of Γ.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub normal_friction: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Material {
@@ -45,6 +55,8 @@ impl Material {
         xi_ratio: -0.1,
         gain: 0.4826,
         rigidity_gradient: RigidityGradient::Full,
+        spontaneous_curvature: 0.0,
+        normal_friction: 0.0,
     };
     /// The preset `gao2026-thresholds`: a gain of ½.
     pub const GAO2026_THRESHOLDS: Material = Material { gain: 0.5, ..Material::GAO2026 };

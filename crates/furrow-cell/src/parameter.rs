@@ -51,6 +51,10 @@ pub enum Parameter {
     Friction,
     /// Tension γ.
     Tension,
+    /// Spontaneous curvature C0.
+    SpontaneousCurvature,
+    /// Normal friction Γ_n.
+    NormalFriction,
     /// A quantity of one term of the cue.
     Cue {
         /// Which term, from 0.
@@ -90,9 +94,26 @@ impl Parameter {
     ];
 
     /// Every parameter except the numbers of cues, for listings.
-    pub const ALL: [Parameter; 14] = {
+    pub const ALL: [Parameter; 16] = {
         use Parameter::*;
-        [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Flattening, Kappa, EtaB, EtaS, Friction, Tension]
+        [
+            XiS,
+            XiRatio,
+            Gain,
+            R0,
+            Epsilon,
+            Aspect,
+            P0,
+            W,
+            Flattening,
+            Kappa,
+            EtaB,
+            EtaS,
+            Friction,
+            Tension,
+            SpontaneousCurvature,
+            NormalFriction,
+        ]
     };
 
     /// The numbers of a cue: of its terms, then of its regulator.

@@ -130,6 +130,8 @@ fields! {
         eta_s at cell.material.eta_s => f64 as EtaS, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
         friction ["Gamma"] at cell.material.friction => f64 as Friction, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         tension ["gamma"] at cell.material.tension => f64 as Tension, "a finite number", |v| v.is_finite();
+        spontaneous_curvature ["C0"] at cell.material.spontaneous_curvature => f64 as SpontaneousCurvature, "a finite number", |v| v.is_finite();
+        normal_friction at cell.material.normal_friction => f64 as NormalFriction, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
         xi_s ["xi"] at cell.xi_s => f64 as XiS, "a finite number", |v| v.is_finite();
         xi_ratio at cell.material.xi_ratio => f64 as XiRatio, "a finite number", |v| v.is_finite();
         gain ["g"] at cell.material.gain => f64 as Gain, "a finite number above 0", |v| v.is_finite() && v > 0.0;
@@ -197,7 +199,7 @@ impl Settings {
     /// `overrides` of the form `key=value`.
     ///
     /// Keys are the fields of [`Cell`], its material and shell, the fields of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
-    /// shell's strength), `R0`, `Gamma`, `gamma`. Besides these, `xi_b` sets `xi_ratio` = ξ_b/ξ_s from the ξ_s that all
+    /// shell's strength), `R0`, `Gamma`, `gamma`, `C0`. Besides these, `xi_b` sets `xi_ratio` = ξ_b/ξ_s from the ξ_s that all
     /// settings together give: the ratio stays constant if ξ_s varies afterwards. `law.NAME` sets a constant of the law.
     ///
     /// # Errors
@@ -544,9 +546,9 @@ mod tests {
     /// A field added to the parameters must get its row in the table.
     #[test]
     fn table_covers_every_field() {
-        let Settings { cell: Cell { material, mut shell, .. }, numerics } = Settings::default();
-        // A round shell is written without its flattening.
-        shell.flattening = 0.9;
+        let Settings { cell: Cell { mut material, mut shell, .. }, numerics } = Settings::default();
+        // A round shell is written without its flattening, and neither spontaneous curvature nor normal friction is written if it is 0.
+        (shell.flattening, material.spontaneous_curvature, material.normal_friction) = (0.9, 0.1, 0.1);
         let parts = [serde_json::to_value(material), serde_json::to_value(shell), serde_json::to_value(numerics)];
         let mut numbers = vec!["r0".to_owned(), "epsilon".to_owned(), "xi_s".to_owned()];
         for part in parts {

@@ -34,11 +34,15 @@ pub struct FounderPhysics {
     pub friction: Option<f64>,
     /// Tension γ.
     pub tension: Option<f64>,
+    /// Spontaneous curvature C0.
+    pub spontaneous_curvature: Option<f64>,
+    /// Normal friction Γ_n.
+    pub normal_friction: Option<f64>,
 }
 
 impl FounderPhysics {
     /// Its fields, with their parameters.
-    fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 13] {
+    fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 15] {
         // Without `..`: a new field does not compile until it has its parameter.
         let FounderPhysics {
             xi_s,
@@ -54,6 +58,8 @@ impl FounderPhysics {
             eta_s,
             friction,
             tension,
+            spontaneous_curvature,
+            normal_friction,
         } = self;
         [
             (Parameter::XiS, xi_s),
@@ -69,6 +75,8 @@ impl FounderPhysics {
             (Parameter::EtaS, eta_s),
             (Parameter::Friction, friction),
             (Parameter::Tension, tension),
+            (Parameter::SpontaneousCurvature, spontaneous_curvature),
+            (Parameter::NormalFriction, normal_friction),
         ]
     }
 

@@ -204,7 +204,7 @@ impl Targets {
         for (k, &Unknown { parameter, start }) in self.unknowns.iter().enumerate() {
             let (name, shown) = (format!("unknowns[{k}].parameter"), parameter.to_string());
             if !LOGARITHMIC.contains(&parameter) && !LINEAR.contains(&parameter) {
-                let allowed = "one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension";
+                let allowed = "one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, spontaneous_curvature";
                 return refuse(&name, &shown, allowed);
             }
             if self.unknowns[..k].iter().any(|other| other.parameter == parameter) {
@@ -231,7 +231,7 @@ const LOGARITHMIC: [Parameter; 8] = {
     [Gain, Aspect, P0, W, Kappa, EtaB, EtaS, Friction]
 };
 /// Parameters of either sign, varied in units of 1 (or of their size, if larger).
-const LINEAR: [Parameter; 2] = [Parameter::XiRatio, Parameter::Tension];
+const LINEAR: [Parameter; 3] = [Parameter::XiRatio, Parameter::Tension, Parameter::SpontaneousCurvature];
 
 /// A cell with other values of some parameters.
 pub fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {

@@ -348,7 +348,7 @@ pub struct Search {
 
 impl Search {
     fn of(cell: &Cell, fine: bool) -> Search {
-        Search { cell: Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }, fine }
+        Search { cell: Cell { r0: 1.0, cue: cell.simplified_cue(), ..cell.clone() }, fine }
     }
 }
 

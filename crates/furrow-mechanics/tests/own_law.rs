@@ -289,3 +289,39 @@ fn any_expression_ends_in_an_outcome_or_a_reason() {
     println!("{ended:?} {refused}");
     assert!(ended.into_iter().all(|count| count > 20) && refused > 10, "{ended:?} {refused}");
 }
+
+/// A cell with a spontaneous curvature divides like a cell whose law states it as a stress and a moment. Noise, which multiplies all stress
+/// of a law, is left out.
+#[test]
+fn a_spontaneous_curvature_as_a_law_is_the_built_in_one() {
+    let stated = include_str!("../../../laws/spontaneous_curvature.ron");
+    let stated = Law::parse(stated, "spontaneous_curvature.ron").unwrap();
+    let pair = |cell: Cell| {
+        let mut plain = cell.clone();
+        plain.material.spontaneous_curvature = 0.3;
+        [plain, cell.with_law(stated.clone())]
+    };
+    let numerics = Numerics { noise: 0.0, ..Numerics::default() };
+    let [plain, own] = pair(Cell::new(2.4).with_cue("friction:gradient,amplitude=0.3".parse().unwrap()))
+        .map(|cell| divide(&DivisionInput { numerics, ..DivisionInput::new(cell) }).unwrap());
+    same_division(&own, &plain, 1e-6);
+    let [plain, own] =
+        pair(Cell::new(2.0)).map(|cell| pitchfork::first(&cell, &numerics, &BranchOptions::default()).unwrap());
+    near(own.point.xi_s, plain.point.xi_s, SAME);
+    near(own.coefficient, plain.coefficient, 1e-6);
+    // It matters.
+    let without = pitchfork::first(&Cell::new(2.0), &numerics, &BranchOptions::default()).unwrap();
+    assert!((without.point.xi_s - plain.point.xi_s).abs() > 0.1, "{}", plain.point.xi_s);
+}
+
+/// A regulator may act through the law alone.
+#[test]
+fn a_regulator_without_couplings_is_carried_for_a_law_that_names_it() {
+    let regulator = "regulator:band,u0=0.465,omega=0.0577,amplitude=0.1,turnover=25,diffusion=1,activity=";
+    let cell = |strength: &str| Cell::new(3.0).with_cue(format!("{regulator}{strength}").parse().unwrap());
+    let stress = |sign: &str| format!("gain*(1 + phi)*(xi_b*C {sign} xi_s*(c1 - c2)/2)");
+    let named = law("", [&stress("+"), &stress("-")], "");
+    let [own, built_in, idle] = [cell("0").with_law(named), cell("1"), cell("0")].map(|cell| solve(cell).unwrap());
+    same_division(&own, &built_in, 1e-6);
+    assert_ne!(numbers(&idle), numbers(&built_in));
+}

@@ -181,7 +181,7 @@ impl Film {
             return stress;
         }
         let here = self.cortex.constants().of_state(u, &state[..n], shape.scalars[LENGTH]);
-        let mean = state[M] / here.kappa;
+        let mean = here.mean(state[M]);
         let deviator = here.xi_s * (0.5 * mean - state[PSI].sin() / state[R]);
         [deviator + here.xi_b * mean, here.xi_b * mean - deviator]
     }
@@ -203,7 +203,7 @@ impl Film {
             // The rates of strain are not known from one shape.
             Some(_) if self.needs_motion() => return [0.0; 2],
             Some([_, [mean, _]]) => mean - c2,
-            None => state[M] / self.cortex.constants().of_state(u, &state[..n], length).kappa - c2,
+            None => self.cortex.constants().of_state(u, &state[..n], length).mean(state[M]) - c2,
         };
         let [t_u, t_phi] = self.active_tensions(shape, u);
         let [before, after] = [u - STEP, u + STEP].map(|u| self.active_tensions(shape, u)[0]);

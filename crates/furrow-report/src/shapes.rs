@@ -14,11 +14,14 @@ use furrow_mechanics::stability::{GrowthRate, Spectrum, StabilityError};
 /// the folds that the branch passed on its way here, and, with a regulator, φ at u = ½ and at u = 0.
 pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value {
     let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im, "parity": format!("{:?}", v.parity).to_lowercase() });
+    let [reduced_volume, bending_energy] = shape.reduced_volume_and_bending();
     let mut report = json!({
         "L": shape.length(),
         "p": shape.pressure(),
         "H": shape.elongation(),
         "r_eq": shape.equator_radius(),
+        "reduced_volume": reduced_volume,
+        "bending_energy": bending_energy,
         "stable": spectrum.is_stable(),
         "growth_rate": spectrum.growth_rate(),
         "growth_rates": spectrum.values.iter().map(rate).collect::<Vec<_>>(),

@@ -59,6 +59,9 @@ impl BentPoint {
             equator_radius: self.equator_radius,
             arclength: self.bend,
             growth_rate: Some(self.even.max(self.odd)),
+            // Not computed.
+            reduced_volume: f64::NAN,
+            bending_energy: f64::NAN,
             ..ShapePoint::default()
         }
     }

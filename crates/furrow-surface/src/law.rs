@@ -3,10 +3,10 @@
 //! The surface is X(u, φ) with the outward normal n = X_u × X_φ/J, J = |X_u × X_φ|, the metric g_ij = ∂_iX·∂_jX and the
 //! curvatures C_ij = −n·∂_i∂_jX, C = g^ij C_ij. For every test field W the virtual power vanishes:
 //!
-//! * \[S.1 virtual power\] ∫ [T^ij ∂_iX·∂_jW + Γ v_t·W − (p + f_c) n·W] dA + δ_W ∫ (½κC² + γ) dA = 0,
+//! * \[S.1 virtual power\] ∫ [T^ij ∂_iX·∂_jW + Γ v_t·W + Γ_n v·n n·W − (p + f_c) n·W] dA + δ_W ∫ (½κ(C − C0)² + γ) dA = 0,
 //! * \[S.2 stress\] T^ij = (η_b − η_s) S^k_k g^ij + 2η_s S^ij + X_s (C^ij − ½C g^ij) + X_b C g^ij,
 //!   S_ij = ½(∂_iX·∂_jv + ∂_jX·∂_iv), X_s = gξ_s and X_b = gξ_b,
-//! * \[S.3 energy\] δ_W ∫ (½κC² + γ) dA = ∫ {κC [−g^ij n·(∂_i∂_jW − Γ^k_ij ∂_kW) − 2C^ij ∂_iX·∂_jW] + (½κC² + γ) g^ij ∂_iX·∂_jW} dA
+//! * \[S.3 energy\] δ_W ∫ (½κ(C − C0)² + γ) dA = ∫ {κ(C − C0) [−g^ij n·(∂_i∂_jW − Γ^k_ij ∂_kW) − 2C^ij ∂_iX·∂_jW] + (½κ(C − C0)² + γ) g^ij ∂_iX·∂_jW} dA
 //!   with the Christoffel symbols Γ^k_ij, where κ and γ move with the material.
 //!
 //! The velocity v is the material's. The mesh only shares its normal part, \[S.4 surface\] (∂_tX − v)·n = 0, and is spread
@@ -204,8 +204,9 @@ pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D,
     let Geometry { area, normal, inverse_metric: g, curvature, mean } = &geometry;
     let local = &place.local;
     let mut out = by_flow(place, &geometry, x, v);
-    let moment = *mean * local.kappa;
-    let energy = moment * *mean * 0.5 + local.tension;
+    let bent = *mean - local.spontaneous;
+    let moment = bent * local.kappa;
+    let energy = moment * bent * 0.5 + local.tension;
     // Tension along the surface: active, and the share of the bending energy.
     let elastic = mix(*g, raise(g, curvature), energy, moment * -2.0);
     add_tension(&mut out, &mix(active_stress(place, &geometry), elastic, *area, *area), x);
@@ -218,8 +219,8 @@ pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D,
     }
     add(&mut out[0], -*area * (pressure + wall_force(place, normal, &x[0])), normal);
     if !place.shell.rigidity_gradient {
-        // The paper's reading lacks ½C²∇κ, which the energy brings.
-        let slope = *mean * *mean * *area * (0.5 * local.kappa_u);
+        // The paper's reading lacks ½(C − C0)²∇κ, which the energy brings.
+        let slope = bent * bent * *area * (0.5 * local.kappa_u);
         add(&mut out[0], slope * g[0], &x[1]);
         add(&mut out[0], slope * g[1], &x[2]);
     }
@@ -237,7 +238,7 @@ pub fn by_flow<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v
     add_tension(&mut out, &[stress[0] * *area, stress[1] * *area, stress[2] * *area], x);
     let v_n = dot(&v[0], normal) * *area;
     add(&mut out[0], *area * place.local.friction, &v[0]);
-    add(&mut out[0], -v_n * place.local.friction, normal);
+    add(&mut out[0], v_n * (place.shell.normal_friction - place.local.friction), normal);
     add(&mut out[6], -v_n, normal);
     out
 }

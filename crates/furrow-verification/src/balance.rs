@@ -1,5 +1,6 @@
 //! An independent statement of the balance of forces from the paper, as rates along the contour: stresses first, then the
-//! tangential and the normal balance, with η_b, η_s and the elastic stress as printed.
+//! tangential and the normal balance, with η_b and η_s as printed and the elastic
+//! stress from the energy of bending.
 
 use furrow_cell::{Cell, Number, RigidityGradient};
 use furrow_mechanics::cortex::equations::{COMPONENTS, J, PHI};
@@ -30,7 +31,7 @@ pub fn rates<D: Number, const N: usize>(
     let c = coefficients(cell, u, D::from(length), carried);
     let (sin, cos) = psi.sin_cos();
     let c2 = sin / r;
-    let c1 = m / c.kappa - c2;
+    let c1 = m / c.kappa + c.spontaneous - c2;
     let v_n = sin * motion[0] + cos * motion[1];
     let s_pp = cos * v / r + c2 * v_n;
     // T is linear in S_uu: its value at S_uu = 0, and the difference.
@@ -38,13 +39,15 @@ pub fn rates<D: Number, const N: usize>(
     let without = stress(law, [D::from(0.0), s_pp], [c1, c2]);
     let s_uu = (t - without[0]) / (c.eta_b + c.eta_s);
     let t_pp = stress(law, [s_uu, s_pp], [c1, c2])[1];
-    let elastic = c.kappa * (c2 * c2 - c1 * c1) * 0.5;
-    let (h_uu, h_pp) = (c.tension + elastic, c.tension - elastic);
+    // t^ij = (γ + ½κ(C − C0)²) g^ij − κ(C − C0) C^ij, where κ(C − C0) is m.
+    let energy = m * m / (c.kappa * 2.0) + c.tension;
+    let (h_uu, h_pp) = (energy - m * c1, energy - m * c2);
     let mut t_s = c.friction * v - cos / r * (t - t_pp) - c.tension_s;
     if cell.material.rigidity_gradient == RigidityGradient::Full {
-        t_s -= (c1 + c2) * (c1 + c2) * c.kappa_s * 0.5;
+        t_s -= m * m / (c.kappa * c.kappa) * c.kappa_s * 0.5;
     }
-    let q_s = c1 * (h_uu + t) + c2 * (h_pp + t_pp) - cos / r * q - pressure - shell_force(cell, r, z, psi);
+    let q_s = c1 * (h_uu + t) + c2 * (h_pp + t_pp) - cos / r * q - pressure - shell_force(cell, r, z, psi)
+        + v_n * cell.material.normal_friction;
     let mut out = [D::from(0.0); N];
     out[..COMPONENTS].copy_from_slice(&[cos, -sin, q, c1, q_s, s_uu - c1 * v_n, t_s]);
     if let (Some(regulator), true) = (cell.cue.regulator(), N > COMPONENTS) {

@@ -27,6 +27,8 @@ pub struct Coefficients<D> {
     pub xi_b: D,
     /// A f of the regulator's source.
     pub source: D,
+    /// Spontaneous curvature C0.
+    pub spontaneous: D,
 }
 
 /// A profile f and ∂f/∂u.
@@ -93,6 +95,7 @@ pub fn coefficients<D: Number>(cell: &Cell, u: D, length: D, carried: Option<[D;
         tension_s: tension_u / length,
         xi_s: xi_s * activity,
         xi_b: xi_b * (activity * material.xi_ratio),
+        spontaneous: D::from(material.spontaneous_curvature),
         source: cell
             .cue
             .regulator()

@@ -62,7 +62,7 @@ pub struct Place {
     pub bending: [f64; 2],
     /// The solver's T_uu.
     pub tension: f64,
-    /// Differences of r_s, z_s and m from cosψ, −sinψ and κC.
+    /// Differences of r_s, z_s and m from cosψ, −sinψ and κ(C − C0).
     pub geometry: [f64; 3],
 }
 
@@ -121,7 +121,7 @@ impl Computed {
             shell: shell_force(&self.cell, state[R], state[Z], state[PSI]),
             bending: [state[M], state[Q]],
             tension: state[T],
-            geometry: [slope[R] - cos, slope[Z] + sin, state[M] - here.kappa * (c1 + c2)],
+            geometry: [slope[R] - cos, slope[Z] + sin, state[M] - here.kappa * (c1 + c2 - here.spontaneous)],
         }
     }
 }

@@ -234,8 +234,9 @@ impl Displaced<'_> {
         let here = coefficients(&self.state.cell, u, length, carried);
         let (sin, cos) = shape[base::PSI].sin_cos();
         let [c1, c2] = [shape_s[base::PSI], sin / shape[base::R]];
-        // From κC = m.
-        let c1_s = (shape_s[base::M] - (c1 + c2) * here.kappa_s) / here.kappa - cos / shape[base::R] * (c1 - c2);
+        // From κ(C − C0) = m.
+        let c1_s = (shape_s[base::M] - (c1 + c2 - here.spontaneous) * here.kappa_s) / here.kappa
+            - cos / shape[base::R] * (c1 - c2);
         let [r_t, z_t] = self.state.motion.get(k).copied().unwrap_or_default();
         Point {
             u,
@@ -267,7 +268,7 @@ impl Displaced<'_> {
         let v_n = epsilon * (self.mode.rate * x[W] * cos_m) + point.v_n;
         let strain = surface.strain(v, slope, v_n);
         let local = self.local(point, sin_m, cos_m);
-        let forces = Forces { surface: &surface, strain, v, local };
+        let forces = Forces { surface: &surface, strain, v, v_n, local };
         let weight = point.ds * dphi;
         for (motion, out) in motions.iter().zip(out) {
             let moved = virtual_motion(point, *motion, m, [sin_m, cos_m], self.state.length());
@@ -342,6 +343,7 @@ impl Displaced<'_> {
             xi_s: value(here.xi_s),
             xi_b: value(here.xi_b),
             source: value(here.source),
+            spontaneous: value(here.spontaneous),
         }
     }
 }
@@ -356,31 +358,34 @@ struct Local {
     xi_s: D,
     xi_b: D,
     source: D,
+    spontaneous: D,
 }
 
 struct Forces<'a> {
     surface: &'a Surface,
     strain: Tensor,
     v: [D; 2],
+    v_n: D,
     local: Local,
 }
 
 impl Forces<'_> {
     /// Per area: bending, tension, viscosity, activity, friction, pressure and shell.
     fn powers(&self, of: &Displaced<'_>, moved: &Moved, cos_m: f64, point: &Point) -> [D; 7] {
-        let Forces { surface, strain, v, local } = self;
+        let Forces { surface, strain, v, local, .. } = self;
         let number = |x: f64| D::from(x);
         let virtual_strain =
             surface.strain(moved.along.map(number), moved.slope.map(|row| row.map(number)), number(moved.n));
         let traced = |t: &Tensor| contracted(&surface.inverse, t);
         let mean = traced(&surface.curvature);
+        let bent = mean - local.spontaneous;
         let squared = contracted(&surface.raised(&surface.curvature), &surface.curvature);
         let laplacian = surface.laplacian(moved.by, moved.by_by);
         let mut bending =
-            local.kappa * mean * (-laplacian - squared * moved.n) + local.kappa * mean.powi(3) * 0.5 * moved.n;
+            local.kappa * bent * (-laplacian - squared * moved.n) + local.kappa * bent * bent * mean * 0.5 * moved.n;
         if of.state.cell.material.rigidity_gradient == RigidityGradient::Full {
             let carried: D = (0..2).map(|k| local.kappa_by[k] * moved.along[k]).sum();
-            bending -= mean * mean * carried * 0.5;
+            bending -= bent * bent * carried * 0.5;
         }
         let stretched = traced(&virtual_strain);
         let tension = local.tension * stretched;
@@ -396,7 +401,8 @@ impl Forces<'_> {
         let slipped: D = (0..4).map(|k| surface.metric[k / 2][k % 2] * v[k / 2] * moved.along[k % 2]).sum();
         let pressure = D::new(of.state.pressure(), of.mode.disturbance.scalars[PRESSURE] * cos_m);
         let shell = self.shell(of, point, cos_m) * moved.n;
-        [bending, tension, viscous, active, local.friction * slipped, -pressure * moved.n, shell]
+        let friction = local.friction * slipped + self.v_n * (of.state.cell.material.normal_friction * moved.n);
+        [bending, tension, viscous, active, friction, -pressure * moved.n, shell]
     }
 
     /// n·∇U at the displaced point.

@@ -1,10 +1,10 @@
 //! The balance of forces in its weak form: the power of all forces on any virtual motion vanishes.
 //!
-//! Bending enters only through the first variation of its energy ∫ ½κC² dA, of a material that carries its κ along:
+//! Bending enters only through the first variation of its energy ∫ ½κ(C − C0)² dA, of a material that carries its κ along:
 //! under a motion δv along the contour and δn outwards, δC = −Δδn − (c1² + c2²) δn + δv ∂_sC and
 //! δ(dA) = (∂_sδv + (cosψ/r) δv + C δn) dA, so that after an integration by parts
 //!
-//! δE = ∫ \[κC(−Δδn − (c1² + c2²) δn) + ½κC³ δn − ½C²∂_sκ δv\] dA.
+//! δE = ∫ \[κ(C − C0)(−Δδn − (c1² + c2²) δn) + ½κ(C − C0)²C δn − ½(C − C0)²∂_sκ δv\] dA.
 //!
 //! Neither the shear q nor the moment m nor the elastic stress of the model occurs in it.
 
@@ -85,15 +85,16 @@ pub fn power(state: &Computed, motion: impl Fn(f64) -> Motion) -> Power {
         let laplacian = n_uu / (length * length) + cot * n_u / length;
         let strain = [v_u / length + c1 * n, cot * v + c2 * n];
         let on = |stress: [f64; 2]| area * (stress[0] * strain[0] + stress[1] * strain[1]);
-        sum.bending += area * here.kappa * mean * (-laplacian - (c1 * c1 + c2 * c2) * n);
-        sum.bending += area * 0.5 * here.kappa * mean.powi(3) * n;
+        let bent = mean - here.spontaneous;
+        sum.bending += area * here.kappa * bent * (-laplacian - (c1 * c1 + c2 * c2) * n);
+        sum.bending += area * 0.5 * here.kappa * bent * bent * mean * n;
         if state.cell.material.rigidity_gradient == RigidityGradient::Full {
-            sum.bending -= area * 0.5 * mean * mean * here.kappa_s * v;
+            sum.bending -= area * 0.5 * bent * bent * here.kappa_s * v;
         }
         sum.tension += on([here.tension; 2]);
         sum.viscous += on(place.viscous);
         sum.active += on(place.active);
-        sum.friction += area * here.friction * place.v * v;
+        sum.friction += area * (here.friction * place.v * v + state.cell.material.normal_friction * place.v_n * n);
         sum.pressure -= area * state.pressure() * n;
         sum.shell -= area * place.shell * n;
     }

@@ -195,10 +195,15 @@ impl Cue {
     /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. The
     /// sum of all terms of a field decides, however they are written.
     pub fn is_mirror_symmetric(&self) -> bool {
+        self.is_even_for(false)
+    }
+
+    /// [`is_mirror_symmetric`](Self::is_mirror_symmetric) if a law names φ (`phi`) or not: see [`simplified_for`](Self::simplified_for).
+    pub(crate) fn is_even_for(&self, phi: bool) -> bool {
         if self.follows_par() {
             return false;
         }
-        let cue = self.simplified();
+        let cue = self.simplified_for(phi);
         if let Some(Source { profile, amplitude }) = cue.regulator.as_ref().and_then(|regulator| regulator.source) {
             // A source is even where a term is.
             let term = Term { field: Field::Tension, profile, amplitude, side: None };
@@ -281,6 +286,11 @@ impl Cue {
 
     /// The same cue with the fewest terms: equal terms are added, and terms without an effect are left out.
     pub fn simplified(&self) -> Cue {
+        self.simplified_for(false)
+    }
+
+    /// [`simplified`](Self::simplified) ; if a law names φ (`phi`), a regulator without fields stays.
+    pub(crate) fn simplified_for(&self, phi: bool) -> Cue {
         let mut terms: Vec<Term> = Vec::new();
         for term in &self.terms {
             match terms
@@ -292,7 +302,7 @@ impl Cue {
             }
         }
         terms.retain(|term| term.amplitude != 0.0);
-        Cue { terms, regulator: self.regulator.as_ref().and_then(Regulator::simplified) }
+        Cue { terms, regulator: self.regulator.as_ref().and_then(|regulator| regulator.simplified(phi)) }
     }
 }
 

@@ -124,14 +124,14 @@ impl Regulator {
         Regulator { couplings: self.couplings.iter().map(scaled).collect(), ..self.clone() }
     }
 
-    /// The same regulator without couplings of strength 0 and without a source of amplitude 0. `None` if it acts on no field, or is
-    /// a label without a source, which stays at φ = 0.
-    pub(super) fn simplified(&self) -> Option<Regulator> {
+    /// The same regulator without couplings of strength 0 and without a source of amplitude 0. `None` if it acts on no field and no law
+    /// names it, or is a label without a source, which stays at φ = 0.
+    pub(super) fn simplified(&self, named: bool) -> Option<Regulator> {
         let acts = |coupling: &&Coupling| coupling.strength != 0.0;
         let couplings: Vec<Coupling> = self.couplings.iter().filter(acts).copied().collect();
         // The source makes k A f per time.
         let source = self.source.filter(|source| source.amplitude != 0.0 && self.turnover != 0.0);
-        (!couplings.is_empty() && (self.diluted || self.turnover != 0.0)).then(|| Regulator {
+        ((named || !couplings.is_empty()) && (self.diluted || self.turnover != 0.0)).then(|| Regulator {
             source,
             couplings,
             ..self.clone()

@@ -197,6 +197,8 @@ pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
         Parameter::EtaS => "shear viscosity",
         Parameter::Friction => "friction Γ",
         Parameter::Tension => "tension γ (κ₀/Lₕ²)",
+        Parameter::SpontaneousCurvature => "spontaneous curvature C₀ (1/Lₕ)",
+        Parameter::NormalFriction => "normal friction Γₙ",
         Parameter::Cue { term, quantity } => return of_cue(term, quantity, cue),
         Parameter::Regulator(quantity) => return of_regulator(quantity, cue),
         Parameter::Law(name) => return format!("{} of the law", name.bare()),
@@ -260,6 +262,8 @@ pub fn symbol(parameter: Parameter) -> String {
         Parameter::Kappa => "κ",
         Parameter::Friction => "Γ",
         Parameter::Tension => "γ",
+        Parameter::SpontaneousCurvature => "C₀",
+        Parameter::NormalFriction => "Γₙ",
         Parameter::Regulator(RegulatorQuantity::Turnover) => "k",
         Parameter::Regulator(RegulatorQuantity::Diffusion) => "D",
         Parameter::Cue { quantity, .. } | Parameter::Regulator(RegulatorQuantity::Source(quantity)) => match quantity {

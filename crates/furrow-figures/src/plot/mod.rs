@@ -14,6 +14,7 @@
 //! | [`comparison`] | measured size asymmetries beside the model's |
 //! | [`lifetimes`] | lifetimes of cells beside the model's, and cells alive over time |
 //! | [`contours`] | measured outlines of a dividing cell, overlaid with the model's |
+//! | [`curves`] | curves over any quantity, for results that no command has |
 //! | [`dose`] | asymmetry over the dose of a protein, beside the model's over the strength of its cue |
 //! | [`fit`] | fitted constants, activities and cues |
 //! | [`hypotheses`] | measured χ with each hypothesis as a line |
@@ -26,6 +27,7 @@ pub mod branch;
 pub mod calibration;
 pub mod comparison;
 pub mod contours;
+pub mod curves;
 pub mod division;
 pub mod dose;
 // Fits are not available on wasm32.

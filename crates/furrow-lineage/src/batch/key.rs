@@ -71,8 +71,19 @@ impl CanonicalBytes {
     }
 
     fn cell(&mut self, cell: &Cell) {
-        let Cell { r0, epsilon, xi_s, cue, material, shell, law } = cell;
-        let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
+        let Cell { r0, epsilon, xi_s, cue: _, material, shell, law } = cell;
+        let Material {
+            kappa,
+            eta_b,
+            eta_s,
+            friction,
+            tension,
+            xi_ratio,
+            gain,
+            rigidity_gradient,
+            spontaneous_curvature,
+            normal_friction,
+        } = *material;
         let Shell { aspect, p0, w, flattening } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
         self.choice(usize::from(rigidity_gradient == RigidityGradient::Dropped));
@@ -81,7 +92,16 @@ impl CanonicalBytes {
             self.choice(FLATTENED);
             self.reals([flattening]);
         }
-        self.cue(cue);
+        // Nor does a cell without a spontaneous curvature write it.
+        if spontaneous_curvature != 0.0 {
+            self.choice(CURLED);
+            self.reals([spontaneous_curvature]);
+        }
+        if normal_friction != 0.0 {
+            self.choice(DRAGGED);
+            self.reals([normal_friction]);
+        }
+        self.cue(&cell.simplified_cue());
         // Without a law nothing is written, so that cells with the paper's keep their keys.
         if let Some(law) = law {
             self.law(law);
@@ -109,7 +129,6 @@ impl CanonicalBytes {
 
     /// The terms that do something, in their order: in another order the last digit of their sum may be another.
     fn cue(&mut self, cue: &Cue) {
-        let cue = cue.simplified();
         // Every term names its kind, so the number of terms only separates them from the fields that follow.
         self.choice(cue.terms().len());
         for Term { field, profile, amplitude, side } in cue.terms() {
@@ -173,6 +192,12 @@ impl CanonicalBytes {
 
 /// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
 const SURFACE_VERSION: u64 = 3;
+
+/// Marks a normal friction.
+const DRAGGED: usize = 250;
+
+/// Marks a spontaneous curvature.
+const CURLED: usize = 251;
 
 /// Marks a shell that is not round.
 const FLATTENED: usize = 252;
@@ -246,31 +271,31 @@ mod tests {
     use furrow_cell::Parameter;
 
     /// The parameters of a cell in a round shell.
-    const NUMBERS: [Parameter; 13] = {
+    const NUMBERS: [Parameter; 14] = {
         use Parameter::*;
-        [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Kappa, EtaB, EtaS, Friction, Tension]
+        [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Kappa, EtaB, EtaS, Friction, Tension, SpontaneousCurvature]
     };
 
-    /// Sets one of the numbers of an input: 13 of the cell, five of the numerics, three of a cue.
+    /// Sets one of the numbers of an input: 14 of the cell, six of the numerics, three of a cue.
     fn set(input: &mut DivisionInput, place: usize, x: f64) {
         let DivisionInput { cell, numerics, .. } = input;
         match place {
-            0..13 => NUMBERS[place].set(cell, x),
-            13 => numerics.time_tolerance = x,
-            14 => numerics.step_factor = x,
-            15 => numerics.t_max = x,
-            16 => numerics.chi_symmetric = x,
-            17 => numerics.noise = x,
-            21 => numerics.noise_time = x,
-            18 => cell.cue = Cue::kappa_band(x, 0.1, 0.1),
-            19 => cell.cue = Cue::kappa_band(0.1, x, 0.1),
+            0..14 => NUMBERS[place].set(cell, x),
+            14 => numerics.time_tolerance = x,
+            15 => numerics.step_factor = x,
+            16 => numerics.t_max = x,
+            17 => numerics.chi_symmetric = x,
+            18 => numerics.noise = x,
+            22 => numerics.noise_time = x,
+            19 => cell.cue = Cue::kappa_band(x, 0.1, 0.1),
+            20 => cell.cue = Cue::kappa_band(0.1, x, 0.1),
             _ => cell.cue = Cue::kappa_band(0.1, 0.1, x),
         }
     }
 
     proptest! {
         #[test]
-        fn equal_keys_mean_equal_values(place in 0..22_usize, a in -10.0..10.0_f64, b in -10.0..10.0_f64) {
+        fn equal_keys_mean_equal_values(place in 0..23_usize, a in -10.0..10.0_f64, b in -10.0..10.0_f64) {
             let (mut left, mut right) = (input(2.0), input(2.0));
             set(&mut left, place, a);
             set(&mut right, place, b);
@@ -280,7 +305,7 @@ mod tests {
         }
 
         #[test]
-        fn a_value_in_two_places_gives_two_keys(p in 0..18_usize, q in 0..18_usize, x in 20.0..30.0_f64) {
+        fn a_value_in_two_places_gives_two_keys(p in 0..19_usize, q in 0..19_usize, x in 20.0..30.0_f64) {
             let (mut left, mut right) = (input(2.0), input(2.0));
             set(&mut left, p, x);
             set(&mut right, q, x);

@@ -45,12 +45,14 @@ pub struct Base {
     pub v_n: f64,
     /// Coefficients.
     pub here: LocalCoefficients<f64>,
-    /// 1 if the term ½C²∂_sκ is kept, else 0.
+    /// 1 if the term ½(C − C0)²∂_sκ is kept, else 0.
     pub rigidity_gradient: f64,
     /// e_s·∇U of the shell's potential U.
     pub push_along: f64,
     /// n·∇∇U·n.
     pub push_outwards: f64,
+    /// Normal friction Γ_n.
+    pub normal_friction: f64,
     /// Gradient j of the regulator.
     pub j: f64,
     /// j_s.
@@ -113,6 +115,7 @@ impl<'a> BaseConstants<'a> {
             rigidity_gradient: if c.shell.rigidity_gradient { 1.0 } else { 0.0 },
             push_along: 0.0,
             push_outwards: 0.0,
+            normal_friction: c.shell.normal_friction,
             j: 0.0,
             j_s: 0.0,
             phi: 0.0,
@@ -165,6 +168,11 @@ impl<'a> BaseConstants<'a> {
 }
 
 impl Base {
+    /// C − C0.
+    pub fn bent(&self) -> f64 {
+        self.mean - self.here.spontaneous
+    }
+
     /// Changes of the coefficients if a point of the surface lies further along its meridian by `arc`, the meridian is
     /// longer by `longer`, and (j, φ) of a regulator change by `carried`.
     pub fn varied(&self, arc: f64, longer: f64, [gradient, change]: [f64; 2]) -> LocalCoefficients<f64> {

@@ -9,17 +9,17 @@
 //! and T_sφ; with a regulator they are followed by (J, P), the changes of its gradient and of φ. With cot = cosψ/r, C =
 //! c1 + c2, u the fraction of a meridian's arclength, and δX the change of a coefficient X(u, L, φ):
 //!
-//! * \[A.1 curvatures\] K = (M − C δκ)/κ, k2 = m²w/r² − cot β − c2²w, k1 = K − k2, k12 = (m/r)(β − cot w)
+//! * \[A.1 curvatures\] K = (M − (C − C0) δκ)/κ, k2 = m²w/r² − cot β − c2²w, k1 = K − k2, k12 = (m/r)(β − cot w)
 //! * \[A.2 shape\] w_s = β, β_s = −c1²w − k1, a_s = c1 w
 //! * \[A.3 lines\] δcot = c2(β − cot w): the geodesic curvature of the parallels
 //! * \[A.4 strain rate\] S22 = (m/r)v2 + cot v1 + δcot v + c2 σw + k2 v_n,
 //!   S11 = \[τ − η₋S22 − X_s(½K − k2) − X_b K − …\]/η₊, η± = η_b ± η_s
 //! * \[A.5 stress\] τ2 = η₋S11 + η₊S22 − X_s(½K − k2) + X_b K + …, χ = 2η_s S12 + X_s k12
 //! * \[A.6 flow\] v1_s = S11 + c1 w v_s − c1 σw − k1 v_n, v2_s = cot v2 + (m/r)(v1 − c1 v w) + 2S12 − 2k12 v_n
-//! * \[A.7 shear\] M_s = Q + c1 w q, Q_s = −cot Q − δcot q + c1 w q_s + m²M/r² + δ\[γC + κC(2c1c2 − ½C²)\] + k1 T + k2 T_φφ + c1 τ + c2 τ2 −
-//!   δp − δf_c
-//! * \[A.8 tangential\] τ_s = c1 w T_s − cot(τ − τ2) − δcot(T − T_φφ) − (m/r)χ + Γv1 + v δΓ − C K κ_s − ½C²δκ_s − δγ_s
-//! * \[A.9 azimuthal\] χ_s = −2cot χ + (m/r)\[τ2 + c1 w(T_φφ − T) + ½C²δκ + δγ\] + Γv2
+//! * \[A.7 shear\] M_s = Q + c1 w q, Q_s = −cot Q − δcot q + c1 w q_s + m²M/r² + δ\[γC + κC(2c1c2 − ½C²) + κC0(½C0C − 2c1c2)\] + k1 T + k2 T_φφ + c1 τ + c2 τ2 −
+//!   δp − δf_c + Γ_n σw
+//! * \[A.8 tangential\] τ_s = c1 w T_s − cot(τ − τ2) − δcot(T − T_φφ) − (m/r)χ + Γv1 + v δΓ − (C − C0) K κ_s − ½(C − C0)²δκ_s − δγ_s
+//! * \[A.9 azimuthal\] χ_s = −2cot χ + (m/r)\[τ2 + c1 w(T_φφ − T) + ½(C − C0)²δκ + δγ\] + Γv2
 //! * \[A.10 shell\] δf_c = β ∂_sU − w ∂_n²U, U the shell's potential
 //! * \[A.11 regulator\] P_s = J + c1 w j, D(J_s + …) = σP + v1 j + v J + …
 
@@ -90,7 +90,7 @@ pub fn rates<const N: usize>(b: &Base, m: f64, x: &[f64; N], scalars: [f64; 2], 
     let varied = b.varied(x[ARC], scalars[LENGTH], carried);
     let (w, tilt, per_r) = (x[W], x[TILT], m / b.r);
     let k2 = per_r * per_r * w - b.cot * tilt - b.c2 * b.c2 * w;
-    let mean = (x[MOMENT] - b.mean * varied.kappa) / b.here.kappa;
+    let mean = (x[MOMENT] - b.bent() * varied.kappa) / b.here.kappa;
     let k = Curvatures { mean, k1: mean - k2, k2, k12: per_r * (tilt - b.cot * w) };
     let stretch = b.c1 * w;
     let line = b.c2 * (tilt - b.cot * w);
@@ -107,7 +107,8 @@ pub fn rates<const N: usize>(b: &Base, m: f64, x: &[f64; N], scalars: [f64; 2], 
         + b.c1 * x[T11]
         + b.c2 * s.t22
         - scalars[PRESSURE]
-        - (tilt * b.push_along - w * b.push_outwards);
+        - (tilt * b.push_along - w * b.push_outwards)
+        + b.normal_friction * motion.normal;
     out[V1] = s.s11 + stretch * b.v_s - b.c1 * motion.normal - k.k1 * b.v_n;
     out[T11] = stretch * b.t_s - b.cot * (x[T11] - s.t22) - line * (b.t - b.t_phi) - per_r * x[T12]
         + b.here.friction * x[V1]
@@ -116,7 +117,7 @@ pub fn rates<const N: usize>(b: &Base, m: f64, x: &[f64; N], scalars: [f64; 2], 
     // No torque acts about the axis: rotation is left out for m = 0.
     if m != 0.0 {
         out[V2] = b.cot * x[V2] + per_r * (x[V1] - stretch * b.v) + s.shear_rate - 2.0 * k.k12 * b.v_n;
-        let gradient = b.rigidity_gradient * 0.5 * b.mean * b.mean * varied.kappa + varied.tension;
+        let gradient = b.rigidity_gradient * 0.5 * b.bent() * b.bent() * varied.kappa + varied.tension;
         out[T12] =
             -2.0 * b.cot * x[T12] + per_r * (s.t22 + stretch * (b.t_phi - b.t) + gradient) + b.here.friction * x[V2];
     }
@@ -139,23 +140,26 @@ fn spread(b: &Base, per_r: f64, change: [f64; 2], [w, line]: [f64; 2], base: [f6
     -b.cot * change[0] - line * base[0] + b.c1 * w * base[1] + per_r * per_r * change[1]
 }
 
-/// Change of the normal force due to passive tension and bending, γC + κC(2C1C2 − ½C²).
+/// Change of the normal force due to passive tension and bending, γC + κC(2C1C2 − ½C²) + κC0(½C0C − 2C1C2).
 fn elastic(b: &Base, varied: &LocalCoefficients<f64>, k: &Curvatures) -> f64 {
     let (kappa, mean, gauss) = (b.here.kappa, b.mean, b.c1 * b.c2);
-    let by_mean = b.here.tension + kappa * (2.0 * gauss - 1.5 * mean * mean);
+    let spontaneous = b.here.spontaneous;
+    let by_mean = b.here.tension + kappa * (2.0 * gauss - 1.5 * mean * mean + 0.5 * spontaneous * spontaneous);
     let gauss_change = b.c1 * k.k2 + b.c2 * k.k1;
     by_mean * k.mean
-        + 2.0 * kappa * mean * gauss_change
+        + 2.0 * kappa * b.bent() * gauss_change
         + mean * varied.tension
-        + mean * (2.0 * gauss - 0.5 * mean * mean) * varied.kappa
+        + (mean * (2.0 * gauss - 0.5 * mean * mean) + spontaneous * (0.5 * spontaneous * mean - 2.0 * gauss))
+            * varied.kappa
 }
 
-/// Change of ½C²∂_sκ + ∂_sγ, with ∂_s by the arclength of the displaced meridian.
+/// Change of ½(C − C0)²∂_sκ + ∂_sγ, with ∂_s by the arclength of the displaced meridian.
 fn tangential_gradient(b: &Base, varied: &LocalCoefficients<f64>, k: &Curvatures, longer: f64) -> f64 {
     // κ_u/L with the changed length of the meridian.
     let along = |by_u: f64, change: f64| (change - by_u * longer / b.length) / b.length;
     let kappa = along(b.here.kappa_u, varied.kappa_u);
-    let rigidity = b.mean * k.mean * b.here.kappa_u / b.length + 0.5 * b.mean * b.mean * kappa;
+    let bent = b.bent();
+    let rigidity = bent * k.mean * b.here.kappa_u / b.length + 0.5 * bent * bent * kappa;
     b.rigidity_gradient * rigidity + along(b.here.tension_u, varied.tension_u)
 }
 

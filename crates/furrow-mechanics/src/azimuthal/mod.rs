@@ -312,7 +312,7 @@ mod tests {
         let totals = |of: &[f64]| {
             (0..points).fold([0.0; 2], |[amount, excess], k| {
                 let (state, u) = (y.stage(k / y.m, k % y.m), y.stage_x(&disturbances.system.gauss, k / y.m, k % y.m));
-                let mean = state[M] / cortex.constants().of_state(u, state, length).kappa;
+                let mean = cortex.constants().of_state(u, state, length).mean(state[M]);
                 let area = disturbances.weights[k] * state[R];
                 let by = |c: f64| area * (of[points + k] + c * mean * of[k]);
                 [amount + by(1.0 + state[PHI]), excess + by(state[PHI])]

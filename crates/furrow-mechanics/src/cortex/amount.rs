@@ -117,7 +117,8 @@ impl AmountOf {
                     let [mean, _] = reader.mean_curvature(x, &here, state, y.scalars[LENGTH]);
                     area * (1.0 + state[PHI]) * mean
                 }
-                None => area * (1.0 + state[PHI]) * state[M] / here.kappa,
+                None if here.spontaneous == 0.0 => area * (1.0 + state[PHI]) * state[M] / here.kappa,
+                None => area * (1.0 + state[PHI]) * here.mean(state[M]),
             };
             [by_normal, area]
         };

@@ -6,6 +6,7 @@ use std::ops::Range;
 use furrow_bvp::{CollocationPoint, CollocationPoints};
 
 use super::equations::Constants;
+use super::lanes::Arithmetic;
 use furrow_cell::Number;
 use furrow_cell::cue::Field;
 
@@ -32,16 +33,31 @@ pub struct LocalCoefficients<D> {
     pub xi_b: D,
     /// Source A f of the regulator.
     pub source: D,
+    /// Spontaneous curvature C0, the same everywhere.
+    pub spontaneous: D,
 }
 
 /// Number of coefficients.
-pub(super) const COEFFICIENTS: usize = 10;
+pub(super) const COEFFICIENTS: usize = 11;
 
 impl<D> From<[D; COEFFICIENTS]> for LocalCoefficients<D> {
     #[inline(always)]
     fn from(values: [D; COEFFICIENTS]) -> LocalCoefficients<D> {
-        let [kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source] = values;
-        LocalCoefficients { kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source }
+        let [kappa, kappa_u, eta_sum, eta_difference, friction, tension, ..] = values;
+        let [.., tension_u, xi_s, xi_b, source, spontaneous] = values;
+        LocalCoefficients {
+            kappa,
+            kappa_u,
+            eta_sum,
+            eta_difference,
+            friction,
+            tension,
+            tension_u,
+            xi_s,
+            xi_b,
+            source,
+            spontaneous,
+        }
     }
 }
 
@@ -50,8 +66,8 @@ impl<D> LocalCoefficients<D> {
     #[inline(always)]
     pub(super) fn into_array(self) -> [D; COEFFICIENTS] {
         let LocalCoefficients { kappa, kappa_u, eta_sum, eta_difference, friction, .. } = self;
-        let LocalCoefficients { tension, tension_u, xi_s, xi_b, source, .. } = self;
-        [kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source]
+        let LocalCoefficients { tension, tension_u, xi_s, xi_b, source, spontaneous, .. } = self;
+        [kappa, kappa_u, eta_sum, eta_difference, friction, tension, tension_u, xi_s, xi_b, source, spontaneous]
     }
 
     /// The same with numbers of another kind.
@@ -61,7 +77,20 @@ impl<D> LocalCoefficients<D> {
     }
 }
 
+impl<D: Arithmetic> LocalCoefficients<D> {
+    /// C at the moment m, by M.3.
+    #[inline(always)]
+    pub fn mean(&self, m: D) -> D {
+        m / self.kappa + self.spontaneous
+    }
+}
+
 impl LocalCoefficients<f64> {
+    /// ∂_sC where the shear is q and C is `mean`, on a contour of length `length`.
+    pub fn mean_slope(&self, q: f64, mean: f64, length: f64) -> f64 {
+        (q - (mean - self.spontaneous) * self.kappa_u / length) / self.kappa
+    }
+
     /// Adds `factor` times other coefficients.
     pub fn add(&mut self, factor: f64, other: &LocalCoefficients<f64>) {
         let (own, other) = (self.into_array(), other.into_array());

@@ -7,18 +7,18 @@
 //! the model, V′ = πr² sinψ \[M.11 volume\], is a quadrature and enters as the integral condition V(1) = 4πR0³/3. Scalar unknowns are
 //! (L, p) and any free parameters after them.
 //!
-//! With c2 = sinψ/r and C = c1 + c2 \[M.2 curvatures\], where m = κC \[M.3 bending\] gives C = m/κ and c1 = C − c2, with
+//! With c2 = sinψ/r and C = c1 + c2 \[M.2 curvatures\], where m = κ(C − C0) \[M.3 bending\] gives C = m/κ + C0 and c1 = C − c2, with
 //! X_s = gξ_s and X_b = gξ_b, and all coefficients taken at u:
 //!
 //! * \[M.1 geometry\] r_s = cosψ, z_s = −sinψ, ψ_s = c1, m_s = q
 //! * \[M.4 strain rate\] S_φφ = (cosψ/r) v + c2 v_n, S_uu = (T − X_s(½C − c2) − X_b C − (η_b − η_s)S_φφ)/(η_b + η_s)
 //! * \[M.5 stress\] T_φφ = (η_b − η_s)S_uu + (η_b + η_s)S_φφ − X_s(½C − c2) + X_b C
-//! * \[M.6 normal\] q_s = −(cosψ/r) q + c1 T + c2 T_φφ + γC − ½κ(c1 − c2)²C − p − f_c
-//! * \[M.7 tangential\] T_s = −(cosψ/r)(T − T_φφ) + Γv − ½C²κ_s − γ_s
+//! * \[M.6 normal\] q_s = −(cosψ/r) q + c1 T + c2 T_φφ + γC − ½κ(c1 − c2)²C + κC0(½C0C − 2c1c2) − p − f_c + Γ_n v_n
+//! * \[M.7 tangential\] T_s = −(cosψ/r)(T − T_φφ) + Γv − ½(C − C0)²κ_s − γ_s
 //! * \[M.8 flow\] v_s = S_uu − c1 v_n, v_n = sinψ ∂_t r + cosψ ∂_t z
 //! * \[M.9 shell\] f_c = −(2P0/w²) exp\[(z²/a² + r²/b² − 1)/w²\] (r sinψ/b² + z cosψ/a²)
 //!
-//! The elastic part of M.6 uses c1 t_uu + c2 t_φφ = γC − ½κ(c1 − c2)²C.
+//! The elastic part of M.6 is c1 t_uu + c2 t_φφ with t^ij = \[γ + ½κ(C − C0)²\]g^ij − κ(C − C0)C^ij.
 //!
 //! A regulator that the flow carries brings two more components, its gradient j = ∂_sφ and φ = c − 1, c its areal concentration
 //! relative to the resting one, and modulates fields of the cortex, X = X0(1 + B φ):
@@ -46,7 +46,7 @@ use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
 pub const R: usize = 0;
 /// Axial position z.
 pub const Z: usize = 1;
-/// Bending moment m = κC.
+/// Bending moment m = κ(C − C0).
 pub const M: usize = 2;
 /// Tangent angle ψ.
 pub const PSI: usize = 3;
@@ -152,7 +152,7 @@ impl<D> BdfTerm<D> {
     }
 }
 
-/// The shell: coefficients that are uniform along the contour.
+/// The surroundings: coefficients that are uniform along the contour.
 #[derive(Clone, Copy, Debug)]
 pub struct ShellCoefficients<D> {
     /// 1/a² of the shell.
@@ -163,7 +163,9 @@ pub struct ShellCoefficients<D> {
     pub shell_force: D,
     /// 1/w².
     pub inverse_w2: D,
-    /// Whether the term ½C²∂_sκ is kept.
+    /// Normal friction Γ_n.
+    pub normal_friction: D,
+    /// Whether the term ½(C − C0)²∂_sκ is kept.
     pub rigidity_gradient: bool,
 }
 
@@ -176,6 +178,7 @@ impl<D> ShellCoefficients<D> {
             inverse_b2: number(self.inverse_b2),
             shell_force: number(self.shell_force),
             inverse_w2: number(self.inverse_w2),
+            normal_friction: number(self.normal_friction),
             rigidity_gradient: self.rigidity_gradient,
         }
     }
@@ -223,6 +226,7 @@ impl<D: Number> Constants<D> {
                 xi_s,
                 xi_b: xi_s * vary(Parameter::XiRatio, material.xi_ratio),
                 source: D::from(0.0),
+                spontaneous: vary(Parameter::SpontaneousCurvature, material.spontaneous_curvature),
             },
             regulator: (cell.cue.regulator())
                 .map(|regulator| regulator.map(|quantity, v| vary(Parameter::Regulator(quantity), v))),
@@ -232,6 +236,7 @@ impl<D: Number> Constants<D> {
                 inverse_b2: b2.recip(),
                 shell_force: vary(Parameter::P0, shell.p0) * inverse_w2 * 2.0,
                 inverse_w2,
+                normal_friction: vary(Parameter::NormalFriction, material.normal_friction),
                 rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
             },
             law: cell.law.as_ref().map(|law| LawValues::new(law, cell, &vary)),
@@ -478,7 +483,7 @@ pub fn balances<D: Arithmetic>(
     let (sin, cos) = psi.sin_cos();
     let inverse_r = r.recip();
     let c2 = sin * inverse_r;
-    let mean = m / here.kappa;
+    let mean = here.mean(m);
     let c1 = mean - c2;
     let cot = cos * inverse_r;
     let (xi_s, xi_b) = (here.xi_s * noise, here.xi_b * noise);
@@ -490,10 +495,13 @@ pub fn balances<D: Arithmetic>(
     let inside = ((z * z * c.inverse_a2 + r * r * c.inverse_b2 - 1.0) * c.inverse_w2).exp();
     let shell = -(c.shell_force * inside * (r * sin * c.inverse_b2 + z * cos * c.inverse_a2));
     let difference = c1 - c2;
-    let elastic = here.tension * mean - here.kappa * difference * difference * mean * 0.5;
+    let spontaneous = here.spontaneous;
+    let curled = here.kappa * spontaneous * (spontaneous * mean * 0.5 - c1 * c2 * 2.0);
+    let elastic = here.tension * mean - here.kappa * difference * difference * mean * 0.5 + curled;
     let mut t_u = (here.friction * v - cot * (t - t_phi)) * length - here.tension_u;
     if c.rigidity_gradient {
-        t_u = t_u - mean * mean * here.kappa_u * 0.5;
+        let bent = mean - spontaneous;
+        t_u = t_u - bent * bent * here.kappa_u * 0.5;
     }
     Balance {
         f: [
@@ -501,7 +509,7 @@ pub fn balances<D: Arithmetic>(
             -(length * sin),
             length * q,
             length * c1,
-            length * (c1 * t + c2 * t_phi + elastic - cot * q - pressure - shell),
+            length * (c1 * t + c2 * t_phi + elastic - cot * q - pressure - shell + c.normal_friction * v_n),
             length * (s_u - c1 * v_n),
             t_u,
         ],

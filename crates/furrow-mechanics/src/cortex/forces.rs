@@ -7,8 +7,8 @@
 //! | part | |
 //! |---|---|
 //! | active | −(c1 Tᵃ_uu + c2 Tᵃ_φφ), Tᵃ_uu = ½X_s(c1 − c2) + X_b C, Tᵃ_φφ = −½X_s(c1 − c2) + X_b C |
-//! | viscous | −(c1 Tᵈ_uu + c2 Tᵈ_φφ) with the remainder of T, η_b(S_uu + S_φφ) ± η_s(S_uu − S_φφ) |
-//! | elastic | ∂_s q + (cosψ/r) q − γC + ½κ(c1 − c2)²C: bending, and passive tension |
+//! | viscous | −(c1 Tᵈ_uu + c2 Tᵈ_φφ) with the remainder of T, η_b(S_uu + S_φφ) ± η_s(S_uu − S_φφ), and normal friction −Γ_n v_n |
+//! | elastic | ∂_s q + (cosψ/r) q − γC + ½κ(c1 − c2)²C − κC0(½C0C − 2c1c2): bending, and passive tension |
 //! | pressure | p |
 //! | shell | f_c |
 //!
@@ -33,7 +33,7 @@ const NUDGE: f64 = 1e-3;
 pub struct NormalForces {
     /// Due to active tension.
     pub active: f64,
-    /// Due to viscous tension.
+    /// Due to viscous tension and normal friction.
     pub viscous: f64,
     /// Due to bending and passive tension.
     pub elastic: f64,
@@ -215,7 +215,7 @@ fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> 
     let on_axis = y[R].abs() < ON_AXIS * cortex.cell.r0;
     let own = constants.law.as_ref().map(|_| Own { cortex, gauss, shape, on_axis });
     let given = own.as_ref().and_then(|own| own.at(at));
-    let mean = given.map_or(y[M] / here.kappa, |(_, [mean, _])| mean);
+    let mean = given.map_or(here.mean(y[M]), |(_, [mean, _])| mean);
     // Quantities multiplied by cosψ/r vanish on the axis, where the quotient equals their derivative.
     let by_r = |value: f64, value_u: f64| if on_axis { value_u / length } else { cos / y[R] * value };
     let c_pp = if on_axis { 0.5 * mean } else { sin / y[R] };
@@ -234,6 +234,7 @@ fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> 
     let s_uu = (viscous_uu - here.eta_difference * s_pp) / here.eta_sum;
     let viscous_pp = here.eta_difference * s_uu + here.eta_sum * s_pp;
     let bending = slope[Q] / length + by_r(y[Q], slope[Q]);
+    let curled = here.kappa * here.spontaneous * (0.5 * here.spontaneous * mean - 2.0 * c_uu * c_pp);
     Place {
         u: *u,
         r: y[R],
@@ -253,8 +254,8 @@ fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> 
         },
         normal: NormalForces {
             active: pushed - (c_uu * active_uu + c_pp * active_pp),
-            viscous: -(c_uu * viscous_uu + c_pp * viscous_pp),
-            elastic: bending - here.tension * mean + 0.5 * here.kappa * difference * difference * mean,
+            viscous: -(c_uu * viscous_uu + c_pp * viscous_pp) - constants.shell.normal_friction * v_n,
+            elastic: bending - here.tension * mean + 0.5 * here.kappa * difference * difference * mean - curled,
             pressure: shape.scalars[PRESSURE],
             shell: shell(cortex, y),
         },
@@ -317,11 +318,11 @@ fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
     let (length, constants) = (shape.scalars[LENGTH], cortex.constants());
     let here = constants.of_state(*u, &y[..shape.components], length);
     let (sin, cos) = y[PSI].sin_cos();
-    let mean = y[M] / here.kappa;
+    let mean = here.mean(y[M]);
     let (c_pp, cot) = (sin / y[R], cos / y[R]);
     let c_uu = mean - c_pp;
-    // Derivatives by arclength of κC = m, with m′ = q, and of sinψ/r.
-    let mean_s = (y[Q] - mean * here.kappa_u / length) / here.kappa;
+    // Derivatives by arclength of C, from m′ = q, and of sinψ/r.
+    let mean_s = here.mean_slope(y[Q], mean, length);
     let c_pp_s = cot * (c_uu - c_pp);
     let (mut x_s_u, mut x_b_u) = (0.0, 0.0);
     for term in &constants.cue {

@@ -66,7 +66,8 @@ pub fn linearised<D: Arithmetic>(
     let [r, z, m, psi, q, v, t] = *y;
     let (sin, cos) = psi.sin_cos();
     let (inverse_r, inverse_kappa) = (r.recip(), here.kappa.recip());
-    let (c2, cot, mean) = (sin * inverse_r, cos * inverse_r, m / here.kappa);
+    let (c2, cot, bent) = (sin * inverse_r, cos * inverse_r, m / here.kappa);
+    let mean = bent + here.spontaneous;
     let (c2_r, cot_r) = (-(c2 * inverse_r), -(cot * inverse_r));
     let c1 = mean - c2;
     let (dr, dz) = (motion.rate * (r - motion.r_past), motion.rate * (z - motion.z_past));
@@ -101,15 +102,18 @@ pub fn linearised<D: Arithmetic>(
     let slope = by_b2 * sin + by_a2 * cos;
     let steeper = slope * c.inverse_w2 * 2.0;
     let difference = c1 - c2;
-    let stretch = here.tension - here.kappa * difference * difference * 0.5;
-    let shear = -(here.kappa * difference * mean);
+    let drag = c.normal_friction;
+    let curl = here.kappa * here.spontaneous;
+    let curled = curl * (here.spontaneous * 0.5 - mean);
+    let stretch = here.tension - here.kappa * difference * difference * 0.5 + curled;
+    let shear = -(here.kappa * difference * bent);
     let (first, second) = (t + shear, t_phi - shear);
-    let q_s = c1 * t + c2 * t_phi + stretch * mean - cot * q + push * slope;
+    let q_s = c1 * t + c2 * t_phi + stretch * mean - cot * q + push * slope + curl * (c1 * c1 + c2 * c2) + drag * v_n;
     let normal = [
-        c2_r * (second - first) + t_r * c2 - cot_r * q + push * (by_b2 * steeper + sin * c.inverse_b2),
-        t_z * c2 + push * (by_a2 * steeper + cos * c.inverse_a2),
+        c2_r * (second - first) + t_r * c2 - cot_r * q + push * (by_b2 * steeper + sin * c.inverse_b2) + drag * n_r,
+        t_z * c2 + push * (by_a2 * steeper + cos * c.inverse_a2) + drag * n_z,
         inverse_kappa * (first + stretch) + t_m * c2,
-        cot * (second - first) + t_psi * c2 + c2 * q + push * (by_b2 * cos - by_a2 * sin),
+        cot * (second - first) + t_psi * c2 + c2 * q + push * (by_b2 * cos - by_a2 * sin) + drag * n_psi,
         -cot,
         t_v * c2,
         t_t * c2 + c1,
@@ -139,8 +143,8 @@ pub fn linearised<D: Arithmetic>(
     ];
     let mut t_u = t_s * length - here.tension_u;
     if c.rigidity_gradient {
-        let band = mean * here.kappa_u;
-        t_u = t_u - band * mean * 0.5;
+        let band = bent * here.kappa_u;
+        t_u = t_u - band * bent * 0.5;
         tangential[2] = tangential[2] - band * inverse_kappa;
     }
     let by_length = [cos, -sin, q, c1, q_s - pressure, v_s, t_s];
@@ -178,10 +182,10 @@ pub(crate) fn linearised_regulated<D: Arithmetic>(
     let mut shape = linearised(c, here, motion, noise, y, length, pressure);
     let (by_phi_f, strain_phi) = through_coefficients(c, [here, by_phi], noise, y, &shape.place, length);
     // κ_u and γ_u are L j times the derivatives of κ and γ by φ.
-    let mean = shape.place.mean;
+    let bent = shape.place.mean - here.spontaneous;
     let mut pull = by_phi.tension;
     if c.rigidity_gradient {
-        pull = pull + mean * mean * by_phi.kappa * 0.5;
+        pull = pull + bent * bent * by_phi.kappa * 0.5;
     }
     shape.by_length[T] = shape.by_length[T] - pull * j;
 
@@ -241,7 +245,10 @@ fn through_coefficients<D: Arithmetic>(
     let [along, around] = [1.0, -1.0].map(|sign| (here.xi_b + here.xi_s * (0.5 * sign)) * noise);
     let [along_phi, around_phi] = [1.0, -1.0].map(|sign| (by_phi.xi_b + by_phi.xi_s * (0.5 * sign)) * noise);
     let deviator_phi = by_phi.xi_s * noise * c2;
-    let mean_phi = -(mean * by_phi.kappa / here.kappa);
+    let spontaneous = here.spontaneous;
+    let bent = mean - spontaneous;
+    let bent_phi = -(bent * by_phi.kappa / here.kappa);
+    let mean_phi = bent_phi + by_phi.spontaneous;
     let pressed = deviator_phi - along_phi * mean - along * mean_phi;
     let s_u_phi = (pressed - by_phi.eta_difference * s_phi - by_phi.eta_sum * s_u) / here.eta_sum;
     let t_phi_phi = by_phi.eta_difference * s_u
@@ -254,10 +261,15 @@ fn through_coefficients<D: Arithmetic>(
     let stretch = here.tension - here.kappa * difference * difference * 0.5;
     let stretch_phi =
         by_phi.tension - by_phi.kappa * difference * difference * 0.5 - here.kappa * difference * mean_phi;
-    let q_phi = mean_phi * (y[T] + stretch) + c2 * t_phi_phi + stretch_phi * mean;
+    // Of κC0(½C0C − 2c1c2), by C, by κ and by C0.
+    let gauss = c1 * c2 * 2.0;
+    let curled_phi = here.kappa * spontaneous * (spontaneous * 0.5 - c2 * 2.0) * mean_phi
+        + by_phi.kappa * spontaneous * (spontaneous * mean * 0.5 - gauss)
+        + by_phi.spontaneous * here.kappa * (spontaneous * mean - gauss);
+    let q_phi = mean_phi * (y[T] + stretch) + c2 * t_phi_phi + stretch_phi * mean + curled_phi;
     let mut t_u_phi = (by_phi.friction * y[V] + cot * t_phi_phi) * length - by_phi.tension_u;
     if c.rigidity_gradient {
-        t_u_phi = t_u_phi - (mean_phi * here.kappa_u + mean * by_phi.kappa_u * 0.5) * mean;
+        t_u_phi = t_u_phi - (bent_phi * here.kappa_u + bent * by_phi.kappa_u * 0.5) * bent;
     }
     let mut f = [D::from(0.0); COMPONENTS];
     (f[PSI], f[Q], f[T]) = (length * mean_phi, length * q_phi, t_u_phi);
@@ -285,7 +297,7 @@ pub fn varied<D: Arithmetic>(
     let slope = across * c.inverse_b2 + along * c.inverse_a2;
     let turned = across * by.inverse_b2 + along * by.inverse_a2;
     let push = by.shell_force * slope + c.shell_force * (steeper * slope + turned);
-    f[Q] = f[Q] + length * (ellipse * c.inverse_w2).exp() * push;
+    f[Q] = f[Q] + length * (ellipse * c.inverse_w2).exp() * push + length * by.normal_friction * place.v_n;
     (f, strain, place)
 }
 

@@ -65,6 +65,28 @@ pub fn elongation(y: &Solution, domain: Domain, r0: f64) -> f64 {
     }
 }
 
+/// Area of the whole surface, in L_h², and energy of its bending ∫ ½κ(C − C0)² dA, in κ0.
+pub fn area_and_bending(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> [f64; 2] {
+    let length = y.scalars[LENGTH];
+    let mut reader = cortex.constants().reader();
+    let mut sums = [0.0; 2];
+    for (index, s) in y.stages.chunks_exact(y.components).enumerate() {
+        let (i, j) = (index / y.m, index % y.m);
+        let x = y.stage_x(gauss, i, j);
+        let here = cortex.coefficients_at(CollocationPoint { x, index }, s, length);
+        let bent = reader.mean_curvature(x, &here, s, length)[0] - here.spontaneous;
+        let area = 2.0 * PI * s[R] * length * (y.mesh[i + 1] - y.mesh[i]) * gauss.b[j] / cortex.domain.end();
+        sums[0] += area;
+        sums[1] += area * 0.5 * here.kappa * bent * bent;
+    }
+    sums
+}
+
+/// Reduced volume of a cell of radius R0 with this area: its volume divided by the volume of a sphere with this area.
+pub fn reduced_volume(r0: f64, area: f64) -> f64 {
+    (4.0 * PI * r0 * r0 / area).powf(1.5)
+}
+
 /// Radius at u = ½.
 pub fn equator_radius(gauss: &Gauss, y: &Solution) -> f64 {
     let mut out = [0.0; REGULATED];

@@ -219,10 +219,11 @@ impl Cortex {
         let here = self.coefficients_at(at, y, length);
         let (sin, cos) = sin_cos(y[PSI]);
         let c2 = sin / y[R];
-        let c1 = y[M] / here.kappa - c2;
+        let c1 = here.mean(y[M]) - c2;
         let d_s_u = -here.eta_difference * c2 / here.eta_sum;
         let d_t_phi = here.eta_difference * d_s_u + here.eta_sum * c2;
-        let normal = [length * c2 * d_t_phi, length * (d_s_u - c1), length * cos / y[R] * d_t_phi];
+        let drag = length * self.constants.shell.normal_friction;
+        let normal = [length * c2 * d_t_phi + drag, length * (d_s_u - c1), length * cos / y[R] * d_t_phi];
         let (normal, d_s_u) = match self.constants.law.as_ref().filter(|law| law.viscous || law.bends) {
             Some(law) => own::points::response(&self.constants, law, at.x, self.motion(at), y, length),
             None => (normal, d_s_u),

@@ -49,7 +49,7 @@ impl Start<'_> {
     /// The cell at t = 0.
     pub(super) fn stepper(&self, cell: &Cell, numerics: &Numerics) -> Result<Stepper, DivisionError> {
         // Equivalent cues have one key, and so must give bit-identical results.
-        let active = Cell { cue: cell.cue.simplified(), ..cell.clone() };
+        let active = Cell { cue: cell.simplified_cue(), ..cell.clone() };
         let cortex = Cortex::new(&active, Domain::Full, &[]);
         let (shape, report) = match self {
             Start::Passive => {

@@ -9,7 +9,7 @@ use super::branch::{
     Branch, BranchEnd, BranchEvent, BranchOptions, NARROWEST, Pitchfork, contour, mesh_monitor, metric, newest_contour,
 };
 use super::error::PointKind;
-use super::locate::{course, end_at_width, folds_near, not_located};
+use super::locate::{course, deflated, end_at_width, folds_near, not_located};
 use super::point::ShapePoint;
 use super::rates::{self, with_rates};
 use super::rejoin::{asymmetry, mirrored, mirrored_monitor, rejoined, vanishes};
@@ -116,14 +116,14 @@ impl Run {
         self.asymmetry.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
     }
 
-    /// Adds the folds of the newest step, up to the narrowest allowed neck.
-    fn folds(&mut self, branch: &mut Continuation<Cortex>, passed: bool) {
+    /// Adds the folds of the newest step, up to the narrowest allowed neck or the reduced volume that ends the branch.
+    fn folds(&mut self, branch: &mut Continuation<Cortex>, passed: bool, until: Option<f64>) {
         match folds_near(branch, self.before, passed) {
             Ok(folds) => self.events.extend(folds.into_iter().map(|fold| BranchEvent::Fold(Box::new(fold)))),
             Err(source) => self.stop = Some(not_located(branch, PointKind::Fold, source)),
         }
         if self.stop.is_none() {
-            self.stop = end_at_width(branch, NARROWEST);
+            self.stop = end_at_width(branch, NARROWEST).or_else(|| deflated(branch, until));
             self.events.retain(|event| event.point().arclength <= branch.state.arclength);
         }
         self.before = course(branch);
@@ -168,7 +168,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
                 end = found.ok();
                 return false;
             }
-            run.folds(branch, advance.passed_fold);
+            run.folds(branch, advance.passed_fold, options.reduced_volume);
             if let Some(pitchfork) = run.turned(branch) {
                 (run.stop, end) = (Some(BranchEnd::Rejoined), Some(pitchfork));
                 return false;

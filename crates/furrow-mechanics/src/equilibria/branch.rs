@@ -23,6 +23,8 @@ pub struct BranchOptions {
     pub settings: ContinuationSettings,
     /// Most pitchforks that are looked for; all folds are located.
     pub pitchforks: usize,
+    /// The reduced volume at which the branch ends, if it falls so far.
+    pub reduced_volume: Option<f64>,
     /// Whether growth rates are computed at every point.
     pub growth_rates: bool,
     /// Whether the contour of every point is kept.
@@ -41,6 +43,7 @@ impl Default for BranchOptions {
             points: 400,
             settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
             pitchforks: usize::MAX,
+            reduced_volume: None,
             growth_rates: false,
             contours: false,
             azimuthal: 0,
@@ -179,6 +182,8 @@ pub enum BranchEnd {
     PointLimit(usize),
     /// The neck is narrower than this, relative to R0: the shapes beyond are two cells connected by a thread.
     Pinched(f64),
+    /// The reduced volume has fallen to this, at the last point.
+    Deflated(f64),
     /// An asymmetric branch has returned to mirror-symmetric shapes, at one of their pitchforks.
     Rejoined,
     /// A branch of bent states was followed beyond its fold.
@@ -200,6 +205,7 @@ impl BranchEnd {
             BranchEnd::Bound(_) => ("bound", "the bound of ξ_s".into()),
             BranchEnd::PointLimit(_) => ("point_limit", "the largest number of points".into()),
             BranchEnd::Pinched(neck) => ("pinched", format!("its neck is narrower than {neck} R0")),
+            BranchEnd::Deflated(volume) => ("reduced_volume", format!("its reduced volume is {volume}")),
             BranchEnd::Rejoined => ("rejoined", "its shapes are mirror-symmetric again".into()),
             BranchEnd::PassedFold => ("passed_fold", "it is well beyond its fold".into()),
             BranchEnd::Enough => ("enough", "stopped by the caller".into()),

@@ -107,17 +107,36 @@ pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Opt
     if let Some(source) = law::short_waves(&branch.problem, &branch.state.solution) {
         return Some(BranchEnd::CannotHold(ShapeError::Law { cell: CellName::of(&branch.problem.cell), source }));
     }
-    const MOST: usize = 30;
-    const CLOSE: f64 = 1e-6;
     let (gauss, domain) = (branch.system.gauss.clone(), branch.problem.domain);
     let scale = limit * branch.problem.cell.r0;
     let excess = |y: &Solution| narrowest(&gauss, y, domain).map_or(f64::INFINITY, |width| (width / scale).ln());
+    ended(branch, excess).then_some(BranchEnd::Pinched(limit))
+}
+
+/// If the reduced volume has fallen to that at which the branch is to end since the point before, ends it at the shape of that reduced
+/// volume between the last two points.
+pub(super) fn deflated(branch: &mut Continuation<Cortex>, until: Option<f64>) -> Option<BranchEnd> {
+    let until = until?;
+    let (gauss, cortex) = (branch.system.gauss.clone(), branch.problem.clone());
+    let excess = |y: &Solution| {
+        let [area, _] = observables::area_and_bending(&gauss, &cortex, y);
+        (observables::reduced_volume(cortex.cell.r0, area) / until).ln()
+    };
+    // A branch that begins below may rise first.
+    let above = branch.state.history.back(1).is_some_and(|(_, earlier)| excess(earlier) >= 0.0);
+    (above && ended(branch, excess)).then_some(BranchEnd::Deflated(until))
+}
+
+/// Whether a quantity of the newest shape of a branch is below 0; the shape at 0 between the last two points then replaces the newest,
+/// if there is one.
+fn ended(branch: &mut Continuation<Cortex>, excess: impl Fn(&Solution) -> f64) -> bool {
+    const MOST: usize = 30;
+    const CLOSE: f64 = 1e-6;
     let beyond = excess(&branch.state.solution);
     if beyond >= 0.0 {
-        return None;
+        return false;
     }
-    let end = Some(BranchEnd::Pinched(limit));
-    let Some((before, earlier)) = branch.state.history.back(1) else { return end };
+    let Some((before, earlier)) = branch.state.history.back(1) else { return true };
     let mut ends = [(before, excess(earlier)), (branch.state.arclength, beyond)];
     let (tangent, mut y) = (branch.state.tangent.clone(), branch.state.solution.clone());
     for count in 0..MOST {
@@ -133,7 +152,7 @@ pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Opt
         }
         ends[usize::from(found < 0.0)] = (at, found);
     }
-    end
+    true
 }
 
 /// The pitchfork between the last two points of a continuation of symmetric shapes, where the antisymmetric determinant
@@ -201,7 +220,7 @@ pub(super) fn pitchfork_at(found: Located<Cortex, SymmetryBreaking>) -> Result<P
 }
 
 /// Displacement of the furrow, the minimum of the meridional curvature c1 at the equator, per unit of the antisymmetric
-/// direction φ: −∂_u δc1/∂_uu c1. With c1 = m/κ − c2, c2_s = (cosψ/r)(c1 − c2) and κ_s = 0, at the equator
+/// direction φ: −∂_u δc1/∂_uu c1. With c1 = m/κ + C0 − c2, c2_s = (cosψ/r)(c1 − c2) and κ_s = 0, at the equator
 ///
 /// * δc1_s = δq/κ + δψ (c1 − c2)/r, c1_ss = q_s/κ − m κ_ss/κ² + c1(c1 − c2)/r.
 pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f64 {
@@ -226,7 +245,7 @@ pub(crate) fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f
         kappa_turn = by_phi.kappa * phi[J];
     }
     let c2 = 1.0 / state[R];
-    let c1 = state[M] / kappa - c2;
+    let c1 = here.mean(state[M]) - c2;
     debug_assert!((state[PSI] - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
     let change = phi[Q] / kappa + phi[PSI] * (c1 - c2) / state[R] - state[M] * kappa_turn / (kappa * kappa);
     let bend = f[Q] / length / kappa - state[M] * kappa_ss / (kappa * kappa) + c1 * (c1 - c2) / state[R];

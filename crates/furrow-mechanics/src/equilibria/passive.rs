@@ -75,13 +75,14 @@ pub(crate) fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Result<Solut
     let aspect = cell.shell.aspect.powf(weight);
     let b = cell.r0 / aspect.cbrt();
     let ellipse = Spheroid::new(aspect * b, b);
-    let (kappa, length) = (cell.material.kappa, ellipse.arc[PIECES]);
+    let (kappa, spontaneous) = (cell.material.kappa, cell.material.spontaneous_curvature);
+    let length = ellipse.arc[PIECES];
     Solution::from_fn(gauss, mesh, COMPONENTS, &[length, 0.0], |u, y| {
         let t = ellipse.angle_at(u * length);
         y[R] = ellipse.b * t.sin();
         y[Z] = ellipse.a * t.cos();
         y[PSI] = (ellipse.a * t.sin()).atan2(ellipse.b * t.cos());
-        y[M] = kappa * ellipse.mean_curvature(t);
+        y[M] = kappa * (ellipse.mean_curvature(t) - spontaneous);
         let dt = 1e-4;
         let rise = ellipse.mean_curvature(t + dt) - ellipse.mean_curvature(t - dt);
         y[Q] = kappa * rise / (2.0 * dt * ellipse.speed(t));

@@ -24,6 +24,10 @@ pub struct ShapePoint {
     pub equator_radius: f64,
     /// Furrow position u_f − ½ of asymmetric shapes; 0 on the symmetric branch.
     pub delta_u: f64,
+    /// Reduced volume: the cell's volume divided by the volume of a sphere with the same area.
+    pub reduced_volume: f64,
+    /// Energy of bending ∫ ½κ(C − C0)² dA, in κ0; 8πκ for a sphere without C0.
+    pub bending_energy: f64,
     /// Arclength along the branch.
     pub arclength: f64,
     /// Folds and pitchforks passed since the start of the branch.
@@ -36,6 +40,7 @@ impl ShapePoint {
     /// Observables of a solution.
     pub fn of(y: &Solution, cortex: &Cortex, gauss: &Gauss) -> ShapePoint {
         let half = cortex.domain == Domain::Half;
+        let [area, bending_energy] = observables::area_and_bending(gauss, cortex, y);
         ShapePoint {
             xi_s: y.scalars.get(XI).copied().unwrap_or(cortex.cell.xi_s),
             elongation: observables::elongation(y, cortex.domain, cortex.cell.r0),
@@ -43,6 +48,8 @@ impl ShapePoint {
             pressure: y.scalars[PRESSURE],
             equator_radius: if half { y.node(y.intervals())[R] } else { observables::equator_radius(gauss, y) },
             delta_u: if half { 0.0 } else { observables::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5) },
+            reduced_volume: observables::reduced_volume(cortex.cell.r0, area),
+            bending_energy,
             ..ShapePoint::default()
         }
     }

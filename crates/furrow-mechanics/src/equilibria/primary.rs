@@ -12,7 +12,7 @@ use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, begin, newest_contour};
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError, resolved, with_paper_law};
-use super::locate::{course, end_at_width, folds_near, not_located, pitchfork_near};
+use super::locate::{course, deflated, end_at_width, folds_near, not_located, pitchfork_near};
 use super::passive::passive;
 use super::point::ShapePoint;
 use super::rates::{self, with_rates};
@@ -198,7 +198,7 @@ pub fn follow_within(
             new.extend(detector.folds(branch, before, advance.passed_fold));
             new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
             // A point that cannot be located may lie beyond the end.
-            if let Some(end) = end_at_width(branch, narrowest) {
+            if let Some(end) = end_at_width(branch, narrowest).or_else(|| deflated(branch, options.reduced_volume)) {
                 detector.stop = Some(end);
                 new.retain(|event| event.point().arclength <= branch.state.arclength);
             }

@@ -212,6 +212,12 @@ impl StationaryShape {
     /// The rightmost growth rates.
     ///
     /// # Errors
+    /// Reduced volume, and energy of bending in κ0: see [`ShapePoint`](super::ShapePoint).
+    pub fn reduced_volume_and_bending(&self) -> [f64; 2] {
+        let [area, bending] = observables::area_and_bending(&self.solution.gauss(), &self.cortex, &self.solution);
+        [observables::reduced_volume(self.cortex.cell.r0, area), bending]
+    }
+
     /// As [`Stability::leading`].
     pub fn spectrum(&self) -> Result<Spectrum, StabilityError> {
         Stability::new(self.solution.m).leading(&self.cortex, &self.solution)

@@ -144,7 +144,7 @@ fn fastest(cortex: &Cortex, y: &Solution) -> f64 {
     let (cell, material) = (&cortex.cell, &cortex.cell.material);
     let curvature = y.stages.chunks_exact(y.components).fold(0.0f64, |most, s| {
         let c2 = s[PSI].sin() / s[R];
-        most.max(c2.abs()).max((s[M] / material.kappa - c2).abs())
+        most.max(c2.abs()).max((s[M] / material.kappa + material.spontaneous_curvature - c2).abs())
     });
     let stress = material.kappa * curvature * curvature + material.gain * cell.xi_s.abs() * curvature;
     stress / (material.eta_b + material.eta_s)

@@ -85,7 +85,7 @@ type Motion<'a> = &'a dyn Fn(usize, Harmonic) -> f64;
 fn inner_forces_do_no_work_on_rigid_motions() {
     let mut cell =
         uneven_cell(2.0, 20.0, "kappa:band,u0=0.4,omega=0.2,amplitude=0.4+tension:band,u0=0.6,omega=0.2,amplitude=0.6");
-    cell.material.friction = 0.0;
+    (cell.material.friction, cell.material.normal_friction) = (0.0, 0.0);
     cell.shell.p0 = 0.0;
     let (mut problem, mut state) = bent(&uneven_cell(2.0, 20.0, "none"), 12, 4, 3);
     problem.constants = Problem::new(&cell, Space::new(4, 0)).constants;

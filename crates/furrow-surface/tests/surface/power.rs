@@ -60,7 +60,11 @@ impl Powers {
         let squared = strain[0].powi(2) + 2.0 * strain[1].powi(2) + strain[2].powi(2);
         let sheared = 2.0 * (squared - 0.5 * grown * grown);
         let slipping = dot(&v[0], &v[0]) - v_n * v_n;
-        self.dissipation += area * (eta_b * grown * grown + eta_s * sheared + local.friction * slipping);
+        self.dissipation += area
+            * (eta_b * grown * grown
+                + eta_s * sheared
+                + local.friction * slipping
+                + place.shell.normal_friction * v_n * v_n);
         let shear = bend[0] * strain[0] + 2.0 * bend[1] * strain[1] + bend[2] * strain[2] - 0.5 * mean * grown;
         self.active += area * place.noise * (local.xi_s * shear + local.xi_b * mean * grown);
         self.pressure -= area * pressure * v_n;
@@ -74,7 +78,8 @@ impl Powers {
         if !shell.rigidity_gradient {
             let gradient = by(local.kappa_u, 0.0);
             let flow = [dot(&v[0], &e1), dot(&v[0], &e2)];
-            self.dropped += area * 0.5 * mean * mean * (gradient[0] * flow[0] + gradient[1] * flow[1]);
+            let bent = mean - local.spontaneous;
+            self.dropped += area * 0.5 * bent * bent * (gradient[0] * flow[0] + gradient[1] * flow[1]);
         }
     }
 }
@@ -93,7 +98,8 @@ fn powers(problem: &Problem, state: &State) -> (Powers, f64) {
         let moved: Shape<Gradient<1>> =
             std::array::from_fn(|d| std::array::from_fn(|k| Gradient { value: x[d][k], by: [moving[d][k]] }));
         let geometry = Geometry::new(&moved);
-        let density = (geometry.mean * geometry.mean * (0.5 * place.local.kappa) + place.local.tension) * geometry.area;
+        let bent = geometry.mean - place.local.spontaneous;
+        let density = (bent * bent * (0.5 * place.local.kappa) + place.local.tension) * geometry.area;
         out.elastic += weight * density.by[0];
     });
     let balances = problem.residual(state).balances;
@@ -150,7 +156,8 @@ fn energy(problem: &Problem, state: &State) -> f64 {
     let mut out = 0.0;
     problem.for_each_point(state, |q, _, place, x, _, _| {
         let geometry = Geometry::new(x);
-        let density = 0.5 * place.local.kappa * geometry.mean * geometry.mean + place.local.tension;
+        let bent = geometry.mean - place.local.spontaneous;
+        let density = 0.5 * place.local.kappa * bent * bent + place.local.tension;
         out += space.stations[q].weight * space.meridian_weight() * geometry.area * density;
     });
     out

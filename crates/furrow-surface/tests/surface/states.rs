@@ -66,6 +66,7 @@ pub fn uneven_cell(r0: f64, xi_s: f64, cue: &str) -> Cell {
     let material = &mut cell.material;
     (material.kappa, material.eta_b, material.eta_s) = (1.3, 0.9, 0.7);
     (material.friction, material.tension, material.xi_ratio) = (1.2, 0.15, -0.12);
+    (material.spontaneous_curvature, material.normal_friction) = (0.2, 0.35);
     cell
 }
 

@@ -83,7 +83,9 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
     let (mut draws, mut by_dual, mut by_difference) = (Draws(4), 0.0f64, 0.0f64);
     for cue in cues() {
         let cell = uneven_cell(2.3, 21.0, &cue).unwrap();
-        let mut free = vec![Parameter::XiS, Parameter::R0, Parameter::Kappa, Parameter::W];
+        let mut free =
+            vec![Parameter::XiS, Parameter::R0, Parameter::Kappa, Parameter::W, Parameter::SpontaneousCurvature];
+        free.push(Parameter::NormalFriction);
         free.extend(Quantity::ALL.map(|quantity| Parameter::Cue { term: 0, quantity }));
         use RegulatorQuantity::{Diffusion, Half, Source as OfSource, Strength, Turnover};
         let numbers = Quantity::ALL.map(OfSource).into_iter().chain([Turnover, Diffusion]);
@@ -342,10 +344,12 @@ fn in_units(cell: &Cell, length: f64, energy: f64, time: f64) -> Cell {
     other.shell.p0 *= tension;
     let material = &mut other.material;
     material.kappa *= energy;
+    material.spontaneous_curvature /= length;
     material.tension *= tension;
     material.eta_b *= tension * time;
     material.eta_s *= tension * time;
     material.friction *= tension * time / (length * length);
+    material.normal_friction *= tension * time / (length * length);
     for term in other.cue.terms_mut() {
         if term.field == Field::Tension {
             term.amplitude *= tension;

@@ -3,7 +3,7 @@
 //! On a sphere of radius R the displacement w P_ℓ(cosθ) outwards and the velocity β ∂_θP_ℓ along it separate. With λ = ℓ(ℓ+1),
 //! δC = (λ−2)w/R² P_ℓ and ∂_θD + 2cotθ D = (2−λ)∂_θP_ℓ for D = (∂_θ² − cotθ ∂_θ)P_ℓ, the balance of forces to first order is
 //!
-//! * \[normal\] τ = −Kw, K = (R/2)\[(γ + 2gξ_b/R)(λ−2)/R² + κλ(λ−2)/R⁴ − f′\], f′ = ∂f_c/∂ρ of the shell at ρ = R,
+//! * \[normal\] τ = −Kw − ½RΓ_nẇ, K = (R/2)\[(γ + ½κC0² − 2κC0/R + 2gξ_b/R)(λ−2)/R² + κλ(λ−2)/R⁴ − f′\], f′ = ∂f_c/∂ρ of the shell at ρ = R,
 //! * \[tangential\] τ − (λ−2)(η_sβ/R − ½gξ_s w/R²) = ΓRβ,
 //! * \[stress\] τ = η_b(2ẇ − λβ)/R + gξ_b(λ−2)w/R²,
 //!
@@ -41,13 +41,17 @@ fn exact(cell: &Cell, l: f64) -> f64 {
     let (b2, w2) = ((radius.powi(3) / cell.epsilon).powf(2.0 / 3.0), shell.w * shell.w);
     let pushed = -(2.0 * shell.p0 / w2) * radius / b2 * ((radius * radius / b2 - 1.0) / w2).exp();
     let slope = pushed * (1.0 / radius + 2.0 * radius / (b2 * w2));
-    let tension = material.tension + 2.0 * xi_b / radius;
+    let spontaneous = material.spontaneous_curvature;
+    let curled = material.kappa * spontaneous * (0.5 * spontaneous - 2.0 / radius);
+    let tension = material.tension + curled + 2.0 * xi_b / radius;
     let bending = material.kappa * lambda * (lambda - 2.0) / radius.powi(4);
     let k = 0.5 * radius * (tension * (lambda - 2.0) / radius.powi(2) + bending - slope);
     let resistance = material.friction * radius + (lambda - 2.0) * material.eta_s / radius;
-    let beta = (0.5 * (lambda - 2.0) * xi_s / radius.powi(2) - k) / resistance;
     let isotropic = xi_b * (lambda - 2.0) / radius.powi(2);
-    0.5 * (lambda * beta - radius * (k + isotropic) / material.eta_b)
+    let driven = 0.5 * (lambda - 2.0) * xi_s / radius.powi(2) - k;
+    let drag = 0.5 * radius * material.normal_friction;
+    let spread = material.eta_b * lambda / (radius * resistance);
+    (spread * driven - k - isotropic) / (drag * (1.0 + spread) + 2.0 * material.eta_b / radius)
 }
 
 /// The sphere at its activity, on the whole contour or half of it.
@@ -156,7 +160,7 @@ fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
 }
 
 /// On a sphere a disturbance of azimuthal number m has the rates of all ℓ ≥ m, for every m. Without activity they are the rates of
-/// Helfrich's modes of a vesicle, (ℓ − 1)(ℓ + 2)\[γ + κℓ(ℓ + 1)/R²\]/R² over what resists.
+/// Helfrich's modes of a vesicle, (ℓ − 1)(ℓ + 2)\[γ + ½κC0² − 2κC0/R + κℓ(ℓ + 1)/R²\]/R² over what resists.
 #[test]
 fn on_a_sphere_rates_depend_on_the_degree_alone() {
     let numerics = Numerics { intervals: 160, ..Numerics::default() };

@@ -61,8 +61,17 @@ fn chosen<D: Number, const N: usize>(cell: &Cell, u: D) -> [D; N] {
     let v_n = sin * r_t + cos * z_t;
     let strain = [v_u / LENGTH + curvature[0] * v_n, cos * v / r + curvature[1] * v_n];
     let t = stress([here.eta_b, here.eta_s, here.xi_s, here.xi_b], strain, curvature)[0];
-    let all: [D; REGULATED] =
-        [r, z, here.kappa * (curvature[0] + curvature[1]), psi, q, v, t, phi_u * (1.0 / LENGTH), phi];
+    let all: [D; REGULATED] = [
+        r,
+        z,
+        here.kappa * (curvature[0] + curvature[1] - here.spontaneous),
+        psi,
+        q,
+        v,
+        t,
+        phi_u * (1.0 / LENGTH),
+        phi,
+    ];
     std::array::from_fn(|k| all[k])
 }
 

@@ -127,6 +127,7 @@ fn even([size, first, second]: [f64; 3]) -> Values {
 impl Surface {
     fn new(full: bool) -> Surface {
         let mut cell = Cell::new(1.9);
+        (cell.material.spontaneous_curvature, cell.material.normal_friction) = (0.3, 0.8);
         if !full {
             cell.material.rigidity_gradient = RigidityGradient::Dropped;
         }
@@ -210,7 +211,7 @@ impl Surface {
             stress(law, [v_s[k] + c1[k] * v_n[k], cot[k] * v[k] + c2[k] * v_n[k]], [c1[k], c2[k]])
         };
         let [t_uu, t_pp]: [Values; 2] = [0, 1].map(|component| from_fn(|k| tension(k)[component]));
-        let q = self.along(&from_fn(|k| self.local[k].kappa * (c1[k] + c2[k])), Kind::Even);
+        let q = self.along(&from_fn(|k| self.local[k].kappa * (c1[k] + c2[k] - self.local[k].spontaneous)), Kind::Even);
         let q_s = self.along(&q, Kind::Odd);
         let t_s = self.along(&t_uu, Kind::Even);
         let [kappa_s, tension_s] = [
@@ -220,16 +221,18 @@ impl Surface {
         let gradient = if self.cell.material.rigidity_gradient == RigidityGradient::Full { 0.5 } else { 0.0 };
         let tangential = |k: usize| {
             let here = &self.local[k];
-            let bending = gradient * (c1[k] + c2[k]).powi(2) * kappa_s[k];
+            let bending = gradient * (c1[k] + c2[k] - here.spontaneous).powi(2) * kappa_s[k];
             t_s[k] + cot[k] * (t_uu[k] - t_pp[k]) + bending + tension_s[k] - here.friction * v[k]
         };
         let normal = |k: usize| {
             let here = &self.local[k];
-            let elastic = 0.5 * here.kappa * (c2[k].powi(2) - c1[k].powi(2));
-            let along = c1[k] * (here.tension + elastic + t_uu[k]) + c2[k] * (here.tension - elastic + t_pp[k]);
+            let bent = c1[k] + c2[k] - here.spontaneous;
+            let energy = 0.5 * here.kappa * bent * bent + here.tension;
+            let elastic = |c: f64| energy - here.kappa * bent * c;
+            let along = c1[k] * (elastic(c1[k]) + t_uu[k]) + c2[k] * (elastic(c2[k]) + t_pp[k]);
             let outside =
                 shell_force(&self.cell, self.r[k], self.z[k], self.sin[k].atan2(self.cos[k])) - self.wall(k).1;
-            q_s[k] + cot[k] * q[k] - along + self.pressure + outside
+            q_s[k] + cot[k] * q[k] - along + self.pressure + outside - self.cell.material.normal_friction * v_n[k]
         };
         [from_fn(tangential), from_fn(normal)]
     }

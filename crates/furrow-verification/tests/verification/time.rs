@@ -112,8 +112,12 @@ fn observe(stepper: &Stepper) -> Observed {
     let state = Computed { cell: cortex.cell.clone(), shape: shape.clone(), motion, noise: Vec::new() };
     let on = |stress: [f64; 2], strain: [f64; 2]| stress[0] * strain[0] + stress[1] * strain[1];
     Observed {
-        energy: state.integral(|p| 0.5 * p.here.kappa * (p.curvature[0] + p.curvature[1]).powi(2) + p.here.tension),
-        dissipated: state.integral(|p| on(p.viscous, p.strain) + p.here.friction * p.v * p.v),
+        energy: state.integral(|p| {
+            0.5 * p.here.kappa * (p.curvature[0] + p.curvature[1] - p.here.spontaneous).powi(2) + p.here.tension
+        }),
+        dissipated: state.integral(|p| {
+            on(p.viscous, p.strain) + p.here.friction * p.v * p.v + cortex.cell.material.normal_friction * p.v_n * p.v_n
+        }),
         by_shell: state.integral(|p| p.shell * p.v_n),
         by_activity: -state.integral(|p| on(p.active, p.strain)),
     }

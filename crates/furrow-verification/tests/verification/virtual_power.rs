@@ -161,8 +161,9 @@ fn axial_forces_balance_at_every_cut() {
             let here = coefficients(&state.cell, y.mesh[i + 1], state.length(), carried);
             // At the axis everything vanishes with r.
             let c2 = if i + 1 < y.intervals() { sin / node[R] } else { 0.0 };
-            let c1 = node[M] / here.kappa - c2;
-            let along = node[T] + here.tension + 0.5 * here.kappa * (c2 * c2 - c1 * c1);
+            let bent = node[M] / here.kappa;
+            let c1 = bent + here.spontaneous - c2;
+            let along = node[T] + here.tension + here.kappa * bent * (0.5 * bent - c1);
             let through = 2.0 * PI * node[R] * (node[Q] * cos - along * sin) + state.pressure() * PI * node[R].powi(2);
             largest = largest.max((through + outside).abs() / size);
         }
@@ -182,7 +183,7 @@ fn at_rest_activity_pays_for_all_dissipation() {
         let active = state.integral(|place| on(place.active, place));
         let passive = state.integral(|place| {
             let [c1, c2] = place.curvature;
-            let pull = 0.5 * (c1 + c2).powi(2) * place.here.kappa_s;
+            let pull = 0.5 * (c1 + c2 - place.here.spontaneous).powi(2) * place.here.kappa_s;
             on([place.here.tension; 2], place) - pull * place.v
         });
         assert!(viscous > 0.0 && friction > 0.0, "{cue}: {viscous} {friction}");

@@ -1,7 +1,7 @@
 //! The force balance of a cell with a law of active stress of its own, for any number type.
 //!
 //! A law gives the active stress T^a, an isotropic active moment M^a and a force f^a along the outward normal. With
-//! m = κC + M^a and T the whole dissipative tension, the equations are those of [`equations`](mod@super::equations) without activity
+//! m = κ(C − C0) + M^a and T the whole dissipative tension, the equations are those of [`equations`](mod@super::equations) without activity
 //! for m − M^a and T − T^a_uu, and
 //!
 //! * \[M.28 own law, normal\] q_s gains c1 T^a_uu + c2 T^a_φφ − M^a (c1² + c2²) − f^a
@@ -145,7 +145,7 @@ fn with_slopes<D: Lawful>(place: &[D; VARIABLES], of: &[(Variable, D)]) -> [Jet<
 }
 
 impl<D: Lawful> Prepared<D> {
-    /// Finds C = (m − M^a)/κ, sets it, and returns M^a and ∂_sC.
+    /// Finds C = (m − M^a)/κ + C0, sets it, and returns M^a and ∂_sC.
     fn moment(
         &mut self,
         place: &mut [D; VARIABLES],
@@ -154,14 +154,15 @@ impl<D: Lawful> Prepared<D> {
         length: D,
     ) -> [D; 2] {
         let zero = D::from(0.0);
-        bend(place, m / here.kappa);
+        bend(place, here.mean(m));
         let Some((jets, plain)) = self.jets.as_ref().filter(|_| self.law.bends) else { return [zero; 2] };
         let (memory, plain_memory) = (&mut self.jet_memory.0, &mut self.jet_memory.1);
         let [by_bend, varies] = self.law.moment;
         let (moment, by_mean) = if by_bend {
             let scale = place[at(Variable::C)].real().abs() + 1e-3;
             let (mut trial, mut real) = (*place, place.map(|x| Lane(x.real())));
-            let (kappa, of_moment) = (Lane(here.kappa.real()), Lane(m.real()));
+            let flat = m + here.kappa * here.spontaneous;
+            let (kappa, of_moment) = (Lane(here.kappa.real()), Lane(flat.real()));
             let mean = solved(place[at(Variable::C)].real(), scale, |mean| {
                 bend(&mut real, mean);
                 let Jet { value, slope } = plain.moment(&with_slopes(&real, &bending()), plain_memory);
@@ -170,21 +171,21 @@ impl<D: Lawful> Prepared<D> {
             let mean = lifted(mean, self.order, |mean| {
                 bend(&mut trial, mean);
                 let Jet { value, slope } = jets.moment(&with_slopes(&trial, &bending()), memory);
-                Jet { value: here.kappa * mean + value - m, slope: here.kappa + slope }
+                Jet { value: here.kappa * mean + value - flat, slope: here.kappa + slope }
             });
             bend(place, mean);
             let Jet { value, slope } = jets.moment(&with_slopes(place, &bending()), memory);
             (value, slope)
         } else {
             let moment = self.law.moment(place, &mut self.memory);
-            bend(place, (m - moment) / here.kappa);
+            bend(place, here.mean(m - moment));
             (moment, zero)
         };
-        let mean = place[at(Variable::C)];
+        let bent = place[at(Variable::C)] - here.spontaneous;
         if !varies {
-            return [moment, (q - here.kappa_u / length * mean) / here.kappa];
+            return [moment, (q - here.kappa_u / length * bent) / here.kappa];
         }
-        // ∂_sM^a if C stayed the same, and from q = ∂_s(κC + M^a) the slope of C.
+        // ∂_sM^a if C stayed the same, and from q = ∂_s[κ(C − C0) + M^a] the slope of C.
         let cot = cos / place[at(Variable::R)];
         let turned = cot * (place[at(Variable::C1)] - place[at(Variable::C2)]);
         let [ahead, along] = self.law.direction();
@@ -197,7 +198,7 @@ impl<D: Lawful> Prepared<D> {
             (Variable::Phi, j),
         ];
         let unbent = jets.moment(&with_slopes(place, &slopes), memory).slope;
-        let mean_s = (q - here.kappa_u / length * mean - unbent) / (here.kappa + by_mean);
+        let mean_s = (q - here.kappa_u / length * bent - unbent) / (here.kappa + by_mean);
         [moment, mean_s]
     }
 
@@ -301,7 +302,7 @@ impl<D: Lawful> Prepared<D> {
             place[at(Variable::Suu)] = D::from(0.0);
         }
         if !place[at(Variable::C)].real().is_finite() {
-            bend(&mut place, m / here.kappa);
+            bend(&mut place, here.mean(m));
         }
         let memory = &mut self.jet_memory.0;
         let mut slopes = |of: &[Variable]| {

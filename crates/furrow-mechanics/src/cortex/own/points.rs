@@ -272,8 +272,8 @@ impl Reader<'_> {
         {
             return mean;
         }
-        let mean = y[M] / here.kappa;
-        [mean, (y[Q] - mean * here.kappa_u / length) / here.kappa]
+        let mean = here.mean(y[M]);
+        [mean, here.mean_slope(y[Q], mean, length)]
     }
 
     /// The law's values in a state `(y, v_n, noise)` away from the axis, with C and ∂_sC; `None` without a law.
