@@ -53,7 +53,7 @@ impl Volumes {
         let at = |column: usize| Value::new(row, column);
         let volume = positive(at(columns.volume.0))?;
         let (cell, embryo) = (at(columns.cell), at(columns.embryo));
-        let name = options.names.understood(&cell.written()).ok_or_else(|| {
+        let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
         if embryo.text.is_empty() {
@@ -81,10 +81,10 @@ impl Volumes {
         header: &Header<'_>,
     ) -> Result<Unit, InputError> {
         let embryo = self.embryo(options.group_of(None), embryo_of_file(file));
-        let (named, line) = (grid_unit(header, &options.names)?, header.line as u64);
+        let (named, line) = (grid_unit(header, &embryo_of_file(file), &options.names)?, header.line as u64);
         let mut places: Vec<Option<usize>> = Vec::new();
         for (column, name) in header.names.iter().enumerate() {
-            let cell = options.names.understood(split_unit(name).0);
+            let cell = options.names.understood(&embryo_of_file(file), split_unit(name).0);
             if cell.is_none() && !is_frame(column, name) {
                 let value = Value::of_heading(line, column, name);
                 self.skip(file, &(value, options.names.unknown().to_owned()));
@@ -133,12 +133,12 @@ fn is_frame(column: usize, name: &str) -> bool {
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.
-fn grid_unit(header: &Header<'_>, names: &Names) -> Result<Option<VolumeUnit>, InputError> {
+fn grid_unit(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<VolumeUnit>, InputError> {
     let mut found: Option<VolumeUnit> = None;
     for (column, heading) in header.names.iter().enumerate() {
         let (name, Some(written)) = split_unit(heading) else { continue };
         let unit = unit_of(written, &VOLUMES).copied();
-        if unit.is_none() && names.understood(name).is_none() {
+        if unit.is_none() && names.understood(embryo, name).is_none() {
             continue;
         }
         let refused = |allowed: String| {

@@ -5,6 +5,7 @@
 //! | [`names`] | Sulston's names: a cell's mother and sister |
 //! | [`volumes`], `layout`, `division_table` | tables of volumes: long tables, frames × cells, and divisions |
 //! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, Mastodon, GEFF |
+//! | [`matching`] | cells with other names, matched to those of the lineage |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`lifetimes`] | tables of lifetimes: over volume, which sister divides first, cells alive over time |
 //! | [`trend`] | χ by decades of the mother's volume |
@@ -38,6 +39,7 @@ pub mod dose;
 pub mod events;
 mod layout;
 pub mod lifetimes;
+pub mod matching;
 pub mod names;
 pub mod published;
 pub mod significance;

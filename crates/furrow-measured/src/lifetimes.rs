@@ -13,7 +13,8 @@ use furrow_input::{InputError, open_file};
 use serde::Serialize;
 
 use crate::events::place;
-use crate::layout::cell_column;
+use crate::layout::{cell_column, embryo_of_file};
+use crate::matching::Matched;
 use crate::names::Names;
 use crate::significance::{Sample, Trend, power, sign_test, welch};
 use crate::statistics::{mean, sd};
@@ -57,6 +58,8 @@ pub struct Lifetimes {
     pub skipped_count: u64,
     /// The names of cells.
     pub names: Names,
+    /// How the cells of embryos that were followed were matched to the names.
+    pub matched: Vec<Matched>,
 }
 
 /// A column of times and the minutes in its unit.
@@ -112,11 +115,11 @@ fn minutes<'r>(row: Row<'r>, (column, unit): TimeColumn, least: f64, allowed: &s
     if (least..=TIMES_OF_CELLS[1]).contains(&time) { Ok(time) } else { Err((value, allowed.to_owned())) }
 }
 
-fn read_row<'r>(row: Row<'r>, columns: &Columns, names: &Names) -> Result<Lifetime, Rejected<'r>> {
+fn read_row<'r>(row: Row<'r>, columns: &Columns, embryo: &str, names: &Names) -> Result<Lifetime, Rejected<'r>> {
     let row = fitting(row)?;
     let at = |column: usize| Value::new(row, column);
     let cell = at(columns.cell);
-    let cell = names.understood(&cell.written()).ok_or_else(|| (cell, names.unknown().to_owned()))?;
+    let cell = names.understood(embryo, &cell.written()).ok_or_else(|| (cell, names.unknown().to_owned()))?;
     let mean = minutes(row, columns.lifetime, TIMES_OF_CELLS[0], "must be a time above 0")?;
     let n = match columns.n.map(at) {
         None => 1,
@@ -152,11 +155,12 @@ impl Lifetimes {
         let mut table = Table::open(from, file)?;
         let columns = Columns::of(&table.columns(|_| false)?)?;
         let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };
+        let embryo = embryo_of_file(file);
         let mut rows: Vec<Vec<Lifetime>> = Vec::new();
         // Indices of cells, and the lines of their first rows.
         let mut places: HashMap<String, (usize, u64)> = HashMap::new();
         while let Some(row) = table.next_row()? {
-            let noted = read_row(row, &columns, names).and_then(|lifetime| {
+            let noted = read_row(row, &columns, &embryo, names).and_then(|lifetime| {
                 let (at, first) = *places.entry(lifetime.cell.clone()).or_insert((rows.len(), row.line));
                 match rows.get_mut(at) {
                     Some(_) if columns.n.is_some() => {
@@ -173,6 +177,7 @@ impl Lifetimes {
                 Err(rejected) => note(&mut found.skipped, &mut found.skipped_count, || Skipped::new(file, &rejected)),
             }
         }
+        names.require_met()?;
         require_used(found.used, (file, "lifetimes"), &found.skipped, found.skipped_count)?;
         found.cells = rows.iter().filter_map(|rows| averaged(rows)).collect();
         Ok(found)
@@ -186,7 +191,11 @@ impl Lifetimes {
     pub fn read_file(path: &Path, frame_minutes: Option<f64>, names: &Names) -> Result<Lifetimes, InputError> {
         let name = path.display().to_string();
         match read_tracked(path, &TrackOptions { pixel: None, frame_minutes })? {
-            Some(embryo) => embryo.lifetimes(&name, names),
+            Some(mut embryo) => {
+                embryo.match_names(names)?;
+                names.require_met()?;
+                embryo.lifetimes(&name, names)
+            }
             None => Lifetimes::read_named(open_file(path)?, &name, names),
         }
     }

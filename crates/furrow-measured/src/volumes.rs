@@ -25,7 +25,8 @@ use serde::Serialize;
 use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{ChiColumns, Columns, DivisionColumns};
+use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
+use crate::matching::Matched;
 use crate::names::Names;
 use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
@@ -165,6 +166,8 @@ pub struct Volumes {
     pub of_nuclei: bool,
     /// The names of cells, as the last table was read.
     pub names: Names,
+    /// How the cells of embryos that were followed were matched to the names.
+    pub matched: Vec<Matched>,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
@@ -224,7 +227,8 @@ impl Volumes {
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
-        let is_grid = |header: &[String]| options.names.any_on_top(header);
+        let embryo = embryo_of_file(file);
+        let is_grid = |header: &[String]| options.names.any_on_top(&embryo, header);
         let header = table.columns(is_grid)?;
         self.names = options.names.clone();
         let unit = if let Some(columns) = DivisionColumns::of(&header)? {
@@ -233,7 +237,7 @@ impl Volumes {
         } else if let Some(columns) = ChiColumns::of(&header)? {
             self.read_divisions(&mut table, file, 1, |row| chi_division(row, &columns, (file, options)))?;
             Unit::OfMother
-        } else if let Some(columns) = Columns::of(&header, &options.names)? {
+        } else if let Some(columns) = Columns::of(&header, &embryo, &options.names)? {
             self.read_long(&mut table, file, options, &columns)?
         } else {
             self.read_grid(&mut table, file, options, &header)?
@@ -264,12 +268,14 @@ impl Volumes {
         Ok(volumes)
     }
 
-    /// Adds the cells of an embryo that were followed over time. Cells without a name of Sulston's and cells without a size are
-    /// skipped.
+    /// Adds the cells of an embryo that were followed over time, [matched](crate::matching) to the names. Cells without a name of the
+    /// lineage's and cells without a size are skipped.
     ///
     /// # Errors
-    /// Volumes are in another unit than earlier volumes.
-    pub fn add_tracked(&mut self, lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
+    /// Volumes are in another unit than earlier volumes, and as [`TrackedLineage::match_names`].
+    pub fn add_tracked(&mut self, mut lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
+        lineage.match_names(&options.names)?;
+        self.matched.extend(lineage.matched.take());
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
         let names = &options.names;
         self.names = names.clone();
@@ -316,11 +322,13 @@ impl Volumes {
         }
     }
 
-    /// Requires that a volume was used of the tables that were read; `tables` is their name if they have no rows.
+    /// Requires that a volume was used of the tables that were read, and that they have every cell of the matching; `tables` is their
+    /// name if they have no rows.
     ///
     /// # Errors
-    /// No volume was used; the error has the first value that could not be used.
+    /// A cell of the matching that no table has. No volume was used; the error has the first value that could not be used.
     pub fn require_used(&self, tables: &str) -> Result<(), InputError> {
+        self.names.require_met()?;
         let file = self.skipped.first().map_or(tables, |skipped| &skipped.file);
         require_used(self.used, (file, "volumes"), &self.skipped, self.skipped_count)
     }

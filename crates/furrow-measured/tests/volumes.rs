@@ -128,7 +128,7 @@ fn very_wide_tables_and_very_long_names_are_read_in_passing() {
     let long = "a".repeat(1_000_000);
     assert_eq!(
         read(format!("embryo,cell,volume\ne,AB{long},1\n").as_bytes()).skipped[0].why,
-        "no name of Sulston's; other names need the file of their lineage (--lineage)"
+        "no name of Sulston's; other names need the file of their lineage (--lineage), or to be matched (--names, --root)"
     );
 }
 
@@ -329,7 +329,8 @@ fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas
     };
     assert_eq!(cells(&grid), [("ABal".to_owned(), 15.6), ("ABar".to_owned(), 14.5)]);
     assert_eq!((grid.skipped_count, grid.unit), (0, Some(Unit::CubicMicrometres)));
-    let founder = |name: &str| NamedFounder { name: name.to_owned(), mother: None, letters: Vec::new() };
+    let founder =
+        |name: &str| NamedFounder { name: name.to_owned(), mother: None, is_smaller: false, letters: Vec::new() };
     let names = Names::of(vec![founder("z\u{fc}")], ('1', '2'));
     let mut long = Volumes::default();
     let table = b"embryo;cell;volume (fl)\ne;z\xfc1;15,6\ne;z\xfc2;14,5\ne;ABal;7,5\ne;zu;1,5\n";
@@ -339,7 +340,7 @@ fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas
     assert_eq!(cells(&long), expected);
     assert_eq!(
         long.skipped.iter().map(|skipped| skipped.why.as_str()).collect::<Vec<_>>(),
-        ["no name of the lineage's cells"]
+        ["no name of the lineage's cells; other names can be matched (--names, --root)"]
     );
 }
 

@@ -76,7 +76,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
             spots.skip(&file, line, "size", size, "must be a diameter above 0, in pixels");
         }
         let volume = diameter.map(|diameter| sphere_of_pixels(diameter, options));
-        let spot = spots.push(Spot { time: frame, name: name.clone(), volume, file: 0, line });
+        let spot = spots.push(Spot { time: frame, id: None, name: name.clone(), volume, file: 0, line });
         cells.entry(name).or_default().push(spot);
     }
     link(&mut spots, &mut cells, &file)?;

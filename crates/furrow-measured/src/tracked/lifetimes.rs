@@ -22,6 +22,7 @@ impl TrackedLineage {
         }
         let mut found =
             Lifetimes { skipped: self.skipped.clone(), skipped_count: self.skipped_count, ..Lifetimes::default() };
+        found.matched.extend(self.matched.clone());
         let mut seen = HashSet::new();
         for cell in &self.cells {
             let Some(mean) = cell.lifetime() else { continue };

@@ -28,6 +28,7 @@ mod spots;
 mod unpack;
 mod zarr;
 
+use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -37,6 +38,8 @@ use serde::Serialize;
 
 pub use rounds::{Absent, TrackedRounds};
 
+use crate::matching::Matched;
+use crate::names::Names;
 use crate::volumes::{Skipped, Unit};
 
 /// Unit of times.
@@ -109,9 +112,40 @@ pub struct TrackedLineage {
     pub skipped: Vec<Skipped>,
     /// How much there is of it.
     pub skipped_count: u64,
+    /// How its cells were [matched](crate::matching) to a lineage; `None` if they were not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matched: Option<Matched>,
+    /// The names and ids of all spots, with the cell that each is of.
+    #[serde(skip)]
+    pub(crate) spots: SpotNames,
+}
+
+/// Names and ids of spots, with the cell that each is of; `None` if it is of several.
+pub(crate) type SpotNames = HashMap<String, Option<usize>>;
+
+/// What a tracked name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// No cell.
+    Nowhere,
+    /// A cell.
+    Cell(usize),
+    /// Several cells.
+    Several,
 }
 
 impl TrackedLineage {
+    /// The cell of this name, or with a spot of this name or id.
+    pub(crate) fn place_of(&self, name: &str) -> Place {
+        let mut named = self.cells.iter().enumerate().filter(|(_, cell)| cell.name == name).map(|(k, _)| k);
+        match (named.next(), named.next(), self.spots.get(name)) {
+            (Some(cell), None, _) => Place::Cell(cell),
+            (None, _, Some(Some(cell))) => Place::Cell(*cell),
+            (None, _, None) => Place::Nowhere,
+            _ => Place::Several,
+        }
+    }
+
     /// Whether sizes belong to nuclei rather than to cells.
     pub fn of_nuclei(&self) -> bool {
         matches!(self.format, Format::AceTree | Format::CdTable)
@@ -196,14 +230,16 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
     Ok(cd.or_else(|| spot_tables::format_of(&columns)).and_then(here))
 }
 
-/// Reads an embryo that was followed; as [`read_tracked`], but a file in another format is an error.
+/// Reads an embryo that was followed, with its cells [matched](crate::matching) to these names; a file in another format is an error.
 ///
 /// # Errors
-/// As [`read_tracked`]; a file outside the [formats](Format).
-pub fn read_embryo(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
+/// As [`read_tracked`] and [`TrackedLineage::match_names`]; a file outside the [formats](Format).
+pub fn read_embryo(path: &Path, options: &TrackOptions, names: &Names) -> Result<TrackedLineage, InputError> {
     let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
     let other = || InputError::other_file(path.display(), "an embryo that was followed", reason);
-    read_tracked(path, options)?.ok_or_else(other)
+    let mut embryo = read_tracked(path, options)?.ok_or_else(other)?;
+    embryo.match_names(names)?;
+    Ok(embryo)
 }
 
 /// Reads a file or folder of tracked cells; `None` for a file outside the [formats](Format).

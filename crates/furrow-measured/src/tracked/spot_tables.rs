@@ -244,7 +244,7 @@ fn read_spots(
         let in_um = written == Some(Unit::CubicMicrometres);
         let sphere = |d: f64| if in_um { sphere(d) } else { sphere_of_pixels(d, options) };
         let volume = radius.map(|radius| sphere(2.0 * radius));
-        let spot = spots.push(Spot { time, name: text(label), volume, file: 0, line });
+        let spot = spots.push(Spot { time, id: Some(id.into()), name: text(label), volume, file: 0, line });
         if let Some(first) = ids.insert(id, spot) {
             let first = spots.get(first).line;
             let why = format!("ID = {id}: must be of one spot only; line {first} has it too");

@@ -110,7 +110,7 @@ fn unusable_rows_are_reported_with_their_place() {
         found.skipped.iter().map(|s| format!("{}: {} = {:?}: {}", s.line, s.column, s.value, s.why)).collect();
     let expected = [
         "4: 1 (cell) = \"ABa\": a second row of this cell; the first is on line 3",
-        "5: 1 (cell) = \"nuc\": no name of Sulston's; other names need the file of their lineage (--lineage)",
+        "5: 1 (cell) = \"nuc\": no name of Sulston's; other names need the file of their lineage (--lineage), or to be matched (--names, --root)",
         "6: 2 (n) = \"0\": must be a number of embryos, at least 1",
         "7: 3 (lifetime_min) = \"-1\": must be a time above 0",
         "8: 3 (lifetime_min) = \"\": must be a time above 0 (empty)",

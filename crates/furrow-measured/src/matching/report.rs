@@ -1,0 +1,115 @@
+//! How cells were matched, as data and as text.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// What decided which daughter is which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum By {
+    /// A daughter has a name of her own, or one that a table gives.
+    Names,
+    /// The larger one is the larger founder, or has the first letter.
+    Sizes,
+    /// Sizes are equal or not known: the one born first takes the place of the larger one.
+    Births,
+    /// Births are equal too: the one that comes first in the file does.
+    Order,
+}
+
+impl By {
+    const ALL: [(By, &'static str); 4] = [
+        (By::Names, "by names"),
+        (By::Sizes, "by sizes"),
+        (By::Births, "by births"),
+        (By::Order, "by their order in the file"),
+    ];
+}
+
+/// A cell below which names follow from divisions.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MatchedRoot {
+    /// What it is called where it was tracked.
+    pub tracked: String,
+    /// Its name in the lineage.
+    pub name: String,
+}
+
+/// A division below a root.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MatchedDivision {
+    /// The mother's name in the lineage.
+    pub mother: String,
+    /// What she is called where she was tracked.
+    pub tracked: String,
+    /// Her daughters' names in the lineage.
+    pub daughters: [String; 2],
+    /// What these are called where they were tracked.
+    pub tracked_daughters: [String; 2],
+    /// What decided which daughter is which.
+    pub by: By,
+    /// |V₁ − V₂|/(V₁ + V₂), where sizes are known.
+    pub chi: Option<f64>,
+}
+
+/// A cell below a root whose daughters have no names.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Unmatched {
+    /// The mother's name in the lineage.
+    pub mother: String,
+    /// What she is called where she was tracked.
+    pub tracked: String,
+    /// Why her daughters were not matched.
+    pub why: String,
+}
+
+/// How the cells of an embryo were matched to the lineage.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Matched {
+    /// The embryo.
+    pub embryo: String,
+    /// Cells with a name from the table.
+    pub by_table: usize,
+    /// Roots.
+    pub roots: Vec<MatchedRoot>,
+    /// Divisions below roots, mothers before daughters.
+    pub divisions: Vec<MatchedDivision>,
+    /// Cells below roots whose daughters could not be matched.
+    pub unmatched: Vec<Unmatched>,
+    /// Cells without a name in the lineage.
+    pub without_name: usize,
+}
+
+/// Cells that the text lists.
+const MOST: usize = 5;
+
+impl fmt::Display for Matched {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Matched { embryo, by_table, roots, divisions, unmatched, without_name } = self;
+        writeln!(f, "cells of {embryo} matched: {by_table} by the table of names; {without_name} have no name")?;
+        for MatchedRoot { tracked, name } in roots {
+            writeln!(f, "  root {tracked} = {name}")?;
+        }
+        for (by, words) in By::ALL {
+            let of = || divisions.iter().filter(|division| division.by == by);
+            let count = of().count();
+            if count > 0 {
+                write!(f, "  daughters of {count} {words}")?;
+                let least = of().filter_map(|division| Some((division.chi?, division)));
+                let least = least.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| by == By::Sizes);
+                if let Some((chi, MatchedDivision { mother, tracked, .. })) = least {
+                    write!(f, ", the least unequal χ = {chi:.3} of {mother} ({tracked})")?;
+                }
+                writeln!(f)?;
+            }
+        }
+        for Unmatched { mother, tracked, why } in unmatched.iter().take(MOST) {
+            writeln!(f, "  not matched: the daughters of {mother} ({tracked}): {why}")?;
+        }
+        match unmatched.len().saturating_sub(MOST) {
+            0 => Ok(()),
+            more => writeln!(f, "  and {more} more (--json lists them)"),
+        }
+    }
+}
