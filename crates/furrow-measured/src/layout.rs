@@ -106,7 +106,7 @@ pub(crate) fn cell_column(header: &Header<'_>) -> Option<usize> {
 }
 
 /// The column of volumes, with the unit where its heading gives one.
-fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option<VolumeUnit>)>, InputError> {
+pub(crate) fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option<VolumeUnit>)>, InputError> {
     let mut found = Vec::new();
     for name in ["volume", "mean_volume", "relative_volume", "mean_relative_volume"] {
         for (column, unit) in header.quantity(name, &VOLUMES)? {

@@ -5,8 +5,12 @@
 //! | `acetree`, `archive` | nuclei of AceTree and StarryNite: a zip archive, or the folder in it |
 //! | `cd` | CD tables of AceTree |
 //! | `spot_tables` | spots and links of TrackMate and Mastodon as CSV |
+//! | `xml` | the files of TrackMate and MaMuT |
+//! | `track_tables` | tables of tracks of napari, ultrack and btrack |
+//! | `ctc` | tracks of the Cell Tracking Challenge |
 //! | `geff`, `zarr`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
+//! | `chains` | cells whose spots a file lists together |
 //! | `spots` | spots and links of any format, as cells |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
@@ -19,13 +23,17 @@ mod acetree;
 #[cfg_attr(target_arch = "wasm32", path = "archive_without_files.rs")]
 mod archive;
 mod cd;
+mod chains;
 mod container;
+mod ctc;
 mod geff;
 mod lifetimes;
 mod rounds;
 mod spot_tables;
 mod spots;
+mod track_tables;
 mod unpack;
+mod xml;
 mod zarr;
 
 use std::collections::HashMap;
@@ -167,6 +175,12 @@ pub enum Format {
     Mastodon,
     /// GEFF.
     Geff,
+    /// The file of TrackMate or MaMuT.
+    TrackMateXml,
+    /// A table of tracks of napari, ultrack or btrack.
+    Tracks,
+    /// Tracks of the Cell Tracking Challenge.
+    Ctc,
 }
 
 impl Format {
@@ -178,6 +192,9 @@ impl Format {
             Format::TrackMate => "spots of TrackMate",
             Format::Mastodon => "spots of Mastodon",
             Format::Geff => "GEFF",
+            Format::TrackMateXml => "spots of TrackMate or MaMuT",
+            Format::Tracks => "table of tracks",
+            Format::Ctc => "tracks of the Cell Tracking Challenge",
         }
     }
 }
@@ -201,6 +218,9 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         if acetree::is_folder(path) {
             return Ok(here(Format::AceTree));
         }
+        if let Some(tracks) = ctc::IN_FOLDER.iter().map(|name| path.join(name)).find(|tracks| tracks.is_file()) {
+            return Ok(Some((Format::Ctc, tracks)));
+        }
         return Ok(Some((Format::Geff, container::geff_in(path)?)));
     }
     // A pipe can be read only once: it is a plain table.
@@ -216,18 +236,25 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         }
         return Ok(here(Format::AceTree));
     }
+    let text = text(head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head));
+    if xml::is_model(&text) {
+        return Ok(here(Format::TrackMateXml));
+    }
+    if foreign::is_ctc(&text) {
+        return Ok(here(Format::Ctc));
+    }
     foreign::refuse(&path.display().to_string(), &head, foreign::WANTED)?;
     if path.file_name().is_some_and(|name| acetree::is_of_nuclei(&name.to_string_lossy())) {
         let reason = "it has the nuclei of one frame: the folder or the archive with all frames must be given";
         return Err(InputError::other_file(path.display(), "an embryo that was followed", reason));
     }
-    let text = text(head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head));
     let is_heading = |line: &&str| !line.trim().is_empty() && !line.starts_with(['#']) && !line.starts_with("sep=");
     let line = text.lines().find(is_heading).unwrap_or_default();
     let columns: Vec<&str> =
         line.split([',', ';', '\t']).map(|name| name.trim_matches(|c: char| c == '"' || c.is_whitespace())).collect();
     let cd = cd::is_table(&columns).then_some(Format::CdTable);
-    Ok(cd.or_else(|| spot_tables::format_of(&columns)).and_then(here))
+    let tracks = || track_tables::is_table(&columns).then_some(Format::Tracks);
+    Ok(cd.or_else(|| spot_tables::format_of(&columns)).or_else(tracks).and_then(here))
 }
 
 /// Reads an embryo that was followed, with its cells [matched](crate::matching) to these names; a file in another format is an error.
@@ -235,7 +262,7 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
 /// # Errors
 /// As [`read_tracked`] and [`TrackedLineage::match_names`]; a file outside the [formats](Format).
 pub fn read_embryo(path: &Path, options: &TrackOptions, names: &Names) -> Result<TrackedLineage, InputError> {
-    let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
+    let reason = "it is neither of AceTree, StarryNite, TrackMate, MaMuT, Mastodon, napari, ultrack, the Cell Tracking Challenge nor GEFF";
     let other = || InputError::other_file(path.display(), "an embryo that was followed", reason);
     let mut embryo = read_tracked(path, options)?.ok_or_else(other)?;
     embryo.match_names(names)?;
@@ -253,6 +280,9 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
         Format::CdTable => cd::read(path, options),
         Format::TrackMate | Format::Mastodon => spot_tables::read(path, format, options),
         Format::Geff => geff::read(&place, options),
+        Format::TrackMateXml => xml::read(path, options),
+        Format::Tracks => track_tables::read(path, options),
+        Format::Ctc => ctc::read(&place, embryo_of_tracks(path)),
     }?;
     if let Some(minutes) = options.frame_minutes.filter(|_| lineage.time == TimeUnit::Frames) {
         lineage.time = TimeUnit::Minutes;
@@ -289,6 +319,16 @@ fn unit_of_pixels(options: &TrackOptions) -> Unit {
 /// The embryo of a file: its name without its extension.
 fn embryo_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The embryo of tracks of the Cell Tracking Challenge: the folder of a sequence, unless the file has a name of its own.
+fn embryo_of_tracks(path: &Path) -> String {
+    let is_common = |path: &&Path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        ["man_track.txt", "res_track.txt", "TRA"].contains(&&*name)
+    };
+    let named = path.ancestors().find(|path| !is_common(path) && path.file_name().is_some());
+    embryo_of(named.unwrap_or(path))
 }
 
 #[cfg(test)]

@@ -171,16 +171,19 @@ impl Heading {
     fn unit(&self, radius: usize, file: &str) -> Result<Option<Unit>, InputError> {
         let Some(units) = &self.units else { return Ok(None) };
         let text = String::from_utf8_lossy(units.get(radius).unwrap_or_default());
-        match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
-            "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => {
-                Ok(Some(Unit::CubicMicrometres))
-            }
-            "pixel" | "pixels" | "" => Ok(Some(Unit::Voxels)),
-            _ => {
-                let why = format!("the unit of radii is {}: must be (micron), (µm) or (pixel)", shown(&text));
-                Err(malformed(file, self.lines, why))
-            }
-        }
+        radius_unit(&text).map(Some).ok_or_else(|| {
+            let why = format!("the unit of radii is {}: must be (micron), (µm) or (pixel)", shown(&text));
+            malformed(file, self.lines, why)
+        })
+    }
+}
+
+/// The unit of volumes from that of radii; `None` for a unit that is not known.
+pub(super) fn radius_unit(text: &str) -> Option<Unit> {
+    match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
+        "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => Some(Unit::CubicMicrometres),
+        "pixel" | "pixels" | "" => Some(Unit::Voxels),
+        _ => None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod damaged;
 mod graphs;
+mod tracks;
 
 use std::fs;
 use std::io::{Cursor, Write};
@@ -362,10 +363,8 @@ fn rounds_of_mothers_that_were_not_followed_come_from_their_daughters() {
 #[test]
 fn files_of_other_kinds_are_named() {
     for (name, content, message) in [
-        ("film.xml", "<?xml version=\"1.0\"?>\n<TrackMate version=\"7\">\n", "it is a file of TrackMate (XML)"),
         ("film.xml", "<embryo>\n<nuclei file=\"a.zip\"/>\n</embryo>\n", "it is AceTree's configuration (XML)"),
         ("tree.json", "{\n\"format\": 1, \"cells\": []\n}\n", "it is JSON, as furrow's tree.json is"),
-        ("man_track.txt", "1 0 14 0\n2 15 32 1\n3 15 34 1\n", "it is tracks of the Cell Tracking Challenge"),
         ("tree.nwk", "((ABa:1,ABp:1)AB:2,P1:3)P0;\n", "it is a tree (Newick or Nexus)"),
         ("tree.json", "{\n  \"schema\": \"furrow.tree\",\n", "it is JSON, as furrow's tree.json is"),
         ("tree.nex", "#NEXUS\nbegin trees;\n", "it is a tree (Newick or Nexus)"),
@@ -381,6 +380,19 @@ fn files_of_other_kinds_are_named() {
         assert!(error.contains(message) && error.contains("is not a table (CSV)"), "{error}");
         drop(folder);
     }
+    // What a command that reads tables alone says of embryos.
+    for (name, content, message) in [
+        (
+            "film.xml",
+            "<?xml version=\"1.0\"?>\n<TrackMate version=\"7\">\n",
+            "it is a file of TrackMate or MaMuT (XML)",
+        ),
+        ("man_track.txt", "1 0 14 0\n2 15 32 1\n3 15 34 1\n", "it is tracks of the Cell Tracking Challenge"),
+    ] {
+        let (_folder, path) = file(name, content);
+        let error = crate::lifetimes::Lifetimes::read(fs::File::open(&path).unwrap(), "table").unwrap_err().to_string();
+        assert!(error.contains(message) && error.contains("is not a table (CSV)"), "{error}");
+    }
     for (inside, message) in [
         ("project.xml", "it is a project of Mastodon"),
         ("xl/workbook.xml", "it is a workbook of Excel"),
@@ -393,8 +405,6 @@ fn files_of_other_kinds_are_named() {
     assert!(refused(&path).contains("it has the nuclei of one frame"), "{}", refused(&path));
     fs::remove_file(path).unwrap();
     assert!(refused(folder.path()).contains("it is a folder with neither nuclei of AceTree"));
-    fs::write(folder.path().join("man_track.txt"), "").unwrap();
-    assert!(refused(folder.path()).contains("it has tracks of the Cell Tracking Challenge"));
 }
 
 /// Which of two files of one frame is the right one is not known.
