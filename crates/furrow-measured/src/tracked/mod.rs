@@ -8,7 +8,7 @@
 //! | `xml` | the files of TrackMate and MaMuT |
 //! | `track_tables` | tables of tracks of napari, ultrack and btrack |
 //! | `ctc` | tracks of the Cell Tracking Challenge |
-//! | `geff`, `zarr`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
+//! | `geff`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
 //! | `chains` | cells whose spots a file lists together |
 //! | `spots` | spots and links of any format, as cells |
@@ -29,6 +29,7 @@ mod ctc;
 mod geff;
 mod lifetimes;
 mod rounds;
+mod shards;
 mod spot_tables;
 mod spots;
 mod track_tables;
