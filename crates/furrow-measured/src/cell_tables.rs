@@ -22,12 +22,13 @@ impl Volumes {
     ) -> Result<Unit, InputError> {
         let (mut said, mut largest) = (None, 0.0_f64);
         while let Some(row) = table.next_row()? {
+            let embryo = Value::new(row, columns.embryo).written();
             let read = fitting(row).map(|row| columns.unit.map(|column| Value::new(row, column)));
             let noted = match read {
                 Ok(Some(unit)) if unit.text.is_empty() => Err((unit, "no unit".to_owned())),
                 Ok(unit) => {
                     let unit = unit.map(|unit| note_unit(file, &unit, &mut said)).transpose()?;
-                    let factor = factor(unit.or(columns.volume.1), options);
+                    let factor = factor(unit.or(columns.volume.1), &embryo, options);
                     self.read_row(columns, row, options, factor)
                 }
                 Err(rejected) => Err(rejected),
@@ -93,7 +94,8 @@ impl Volumes {
         }
         // Without a unit a grid is in voxels where these have a size.
         let is_bare = named.is_none() && options.unit.is_none();
-        let factor = if is_bare { options.voxel_volume() } else { factor(named, options) };
+        let of_file = embryo_of_file(file);
+        let factor = if is_bare { options.voxel_volume(&of_file) } else { factor(named, &of_file, options) };
         // Voxels are counted: a number with decimals is in another unit.
         let (mut is_counted, mut largest) = (true, 0.0_f64);
         while let Some(row) = table.next_row()? {
@@ -119,7 +121,7 @@ impl Volumes {
             }
         }
         let bare = match () {
-            () if is_counted || options.voxel.is_some() => Unit::Voxels,
+            () if is_counted || options.voxel.of(&of_file).is_some() => Unit::Voxels,
             () if largest <= LARGEST_FRACTION => Unit::Relative,
             () => Unit::CubicMicrometres,
         };
@@ -154,11 +156,11 @@ fn grid_unit(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<
 }
 
 /// The factor from a volume's unit to the unit of results. Without a unit the option gives it.
-pub(crate) fn factor(unit: Option<VolumeUnit>, options: &ReadOptions) -> f64 {
+pub(crate) fn factor(unit: Option<VolumeUnit>, embryo: &str, options: &ReadOptions) -> f64 {
     match unit {
-        Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(),
+        Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(embryo),
         Some(unit) => unit.size,
-        None if options.unit == Some(Unit::Voxels) => options.voxel_volume(),
+        None if options.unit == Some(Unit::Voxels) => options.voxel_volume(embryo),
         None => 1.0,
     }
 }

@@ -77,8 +77,8 @@ pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &Re
     if let Some(value) = generation.filter(|value| value.written().parse::<u32>().is_err()) {
         return Err((value, "not a whole number of a generation".to_owned()));
     }
-    let factor = factor(Some(columns.unit), options);
     let embryo = embryo.written();
+    let factor = factor(Some(columns.unit), &embryo, options);
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
@@ -107,8 +107,8 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     }
     let given = |column: Option<usize>| column.map(at).filter(|value| !value.text.is_empty());
     let own = given(columns.mother_volume.map(|(column, _)| column)).map(positive).transpose()?;
-    let size = columns.mother_volume.map_or(1.0, |(_, unit)| factor(Some(unit), options));
     let embryo = columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written());
+    let size = columns.mother_volume.map_or(1.0, |(_, unit)| factor(Some(unit), &embryo, options));
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,

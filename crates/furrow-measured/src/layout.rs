@@ -78,7 +78,7 @@ impl Columns {
     /// The columns of a long table; `None` for a grid.
     pub(crate) fn of(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<Columns>, InputError> {
         let (cell, volume, of_file) = (cell_column(header), volume_column(header)?, embryo);
-        let embryo = header.find(&["embryo", "embryo_name", "sample"]);
+        let embryo = header.find(&EMBRYO);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
             let (group, frame) = (header.find(GROUP), header.find(&["frame", "time", "time_point"]));
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&["unit"]));
@@ -96,6 +96,9 @@ impl Columns {
         ))
     }
 }
+
+/// Names of the column of embryos.
+pub(crate) const EMBRYO: [&str; 3] = ["embryo", "embryo_name", "sample"];
 
 /// Names of the column of groups.
 const GROUP: &[&str] = &["group", "condition"];

@@ -263,6 +263,13 @@ impl Names {
         }
     }
 
+    /// Generations of founders that the lineage lists below a cell; 0 for other cells than founders.
+    pub(crate) fn listed_generations(&self, name: &str) -> u32 {
+        let Some(k) = self.founders.iter().position(|founder| founder.name == name) else { return 0 };
+        let below = self.founders.iter().filter(|founder| founder.mother == Some(k));
+        below.map(|founder| 1 + self.listed_generations(&founder.name)).max().unwrap_or(0)
+    }
+
     /// As [`founder`].
     pub fn founder<'a>(&'a self, name: &'a str) -> Option<&'a str> {
         let own = || self.place(name).map(|(k, _)| self.founders[k].name.as_str());

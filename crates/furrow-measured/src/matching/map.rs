@@ -1,14 +1,13 @@
 //! Tables that give tracked cells their names in the lineage.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::io::Read;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use furrow_input::table::{Table, malformed};
-use furrow_input::{InputError, csv_value, open_file, shown};
+use furrow_input::table::{Table, malformed, text};
+use furrow_input::{InputError, csv_value, shown};
 
 use crate::names::Names;
-use furrow_input::table::text;
 
 /// Names of the columns: of the tracked cell, of its name in the lineage, and of the embryo.
 const TRACKED: [&str; 5] = ["tracked", "track", "track_id", "id", "label"];
@@ -53,9 +52,8 @@ impl NameMap {
     ///
     /// # Errors
     /// A table without these columns; a cell or a name that is given twice.
-    pub(super) fn read(path: &Path) -> Result<NameMap, InputError> {
-        let file = path.display().to_string();
-        let mut table = Table::open(open_file(path)?, &file)?;
+    pub(super) fn read(from: impl Read, file: &str) -> Result<NameMap, InputError> {
+        let mut table = Table::open(from, file)?;
         let header = table.columns(|_| false)?;
         let (tracked, name) = (header.find(&TRACKED), header.find(&NAME));
         let (Some(tracked), Some(name)) = (tracked, name) else {
@@ -64,7 +62,7 @@ impl NameMap {
             return Err(header.missing(&needed, about));
         };
         let embryo = header.find(&EMBRYO);
-        let mut map = NameMap { file: file.clone(), ..NameMap::default() };
+        let mut map = NameMap { file: file.to_owned(), ..NameMap::default() };
         while let Some(row) = table.next_row()? {
             if let Some((_, why)) = row.surplus() {
                 return Err(malformed(&map.file, row.line as usize, why));

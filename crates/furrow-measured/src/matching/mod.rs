@@ -7,7 +7,8 @@
 //! | `report` | how cells were matched, as data and as text |
 //!
 //! A table names single cells. A root is a tracked cell with a name; the cells below it get theirs by their divisions: of two daughters
-//! the larger one gets the name of the larger founder, or the first letter.
+//! the larger one gets the name of the larger founder, or the first letter. Of two that are nearly equal, the one with more generations below
+//! her gets the name with more founders below it.
 
 mod map;
 mod report;
@@ -16,7 +17,7 @@ mod topology;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use furrow_input::InputError;
+use furrow_input::{InputError, open_file};
 
 pub use report::{By, Matched, MatchedDivision, MatchedRoot, Unmatched};
 
@@ -56,10 +57,20 @@ impl Matching {
     /// # Errors
     /// A table without these columns; a cell or a name that is given twice; a root without a name.
     pub fn read(map: Option<&Path>, roots: &[String], source_name: &str) -> Result<Matching, InputError> {
-        let mut matching = Matching { source: source_name.to_owned(), ..Matching::default() };
-        if let Some(path) = map {
-            matching.map = NameMap::read(path)?;
-        }
+        let map = map.map(|path| NameMap::read(open_file(path)?, &path.display().to_string())).transpose()?;
+        Matching::of(map.unwrap_or_default(), roots, source_name)
+    }
+
+    /// As [`Matching::read`], with a table as text, which errors call `file`.
+    ///
+    /// # Errors
+    /// As [`Matching::read`].
+    pub fn parse(text: &str, file: &str, roots: &[String], source_name: &str) -> Result<Matching, InputError> {
+        Matching::of(NameMap::read(text.as_bytes(), file)?, roots, source_name)
+    }
+
+    fn of(map: NameMap, roots: &[String], source_name: &str) -> Result<Matching, InputError> {
+        let mut matching = Matching { map, source: source_name.to_owned(), ..Matching::default() };
         for text in roots {
             let (tracked, name) = match text.rsplit_once('=') {
                 Some((tracked, name)) => (Some(tracked.trim().to_owned()), name.trim().to_owned()),

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use furrow_input::listed;
 use serde::Serialize;
 
 /// What decided which daughter is which.
@@ -10,6 +11,8 @@ use serde::Serialize;
 pub enum By {
     /// A daughter has a name of her own, or one that a table gives.
     Names,
+    /// Sizes are nearly equal or not known: the one with more generations below her is the founder with more listed ones.
+    Descendants,
     /// The larger one is the larger founder, or has the first letter.
     Sizes,
     /// Sizes are equal or not known: the one born first takes the place of the larger one.
@@ -19,8 +22,9 @@ pub enum By {
 }
 
 impl By {
-    const ALL: [(By, &'static str); 4] = [
+    const ALL: [(By, &'static str); 5] = [
         (By::Names, "by names"),
+        (By::Descendants, "by their descendants"),
         (By::Sizes, "by sizes"),
         (By::Births, "by births"),
         (By::Order, "by their order in the file"),
@@ -81,13 +85,19 @@ pub struct Matched {
     pub without_name: usize,
 }
 
+/// Sisters with a smaller χ are nearly equal: errors of volumes of 5 % make as much.
+pub(super) const NEARLY_EQUAL: f64 = 0.05;
+
 /// Cells that the text lists.
 const MOST: usize = 5;
 
 impl fmt::Display for Matched {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Matched { embryo, by_table, roots, divisions, unmatched, without_name } = self;
-        writeln!(f, "cells of {embryo} matched: {by_table} by the table of names; {without_name} have no name")?;
+        writeln!(f, "cells of {embryo} matched; {without_name} have no name in the lineage")?;
+        if *by_table > 0 {
+            writeln!(f, "  {by_table} by the table of names")?;
+        }
         for MatchedRoot { tracked, name } in roots {
             writeln!(f, "  root {tracked} = {name}")?;
         }
@@ -96,10 +106,16 @@ impl fmt::Display for Matched {
             let count = of().count();
             if count > 0 {
                 write!(f, "  daughters of {count} {words}")?;
-                let least = of().filter_map(|division| Some((division.chi?, division)));
-                let least = least.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| by == By::Sizes);
-                if let Some((chi, MatchedDivision { mother, tracked, .. })) = least {
-                    write!(f, ", the least unequal χ = {chi:.3} of {mother} ({tracked})")?;
+                let near =
+                    of().filter(|division| by == By::Sizes && division.chi.is_some_and(|chi| chi < NEARLY_EQUAL));
+                let near: Vec<String> = near.map(|MatchedDivision { mother, .. }| mother.clone()).collect();
+                if !near.is_empty() {
+                    let those = listed(near.iter().map(String::as_str), ", ");
+                    write!(
+                        f,
+                        ", {} of them nearly equal (χ below {NEARLY_EQUAL}), where noise may decide: {those}",
+                        near.len()
+                    )?;
                 }
                 writeln!(f)?;
             }

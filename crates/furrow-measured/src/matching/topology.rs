@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use furrow_input::{InputError, listed, shown};
 
-use super::report::{By, Matched, MatchedDivision, MatchedRoot, Unmatched};
+use super::report::{By, Matched, MatchedDivision, MatchedRoot, NEARLY_EQUAL, Unmatched};
 use super::{Matching, Root};
 use crate::names::Names;
 use crate::tracked::{Place, TrackedCell, TrackedLineage};
@@ -32,6 +32,15 @@ impl TrackedLineage {
     }
 }
 
+/// Generations that were followed below each cell; daughters come after their mothers.
+fn generations(embryo: &TrackedLineage) -> Vec<u32> {
+    let mut below = vec![0; embryo.cells.len()];
+    for (cell, TrackedCell { daughters, .. }) in embryo.cells.iter().enumerate().rev() {
+        below[cell] = daughters.iter().map(|daughter| below[*daughter] + 1).max().unwrap_or(0);
+    }
+    below
+}
+
 struct Search<'a> {
     embryo: &'a TrackedLineage,
     names: &'a Names,
@@ -40,6 +49,8 @@ struct Search<'a> {
     given: Vec<Option<String>>,
     /// Whether a cell is a root or below one.
     reached: Vec<bool>,
+    /// Generations that were followed below each cell.
+    generations: Vec<u32>,
     matched: Matched,
 }
 
@@ -49,7 +60,7 @@ impl<'a> Search<'a> {
         let given = embryo.cells.iter().map(own).collect();
         let (reached, matched) =
             (vec![false; embryo.cells.len()], Matched { embryo: embryo.name.clone(), ..Matched::default() });
-        Search { embryo, names, matching, given, reached, matched }
+        Search { embryo, names, matching, given, reached, generations: generations(embryo), matched }
     }
 
     /// What a cell is called where it was tracked.
@@ -180,7 +191,7 @@ impl<'a> Search<'a> {
         let known = [one, other].map(|cell| self.given[cell].as_deref());
         let of = |name: Option<&str>| name.map(|name| daughters.iter().position(|daughter| daughter == name));
         let (cells, by) = match known.map(of) {
-            [None, None] => self.by_looks([one, other]),
+            [None, None] => self.by_looks(&daughters, [one, other]),
             [Some(Some(first)), None] => (ordered(first == 1), By::Names),
             [None, Some(Some(second))] => (ordered(second == 0), By::Names),
             [Some(Some(first)), Some(Some(second))] if first != second => (ordered(first == 1), By::Names),
@@ -192,10 +203,18 @@ impl<'a> Search<'a> {
         Ok((daughters, cells, by))
     }
 
-    /// Two sisters without names, the larger or the earlier one first.
-    fn by_looks(&self, [one, other]: [usize; 2]) -> ([usize; 2], By) {
+    /// Two sisters without names, in the order of the names.
+    fn by_looks(&self, daughters: &[String; 2], [one, other]: [usize; 2]) -> ([usize; 2], By) {
         let births = [one, other].map(|cell| self.embryo.cells[cell].birth);
-        match self.volumes([one, other]) {
+        let volumes = self.volumes([one, other]);
+        let is_unequal = volumes.is_some_and(|[a, b]| (a - b).abs() >= NEARLY_EQUAL * (a + b));
+        let listed = [0, 1].map(|k| self.names.listed_generations(&daughters[k]));
+        let followed = [one, other].map(|cell| self.generations[cell]);
+        if !is_unequal && listed[0] != listed[1] && followed[0] != followed[1] {
+            let is_turned = (listed[0] > listed[1]) != (followed[0] > followed[1]);
+            return (if is_turned { [other, one] } else { [one, other] }, By::Descendants);
+        }
+        match volumes {
             Some([a, b]) if a != b => (if a > b { [one, other] } else { [other, one] }, By::Sizes),
             _ if births[0] != births[1] => {
                 (if births[0] < births[1] { [one, other] } else { [other, one] }, By::Births)

@@ -10,6 +10,7 @@
 //! | `ctc` | tracks of the Cell Tracking Challenge |
 //! | `geff`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
+//! | `files` | the embryos in folders and patterns |
 //! | `chains` | cells whose spots a file lists together |
 //! | `spots` | spots and links of any format, as cells |
 //!
@@ -26,6 +27,7 @@ mod cd;
 mod chains;
 mod container;
 mod ctc;
+mod files;
 mod geff;
 mod lifetimes;
 mod rounds;
@@ -45,6 +47,8 @@ use furrow_input::table::text;
 use furrow_input::{InputError, foreign, open_file};
 use serde::Serialize;
 
+pub use files::{EmbryoFile, LeftOut, embryo_files};
+pub use lifetimes::TrackedLifetimes;
 pub use rounds::{Absent, TrackedRounds};
 
 use crate::matching::Matched;
@@ -224,6 +228,12 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         }
         return Ok(Some((Format::Geff, container::geff_in(path)?)));
     }
+    located_file(path)
+}
+
+/// As [`located`], of a file.
+fn located_file(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
+    let here = |format: Format| Some((format, path.to_owned()));
     // A pipe can be read only once: it is a plain table.
     if path.exists() && !path.is_file() {
         return Ok(None);
@@ -283,7 +293,7 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
         Format::Geff => geff::read(&place, options),
         Format::TrackMateXml => xml::read(path, options),
         Format::Tracks => track_tables::read(path, options),
-        Format::Ctc => ctc::read(&place, embryo_of_tracks(path)),
+        Format::Ctc => ctc::read(&place, name_of(path)),
     }?;
     if let Some(minutes) = options.frame_minutes.filter(|_| lineage.time == TimeUnit::Frames) {
         lineage.time = TimeUnit::Minutes;
@@ -322,8 +332,8 @@ fn embryo_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// The embryo of tracks of the Cell Tracking Challenge: the folder of a sequence, unless the file has a name of its own.
-fn embryo_of_tracks(path: &Path) -> String {
+/// The embryo of a file or folder. The files of the Cell Tracking Challenge have one name each: the folder's is the sequence's.
+pub(crate) fn name_of(path: &Path) -> String {
     let is_common = |path: &&Path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         ["man_track.txt", "res_track.txt", "TRA"].contains(&&*name)

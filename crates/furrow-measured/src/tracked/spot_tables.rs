@@ -57,6 +57,17 @@ pub(super) fn format_of(columns: &[&str]) -> Option<Format> {
     (has(TRACKMATE.link[0]) || (has(label) && has(id) && has(frame))).then_some(Format::TrackMate)
 }
 
+/// Whether a file has the links beside a table of spots: that table is read, and its links with it.
+pub(super) fn is_of_links(path: &Path) -> bool {
+    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let spots = |(spots, links): &(&str, &str)| {
+        let at = name.rfind(links)?;
+        Some(path.with_file_name(format!("{}{spots}{}", &name[..at], &name[at + links.len()..])))
+    };
+    let words = TRACKMATE.words.iter().chain(&MASTODON.words);
+    words.filter_map(spots).any(|other| other != path && other.is_file())
+}
+
 pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let layout = if format == Format::Mastodon { MASTODON } else { TRACKMATE };
     let file = path.display().to_string();

@@ -13,6 +13,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::*;
+use crate::lifetimes::{LifetimeOptions, Lifetimes};
 use crate::names::Names;
 
 /// Nuclei of P0 in frames 1 and 2, AB and P1 from 3 on, AB's daughters from 5 on; P1 is last seen in 6.
@@ -82,6 +83,12 @@ fn refused(path: &Path) -> String {
     let error = read_tracked(path, &TrackOptions::default()).unwrap_err().to_string();
     let folder = path.parent().unwrap().display().to_string();
     error.replace(&format!("{}/", path.display()), "").replace(&format!("{folder}/"), "")
+}
+
+/// The lifetimes of an embryo.
+fn lifetimes(path: &Path, frame_minutes: Option<f64>) -> Result<Lifetimes, InputError> {
+    let options = LifetimeOptions { frame_minutes: frame_minutes.into(), ..LifetimeOptions::default() };
+    Lifetimes::read_files(&embryo_files(&[path.to_owned()])?.0, &options)
 }
 
 /// Name, mother's name, birth, division and last time of each cell.
@@ -311,8 +318,7 @@ fn names_are_understood_or_skipped() {
         let folder = nuclei(&texts.iter().map(String::as_str).collect::<Vec<_>>());
         let options = TrackOptions { pixel: None, frame_minutes: Some(1.0) };
         let embryo = read_tracked(folder.path(), &options).unwrap().unwrap();
-        let counted = embryo.skipped_with_names(&Names::default());
-        (embryo.lifetimes("embryo", &Names::default()), counted)
+        (super::tests::lifetimes(folder.path(), Some(1.0)), embryo.skipped_with_names(&Names::default()))
     };
     for name in ["AB", "A B", "AB.", " AB"] {
         let (found, (skipped, count)) = lifetimes("AB", name);
@@ -458,15 +464,13 @@ fn rounds_count_divisions_to_the_last_cells() {
 #[test]
 fn lifetimes_need_minutes_and_both_ends() {
     let folder = nuclei(&NUCLEI);
-    let error = tracked(folder.path()).lifetimes("embryo", &Names::default()).unwrap_err().to_string();
+    let error = lifetimes(folder.path(), None).unwrap_err().to_string();
     assert_eq!(error.split(':').next(), Some("--frame-minutes"), "{error}");
-    let options = TrackOptions { pixel: None, frame_minutes: Some(1.5) };
-    let found = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo", &Names::default()).unwrap();
+    let found = lifetimes(folder.path(), Some(1.5)).unwrap();
     // P0 is there from the start, and the others were not seen to divide.
     let [ab] = &found.cells[..] else { panic!("{found:?}") };
     assert_eq!((ab.cell.as_str(), ab.founder.as_str(), ab.n, ab.mean, ab.birth), ("AB", "AB", 1, 3.0, Some(4.5)));
     let folder = nuclei(&NUCLEI[..2]);
-    let lineage = read_tracked(folder.path(), &options).unwrap().unwrap();
-    let error = lineage.lifetimes("embryo", &Names::default()).unwrap_err().to_string();
-    assert!(error.starts_with("embryo: cells = 1: must be at least one cell"), "{error}");
+    let error = lifetimes(folder.path(), Some(1.5)).unwrap_err().to_string();
+    assert!(error.contains(": cells = 1: must be at least one cell"), "{error}");
 }

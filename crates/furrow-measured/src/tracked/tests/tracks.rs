@@ -205,3 +205,40 @@ fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
         assert!(refused(&path).contains(message), "{}\n{message}", refused(&path));
     }
 }
+
+#[test]
+fn folders_and_patterns_stand_for_the_embryos_in_them() {
+    let text: String =
+        TRACKS.map(|(track, first, last, mother, _)| format!("{track} {first} {last} {mother}\n")).concat();
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["01/TRA", "02/TRA"] {
+        fs::create_dir_all(at(name)).unwrap();
+        fs::write(at(name).join("man_track.txt"), &text).unwrap();
+    }
+    for name in ["a", "b"] {
+        fs::write(at(&format!("{name}_spots.csv")), "LABEL,ID,FRAME\n").unwrap();
+        fs::write(at(&format!("{name}_edges.csv")), "").unwrap();
+    }
+    fs::write(at("notes.txt"), "none\n").unwrap();
+    let files = |paths: &[PathBuf]| {
+        let (files, left) = embryo_files(paths)?;
+        let left: Vec<String> = left.into_iter().flat_map(|left| left.files).collect();
+        Ok::<_, InputError>((files.into_iter().map(|file| file.name).collect::<Vec<_>>(), left))
+    };
+    let (names, left) = files(&[folder.path().to_owned()]).unwrap();
+    assert_eq!((names.join(" "), left), ("01 02 a_spots b_spots".to_owned(), vec!["notes.txt".to_owned()]));
+    let (names, _) = files(&[at("*_*.csv"), at("01"), at("not there")]).unwrap();
+    assert_eq!(names, ["a_spots", "b_spots", "01", "not there"]);
+    // Files of one name are called after their folders.
+    let paths = ["01", "02"].map(|name| {
+        fs::write(at(name).join("film_spots.csv"), "").unwrap();
+        at(name).join("film_spots.csv")
+    });
+    assert_eq!(files(&paths).unwrap().0, ["01/film_spots", "02/film_spots"]);
+    let error = files(&[at("*.xml")]).unwrap_err().to_string();
+    assert!(error.contains("files = 0: must be a pattern that a file fits; there are 01, 02, a_edges"), "{error}");
+    fs::create_dir(at("empty")).unwrap();
+    let error = files(&[at("empty")]).unwrap_err().to_string();
+    assert!(error.contains("it is a folder with neither nuclei of AceTree"), "{error}");
+}
