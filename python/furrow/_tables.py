@@ -99,6 +99,15 @@ def times_of(
     }
 
 
+def exported_files(files: list[tuple[str, Any]]) -> str | dict[str, str] | dict[str, bytes]:
+    """The text of one file, or several files by name."""
+    if len(files) == 1 and not files[0][0]:
+        text: str = files[0][1]
+        return text
+    several: dict[str, str] | dict[str, bytes] = dict(files)
+    return several
+
+
 def positive(name: str, value: SupportsFloat) -> float:
     """A finite number above 0."""
     allowed = "a finite number above 0"

@@ -170,8 +170,13 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     ),
     "export": (
         "furrow.Tree.export",
-        {"[TREE.json]": "furrow.read_tree(path)", "--to": "furrow.Tree.export(format)", "--out": "furrow.Tree.export(path)"}
-        | {"--branch-lengths": "furrow.Tree.export(lengths)", "--schema": "furrow.tree_schema"},
+        {"[TREE.json|EMBRYO]": "furrow.read_tree(path), or furrow.export_observed(embryo)", "--to": "furrow.Tree.export(format)", "--out": "furrow.Tree.export(path)"}
+        | {"--branch-lengths": "furrow.Tree.export(lengths)", "--schema": "furrow.tree_schema"}
+        | {"--subtree": "furrow.Tree.export(subtree)"}
+        | {
+            f"--{name}": f"furrow.export_observed({name.replace('-', '_')})"
+            for name in ("lineage", "volumes", "frame-minutes", "voxel", "names", "root")
+        },
     ),
     "calibrate": (
         "furrow.calibrate",

@@ -34,6 +34,11 @@ pub struct MatchArgs {
 }
 
 impl MatchArgs {
+    /// Whether there is a table of names or a root.
+    pub fn is_given(&self) -> bool {
+        self.names.is_some() || !self.root.is_empty()
+    }
+
     /// The names of a lineage's cells, to which others are matched.
     pub fn names(&self, lineage: &Lineage) -> Result<Names, InputError> {
         names_of(lineage).matched_by(Matching::read(self.names.as_deref(), &self.root, "--root")?)

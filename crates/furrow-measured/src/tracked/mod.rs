@@ -68,8 +68,10 @@ pub enum TimeUnit {
 /// A cell, from its birth to its division.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedCell {
-    /// Its name in Sulston's lineage, or else its first spot's name.
+    /// Its name in Sulston's lineage or one that it is matched to, or else its first spot's name.
     pub name: String,
+    /// What it is called in the file.
+    pub tracked: String,
     /// The index of its mother; `None` if it was there from the start, or its mother is not known.
     pub mother: Option<usize>,
     /// The indices of its daughters, at most two.

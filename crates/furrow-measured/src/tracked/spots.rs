@@ -221,6 +221,7 @@ impl Spots {
         }
         cells.push(TrackedCell {
             name: name.clone(),
+            tracked: name.clone(),
             mother,
             daughters: Vec::new(),
             birth: *time,
