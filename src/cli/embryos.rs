@@ -45,7 +45,7 @@ impl MatchArgs {
     }
 }
 
-/// The files that paths stand for, with a warning of those that are not read.
+/// The files of embryos by paths, folders and patterns. A warning counts the files of folders that are no embryos.
 pub fn files_of(paths: &[PathBuf]) -> Result<Vec<EmbryoFile>, InputError> {
     let (files, left_out) = embryo_files(paths)?;
     for LeftOut { folder, files } in left_out {

@@ -57,7 +57,7 @@ pub struct ExportArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Observed embryos")]
 struct ObservedArgs {
-    /// Lineage whose founders cells descend from; default the built-in C. elegans founders
+    /// Lineage with the founders of the cells; default the built-in C. elegans founders
     #[arg(long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
     /// Tables of cell volumes, as for compare volumes, beside a table of lifetimes
@@ -82,7 +82,7 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
         let names = args.observed.matching.names(&lineage)?;
         let observed = args.observed.read(file, names.clone())?;
         let founders: Vec<&str> = lineage.founders.iter().map(|founder| founder.name.as_str()).collect();
-        // Time points are those of the recording.
+        // The recording gives the time points.
         let lengths = args.branch_lengths.unwrap_or(BranchLengths::Minutes);
         let sheet = observed.sheet(&founders, &names);
         check_sheet(&sheet, format, lengths)?;

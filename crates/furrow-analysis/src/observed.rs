@@ -72,7 +72,7 @@ impl Observed {
 pub struct ObservedCell {
     /// Its name.
     pub name: String,
-    /// What it is called where it was tracked.
+    /// Its name in the file of the tracking program.
     pub tracked: Option<String>,
     /// The place of its mother.
     pub mother: Option<usize>,
@@ -126,7 +126,7 @@ impl ObservedLineage {
         ObservedLineage { name: embryo.name.clone(), cells, time: embryo.time, volumes }
     }
 
-    /// The cells of tables of lifetimes, whose mothers follow from names, with mean volumes.
+    /// The cells of tables of lifetimes, with mean volumes. A cell's name gives its mother.
     pub fn of_lifetimes(
         name: &str,
         lifetimes: &Lifetimes,

@@ -5,7 +5,7 @@
 //! | [`names`] | Sulston's names: a cell's mother and sister |
 //! | [`volumes`], `layout`, `division_table` | tables of volumes: long tables, frames × cells, and divisions |
 //! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, MaMuT, Mastodon, napari, ultrack, GEFF |
-//! | [`matching`] | cells with other names, matched to those of the lineage |
+//! | [`matching`] | matches cells with other names to the cells of a lineage |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`per_embryo`], `pace` | numbers of single embryos; embryos beside each other |
 //! | [`lifetimes`], `lifetime_table` | tables of lifetimes: over volume, which sister divides first, cells alive over time |

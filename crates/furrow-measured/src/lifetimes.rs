@@ -78,7 +78,7 @@ pub struct EmbryoTimes {
     pub shared: usize,
     /// Minutes from one frame to the next, where frames are counted.
     pub frame_minutes: Option<f64>,
-    /// How much longer its cells live than those of all embryos, as a factor; `None` if it shares no cell with others.
+    /// The lifetimes of its cells divided by the lifetimes in all embryos; `None` if it shares no cell with others.
     pub time_factor: Option<f64>,
     /// Standard deviation of ln lifetime about what its factor gives.
     pub scatter: Option<f64>,

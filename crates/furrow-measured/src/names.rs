@@ -172,10 +172,10 @@ impl Names {
         Names { founders, letters, of_worm, matching: None }
     }
 
-    /// These names, to which cells with other names are matched. Clones share what the matching has met.
+    /// These names, with a matching of other names. Clones share the record of names that were met.
     ///
     /// # Errors
-    /// The matching gives a name that is none of these.
+    /// The matching gives a cell a name that the lineage does not have.
     pub fn matched_by(mut self, mut matching: Matching) -> Result<Names, InputError> {
         matching.understand(&self)?;
         self.matching = (!matching.is_empty()).then(|| Arc::new(matching));

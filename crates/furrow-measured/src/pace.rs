@@ -15,7 +15,7 @@ pub(crate) type InEmbryos<'a> = Vec<(usize, &'a str, f64)>;
 pub(crate) struct Shares {
     /// By embryo, with a mean of 0; `None` for an embryo that shares no cell with others.
     pub(crate) of: Vec<Option<f64>>,
-    /// Standard deviation of what is left, by embryo; `None` below two shared cells.
+    /// Standard deviation of the residuals, by embryo; `None` below two shared cells.
     pub(crate) scatter: Vec<Option<f64>>,
     /// Cells that it shares with others, by embryo.
     pub(crate) shared: Vec<usize>,
@@ -80,7 +80,7 @@ mod tests {
     fn factors_and_cells_are_recovered() {
         let (factors, lives): ([f64; 3], [f64; 4]) = ([0.8, 1.0, 1.25], [20.0, 30.0, 25.0, 40.0]);
         let names = ["a", "b", "c", "d"];
-        // The second embryo lacks a cell; the fourth shares none.
+        // The second embryo lacks a cell; the fourth embryo shares no cell.
         let mut values: InEmbryos<'_> = Vec::new();
         for (e, factor) in factors.iter().enumerate() {
             for (c, life) in lives.iter().enumerate().filter(|(c, _)| (e, *c) != (1, 2)) {

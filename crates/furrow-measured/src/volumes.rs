@@ -102,7 +102,7 @@ pub struct EmbryoSize {
     pub shared: usize,
     /// Edge of its voxels in µm, where it is given.
     pub voxel: Option<f64>,
-    /// How much larger its cells are than those of all embryos, as a factor of volumes; `None` if it shares no cell with others.
+    /// The volumes of its cells divided by the volumes in all embryos; `None` if it shares no cell with others.
     pub size_factor: Option<f64>,
     /// Standard deviation of ln volume about what its factor gives.
     pub scatter: Option<f64>,

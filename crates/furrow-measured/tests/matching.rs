@@ -99,13 +99,13 @@ fn cells_below_a_root_are_matched_by_size_then_birth_then_order() {
         let embryo = files.embryo(None, &[root]).unwrap();
         assert_eq!(named(&embryo), ["egg", "ID9", "vegetal", "animal", "vegetalx", "vegetaly", "A2", "A1"], "{root}");
         let matched = embryo.matched.unwrap();
-        // The daughters of ID3 have one size and one birth; those of ID4 differ in size, and the larger is born later.
+        // The daughters of ID3 have equal sizes and births. The daughters of ID4 differ in size, and the larger one is born later.
         assert_eq!(bys(&matched), [("egg", By::Sizes), ("vegetal", By::Order), ("animal", By::Sizes)]);
         assert_eq!((matched.without_name, matched.by_table, matched.unmatched.len()), (1, 0, 0));
         let chi = matched.divisions[0].chi.unwrap();
         assert!((chi - (729.0 - 216.0) / (729.0 + 216.0)).abs() < 1e-12, "{chi}");
     }
-    // Nearly equal daughters of the egg: the one whose daughters divide further is animal, which has founders below it.
+    // The daughters of the egg are nearly equal. ID4 has more generations below it, and so has the founder animal.
     let text = "LABEL,ID,FRAME,RADIUS\nID11,11,9,2\nID12,12,9,2\n";
     files.write("e_spots.csv", &(SPOTS.replace("ID4,4,2,6", "ID4,4,2,8.9") + &text[text.find("ID11").unwrap()..]));
     files.write("e_edges.csv", &format!("{EDGES}5,11\n5,12\n"));

@@ -38,7 +38,7 @@ pub(super) fn nexus(sheet: &Sheet<'_>, lengths: BranchLengths) -> String {
 
 /// The tree below a cell up to its semicolon, with what `after_name` gives behind the name of each cell.
 fn nested(sheet: &Sheet<'_>, root: usize, after_name: impl Fn(usize) -> String) -> String {
-    /// What is written next.
+    /// A part of the text that is still to be written.
     enum Part {
         Cell(usize),
         Name(usize),

@@ -60,7 +60,7 @@ pub struct Sheet<'a> {
     pub duration: Of<'a, f64>,
     /// The size asymmetry of a cell's division.
     pub chi: Of<'a, f64>,
-    /// What a label has behind the name, in brackets.
+    /// The remark in brackets behind the name in a label.
     pub remark: Box<dyn Fn(usize) -> String + 'a>,
 }
 
@@ -114,7 +114,7 @@ impl<'t> Sheet<'t> {
         }
     }
 
-    /// A cell, by its name or by what the column `tracked` has, and those below it. Errors say the name came from `source_name`.
+    /// The cell with this name, or with this name in the column `tracked`, and its descendants. Errors say the name came from `source_name`.
     ///
     /// # Errors
     /// No cell has this name.

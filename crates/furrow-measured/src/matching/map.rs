@@ -21,7 +21,7 @@ pub(super) struct MapRow {
     line: u64,
     /// The embryo; empty for any.
     pub(super) embryo: String,
-    /// What the cell is called where it was tracked.
+    /// The cell's name in the file of the tracking program.
     pub(super) tracked: String,
     /// Its name in the lineage.
     pub(super) name: String,
@@ -130,7 +130,7 @@ impl NameMap {
         }
     }
 
-    /// Requires that all cells were met, but for those of embryos that no table has.
+    /// Requires that all cells were met. Cells of embryos that no table has are not required.
     pub(super) fn require_met(&self) -> Result<(), InputError> {
         let is_met = |met: &AtomicBool| met.load(Ordering::Relaxed);
         let of_read = |row: &&MapRow| row.embryo.is_empty() || self.embryos.get(&row.embryo).is_some_and(is_met);

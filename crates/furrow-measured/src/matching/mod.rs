@@ -36,7 +36,7 @@ pub struct Matching {
 /// A tracked cell with a name, below which names follow from divisions.
 #[derive(Debug)]
 struct Root {
-    /// What the cell is called where it was tracked; `None` for the only cell without a mother.
+    /// The cell's name in the file of the tracking program; `None` for the only cell without a mother.
     tracked: Option<String>,
     /// Its name in the lineage.
     name: String,

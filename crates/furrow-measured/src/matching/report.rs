@@ -34,7 +34,7 @@ impl By {
 /// A cell below which names follow from divisions.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MatchedRoot {
-    /// What it is called where it was tracked.
+    /// Its name in the file of the tracking program.
     pub tracked: String,
     /// Its name in the lineage.
     pub name: String,
@@ -45,11 +45,11 @@ pub struct MatchedRoot {
 pub struct MatchedDivision {
     /// The mother's name in the lineage.
     pub mother: String,
-    /// What she is called where she was tracked.
+    /// Her name in the file of the tracking program.
     pub tracked: String,
     /// Her daughters' names in the lineage.
     pub daughters: [String; 2],
-    /// What these are called where they were tracked.
+    /// Their names in the file of the tracking program.
     pub tracked_daughters: [String; 2],
     /// What decided which daughter is which.
     pub by: By,
@@ -57,12 +57,12 @@ pub struct MatchedDivision {
     pub chi: Option<f64>,
 }
 
-/// A cell below a root whose daughters have no names.
+/// A cell below a root; its daughters have no names.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unmatched {
     /// The mother's name in the lineage.
     pub mother: String,
-    /// What she is called where she was tracked.
+    /// Her name in the file of the tracking program.
     pub tracked: String,
     /// Why her daughters were not matched.
     pub why: String,
@@ -79,7 +79,7 @@ pub struct Matched {
     pub roots: Vec<MatchedRoot>,
     /// Divisions below roots, mothers before daughters.
     pub divisions: Vec<MatchedDivision>,
-    /// Cells below roots whose daughters could not be matched.
+    /// Cells below roots, where the daughters could not be matched.
     pub unmatched: Vec<Unmatched>,
     /// Cells without a name in the lineage.
     pub without_name: usize,

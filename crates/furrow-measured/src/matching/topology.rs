@@ -1,4 +1,4 @@
-//! The cells of a tracked embryo matched to those of the lineage, from roots down.
+//! Matches the cells of a tracked embryo to the cells of the lineage, from roots down.
 
 use std::sync::atomic::Ordering;
 
@@ -63,7 +63,7 @@ impl<'a> Search<'a> {
         Search { embryo, names, matching, given, reached, generations: generations(embryo), matched }
     }
 
-    /// What a cell is called where it was tracked.
+    /// A cell's name in the file of the tracking program.
     fn tracked(&self, cell: usize) -> String {
         self.embryo.cells[cell].name.clone()
     }

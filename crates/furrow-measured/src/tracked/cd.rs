@@ -85,7 +85,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     spots.lineage(embryo_of(path), Format::CdTable, TimeUnit::Frames, unit_of_pixels(options))
 }
 
-/// The cells in the order of the file, each with its mother by name.
+/// The cells in the order of the file. Names give their mothers.
 fn chains(spots: &Spots, cells: HashMap<String, Vec<usize>>) -> Vec<Chain> {
     let mut chains: Vec<Chain> = cells.into_iter().map(|(name, spots)| Chain { name, spots, mother: None }).collect();
     // So that the first error is always the same.

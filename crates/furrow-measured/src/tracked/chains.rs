@@ -1,4 +1,4 @@
-//! Cells whose spots a file lists together: their links follow from times, and from mothers.
+//! Links the spots of cells, where the file lists the spots of a cell together.
 
 use furrow_input::InputError;
 use furrow_input::table::malformed;

@@ -1,4 +1,5 @@
-//! Tracks of the Cell Tracking Challenge: lines of label, first frame, last frame, and the mother's label, 0 for none.
+//! Tracks of the Cell Tracking Challenge. A line has a label, the first frame, the last frame, and the mother's label, or 0 without a
+//! mother.
 //!
 //! # References
 //! <https://celltrackingchallenge.net>: naming and file content conventions.

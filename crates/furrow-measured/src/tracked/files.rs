@@ -1,4 +1,4 @@
-//! The files that paths stand for: embryos, folders of embryos, patterns.
+//! Finds the files of embryos by paths, folders and patterns.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -28,8 +28,8 @@ pub struct LeftOut {
 /// Most files of a folder or a pattern.
 const MOST: usize = 10_000;
 
-/// The files that some paths stand for. A folder that is an embryo itself stands for it, any other folder for the embryos in it;
-/// a name with `*` for the files that fit it. Returned as well are the files of folders that are no embryos.
+/// Finds the files of embryos. A folder is an embryo itself, or holds embryos; a name with `*` finds the files that fit it. The second
+/// list has the files of folders that are no embryos.
 ///
 /// # Errors
 /// A folder without embryos, a pattern that no file fits, or a path that cannot be read.
@@ -132,7 +132,7 @@ fn fitting(pattern: &Path, found: &mut Vec<PathBuf>) -> Result<(), InputError> {
     InputError::require(found.len() > before, pattern.display().to_string(), "files", 0, allowed())
 }
 
-/// Whether a name fits a pattern, in which `*` stands for any letters.
+/// Whether a name fits a pattern, where `*` fits any letters.
 fn matches(pattern: &str, name: &str) -> bool {
     let Some((first, rest)) = pattern.split_once('*') else { return pattern == name };
     let Some(left) = name.strip_prefix(first) else { return false };

@@ -11,7 +11,7 @@
 //! | `geff`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
 //! | `files` | the embryos in folders and patterns |
-//! | `chains` | cells whose spots a file lists together |
+//! | `chains` | links spots, where the file lists the spots of a cell together |
 //! | `spots` | spots and links of any format, as cells |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
@@ -70,7 +70,7 @@ pub enum TimeUnit {
 pub struct TrackedCell {
     /// Its name in Sulston's lineage or one that it is matched to, or else its first spot's name.
     pub name: String,
-    /// What it is called in the file.
+    /// Its name in the file.
     pub tracked: String,
     /// The index of its mother; `None` if it was there from the start, or its mother is not known.
     pub mother: Option<usize>,
@@ -138,7 +138,7 @@ pub struct TrackedLineage {
 /// Names and ids of spots, with the cell that each is of; `None` if it is of several.
 pub(crate) type SpotNames = HashMap<String, Option<usize>>;
 
-/// What a tracked name stands for.
+/// The result of a search for a tracked name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
     /// No cell.

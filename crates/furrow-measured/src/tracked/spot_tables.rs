@@ -189,7 +189,7 @@ impl Heading {
     }
 }
 
-/// The unit of volumes from that of radii; `None` for a unit that is not known.
+/// The unit of volumes, from the unit of radii; `None` if the unit is not known.
 pub(super) fn radius_unit(text: &str) -> Option<Unit> {
     match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
         "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => Some(Unit::CubicMicrometres),

@@ -42,7 +42,7 @@ pub(super) struct Spots {
     shattered: HashSet<usize>,
     /// Spots that have lost a link: their remaining link leads to a daughter, unless the names are equal.
     parted: HashSet<usize>,
-    /// Names of tracks, each with its first spot.
+    /// Names of tracks and their first spots.
     pub tracks: Vec<(String, usize)>,
     skipped: Vec<Skipped>,
     skipped_count: u64,

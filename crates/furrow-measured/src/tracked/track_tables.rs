@@ -34,7 +34,7 @@ pub(super) fn is_table(columns: &[&str]) -> bool {
 enum Size {
     /// None.
     Unknown,
-    /// A volume, and what one of its units is.
+    /// A column of volumes, and the size of their unit.
     Volume(usize, f64),
     /// A length in pixels, and how many of it are a diameter.
     Length(usize, f64),
@@ -172,7 +172,7 @@ fn parent_of(written: &[u8]) -> Option<Option<u64>> {
 }
 
 impl Tracks {
-    /// The tracks with the places of their mothers. Number 0 is no track where none has it.
+    /// The tracks with the places of their mothers. Mother 0 is no mother if no track has this number.
     fn chains(self, file: &str) -> Result<Vec<Chain>, InputError> {
         let Tracks { all, places } = self;
         let chain = |Track { mut chain, parent }: Track| {

@@ -43,7 +43,7 @@ struct Track {
     edges: Vec<(u64, [u64; 2])>,
 }
 
-/// What a file says.
+/// The contents of a file.
 #[derive(Default)]
 struct Document {
     lengths: String,

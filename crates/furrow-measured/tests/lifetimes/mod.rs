@@ -184,7 +184,8 @@ fn births_and_divisions_stand_for_lifetimes() {
     assert_eq!(found.embryos, []);
 }
 
-/// Two embryos, of which the second is slower by 1.5 and its clock begins 100 minutes before, and one with a cell of its own.
+/// Three embryos: the second is slower than the first by a factor of 1.5, and its clock begins 100 minutes earlier; the third has another
+/// cell.
 #[test]
 fn each_embryo_has_its_pace_and_its_clock() {
     let cells = [("AB", 20.0, 0.0), ("P1", 24.0, 0.0), ("ABa", 18.0, 20.0)];

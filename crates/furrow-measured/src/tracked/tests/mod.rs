@@ -386,7 +386,7 @@ fn files_of_other_kinds_are_named() {
         assert!(error.contains(message) && error.contains("is not a table (CSV)"), "{error}");
         drop(folder);
     }
-    // What a command that reads tables alone says of embryos.
+    // A command that reads only tables names the kind of embryo.
     for (name, content, message) in [
         (
             "film.xml",

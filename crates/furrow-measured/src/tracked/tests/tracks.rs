@@ -3,7 +3,7 @@
 
 use super::*;
 
-/// The embryo of [`LIVES`] as tracks 1 to 5, each with its first and last frame, its mother and its radius.
+/// The embryo of [`LIVES`] as tracks: number, first frame, last frame, mother, radius.
 const TRACKS: [(u32, u32, u32, u32, f64); 5] =
     [(1, 1, 2, 0, 20.0), (2, 3, 4, 1, 15.0), (3, 3, 6, 1, 10.0), (4, 5, 6, 2, 11.0), (5, 5, 6, 2, 12.0)];
 
@@ -67,7 +67,7 @@ fn the_file_of_trackmate_has_the_units_and_the_tracks_that_are_kept() {
     assert!((lineage.cells[0].volume.unwrap() - sphere(40.0)).abs() < 1e-9);
     assert_eq!(lineage.cells[0].place.1, 7);
     assert_eq!(reports(&lineage), ["0 Spot 3: spots that belong to no track, or to one that was filtered out"]);
-    // A track, a spot's id and a spot's name stand for a cell.
+    // A cell is found by its track, a spot's id and a spot's name.
     for name in ["Track_0", "12", "ID<12>"] {
         assert_eq!(lineage.place_of(name), Place::Cell(0), "{name}");
     }
