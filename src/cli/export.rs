@@ -25,7 +25,6 @@ Examples:
   furrow export furrow-out/tree.json --to newick --branch-lengths generation
   furrow export furrow-out/tree.json --to itol --out itol
   furrow export furrow-out/tree.json --to newick --subtree MS
-  furrow export examples/tracked/ascidian1.xml --to csv --lineage examples/tracked/ascidian.ron --root Track_1=B3
   furrow export --schema")]
 pub struct ExportArgs {
     /// The tree.json that furrow tree wrote, or an observed embryo: one followed by another program, or a table of lifetimes
