@@ -22,7 +22,6 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   furrow export furrow-out/tree.json --to nexus --out tree.nex
-  furrow export furrow-out/tree.json --to newick --branch-lengths generation
   furrow export furrow-out/tree.json --to itol --out itol
   furrow export furrow-out/tree.json --to newick --subtree MS
   furrow export --schema")]

@@ -191,7 +191,7 @@ impl<'t> Sheet<'t> {
     }
 
     /// The length of a cell's branch.
-    pub(super) fn length(&self, cell: usize, lengths: BranchLengths) -> Option<f64> {
+    pub fn length(&self, cell: usize, lengths: BranchLengths) -> Option<f64> {
         match lengths {
             BranchLengths::Time => (self.duration)(cell),
             BranchLengths::Generation => Some(if self.cells[cell].mother.is_none() { 0.0 } else { 1.0 }),

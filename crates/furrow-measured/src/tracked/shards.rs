@@ -9,6 +9,9 @@ use serde_json::Value;
 const NUMBER: usize = 8;
 const CHECKSUM: usize = 4;
 
+/// The place of a chunk among the chunks of a shard, and its bytes.
+type Chunk<'b> = ([usize; 2], &'b [u8]);
+
 /// How chunks lie in shards.
 #[derive(Debug)]
 pub(super) struct Shards {
@@ -45,7 +48,7 @@ impl Shards {
     }
 
     /// The chunks of a shard of this shape that have bytes: the place of each among the chunks, and its bytes.
-    pub fn chunks<'b>(&self, shard: &[usize], bytes: &'b [u8]) -> Result<Vec<([usize; 2], &'b [u8])>, String> {
+    pub fn chunks<'b>(&self, shard: &[usize], bytes: &'b [u8]) -> Result<Vec<Chunk<'b>>, String> {
         let of = |k: usize| shard.get(k).zip(self.chunk.get(k)).map_or(1, |(outer, inner)| outer / inner);
         let (count, columns) = (of(0).saturating_mul(of(1)), of(1));
         let checksum = if self.is_checked { CHECKSUM } else { 0 };
