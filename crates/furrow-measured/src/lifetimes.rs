@@ -55,7 +55,7 @@ pub struct Lifetimes {
     pub cells: Vec<Lifetime>,
     /// Rows used.
     pub used: u64,
-    /// Rows that could not be used, at most [`MOST_PLACES`](crate::volumes::MOST_PLACES).
+    /// Rows that could not be used, at most [`MOST_PLACES`].
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
