@@ -23,6 +23,7 @@ from ._furrow import Drawing, Memo, __version__, parameter_names, presets, solve
 from ._grow import NewCell, Scenarios, grow, scenarios, tree, tree_ensemble
 from ._hypotheses import Hypotheses, test
 from ._memo import memo, use_store
+from ._observed import export_observed
 from ._results import PLACE_COLUMNS, Contour, Division, Frame, Frames, Replicates
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase, Polarity, polarity
 from ._solve import solve
@@ -79,6 +80,7 @@ __all__ = [
     "compare",
     "ensemble",
     "explore",
+    "export_observed",
     "fit",
     "front",
     "grow",

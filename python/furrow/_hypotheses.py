@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, Any, Literal, SupportsIndex
 
 from . import _furrow
 from ._checks import given_of, optional_path, refused, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
-from ._tables import Table, frame, positive, source_of
+from ._tables import OfEmbryos, Table, frame, matching_of, of_embryos, tables_of
 from .fit import _search
 
 if TYPE_CHECKING:
@@ -68,6 +68,13 @@ def _cues(cues: Sequence[str] | Mapping[str, str]) -> list[str]:
     return _texts("cues", cues)
 
 
+def _tables(table: Table) -> tuple[list[str], str | None]:
+    files, text = tables_of(table)
+    if not files and text is None:
+        raise refused("table", table, "a file, several files, a DataFrame or columns by name")
+    return files, text
+
+
 def test(
     table: Table,
     cues: Sequence[str] | Mapping[str, str],
@@ -76,7 +83,9 @@ def test(
     noise: Literal["given", "common", "replicates"] | None = None,
     cells: Sequence[str] | None = None,
     population: Sequence[str] | None = None,
-    voxel: SupportsFloat | None = None,
+    voxel: OfEmbryos | None = None,
+    names: Table | None = None,
+    root: str | Sequence[str] | None = None,
     unit: Literal["um3", "voxels", "relative"] | None = None,
     lineage: str | os.PathLike[str] | None = None,
     particles: SupportsIndex = 12,
@@ -97,20 +106,23 @@ def test(
     ``embryo``, ``chi_sd`` and ``mother_um3``, or a file of targets of :func:`furrow.fit.cue`. ``cues`` are texts, of which
     ``"name=CUE"`` names a hypothesis, or cues by name. ``free`` lists the numbers that are fitted, such as ``cue.amplitude`` or
     ``epsilon@somatic``; by default all numbers of each cue, and none for an empty list. ``noise`` says where the errors of χ come
-    from, ``cells`` and ``population`` which cells and groups are used. ``samples`` draws so many points of each posterior.
+    from, ``cells`` and ``population`` which cells and groups are used. ``names`` and ``root`` match cells with other names than
+    the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``samples`` draws so many points
+    of each posterior.
     """
-    names = _cues(cues)
-    if not names:
+    named = _cues(cues)
+    if not named:
         raise refused("cues", cues, "at least one cue")
     asked = {
-        "table": source_of(table),
-        "cues": names,
+        "table": _tables(table),
+        "cues": named,
         "free": None if free is None else _texts("free", free) or ["none"],
         "lineage": optional_path("lineage", lineage),
         "noise": None if noise is None else text_of("noise", noise),
         "cells": None if cells is None else _texts("cells", cells),
         "population": None if population is None else _texts("population", population),
-        "voxel": None if voxel is None else positive("voxel", voxel),
+        "voxel": of_embryos("voxel", voxel),
+        "matching": matching_of(names, root),
         "unit": None if unit is None else text_of("unit", unit),
         "search": _search(particles, moves, seed),
         "samples": None if samples is None else whole("samples", samples, 20, 100_000),

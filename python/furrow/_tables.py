@@ -60,6 +60,54 @@ def source_of(table: Table | None) -> tuple[str | None, str | None]:
     return text, files[0] if files else None
 
 
+#: A number of all embryos, or numbers by the names of embryos.
+OfEmbryos: TypeAlias = Union[SupportsFloat, Mapping[str, SupportsFloat]]
+
+
+def of_embryos(name: str, value: OfEmbryos | None) -> list[tuple[str | None, float]]:
+    """Numbers of embryos; without a name of all others."""
+    if value is None:
+        return []
+    if isinstance(value, Mapping):
+        return [(text_of(name, embryo), positive(name, number)) for embryo, number in value.items()]
+    return [(None, positive(name, value))]
+
+
+def matching_of(
+    names: Table | None, root: str | Sequence[str] | None
+) -> tuple[tuple[str | None, str | None], list[str]]:
+    """A table of names, and roots."""
+    roots = [root] if isinstance(root, str) else list(root or [])
+    return source_of(names), [text_of("root", one) for one in roots]
+
+
+def times_of(
+    table: Table | None,
+    volumes: Table | None,
+    frame_minutes: OfEmbryos | None,
+    common_pace: bool,
+    names: Table | None,
+    root: str | Sequence[str] | None,
+) -> dict[str, Any]:
+    """What lifetimes and volumes are read from."""
+    return {
+        "table": tables_of(table),
+        "volumes": tables_of(volumes),
+        "frame_minutes": of_embryos("frame_minutes", frame_minutes),
+        "common_pace": bool(common_pace),
+        "matching": matching_of(names, root),
+    }
+
+
+def exported_files(files: list[tuple[str, Any]]) -> str | dict[str, str] | dict[str, bytes]:
+    """The text of one file, or several files by name."""
+    if len(files) == 1 and not files[0][0]:
+        text: str = files[0][1]
+        return text
+    several: dict[str, str] | dict[str, bytes] = dict(files)
+    return several
+
+
 def positive(name: str, value: SupportsFloat) -> float:
     """A finite number above 0."""
     allowed = "a finite number above 0"

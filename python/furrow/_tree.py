@@ -16,7 +16,7 @@ from . import _furrow
 from ._checks import path_of, refused, text_of
 from ._founders import Founder, founder_of
 from ._results import Array, Result
-from ._tables import frame, html_table, pd_index
+from ._tables import exported_files, frame, html_table, pd_index
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -229,28 +229,34 @@ class Tree:
         return self._grown.newick()
 
     @overload
-    def export(self, format: str, lengths: str = "time", *, path: None = None) -> str | dict[str, str] | dict[str, bytes]: ...
-    @overload
-    def export(self, format: str, lengths: str = "time", *, path: str | os.PathLike[str]) -> None: ...
     def export(
-        self, format: str, lengths: str = "time", *, path: str | os.PathLike[str] | None = None
+        self, format: str, lengths: str = "time", *, path: None = None, subtree: str | None = None
+    ) -> str | dict[str, str] | dict[str, bytes]: ...
+    @overload
+    def export(
+        self, format: str, lengths: str = "time", *, path: str | os.PathLike[str], subtree: str | None = None
+    ) -> None: ...
+    def export(
+        self,
+        format: str,
+        lengths: str = "time",
+        *,
+        path: str | os.PathLike[str] | None = None,
+        subtree: str | None = None,
     ) -> str | dict[str, str] | dict[str, bytes] | None:
         """The tree in a format for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``,
         ``ctc``, or ``itol`` and ``geff``, which give several files by name. With ``path`` it is written there instead, to a file,
         or for ``itol`` and ``geff`` to a folder.
 
         ``lengths`` are the branch lengths: ``time``, ``generation``, ``none`` or, if the lineage has a clock, ``minutes``.
+        ``subtree`` names a cell: only that one and those below it are exported.
         """
         format, lengths = text_of("format", format), text_of("lengths", lengths)
+        root = None if subtree is None else text_of("subtree", subtree)
         if path is not None:
-            self._grown.write_export(format, lengths, path_of("path", path))
+            self._grown.write_export(format, lengths, root, path_of("path", path))
             return None
-        files = self._grown.export(format, lengths)
-        if len(files) == 1 and not files[0][0]:
-            text: str = files[0][1]
-            return text
-        several: dict[str, str] | dict[str, bytes] = dict(files)
-        return several
+        return exported_files(self._grown.export(format, lengths, root))
 
     def to_json(self) -> str:
         """The text of ``tree.json``; :func:`furrow.read_tree` reads it."""

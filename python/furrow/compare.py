@@ -19,7 +19,7 @@ from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Division, Frame, Frames
 from ._studies import Constants, table_of
-from ._tables import Found, Table, frame, positive, source_of, tables_of
+from ._tables import Found, OfEmbryos, Table, frame, matching_of, of_embryos, positive, source_of, tables_of, times_of
 from ._tree import Tree
 
 if TYPE_CHECKING:
@@ -49,17 +49,28 @@ class Counts(Found):
         return frame({name: [row[k] for row in rows] for k, name in enumerate(names)})
 
 
-def counts(tree: Tree, *, measured: str | os.PathLike[str] | None = None) -> Counts:
+def counts(
+    tree: Tree,
+    *,
+    measured: str | os.PathLike[str] | None = None,
+    names: Table | None = None,
+    root: str | Sequence[str] | None = None,
+) -> Counts:
     """Compares rounds of a tree with the counts that its lineage file gives, for every definition of "rounds"; those of
     C. elegans at several stages (Sulston et al. 1983).
 
     ``measured`` is an embryo that another program followed, which is compared instead, up to its last frame: nuclei (zip) or
-    CD table of AceTree, spots of TrackMate or Mastodon as CSV, GEFF.
+    CD table of AceTree, spots of TrackMate, MaMuT (XML, CSV) or Mastodon (CSV), tracks of napari, ultrack (CSV) or the Cell
+    Tracking Challenge (text), GEFF.
+
+    ``names`` and ``root`` match cells that have other names than the lineage's. ``names`` is a table with the columns
+    ``tracked`` and ``name``, and optionally ``embryo``. ``root`` is ``"TRACKED=NAME"``, a tracked cell and its name, or
+    ``"NAME"`` for the only cell without a mother, or several of these: the cells below get their names by their divisions.
     """
     if not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
     file = optional_path("measured", measured)
-    return Counts(_furrow.compare_counts(tree._grown, file))
+    return Counts(_furrow.compare_counts(tree._grown, file, matching_of(names, root)))
 
 
 class Lifetimes(Found):
@@ -76,21 +87,26 @@ def lifetimes(
     *,
     tree: Tree | None = None,
     volumes: Table | None = None,
-    frame_minutes: SupportsFloat | None = None,
+    frame_minutes: OfEmbryos | None = None,
+    common_pace: bool = False,
+    names: Table | None = None,
+    root: str | Sequence[str] | None = None,
 ) -> Lifetimes:
     """Compares measured lifetimes of cells with those of a tree whose lineage has a clock.
 
-    ``table`` has the columns ``cell`` and ``lifetime_min`` (or ``lifetime_s``, ``lifetime_h``), and optionally ``n``, ``sd_min``
-    and ``birth_min``, or is the file of an embryo that another program followed; ``frame_minutes`` is the time between its
-    frames if it counts frames. Without a table these are the published means of 28 embryos of C. elegans. ``tree`` is by
+    ``table`` has the columns ``cell`` and ``lifetime_min`` (or ``lifetime_s``, ``lifetime_h``; or ``birth_min`` and
+    ``division_min``), and optionally ``embryo``, ``n``, ``sd_min`` and ``birth_min``, or is the file of an embryo that another
+    program followed, or several files; ``frame_minutes`` is the time between frames where they are counted, one number or
+    one for each embryo by name. Each embryo has its time factor in ``embryos``; ``common_pace`` divides by it before embryos
+    are averaged. ``names`` and ``root`` match cells with other names, as for :func:`counts`. Without a table these are the published means of 28 embryos of C. elegans. ``tree`` is by
     default that of the built-in founders. ``volumes`` are tables as for :func:`volumes`; default published ones. The clock
     is fitted: lifetimes of the model are no predictions.
     """
     if tree is not None and not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
     grown = (grow() if tree is None else tree)._grown
-    minutes = None if frame_minutes is None else positive("frame_minutes", frame_minutes)
-    return Lifetimes(_furrow.compare_lifetimes(grown, source_of(table), tables_of(volumes), minutes))
+    asked = times_of(table, volumes, frame_minutes, common_pace, names, root)
+    return Lifetimes(_furrow.compare_lifetimes(grown, asked))
 
 
 class Dose(Found):
@@ -228,7 +244,9 @@ def volumes(
     regress: tuple[str, str] | None = None,
     population: str | Sequence[str] | None = None,
     bins: Sequence[SupportsFloat] | None = None,
-    voxel: SupportsFloat | None = None,
+    voxel: OfEmbryos | None = None,
+    names: Table | None = None,
+    root: str | Sequence[str] | None = None,
     unit: Literal["um3", "voxels", "relative"] | None = None,
     length_scale: SupportsFloat | Literal["fit"] | None = None,
     lineage: str | os.PathLike[str] | None = None,
@@ -246,14 +264,14 @@ def volumes(
     ``table`` has the columns ``embryo``, ``cell`` and ``volume`` (or ``volume_um3``, ``volume_voxels``,
     ``relative_volume``) and optionally ``group``, ``frame`` and ``n``. A row can also be a division, with the columns
     ``embryo``, ``mother``, ``larger_um3`` and ``smaller_um3``. It is a file, several files, a DataFrame or columns
-    by name. Files can be embryos that other programs followed: nuclei (zip) or CD tables of AceTree, spots of TrackMate or
-    Mastodon, GEFF. Without it the model is compared with ``published`` means, of C. elegans or of the sea urchin.
+    by name. Files can be embryos that other programs followed, as for :func:`counts`, or folders of these; ``names`` and
+    ``root`` match cells with other names. Without it the model is compared with ``published`` means, of C. elegans or of the sea urchin.
 
     ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
     ``population`` names the populations of a table of divisions that are used, one or several; default all. ``bins`` are
     rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers; without it
     the ``units`` of the lineage count, then P0. ``unit`` is that of tables which name none,
-    and ``voxel`` the edge of a voxel in µm.
+    and ``voxel`` the edge of a voxel in µm, one number or one for each embryo by name.
     """
     known = shared_memo() if memo is None else memo
     if published not in PUBLISHED:
@@ -268,7 +286,8 @@ def volumes(
     asked = {
         "tables": tables_of(table),
         "against": tables_of(against),
-        "voxel": None if voxel is None else positive("voxel", voxel),
+        "voxel": of_embryos("voxel", voxel),
+        "matching": matching_of(names, root),
         "unit": unit,
         "group": None if group is None else text_of("group", group),
         "published": published,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
 from . import _furrow
@@ -11,7 +11,7 @@ from ._checks import given_of, optional_path, refused, seed_of, text_of, text_or
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
-from ._tables import Found, Table, frame, positive, source_of, tables_of
+from ._tables import Found, OfEmbryos, Table, frame, times_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -181,22 +181,21 @@ def clock(
     *,
     volumes: Table | None = None,
     lineage: str | os.PathLike[str] | None = None,
-    frame_minutes: SupportsFloat | None = None,
+    frame_minutes: OfEmbryos | None = None,
+    common_pace: bool = False,
+    names: Table | None = None,
+    root: str | Sequence[str] | None = None,
 ) -> Clock:
     """Fits the lifetimes of cells as powers of their volumes, by founder: t = t₀ (V/V₀)^−α.
 
     ``table`` has the columns ``cell`` and ``lifetime_min``, as for :func:`furrow.compare.lifetimes`, and ``volumes`` those of
-    :func:`furrow.compare.volumes`; default are published means of C. elegans. ``lineage`` has the founders.
+    :func:`furrow.compare.volumes`; default are published means of C. elegans. ``lineage`` has the founders. Other arguments are
+    those of :func:`furrow.compare.lifetimes`.
 
     >>> import furrow
     >>> found = furrow.fit.clock()
     >>> [(law["founder"], round(law["exponent"], 2)) for law in found["exponents"]][:2]
     [('AB', 0.3), ('MS', 0.26)]
     """
-    found = _furrow.fit_clock(
-        source_of(table),
-        tables_of(volumes),
-        optional_path("lineage", lineage),
-        None if frame_minutes is None else positive("frame_minutes", frame_minutes),
-    )
-    return Clock(found)
+    asked = times_of(table, volumes, frame_minutes, common_pace, names, root)
+    return Clock(_furrow.fit_clock(asked, optional_path("lineage", lineage)))

@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 
 use furrow_analysis::compare::counts::{counts as counted, counts_of_embryo};
-use furrow_analysis::compare::names_of;
 use furrow_analysis::compare::volumes::{GroupComparison, Regression, regression_of};
 use furrow_analysis::compare::volumes_comparison::{LengthScale, MeasuredVolumes, VolumesComparison, VolumesModel};
 use furrow_analysis::{grown, read_constants_of, scenarios_of, tree_settings};
+use furrow_input::InputError;
 use furrow_input::shown;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
 use furrow_measured::contour::series::{ModelContour, Series, series as laid_beside};
 use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
-use furrow_measured::tracked::{TrackOptions, read_embryo};
+use furrow_measured::tracked::{TrackOptions, embryo_files, read_embryo};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
@@ -22,21 +22,32 @@ use serde_json::json;
 
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, Source, Tables, is_empty, lineage_of, positive, text_of};
+use crate::inputs::{
+    Given, MatchAsked, OfEmbryos, Source, Tables, is_empty, lineage_of, matched_names, of_embryos, positive, text_of,
+};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::GrownTree;
 
 /// A tree beside the observed embryo, by every reading of "rounds", or beside one that another program followed.
 #[pyfunction]
-#[pyo3(signature = (tree, measured=None))]
-pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf>) -> Result<Document, Error> {
+#[pyo3(signature = (tree, measured, matching))]
+pub fn compare_counts(
+    py: Python<'_>,
+    tree: &GrownTree,
+    measured: Option<PathBuf>,
+    matching: MatchAsked,
+) -> Result<Document, Error> {
     py.detach(|| {
-        let found = match &measured {
-            Some(file) => {
-                let embryo = read_embryo(file, &TrackOptions::default())?;
-                counts_of_embryo(&tree.tree, &embryo, &file.display().to_string())?
-            }
+        let names = matched_names(&tree.tree.lineage, &matching)?;
+        let embryo = measured.map(|file| {
+            let embryo = read_embryo(&file, &TrackOptions::default(), &names)?;
+            Ok::<_, InputError>((embryo, file.display().to_string()))
+        });
+        let embryo = embryo.transpose()?;
+        names.require_met()?;
+        let found = match &embryo {
+            Some((embryo, file)) => counts_of_embryo(&tree.tree, embryo, &names, file)?,
             None => counted(&tree.tree, "tree")?,
         };
         Document::of(&found)
@@ -49,7 +60,8 @@ pub fn compare_counts(py: Python<'_>, tree: &GrownTree, measured: Option<PathBuf
 pub struct VolumesAsked {
     tables: Tables,
     against: Tables,
-    voxel: Option<f64>,
+    voxel: OfEmbryos,
+    matching: MatchAsked,
     unit: Option<String>,
     group: Option<String>,
     published: String,
@@ -81,17 +93,19 @@ impl VolumesAsked {
             unit.parse::<Unit>().map_err(|_| Error::not_allowed("unit", shown(unit), "um3, voxels or relative"))
         });
         let (group, names) = (group.clone(), names.clone());
-        let options = ReadOptions { voxel: self.voxel, group, unit: unit.transpose()?, names };
+        let voxel = of_embryos("voxel", &self.voxel, "a length in µm above 0")?;
+        let options = ReadOptions { voxel, group, unit: unit.transpose()?, names };
         if let Some(text) = text {
             volumes.read(text.as_bytes(), "volumes", &options)?;
         }
-        files.iter().try_for_each(|file| volumes.read_file(file, &options))?;
+        embryo_files(files)?.0.iter().try_for_each(|file| volumes.read_file(file, &options))?;
         Ok(())
     }
 
     fn read(&self, names: &Names) -> Result<MeasuredVolumes, Error> {
         let mut volumes = Volumes::default();
         if is_empty(&self.tables) {
+            names.require_met()?;
             return Ok(match &*self.published {
                 "villoutreix2016" => MeasuredVolumes::published(SEA_URCHIN_SOURCE, villoutreix2016()?),
                 _ => MeasuredVolumes::published(SOURCE, jankele2021()?),
@@ -105,6 +119,8 @@ impl VolumesAsked {
         self.read_into(&mut volumes, &self.tables, &first, names)?;
         self.read_into(&mut volumes, &self.against, &second, names)?;
         volumes.require_used("volumes")?;
+        volumes.require_voxels()?;
+        names.require_met()?;
         Ok(MeasuredVolumes::of(volumes, (ARGUMENTS, self.population.as_deref()))?)
     }
 
@@ -160,7 +176,7 @@ pub fn compare_volumes(
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         let length_scale = asked.scale()?;
         let lineage = lineage_of(asked.lineage.as_deref())?;
-        let measured = asked.read(&names_of(&lineage))?;
+        let measured = asked.read(&matched_names(&lineage, &asked.matching)?)?;
         given.for_divisions()?;
         let tree_settings = tree_settings(settings.clone(), &lineage, 0, memo.quantisation());
         let sets = match text_of(&asked.constants.clone().unwrap_or_default(), "constants")? {

@@ -1,6 +1,5 @@
 //! Hypotheses beside each other.
 
-use furrow_analysis::compare::names_of;
 use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
@@ -12,13 +11,14 @@ use furrow_analysis::tree_settings;
 use furrow_figures::plot;
 use furrow_input::shown;
 use furrow_lineage::Lineage;
+use furrow_measured::tracked::embryo_files;
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use pyo3::prelude::*;
 
 use crate::document::Document;
 use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, Source, lineage_of, positive};
+use crate::inputs::{Given, MatchAsked, OfEmbryos, Tables, lineage_of, matched_names, of_embryos};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::one_of;
@@ -27,14 +27,15 @@ use crate::trees::one_of;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct TestAsked {
-    table: Source,
+    table: Tables,
     cues: Vec<String>,
     free: Option<Vec<String>>,
     lineage: Option<String>,
     noise: Option<String>,
     cells: Option<Vec<String>>,
     population: Option<Vec<String>>,
-    voxel: Option<f64>,
+    voxel: OfEmbryos,
+    matching: MatchAsked,
     unit: Option<String>,
     /// Particles, moves and seed of each search.
     search: (usize, u64, u64),
@@ -44,21 +45,21 @@ pub struct TestAsked {
 
 impl TestAsked {
     fn observations(&self, lineage: &Lineage) -> Result<Observations, Error> {
-        let voxel = self.voxel.map(|voxel| positive("voxel", voxel, "a length in µm above 0")).transpose()?;
+        let voxel = of_embryos("voxel", &self.voxel, "a length in µm above 0")?;
+        let names = matched_names(lineage, &self.matching)?;
         let unit = self.unit.as_deref().map(|unit| {
             unit.parse::<Unit>().map_err(|_| Error::not_allowed("unit", shown(unit), "um3, voxels or relative"))
         });
-        let reading =
-            ReadOptions { voxel, unit: unit.transpose()?, names: names_of(lineage), ..ReadOptions::default() };
+        let reading = ReadOptions { voxel, unit: unit.transpose()?, names, ..ReadOptions::default() };
         let chosen = Chosen { cells: self.cells.as_deref(), groups: self.population.as_deref() };
-        let (text, file) = &self.table;
+        let (files, text) = &self.table;
         let Some(text) = text else {
-            let file = file.as_deref().unwrap_or("".as_ref());
-            return Ok(Observations::read(file, &reading, lineage, chosen, [ARGUMENTS; 2])?);
+            return Ok(Observations::read(&embryo_files(files)?.0, &reading, lineage, chosen, [ARGUMENTS; 2])?);
         };
         let mut volumes = Volumes::default();
         volumes.read(text.as_bytes(), "table", &reading)?;
         volumes.require_used("table")?;
+        reading.names.require_met()?;
         Ok(Observations::of_tables(&volumes, lineage, chosen, ("table", [ARGUMENTS; 2]))?)
     }
 }

@@ -2,10 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use furrow_analysis::compare::names_of;
 use furrow_cell::settings::{self, Overrides, Settings, Value, canonical_name};
 use furrow_cell::{Cell, CueError, Law, Numerics};
 use furrow_input::{InputError, read_text, shown};
 use furrow_lineage::{Length, Lineage};
+use furrow_measured::matching::Matching;
+use furrow_measured::names::Names;
+use furrow_measured::per_embryo::PerEmbryo;
 use furrow_mechanics::division::DivisionInput;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -41,6 +45,27 @@ pub const ABOVE_0: &str = "a finite number above 0";
 /// A finite number above 0; `allowed` is what errors say.
 pub fn positive(field: &str, value: f64, allowed: &str) -> Result<f64, InputError> {
     InputError::require(value.is_finite() && value > 0.0, ARGUMENTS, field, value, allowed).map(|()| value)
+}
+
+/// Numbers of embryos by name; without a name of all others.
+pub type OfEmbryos = Vec<(Option<String>, f64)>;
+
+/// The numbers, each finite and above 0; `allowed` is what errors say.
+pub fn of_embryos(field: &str, given: &OfEmbryos, allowed: &str) -> Result<PerEmbryo, InputError> {
+    given.iter().try_for_each(|(_, value)| positive(field, *value, allowed).map(|_| ()))?;
+    Ok(PerEmbryo::new(given.iter().cloned()))
+}
+
+/// What cells are called in tables: a table of names, and roots.
+pub type MatchAsked = (Source, Vec<String>);
+
+/// The names of a lineage's cells, to which others are matched.
+pub fn matched_names(lineage: &Lineage, (table, roots): &MatchAsked) -> Result<Names, InputError> {
+    let matching = match text_of(table, "names")? {
+        Some((text, file)) => Matching::parse(&text, &file, roots, ARGUMENTS)?,
+        None => Matching::read(None, roots, ARGUMENTS)?,
+    };
+    names_of(lineage).matched_by(matching)
 }
 
 /// Numbers by name as numpy arrays, which take over the memory of the vectors.

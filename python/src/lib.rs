@@ -65,7 +65,7 @@ mod _furrow {
         studies::{calibrate, ensemble, ranges},
         surfaces::{steady_surface, surfaces},
         sweeps::sweep,
-        trees::{GrownTree, grow, grow_spread, read_tree, scenarios_files},
+        trees::{GrownTree, export_observed, grow, grow_spread, read_tree, scenarios_files},
     };
 
     #[pymodule_init]

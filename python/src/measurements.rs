@@ -3,67 +3,85 @@
 use furrow_analysis::compare::dose::{MeasuredDoses, document, over_dose};
 use furrow_analysis::compare::lifetimes::{self, compare_lifetimes as compared};
 use furrow_analysis::fit::fit_clock as fitted;
-use furrow_input::open_file;
+use furrow_input::{listed, open_file};
+use furrow_lineage::Lineage;
 use furrow_measured::dose::Doses;
-use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
+use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes, mean_volumes};
 use furrow_measured::names::Names;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
+use furrow_measured::tracked::embryo_files;
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::document::Document;
 use crate::errors::Error;
-use crate::inputs::{Given, Source, Tables, bad_cue, is_empty, lineage_of};
+use crate::inputs::{
+    Given, MatchAsked, OfEmbryos, Source, Tables, bad_cue, is_empty, lineage_of, matched_names, of_embryos,
+};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::GrownTree;
 
-/// Lifetimes of a table or of an embryo that another program followed; default published means.
-fn lifetimes_of(table: &Source, frame_minutes: Option<f64>) -> Result<Lifetimes, Error> {
-    Ok(match table {
-        (Some(text), _) => Lifetimes::read(text.as_bytes(), "lifetimes")?,
-        (None, Some(file)) => Lifetimes::read_file(file, frame_minutes, &Names::default())?,
-        (None, None) => jankele2021_lifetimes()?,
-    })
+/// The arguments that lifetimes and volumes share; Python gives them as a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct TimesAsked {
+    table: Tables,
+    volumes: Tables,
+    frame_minutes: OfEmbryos,
+    common_pace: bool,
+    matching: MatchAsked,
 }
 
-/// Volumes of tables and of embryos that other programs followed; default published means.
-fn volumes_of(tables: &Tables) -> Result<Volumes, Error> {
-    if is_empty(tables) {
-        return Ok(jankele2021_volumes()?);
+impl TimesAsked {
+    /// Lifetimes of tables and of embryos that other programs followed, and volumes of these; default published means, which are used
+    /// `only_of_worm`, or of any lineage.
+    fn read(&self, lineage: &Lineage, only_of_worm: bool) -> Result<(Lifetimes, Volumes), Error> {
+        let names = matched_names(lineage, &self.matching)?;
+        let frame_minutes = of_embryos("frame_minutes", &self.frame_minutes, "a time in minutes above 0")?;
+        let options = LifetimeOptions { frame_minutes, common_pace: self.common_pace, names: names.clone() };
+        let lifetimes = match &self.table {
+            (_, Some(text)) => Lifetimes::read_with(text.as_bytes(), "lifetimes", &options)?,
+            (files, None) if files.is_empty() => jankele2021_lifetimes()?,
+            (files, None) => Lifetimes::read_files(&embryo_files(files)?.0, &options)?,
+        };
+        let volumes = self.read_volumes(&names, only_of_worm)?;
+        names.require_met()?;
+        Ok((lifetimes, volumes))
     }
-    let ((files, text), mut volumes) = (tables, Volumes::default());
-    if let Some(text) = text {
-        volumes.read(text.as_bytes(), "volumes", &ReadOptions::default())?;
+
+    fn read_volumes(&self, names: &Names, only_of_worm: bool) -> Result<Volumes, Error> {
+        if is_empty(&self.volumes) {
+            return Ok(if names.are_of_worm() || !only_of_worm { jankele2021_volumes()? } else { Volumes::default() });
+        }
+        let ((files, text), mut volumes) = (&self.volumes, Volumes::default());
+        let options = ReadOptions { names: names.clone(), ..ReadOptions::default() };
+        if let Some(text) = text {
+            volumes.read(text.as_bytes(), "volumes", &options)?;
+        }
+        embryo_files(files)?.0.iter().try_for_each(|file| volumes.read_file(file, &options))?;
+        volumes.require_used("volumes")?;
+        Ok(volumes)
     }
-    files.iter().try_for_each(|file| volumes.read_file(file, &ReadOptions::default()))?;
-    volumes.require_used("volumes")?;
-    Ok(volumes)
 }
 
-/// What errors and results call a table.
-fn name_of((text, file): &Source) -> String {
-    match (text, file) {
-        (Some(_), _) => "the table".to_owned(),
-        (None, Some(file)) => file.display().to_string(),
-        (None, None) => SOURCE.to_owned(),
+/// What errors and results call tables.
+fn name_of((files, text): &Tables) -> String {
+    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    match text {
+        Some(_) => "the table".to_owned(),
+        None if files.is_empty() => SOURCE.to_owned(),
+        None => listed(files.iter().map(String::as_str), ", "),
     }
 }
 
 /// Compares measured lifetimes with a tree.
 #[pyfunction]
-pub fn compare_lifetimes(
-    py: Python<'_>,
-    tree: &GrownTree,
-    table: Source,
-    volumes: Tables,
-    frame_minutes: Option<f64>,
-) -> Result<Document, Error> {
+pub fn compare_lifetimes(py: Python<'_>, tree: &GrownTree, asked: TimesAsked) -> Result<Document, Error> {
     py.detach(|| {
-        let lifetimes = lifetimes_of(&table, frame_minutes)?;
-        let published = [table == (None, None), is_empty(&volumes)];
-        let volumes = volumes_of(&volumes)?;
+        let (lifetimes, volumes) = asked.read(&tree.tree.lineage, true)?;
+        let published = [is_empty(&asked.table), is_empty(&asked.volumes) && lifetimes.names.are_of_worm()];
         let found = compared(&tree.tree, &lifetimes, &mean_volumes(&volumes));
         Ok(lifetimes::document(&found, &lifetimes, &volumes, published).into())
     })
@@ -71,23 +89,18 @@ pub fn compare_lifetimes(
 
 /// The clock of a lineage fitted to lifetimes and volumes.
 #[pyfunction]
-pub fn fit_clock(
-    py: Python<'_>,
-    table: Source,
-    volumes: Tables,
-    lineage: Option<String>,
-    frame_minutes: Option<f64>,
-) -> Result<Document, Error> {
+pub fn fit_clock(py: Python<'_>, asked: TimesAsked, lineage: Option<String>) -> Result<Document, Error> {
     py.detach(|| {
         let of = lineage_of(lineage.as_deref())?;
-        let lifetimes = lifetimes_of(&table, frame_minutes)?;
-        let names = if is_empty(&volumes) { "the published volumes" } else { "volumes" };
-        let volumes = volumes_of(&volumes)?;
+        let (lifetimes, volumes) = asked.read(&of, false)?;
+        let names = if is_empty(&asked.volumes) { "the published volumes" } else { "volumes" };
         let clock = fitted(&of, &lifetimes, &volumes, names)?;
         let mut found = json!(clock);
-        found["lifetimes"] = json!(name_of(&table));
+        found["lifetimes"] = json!(name_of(&asked.table));
         found["skipped_rows"] = lifetimes.skipped.iter().chain(&volumes.skipped).map(|row| json!(row)).collect();
         found["skipped_row_count"] = json!(lifetimes.skipped_count + volumes.skipped_count);
+        found["embryos"] = json!(lifetimes.embryos);
+        found["matched"] = json!(lifetimes.matched);
         found["ron"] = json!(clock.as_ron(lineage.is_none().then_some("c_elegans")));
         Ok(found.into())
     })

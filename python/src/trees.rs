@@ -3,11 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use furrow_analysis::observed::{Observed, ObservedOptions};
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::{Grown, grown, grown_replicates, scenarios_csv, tree_settings};
 use furrow_cell::Parameter;
 use furrow_figures::plot;
-use furrow_formats::exchange::{BranchLengths, Exported, Format, check_tree, export};
+use furrow_formats::exchange::{
+    BranchLengths, Exported, Format, Sheet, TimedTree, check_sheet, check_tree, export_sheet,
+};
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
@@ -15,6 +18,7 @@ use furrow_lineage::batch::Quantisation;
 use furrow_lineage::batch::scheduler::Summary;
 use furrow_lineage::clock::alive;
 use furrow_lineage::{CellId, Tree, TreeCell};
+use furrow_measured::tracked::embryo_files;
 use furrow_mechanics::division::Division;
 use furrow_report::{self as report, TreeSummary};
 use numpy::PyArray1;
@@ -25,7 +29,7 @@ use serde_json::json;
 use crate::document::Document;
 use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, arrays, bad_cue, lineage_of};
+use crate::inputs::{Given, MatchAsked, arrays, bad_cue, lineage_of, matched_names};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
@@ -192,12 +196,80 @@ pub fn one_of<T>(field: &str, name: &str, known: impl IntoIterator<Item = (&'sta
     }
 }
 
+/// A cell and those below it, or all.
+fn below<'t>(sheet: Sheet<'t>, subtree: Option<&str>) -> Result<Sheet<'t>, Error> {
+    Ok(match subtree {
+        Some(root) => sheet.below(root, ARGUMENTS)?,
+        None => sheet,
+    })
+}
+
+/// The arguments of an export of an observed embryo; Python gives them as a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ExportAsked {
+    embryo: PathBuf,
+    format: String,
+    lengths: String,
+    lineage: Option<String>,
+    volumes: Vec<PathBuf>,
+    frame_minutes: Option<f64>,
+    voxel: Option<f64>,
+    matching: MatchAsked,
+    subtree: Option<String>,
+}
+
+/// An observed embryo in a format of other programs: files by name, or one without a name. With a path it is written there.
+#[pyfunction]
+pub fn export_observed<'py>(
+    py: Python<'py>,
+    asked: ExportAsked,
+    path: Option<PathBuf>,
+) -> Result<Vec<(String, Bound<'py, PyAny>)>, Error> {
+    let exported = py.detach(|| {
+        let format = one_of("format", &asked.format, Format::ALL.map(|format| (format.name(), format)))?;
+        let lengths = one_of("lengths", &asked.lengths, BranchLengths::NAMED)?;
+        if format != Format::Csv {
+            format.check_lengths(lengths)?;
+        }
+        let lineage = lineage_of(asked.lineage.as_deref())?;
+        let names = matched_names(&lineage, &asked.matching)?;
+        let (frame_minutes, voxel, volumes) = (asked.frame_minutes, asked.voxel, embryo_files(&asked.volumes)?.0);
+        let options = ObservedOptions { volumes, frame_minutes, voxel, names: names.clone() };
+        let observed = Observed::read(&asked.embryo, &options)?.lineage;
+        let founders: Vec<&str> = lineage.founders.iter().map(|founder| founder.name.as_str()).collect();
+        let sheet = below(observed.sheet(&founders, &names), asked.subtree.as_deref())?;
+        check_sheet(&sheet, format, lengths)?;
+        let exported = export_sheet(&sheet, format, lengths, &report::founder_colours(&lineage));
+        if let Some(path) = &path {
+            exported.write(path).map_err(Error::system)?;
+        }
+        Ok::<_, Error>(exported)
+    })?;
+    Ok(if path.is_some() { Vec::new() } else { files_of(py, exported) })
+}
+
+/// The files of an export, as texts or bytes.
+fn files_of(py: Python<'_>, exported: Exported) -> Vec<(String, Bound<'_, PyAny>)> {
+    match exported {
+        Exported::File(text) => vec![(String::new(), PyString::new(py, &text).into_any())],
+        Exported::Folder(files) => {
+            files.into_iter().map(|(name, text)| (name.to_owned(), PyString::new(py, &text).into_any())).collect()
+        }
+        Exported::Binary(files) => {
+            files.into_iter().map(|(name, bytes)| (name, PyBytes::new(py, &bytes).into_any())).collect()
+        }
+    }
+}
+
 impl GrownTree {
-    fn exported(&self, format: &str, lengths: &str) -> Result<Exported, Error> {
+    fn exported(&self, format: &str, lengths: &str, subtree: Option<&str>) -> Result<Exported, Error> {
         let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
         let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
         check_tree(&self.tree, format, lengths)?;
-        Ok(export(&self.tree, format, lengths, &report::founder_colours(&self.tree.lineage)))
+        let (timed, colours) = (TimedTree::new(&self.tree), report::founder_colours(&self.tree.lineage));
+        let sheet = below(Sheet::of_tree(&timed), subtree)?;
+        Ok(export_sheet(&sheet, format, lengths, &colours))
     }
 }
 
@@ -284,21 +356,21 @@ impl GrownTree {
         py: Python<'py>,
         format: &str,
         lengths: &str,
+        subtree: Option<&str>,
     ) -> Result<Vec<(String, Bound<'py, PyAny>)>, Error> {
-        Ok(match self.exported(format, lengths)? {
-            Exported::File(text) => vec![(String::new(), PyString::new(py, &text).into_any())],
-            Exported::Folder(files) => {
-                files.iter().map(|(name, text)| ((*name).to_owned(), PyString::new(py, text).into_any())).collect()
-            }
-            Exported::Binary(files) => {
-                files.into_iter().map(|(name, bytes)| (name, PyBytes::new(py, &bytes).into_any())).collect()
-            }
-        })
+        Ok(files_of(py, self.exported(format, lengths, subtree)?))
     }
 
     /// Writes the tree in a format of other programs: a file, or a folder of several.
-    fn write_export(&self, py: Python<'_>, format: &str, lengths: &str, path: PathBuf) -> Result<(), Error> {
-        py.detach(|| self.exported(format, lengths)?.write(&path).map_err(Error::system))
+    fn write_export(
+        &self,
+        py: Python<'_>,
+        format: &str,
+        lengths: &str,
+        subtree: Option<&str>,
+        path: PathBuf,
+    ) -> Result<(), Error> {
+        py.detach(|| self.exported(format, lengths, subtree)?.write(&path).map_err(Error::system))
     }
 
     /// All cells as columns, in breadth-first order; numbers as arrays, words as lists. `mother` is the mother's number, -1 of the first.

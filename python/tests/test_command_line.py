@@ -171,8 +171,13 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     ),
     "export": (
         "furrow.Tree.export",
-        {"[TREE.json]": "furrow.read_tree(path)", "--to": "furrow.Tree.export(format)", "--out": "furrow.Tree.export(path)"}
-        | {"--branch-lengths": "furrow.Tree.export(lengths)", "--schema": "furrow.tree_schema"},
+        {"[TREE.json|EMBRYO]": "furrow.read_tree(path), or furrow.export_observed(embryo)", "--to": "furrow.Tree.export(format)", "--out": "furrow.Tree.export(path)"}
+        | {"--branch-lengths": "furrow.Tree.export(lengths)", "--schema": "furrow.tree_schema"}
+        | {"--subtree": "furrow.Tree.export(subtree)"}
+        | {
+            f"--{name}": f"furrow.export_observed({name.replace('-', '_')})"
+            for name in ("lineage", "volumes", "frame-minutes", "voxel", "names", "root")
+        },
     ),
     "calibrate": (
         "furrow.calibrate",
@@ -199,8 +204,11 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "fit cue": ("furrow.fit.cue", _of("furrow.fit.cue", SEARCH, cue="furrow.fit.cue(cue)", plot="furrow.fit.Cue.save(path)")),
     "fit clock": (
         "furrow.fit.clock",
-        {"[TABLE.csv]": "furrow.fit.clock(table)", "--volumes": "furrow.fit.clock(volumes)"}
-        | {"--lineage": "furrow.fit.clock(lineage)", "--out": "furrow.fit.Clock.ron"},
+        {"[TABLE]": "furrow.fit.clock(table)", "--out": "furrow.fit.Clock.ron"}
+        | {
+            f"--{name}": f"furrow.fit.clock({name.replace('-', '_')})"
+            for name in ("volumes", "lineage", "frame-minutes", "common-pace", "names", "root")
+        },
     ),
     "test": (
         "furrow.test",
@@ -209,12 +217,14 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         | {
             f"--{name}": f"furrow.test({name})"
             for name in ("free", "noise", "cells", "population", "voxel", "unit", "lineage", "particles", "moves", "seed")
-        },
+        }
+        | {f"--{name}": f"furrow.test({name})" for name in ("names", "root")},
     ),
     "compare": ("furrow.compare", {}),
     "compare counts": (
         "furrow.compare.counts",
         {"[TREE.json|LINEAGE.ron]": "furrow.compare.counts(tree)", "--measured": "furrow.compare.counts(measured)"}
+        | {"--names": "furrow.compare.counts(names)", "--root": "furrow.compare.counts(root)"}
         | {"--plot": "furrow.Tree.plot(path)"},
     ),
     "compare volumes": (
@@ -225,12 +235,16 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
             f"--{name}": f"furrow.compare.volumes({name.replace('-', '_')})"
             for name in ("published", "against", "voxel", "unit", "regress", "population", "bins", "constants", "lineage")
         }
-        | {"--length-scale": "furrow.compare.volumes(length_scale)"},
+        | {"--length-scale": "furrow.compare.volumes(length_scale)"}
+        | {"--names": "furrow.compare.volumes(names)", "--root": "furrow.compare.volumes(root)"},
     ),
     "compare lifetimes": (
         "furrow.compare.lifetimes",
         {"[TABLE]": "furrow.compare.lifetimes(table)", "--plot": "furrow.compare.Lifetimes.to_pandas"}
-        | {f"--{name}": f"furrow.compare.lifetimes({name.replace('-', '_')})" for name in ("tree", "volumes", "frame-minutes")},
+        | {
+            f"--{name}": f"furrow.compare.lifetimes({name.replace('-', '_')})"
+            for name in ("tree", "volumes", "frame-minutes", "common-pace", "names", "root")
+        },
     ),
     "compare contour": (
         "furrow.compare.contours",

@@ -171,6 +171,41 @@ def test_embryos_of_other_programs(cli, tmp_path, known):
         furrow.compare.counts(worm, measured=tmp_path / "other.csv")
 
 
+def test_cells_with_other_names_are_matched(cli, tmp_path, known):
+    """Two recordings whose cells are called by numbers, one slower than the other."""
+    rows = [(1, 0, 9, -1, 60), (2, 10, 19, 1, 50), (3, 10, 21, 1, 48), (4, 20, 30, 2, 39), (5, 20, 30, 2, 38)]
+    for name, factor in (("one", 1), ("two", 2)):
+        lines = ["track_id,t,y,x,parent_track_id,radius"]
+        for track, first, last, parent, radius in rows:
+            lines += [f"{track},{t},0,0,{parent},{radius}" for t in range(factor * first, factor * last + 1)]
+        (tmp_path / f"{name}.csv").write_text("\n".join(lines) + "\n")
+    files = [tmp_path / "one.csv", tmp_path / "two.csv"]
+    (tmp_path / "map.csv").write_text("tracked,name\n4,ABp\n")
+    worm = furrow.tree(memo=known)
+    flags = ("--root", "1=P0", "--names", "map.csv")
+    theirs = cli.json("compare", "counts", "--measured", "one.csv", *flags)
+    ours = furrow.compare.counts(worm, measured=files[0], names=tmp_path / "map.csv", root="1=P0")
+    same(ours.to_dict(), theirs, without=["skipped"])
+    assert [division["by"] for division in ours["matched"]["divisions"]] == ["sizes", "names"]
+    theirs = cli.json("compare", "lifetimes", "one.csv", "two.csv", "--frame-minutes", "2", "--frame-minutes", "two=1.5", *flags)
+    given = {"frame_minutes": {"one": 2, "two": 1.5}, "names": {"tracked": ["4"], "name": ["ABp"]}, "root": ["1=P0"]}
+    ours = furrow.compare.lifetimes(files, tree=worm, **given)
+    same(ours.to_dict(), theirs, without=["skipped"])
+    factors = [embryo["time_factor"] for embryo in ours["embryos"]]
+    assert abs(factors[1] / factors[0] - 1.45) < 0.1
+    paced = furrow.compare.lifetimes(files, tree=worm, common_pace=True, **given)
+    assert paced["cells"][0]["sd"] < 1e-9 < ours["cells"][0]["sd"]
+    theirs = cli.json("compare", "volumes", "one.csv", "two.csv", "--voxel", "0.1", "--voxel", "two=0.2", *flags)
+    ours = furrow.compare.volumes(files, voxel={"one": 0.1, "two": 0.2}, root="1=P0", names=tmp_path / "map.csv", memo=known)
+    same(ours.to_dict(), theirs, without=["divisions", "length_scale_um", "members", "skipped"])
+    found = furrow.test(files, ["none"], free=[], root="1=P0", cells=["P0", "AB"], memo=known)
+    assert found["n"] == 4 and len(found["matched"]) == 2
+    theirs = cli.text("export", "one.csv", "--to", "csv", "--root", "1=P0", "--subtree", "AB", "--frame-minutes", "2")
+    assert furrow.export_observed(files[0], "csv", root="1=P0", subtree="AB", frame_minutes=2) == theirs
+    with pytest.raises(furrow.InputError, match="must be a cell of a tracked embryo"):
+        furrow.compare.counts(worm, measured=files[0], root="9=P0")
+
+
 def test_geff_with_compressed_arrays_is_read(tmp_path, known):
     """Python's package geff compresses with Blosc."""
     worm = furrow.tree(memo=known)

@@ -9,6 +9,7 @@ mod compare;
 mod completions;
 mod context;
 mod divide;
+mod embryos;
 mod ensemble;
 mod error;
 mod explore;

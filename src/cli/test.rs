@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use furrow_analysis::compare::names_of;
 use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
@@ -13,18 +12,19 @@ use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
-use furrow_input::InputError;
 use furrow_lineage::Lineage;
 use furrow_lineage::batch::Store;
+use furrow_measured::tracked::EmbryoFile;
 use furrow_measured::volumes::{ReadOptions, Unit};
 use serde_json::json;
 
 use super::cell::{load_lineage, one_of};
 use super::context::Context;
+use super::embryos::{MatchArgs, OfEmbryo, files_of, of_embryo, sizes_text, voxels};
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{merged, number, print_as};
+use super::output::{merged, print_as};
 use super::picture::PlotArgs;
 
 #[derive(Debug, Args)]
@@ -40,9 +40,9 @@ Examples:
   furrow test data/jankele2021_volumes.csv --cue none --cue germline --cells P0,P1,P2,P3 --free cue.amplitude
   furrow test chi.csv --cue germline --cue \"gradient=tension:gradient,amplitude=-0.3\" --free cue.amplitude,epsilon@somatic --json")]
 pub struct TestArgs {
-    /// Measured χ: a table (CSV), an embryo followed by another program, or targets (RON)
-    #[arg(value_name = "TABLE")]
-    table: PathBuf,
+    /// Measured χ: tables (CSV), embryos followed by other programs, or folders of these; or targets (RON)
+    #[arg(value_name = "TABLE", required = true)]
+    tables: Vec<PathBuf>,
     /// Hypotheses, one for each --cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +; "NAME=CUE"
     /// names the hypothesis
     #[arg(help_heading = "Hypotheses", long, value_name = "CUE", required = true)]
@@ -67,9 +67,11 @@ pub struct TestArgs {
     /// Groups of the table that are used; default all
     #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
     population: Option<Vec<String>>,
-    /// Edge of a voxel in µm, which converts voxels to µm³
-    #[arg(help_heading = "Measurements", long, value_name = "UM", value_parser = number)]
-    voxel: Option<f64>,
+    /// Edge of a voxel in µm, which converts voxels to µm³; of one embryo with its name
+    #[arg(help_heading = "Measurements", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo)]
+    voxel: Vec<OfEmbryo>,
+    #[command(flatten)]
+    matching: MatchArgs,
     /// Unit of a table without one: um3, voxels or relative
     #[arg(help_heading = "Measurements", long, value_name = "UNIT", value_parser = str::parse::<Unit>)]
     unit: Option<Unit>,
@@ -102,8 +104,10 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
     let free = args.free.as_ref().map(|texts| Free::list(texts, &lineage, "--free")).transpose()?;
     let hypotheses = Hypothesis::all(&args.cue, free.as_deref(), &lineage, &settings.cell, ["--cue", "--free"])?;
-    let observations = observations(args, &lineage)?;
-    let noise = Noise::of(&observations, args.noise, (&args.table.display().to_string(), "--noise"))?;
+    let files = files_of(&args.tables)?;
+    let observations = observations(args, &files, &lineage)?;
+    let table = files.first().map_or(String::new(), |file| file.path.display().to_string());
+    let noise = Noise::of(&observations, args.noise, (&table, "--noise"))?;
     let memo = context.memo()?;
     interrupt::finish();
     let effort = SearchBudget { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed };
@@ -127,16 +131,18 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     }
     let elapsed_s = start.elapsed().as_secs_f64();
     let document = merged(json!(found), json!({ "seed": args.seed, "elapsed_s": elapsed_s }));
-    print_as(context.json, &document, || found.to_string())
+    print_as(context.json, &document, || {
+        let sizes = if files.len() > 1 { sizes_text(&found.embryos, None) } else { String::new() };
+        sizes + &found.to_string()
+    })
 }
 
 /// The measured χ of the table, or of a file of targets.
-fn observations(args: &TestArgs, lineage: &Lineage) -> Result<Observations, CliError> {
-    let voxel = args.voxel.unwrap_or(1.0);
-    InputError::require((1e-6..=1e6).contains(&voxel), "--voxel", "voxel", voxel, "a length in µm, from 1e-6 to 1e6")?;
-    let reading = ReadOptions { voxel: args.voxel, group: None, unit: args.unit, names: names_of(lineage) };
+fn observations(args: &TestArgs, files: &[EmbryoFile], lineage: &Lineage) -> Result<Observations, CliError> {
+    let (voxel, names) = (voxels(&args.voxel)?, args.matching.names(lineage)?);
+    let reading = ReadOptions { voxel, group: None, unit: args.unit, names };
     let chosen = Chosen { cells: args.cells.as_deref(), groups: args.population.as_deref() };
-    let observations = Observations::read(&args.table, &reading, lineage, chosen, ["--cells", "--population"])?;
+    let observations = Observations::read(files, &reading, lineage, chosen, ["--cells", "--population"])?;
     if observations.of_nuclei {
         messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
     }

@@ -44,6 +44,11 @@ fn alternatives() {
 }
 
 #[test]
+fn matching() {
+    check_session("command/sessions/matching.txt");
+}
+
+#[test]
 fn hypotheses() {
     check_session("command/sessions/hypotheses.txt");
 }

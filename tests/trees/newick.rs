@@ -1,7 +1,7 @@
 //! Newick, NHX and Nexus: brackets, names and lengths, read by an independent parser.
 
 use crate::common::stand_in::{fake, grown};
-use furrow_formats::exchange::{BranchLengths, Exported, Format, TimedTree, export};
+use furrow_formats::exchange::{BranchLengths, Exported, Format, Sheet, TimedTree, export};
 use furrow_formats::newick;
 use furrow_lineage::{Lineage, Tree};
 
@@ -58,6 +58,7 @@ fn every_cell_stands_at_its_depth_with_its_length_and_columns() {
     assert!(tree.len() > 200);
     assert_eq!(Exported::File(newick(&tree)), export(&tree, Format::Newick, BranchLengths::Time, &[]));
     let timed = TimedTree::new(&tree);
+    let sheet = Sheet::of_tree(&timed);
     for (_, lengths) in BranchLengths::NAMED {
         for format in [Format::Newick, Format::Nhx, Format::Nexus] {
             let Exported::File(text) = export(&tree, format, lengths, &[]) else { panic!("{format:?} is one file") };
@@ -74,7 +75,7 @@ fn every_cell_stands_at_its_depth_with_its_length_and_columns() {
                 let cell = tree.cell(id);
                 let node = nodes.iter().find(|node| node.name == cell.name).unwrap();
                 assert_eq!(node.depth, cell.generation, "{}", cell.name);
-                let length = lengths.of(&timed, id).map_or(String::new(), |length| format!(":{length}"));
+                let length = sheet.length(id.index(), lengths).map_or(String::new(), |length| format!(":{length}"));
                 let known = timed.columns().iter().filter(|column| column.note);
                 let notes: Vec<String> =
                     known.filter_map(|column| Some(format!("{}={}", column.name, (column.of)(&timed, id)?))).collect();

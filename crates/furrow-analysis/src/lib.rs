@@ -37,6 +37,7 @@ pub mod growth;
 pub mod hypotheses;
 pub mod journal;
 pub mod json;
+pub mod observed;
 mod parse;
 pub mod points;
 #[cfg(not(target_family = "wasm"))]

@@ -8,10 +8,6 @@ use crate::InputError;
 /// Tables and tracked embryos.
 pub const WANTED: &str = "a table or an embryo that was followed";
 
-/// The kind of file and the remedy, for tracks of the Cell Tracking Challenge.
-const CTC: &str = "tracks of the Cell Tracking Challenge, which have no names of cells: read are tables with names, and spots with \
-                   names of TrackMate or Mastodon";
-
 /// The kind of file and the remedy, for a project of Mastodon.
 const MASTODON: &str = "a project of Mastodon: in Mastodon export spots and links to CSV, and give the table of spots";
 
@@ -34,7 +30,7 @@ fn kind(head: &[u8]) -> Option<&'static str> {
     if text.starts_with('<') {
         return Some(match () {
             () if has("<TrackMate") => {
-                "a file of TrackMate (XML): in TrackMate export spots and edges to CSV, and give the table of spots"
+                "a file of TrackMate or MaMuT (XML), which is an embryo that was followed and no table"
             }
             () if has("<embryo") || has("<nuclei") => {
                 "AceTree's configuration (XML): give the archive of nuclei (zip) that it names"
@@ -71,7 +67,8 @@ fn kind(head: &[u8]) -> Option<&'static str> {
     if text.starts_with("Lineage(") || text.starts_with("#![enable") {
         return Some("a lineage file (RON), which describes the model: options --lineage and --tree take it");
     }
-    is_ctc(text).then_some(CTC)
+    let ctc = "tracks of the Cell Tracking Challenge, which are an embryo that was followed and no table";
+    is_ctc(text).then_some(ctc)
 }
 
 /// Whether a text begins as a tree: its first pair of brackets has several entries, lengths or brackets of its own, unlike a heading
@@ -82,7 +79,7 @@ fn is_newick(text: &str) -> bool {
 }
 
 /// Whether these are tracks of the Cell Tracking Challenge: lines of four whole numbers with blanks between them.
-fn is_ctc(text: &str) -> bool {
+pub fn is_ctc(text: &str) -> bool {
     let mut lines = text.lines().peekable();
     let (mut count, whole) = (0, |word: &str| word.bytes().all(|byte| byte.is_ascii_digit()));
     while let Some(line) = lines.next() {
@@ -120,10 +117,5 @@ pub fn refuse_archive(path: &Path, names: &[String]) -> Result<(), InputError> {
 /// Names the kind of a folder without nuclei and GEFF, and the remedy; `None` if it is not known.
 pub fn folder(folder: &Path) -> Option<String> {
     let has = |name: &str| folder.join(name).exists();
-    let kind = match () {
-        () if ["man_track.txt", "res_track.txt", "TRA/man_track.txt"].into_iter().any(has) => CTC,
-        () if has("project.xml") => MASTODON,
-        () => return None,
-    };
-    Some(format!("it has {kind}"))
+    has("project.xml").then(|| format!("it has {MASTODON}"))
 }

@@ -22,12 +22,13 @@ impl Volumes {
     ) -> Result<Unit, InputError> {
         let (mut said, mut largest) = (None, 0.0_f64);
         while let Some(row) = table.next_row()? {
+            let embryo = Value::new(row, columns.embryo).written();
             let read = fitting(row).map(|row| columns.unit.map(|column| Value::new(row, column)));
             let noted = match read {
                 Ok(Some(unit)) if unit.text.is_empty() => Err((unit, "no unit".to_owned())),
                 Ok(unit) => {
                     let unit = unit.map(|unit| note_unit(file, &unit, &mut said)).transpose()?;
-                    let factor = factor(unit.or(columns.volume.1), options);
+                    let factor = factor(unit.or(columns.volume.1), &embryo, options);
                     self.read_row(columns, row, options, factor)
                 }
                 Err(rejected) => Err(rejected),
@@ -53,7 +54,7 @@ impl Volumes {
         let at = |column: usize| Value::new(row, column);
         let volume = positive(at(columns.volume.0))?;
         let (cell, embryo) = (at(columns.cell), at(columns.embryo));
-        let name = options.names.understood(&cell.written()).ok_or_else(|| {
+        let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
         if embryo.text.is_empty() {
@@ -81,10 +82,10 @@ impl Volumes {
         header: &Header<'_>,
     ) -> Result<Unit, InputError> {
         let embryo = self.embryo(options.group_of(None), embryo_of_file(file));
-        let (named, line) = (grid_unit(header, &options.names)?, header.line as u64);
+        let (named, line) = (grid_unit(header, &embryo_of_file(file), &options.names)?, header.line as u64);
         let mut places: Vec<Option<usize>> = Vec::new();
         for (column, name) in header.names.iter().enumerate() {
-            let cell = options.names.understood(split_unit(name).0);
+            let cell = options.names.understood(&embryo_of_file(file), split_unit(name).0);
             if cell.is_none() && !is_frame(column, name) {
                 let value = Value::of_heading(line, column, name);
                 self.skip(file, &(value, options.names.unknown().to_owned()));
@@ -93,7 +94,8 @@ impl Volumes {
         }
         // Without a unit a grid is in voxels where these have a size.
         let is_bare = named.is_none() && options.unit.is_none();
-        let factor = if is_bare { options.voxel_volume() } else { factor(named, options) };
+        let of_file = embryo_of_file(file);
+        let factor = if is_bare { options.voxel_volume(&of_file) } else { factor(named, &of_file, options) };
         // Voxels are counted: a number with decimals is in another unit.
         let (mut is_counted, mut largest) = (true, 0.0_f64);
         while let Some(row) = table.next_row()? {
@@ -119,7 +121,7 @@ impl Volumes {
             }
         }
         let bare = match () {
-            () if is_counted || options.voxel.is_some() => Unit::Voxels,
+            () if is_counted || options.voxel.of(&of_file).is_some() => Unit::Voxels,
             () if largest <= LARGEST_FRACTION => Unit::Relative,
             () => Unit::CubicMicrometres,
         };
@@ -133,12 +135,12 @@ fn is_frame(column: usize, name: &str) -> bool {
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.
-fn grid_unit(header: &Header<'_>, names: &Names) -> Result<Option<VolumeUnit>, InputError> {
+fn grid_unit(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<VolumeUnit>, InputError> {
     let mut found: Option<VolumeUnit> = None;
     for (column, heading) in header.names.iter().enumerate() {
         let (name, Some(written)) = split_unit(heading) else { continue };
         let unit = unit_of(written, &VOLUMES).copied();
-        if unit.is_none() && names.understood(name).is_none() {
+        if unit.is_none() && names.understood(embryo, name).is_none() {
             continue;
         }
         let refused = |allowed: String| {
@@ -154,11 +156,11 @@ fn grid_unit(header: &Header<'_>, names: &Names) -> Result<Option<VolumeUnit>, I
 }
 
 /// The factor from a volume's unit to the unit of results. Without a unit the option gives it.
-pub(crate) fn factor(unit: Option<VolumeUnit>, options: &ReadOptions) -> f64 {
+pub(crate) fn factor(unit: Option<VolumeUnit>, embryo: &str, options: &ReadOptions) -> f64 {
     match unit {
-        Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(),
+        Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(embryo),
         Some(unit) => unit.size,
-        None if options.unit == Some(Unit::Voxels) => options.voxel_volume(),
+        None if options.unit == Some(Unit::Voxels) => options.voxel_volume(embryo),
         None => 1.0,
     }
 }

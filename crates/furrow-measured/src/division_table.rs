@@ -42,7 +42,7 @@ impl Volumes {
         file: &str,
         (mother, division): (Value<'r>, Division),
     ) -> Result<Division, Rejected<'r>> {
-        let key = (file.to_owned(), division.embryo.clone(), name_of(mother, &self.names));
+        let key = (file.to_owned(), division.embryo.clone(), name_of(mother, &division.embryo, &self.names));
         match self.division_lines.insert(key.clone(), mother.line) {
             None => Ok(division),
             Some(first) => {
@@ -54,8 +54,8 @@ impl Volumes {
 }
 
 /// The name of a mother, as it is understood or else as it is written.
-fn name_of(mother: Value<'_>, names: &Names) -> String {
-    names.understood(&mother.written()).unwrap_or_else(|| mother.written())
+fn name_of(mother: Value<'_>, embryo: &str, names: &Names) -> String {
+    names.understood(embryo, &mother.written()).unwrap_or_else(|| mother.written())
 }
 
 /// The division of a row with volumes.
@@ -77,10 +77,11 @@ pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &Re
     if let Some(value) = generation.filter(|value| value.written().parse::<u32>().is_err()) {
         return Err((value, "not a whole number of a generation".to_owned()));
     }
-    let factor = factor(Some(columns.unit), options);
-    let name = name_of(mother, &options.names);
+    let embryo = embryo.written();
+    let factor = factor(Some(columns.unit), &embryo, options);
+    let name = name_of(mother, &embryo, &options.names);
     let division = Division {
-        embryo: embryo.written(),
+        embryo,
         group: options.group_of(columns.population.map(at)),
         // Mothers of different embryos share only their generation.
         mother: generation.map_or_else(|| name.clone(), |number| format!("{GENERATION}{}", number.written())),
@@ -106,10 +107,11 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     }
     let given = |column: Option<usize>| column.map(at).filter(|value| !value.text.is_empty());
     let own = given(columns.mother_volume.map(|(column, _)| column)).map(positive).transpose()?;
-    let size = columns.mother_volume.map_or(1.0, |(_, unit)| factor(Some(unit), options));
-    let name = name_of(mother, &options.names);
+    let embryo = columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written());
+    let size = columns.mother_volume.map_or(1.0, |(_, unit)| factor(Some(unit), &embryo, options));
+    let name = name_of(mother, &embryo, &options.names);
     let division = Division {
-        embryo: columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written()),
+        embryo,
         group: options.group_of(columns.group.map(at)),
         daughters: ["first", "second"].map(|which| format!("{name} {which}")),
         mother: name,

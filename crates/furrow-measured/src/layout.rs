@@ -76,15 +76,15 @@ pub(crate) struct Columns {
 
 impl Columns {
     /// The columns of a long table; `None` for a grid.
-    pub(crate) fn of(header: &Header<'_>, names: &Names) -> Result<Option<Columns>, InputError> {
-        let (cell, volume) = (cell_column(header), volume_column(header)?);
-        let embryo = header.find(&["embryo", "embryo_name", "sample"]);
+    pub(crate) fn of(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<Columns>, InputError> {
+        let (cell, volume, of_file) = (cell_column(header), volume_column(header)?, embryo);
+        let embryo = header.find(&EMBRYO);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
             let (group, frame) = (header.find(GROUP), header.find(&["frame", "time", "time_point"]));
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
-        if names.any_on_top(&header.names) {
+        if names.any_on_top(of_file, &header.names) {
             return Ok(None);
         }
         let needed = [("cell", cell), ("volume", volume.map(|(column, _)| column)), ("embryo", embryo)];
@@ -97,6 +97,9 @@ impl Columns {
     }
 }
 
+/// Names of the column of embryos.
+pub(crate) const EMBRYO: [&str; 3] = ["embryo", "embryo_name", "sample"];
+
 /// Names of the column of groups.
 const GROUP: &[&str] = &["group", "condition"];
 
@@ -106,7 +109,7 @@ pub(crate) fn cell_column(header: &Header<'_>) -> Option<usize> {
 }
 
 /// The column of volumes, with the unit where its heading gives one.
-fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option<VolumeUnit>)>, InputError> {
+pub(crate) fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option<VolumeUnit>)>, InputError> {
     let mut found = Vec::new();
     for name in ["volume", "mean_volume", "relative_volume", "mean_relative_volume"] {
         for (column, unit) in header.quantity(name, &VOLUMES)? {

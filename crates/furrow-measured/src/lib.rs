@@ -4,9 +4,11 @@
 //! |---|---|
 //! | [`names`] | Sulston's names: a cell's mother and sister |
 //! | [`volumes`], `layout`, `division_table` | tables of volumes: long tables, frames × cells, and divisions |
-//! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, Mastodon, GEFF |
+//! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, MaMuT, Mastodon, napari, ultrack, GEFF |
+//! | [`matching`] | matches cells with other names to the cells of a lineage |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
-//! | [`lifetimes`] | tables of lifetimes: over volume, which sister divides first, cells alive over time |
+//! | [`per_embryo`], `pace` | numbers of single embryos; embryos beside each other |
+//! | [`lifetimes`], `lifetime_table` | tables of lifetimes: over volume, which sister divides first, cells alive over time |
 //! | [`trend`] | χ by decades of the mother's volume |
 //! | [`dose`] | asymmetry of a division over the dose of a protein |
 //! | [`published`] | means over published embryos |
@@ -37,8 +39,12 @@ mod division_table;
 pub mod dose;
 pub mod events;
 mod layout;
+mod lifetime_table;
 pub mod lifetimes;
+pub mod matching;
 pub mod names;
+mod pace;
+pub mod per_embryo;
 pub mod published;
 pub mod significance;
 pub mod statistics;

@@ -1,24 +1,28 @@
 //! Tables of lifetimes, from a cell's birth to its division.
 //!
-//! Columns, in any order: `cell`; `lifetime_min` (or `lifetime_s`, `lifetime_h`); optionally `sd_min`, `birth_min` and `n`. With a
-//! column `n` a row is a cell's mean over n embryos; without it a row is a cell of one embryo, and rows of a cell are averaged.
-//! Lines that begin with `#` are comments. A row that cannot be used is skipped and reported with its place.
+//! Columns, in any order: `cell`; `lifetime_min` (or `lifetime_s`, `lifetime_h`), or `birth_min` and `division_min`; optionally `sd_min`,
+//! `birth_min`, `n` and `embryo`. With a column `n` a row is a cell's mean over n embryos; without it a row is a cell of one embryo, and
+//! rows of a cell are averaged. Where embryos are known, each has its own [pace](EmbryoTimes), and births are counted from the same
+//! origin. Lines that begin with `#` are comments. A row that cannot be used is skipped and reported with its place.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
-use std::path::Path;
 
-use furrow_input::table::{Header, Row, TIMES, Table, columns_listed};
-use furrow_input::{InputError, open_file};
+use furrow_input::table::Table;
+use furrow_input::{InputError, listed, open_file};
 use serde::Serialize;
 
 use crate::events::place;
-use crate::layout::cell_column;
+use crate::layout::embryo_of_file;
+use crate::lifetime_table::{Columns, read_row};
+use crate::matching::Matched;
 use crate::names::Names;
+use crate::pace::{InEmbryos, Shares, shares};
+use crate::per_embryo::PerEmbryo;
 use crate::significance::{Sample, Trend, power, sign_test, welch};
 use crate::statistics::{mean, sd};
-use crate::tracked::{TrackOptions, read_tracked};
-use crate::volumes::{Rejected, Skipped, Value, Volumes, fitting, note, require_used};
+use crate::tracked::{EmbryoFile, TrackOptions, TrackedLineage, read_tracked};
+use crate::volumes::{MOST_PLACES, Skipped, Value, Volumes, note, require_used};
 
 /// How long a cell lives in some embryos.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -51,88 +55,142 @@ pub struct Lifetimes {
     pub cells: Vec<Lifetime>,
     /// Rows used.
     pub used: u64,
-    /// Rows that could not be used, at most [`MOST_PLACES`](crate::volumes::MOST_PLACES).
+    /// Rows that could not be used, at most [`MOST_PLACES`].
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
     /// The names of cells.
     pub names: Names,
+    /// How the cells of embryos that were followed were matched to the names.
+    pub matched: Vec<Matched>,
+    /// The embryos, where they are known.
+    pub embryos: Vec<EmbryoTimes>,
 }
 
-/// A column of times and the minutes in its unit.
-type TimeColumn = (usize, f64);
-
-/// The columns of a table.
-struct Columns {
-    cell: usize,
-    lifetime: TimeColumn,
-    n: Option<usize>,
-    sd: Option<TimeColumn>,
-    birth: Option<TimeColumn>,
+/// An embryo beside the others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EmbryoTimes {
+    /// Its name.
+    pub embryo: String,
+    /// Its cells with a lifetime.
+    pub cells: usize,
+    /// How many of these other embryos have too.
+    pub shared: usize,
+    /// Minutes from one frame to the next, where frames are counted.
+    pub frame_minutes: Option<f64>,
+    /// The lifetimes of its cells divided by the lifetimes in all embryos; `None` if it shares no cell with others.
+    pub time_factor: Option<f64>,
+    /// Standard deviation of ln lifetime about what its factor gives.
+    pub scatter: Option<f64>,
+    /// The minute of its own clock that is minute 0 of the first embryo's; `None` without births that are shared.
+    pub shift_min: Option<f64>,
 }
 
-impl Columns {
-    fn of(header: &Header<'_>) -> Result<Columns, InputError> {
-        let time = |what: &str| -> Result<Option<TimeColumn>, InputError> {
-            let refused = |column: usize, why: String| {
-                let named: Vec<String> = TIMES.iter().map(|unit| format!("{what}_{}", unit.words[0])).collect();
-                header.refused(format!("column {} is {why} {}", column + 1, named.join(", ")))
+/// Options for lifetimes of embryos.
+#[derive(Clone, Debug, Default)]
+pub struct LifetimeOptions {
+    /// Minutes from one frame to the next, for embryos of programs that count frames.
+    pub frame_minutes: PerEmbryo,
+    /// Whether lifetimes and births are divided by the time factor of their embryo before they are averaged.
+    pub common_pace: bool,
+    /// Names of cells.
+    pub names: Names,
+}
+
+/// A row while tables are read.
+struct RowOfEmbryo {
+    lifetime: Lifetime,
+    /// The place of its embryo, if it is known.
+    embryo: Option<usize>,
+}
+
+/// Rows of all tables, and their embryos.
+#[derive(Default)]
+struct Rows {
+    rows: Vec<RowOfEmbryo>,
+    embryos: Vec<EmbryoTimes>,
+    has_means: bool,
+}
+
+impl Rows {
+    /// The place of an embryo.
+    fn embryo(&mut self, name: &str, frame_minutes: Option<f64>) -> usize {
+        let known = self.embryos.iter().position(|embryo| embryo.embryo == name);
+        known.unwrap_or_else(|| {
+            let embryo = EmbryoTimes {
+                embryo: name.to_owned(),
+                cells: 0,
+                shared: 0,
+                frame_minutes,
+                time_factor: None,
+                scatter: None,
+                shift_min: None,
             };
-            match header.quantity(what, &TIMES)?[..] {
-                [] => Ok(None),
-                [(column, Some(unit))] => Ok(Some((column, unit.size))),
-                [(column, None), ..] => {
-                    Err(refused(column, format!("called {what:?}: its name must have the unit, as")))
-                }
-                [_, (second, _), ..] => Err(refused(second, format!("a second one for the {what}; allowed is one of"))),
-            }
-        };
-        let missing = |what: &str| {
-            let here = columns_listed(&header.names);
-            header.refused(format!("no column is called {what}; the columns are {here}"))
-        };
-        let cell = cell_column(header).ok_or_else(|| missing("cell"))?;
-        let lifetime = time("lifetime")?.ok_or_else(|| missing("lifetime_min"))?;
-        let (n, sd, birth) = (header.find(&["n"]), time("sd")?, time("birth")?);
-        if let (None, Some((column, _))) = (n, sd) {
-            let why = format!("column {} is a standard deviation, but no column is called n", column + 1);
-            return Err(header.refused(why));
-        }
-        Ok(Columns { cell, lifetime, n, sd, birth })
+            self.embryos.push(embryo);
+            self.embryos.len() - 1
+        })
     }
-}
 
-/// Limits of a time, in minutes: sums beyond them could overflow.
-const TIMES_OF_CELLS: [f64; 2] = [1e-9, 1e12];
-
-/// Minutes in a column that are in the limits.
-fn minutes<'r>(row: Row<'r>, (column, unit): TimeColumn, least: f64, allowed: &str) -> Result<f64, Rejected<'r>> {
-    let value = Value::new(row, column);
-    let time = value.number().map_err(|(value, why)| (value, format!("{allowed} ({why})")))? * unit;
-    if (least..=TIMES_OF_CELLS[1]).contains(&time) { Ok(time) } else { Err((value, allowed.to_owned())) }
-}
-
-fn read_row<'r>(row: Row<'r>, columns: &Columns, names: &Names) -> Result<Lifetime, Rejected<'r>> {
-    let row = fitting(row)?;
-    let at = |column: usize| Value::new(row, column);
-    let cell = at(columns.cell);
-    let cell = names.understood(&cell.written()).ok_or_else(|| (cell, names.unknown().to_owned()))?;
-    let mean = minutes(row, columns.lifetime, TIMES_OF_CELLS[0], "must be a time above 0")?;
-    let n = match columns.n.map(at) {
-        None => 1,
-        Some(value) => {
-            let n = value.number().ok().filter(|n| (1.0..=1e9).contains(n) && n.fract() == 0.0);
-            n.ok_or((value, "must be a number of embryos, at least 1".to_owned()))? as u64
+    /// Finds the pace of each embryo. Births are counted from the origin of the first embryo; where embryos have a common pace, the
+    /// times of each are divided by its factor.
+    fn align(&mut self, common_pace: bool) {
+        for RowOfEmbryo { embryo, .. } in &self.rows {
+            embryo.iter().for_each(|embryo| self.embryos[*embryo].cells += 1);
         }
-    };
-    let optional = |column: Option<TimeColumn>, least: f64, allowed: &str| {
-        let given = column.filter(|(column, _)| !row.text(*column).is_empty());
-        given.map(|column| minutes(row, column, least, allowed)).transpose()
-    };
-    let sd = optional(columns.sd, 0.0, "must be a time of 0 or more, or empty")?;
-    let birth = optional(columns.birth, -TIMES_OF_CELLS[1], "must be a time, or empty")?;
-    let founder = names.founder(&cell).unwrap_or_default().to_owned();
-    Ok(Lifetime { cell, founder, n, mean, sd, birth })
+        if self.embryos.len() < 2 {
+            return;
+        }
+        let of_embryos = |value: fn(&Lifetime) -> Option<f64>| -> InEmbryos<'_> {
+            let of = |row: &'_ RowOfEmbryo| Some((row.embryo?, value(&row.lifetime)?));
+            self.rows
+                .iter()
+                .filter_map(|row| of(row).map(|(e, value)| (e, row.lifetime.cell.as_str(), value)))
+                .collect()
+        };
+        let Shares { of, scatter, shared } = shares(&of_embryos(|row| Some(row.mean.ln())), self.embryos.len());
+        for (embryo, ((share, scatter), shared)) in self.embryos.iter_mut().zip(of.into_iter().zip(scatter).zip(shared))
+        {
+            (embryo.time_factor, embryo.scatter, embryo.shared) = (share.map(f64::exp), scatter, shared);
+        }
+        if common_pace {
+            for RowOfEmbryo { lifetime, embryo } in &mut self.rows {
+                let factor = embryo.and_then(|embryo| self.embryos[embryo].time_factor).unwrap_or(1.0);
+                lifetime.mean /= factor;
+                lifetime.birth = lifetime.birth.map(|birth| birth / factor);
+            }
+        }
+        let births: InEmbryos<'_> = self
+            .rows
+            .iter()
+            .filter_map(|row| Some((row.embryo?, row.lifetime.cell.as_str(), row.lifetime.birth?)))
+            .collect();
+        let Shares { of: shifts, .. } = shares(&births, self.embryos.len());
+        let first = shifts.iter().find_map(|shift| *shift).unwrap_or(0.0);
+        for (embryo, shift) in self.embryos.iter_mut().zip(shifts) {
+            embryo.shift_min = shift.map(|shift| shift - first);
+        }
+        for RowOfEmbryo { lifetime, embryo } in &mut self.rows {
+            let shift = embryo.map(|embryo| self.embryos[embryo].shift_min);
+            // A birth on a clock of its own says nothing.
+            lifetime.birth = match shift {
+                Some(shift) => lifetime.birth.zip(shift).map(|(birth, shift)| birth - shift),
+                None => lifetime.birth,
+            };
+        }
+    }
+
+    /// By cell in the order of the tables.
+    fn averaged(self) -> Vec<Lifetime> {
+        let (mut by_cell, mut places): (Vec<Vec<Lifetime>>, HashMap<String, usize>) = Default::default();
+        for RowOfEmbryo { lifetime, .. } in self.rows {
+            let place = *places.entry(lifetime.cell.clone()).or_insert(by_cell.len());
+            match by_cell.get_mut(place) {
+                Some(of_cell) => of_cell.push(lifetime),
+                None => by_cell.push(vec![lifetime]),
+            }
+        }
+        by_cell.iter().filter_map(|rows| averaged(rows)).collect()
+    }
 }
 
 impl Lifetimes {
@@ -141,54 +199,125 @@ impl Lifetimes {
     /// # Errors
     /// A table without the required columns, or without a row that can be used.
     pub fn read(from: impl Read, file: &str) -> Result<Lifetimes, InputError> {
-        Lifetimes::read_named(from, file, &Names::default())
+        Lifetimes::read_with(from, file, &LifetimeOptions::default())
     }
 
-    /// Reads a table of cells with these names.
+    /// Reads a table with options.
     ///
     /// # Errors
     /// As [`Lifetimes::read`].
-    pub(crate) fn read_named(from: impl Read, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
+    pub fn read_with(from: impl Read, file: &str, options: &LifetimeOptions) -> Result<Lifetimes, InputError> {
+        let (mut found, mut rows) =
+            (Lifetimes { names: options.names.clone(), ..Lifetimes::default() }, Rows::default());
+        found.read_table(from, (file, false), &mut rows)?;
+        found.finished(rows, file, options.common_pace)
+    }
+
+    /// Reads files: tables, or embryos that another program [followed over time](crate::tracked). Each of several tables is of one embryo,
+    /// unless a column has the embryos.
+    ///
+    /// # Errors
+    /// As [`Lifetimes::read`] and [`TrackedLineage::lifetimes`](crate::tracked::TrackedLineage::lifetimes); a table of means beside other
+    /// files; minutes per frame for an embryo that is not there.
+    pub fn read_files(files: &[EmbryoFile], options: &LifetimeOptions) -> Result<Lifetimes, InputError> {
+        let (mut found, mut rows) =
+            (Lifetimes { names: options.names.clone(), ..Lifetimes::default() }, Rows::default());
+        let (mut counting, mut cells) = (Vec::new(), 0);
+        for EmbryoFile { path, name } in files {
+            let (file, frame_minutes) = (path.display().to_string(), options.frame_minutes.of(name));
+            match read_tracked(path, &TrackOptions { pixel: None, frame_minutes })? {
+                None => found.read_table(open_file(path)?, (&file, files.len() > 1), &mut rows)?,
+                Some(mut embryo) => {
+                    embryo.name.clone_from(name);
+                    embryo.match_names(&options.names)?;
+                    counting.push(name.as_str());
+                    cells += embryo.cells.len();
+                    found.add_tracked(&embryo, frame_minutes, &mut rows)?;
+                }
+            }
+        }
+        options.frame_minutes.require_known(&counting, "--frame-minutes")?;
+        if rows.has_means && files.len() > 1 {
+            let file = files.first().map_or(String::new(), |file| file.path.display().to_string());
+            let allowed = "in a table that is read by itself: its rows are means over embryos";
+            return Err(InputError::not_allowed(file, "n", "a column of one of the tables", allowed));
+        }
+        let names: Vec<String> = files.iter().map(|file| file.path.display().to_string()).collect();
+        let names = listed(names.iter().map(String::as_str), ", ");
+        if found.used == 0 && cells > 0 {
+            options.names.require_met()?;
+            let first = found
+                .skipped
+                .first()
+                .map_or(String::new(), |first| format!(" (the first of {} skipped: {first})", found.skipped_count));
+            let why = "at least one cell with a known name that was followed from its birth to its division";
+            return Err(InputError::not_allowed(names, "cells", cells, format!("{why}{first}")));
+        }
+        found.finished(rows, &names, options.common_pace)
+    }
+
+    /// The lifetimes of all rows.
+    fn finished(mut self, mut rows: Rows, file: &str, common_pace: bool) -> Result<Lifetimes, InputError> {
+        if self.used == 0 {
+            self.names.require_met()?;
+        }
+        let place = self.skipped.first().map_or(file, |skipped| &skipped.file).to_owned();
+        require_used(self.used, (&place, "lifetimes"), &self.skipped, self.skipped_count)?;
+        rows.align(common_pace);
+        self.embryos = std::mem::take(&mut rows.embryos);
+        self.cells = rows.averaged();
+        Ok(self)
+    }
+
+    /// Adds the rows of a table, which is of one embryo if it is one of `several`.
+    fn read_table(
+        &mut self,
+        from: impl Read,
+        (file, several): (&str, bool),
+        rows: &mut Rows,
+    ) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         let columns = Columns::of(&table.columns(|_| false)?)?;
-        let mut found = Lifetimes { names: names.clone(), ..Lifetimes::default() };
-        let mut rows: Vec<Vec<Lifetime>> = Vec::new();
-        // Indices of cells, and the lines of their first rows.
-        let mut places: HashMap<String, (usize, u64)> = HashMap::new();
+        rows.has_means |= columns.n.is_some();
+        let of_file = embryo_of_file(file);
+        // Lines of the first rows of cells, by embryo.
+        let mut places: HashMap<(Option<usize>, String), u64> = HashMap::new();
         while let Some(row) = table.next_row()? {
-            let noted = read_row(row, &columns, names).and_then(|lifetime| {
-                let (at, first) = *places.entry(lifetime.cell.clone()).or_insert((rows.len(), row.line));
-                match rows.get_mut(at) {
-                    Some(_) if columns.n.is_some() => {
-                        let why = format!("a second row of this cell; the first is on line {first}");
-                        return Err((Value::new(row, columns.cell), why));
-                    }
-                    Some(of_cell) => of_cell.push(lifetime),
-                    None => rows.push(vec![lifetime]),
+            let noted = columns.embryo_of(row).and_then(|embryo| {
+                let named = embryo.as_deref().or(several.then_some(of_file.as_str()));
+                let lifetime = read_row(row, &columns, named.unwrap_or(&of_file), &self.names)?;
+                let embryo = named.filter(|_| columns.n.is_none()).map(|embryo| rows.embryo(embryo, None));
+                let first = *places.entry((embryo, lifetime.cell.clone())).or_insert(row.line);
+                if first != row.line && (columns.n.is_some() || embryo.is_some()) {
+                    let why = format!("a second row of this cell; the first is on line {first}");
+                    return Err((Value::new(row, columns.cell), why));
                 }
+                rows.rows.push(RowOfEmbryo { lifetime, embryo });
                 Ok(())
             });
             match noted {
-                Ok(()) => found.used += 1,
-                Err(rejected) => note(&mut found.skipped, &mut found.skipped_count, || Skipped::new(file, &rejected)),
+                Ok(()) => self.used += 1,
+                Err(rejected) => note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, &rejected)),
             }
         }
-        require_used(found.used, (file, "lifetimes"), &found.skipped, found.skipped_count)?;
-        found.cells = rows.iter().filter_map(|rows| averaged(rows)).collect();
-        Ok(found)
+        Ok(())
     }
 
-    /// Reads a file: a table, or cells that another program [followed over time](crate::tracked) with `frame_minutes` minutes from one
-    /// frame to the next. Cells have these names.
-    ///
-    /// # Errors
-    /// As [`Lifetimes::read`] and [`TrackedLineage::lifetimes`](crate::tracked::TrackedLineage::lifetimes).
-    pub fn read_file(path: &Path, frame_minutes: Option<f64>, names: &Names) -> Result<Lifetimes, InputError> {
-        let name = path.display().to_string();
-        match read_tracked(path, &TrackOptions { pixel: None, frame_minutes })? {
-            Some(embryo) => embryo.lifetimes(&name, names),
-            None => Lifetimes::read_named(open_file(path)?, &name, names),
-        }
+    /// Adds the cells of an embryo.
+    fn add_tracked(
+        &mut self,
+        embryo: &TrackedLineage,
+        frame_minutes: Option<f64>,
+        rows: &mut Rows,
+    ) -> Result<(), InputError> {
+        let lives = embryo.lifetimes(&self.names)?;
+        self.matched.extend(embryo.matched.clone());
+        self.skipped_count += lives.skipped_count;
+        self.skipped.extend(lives.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
+        let place = rows.embryo(&embryo.name, frame_minutes);
+        self.used += lives.cells.len() as u64;
+        rows.rows.extend(lives.cells.into_iter().map(|lifetime| RowOfEmbryo { lifetime, embryo: Some(place) }));
+        Ok(())
     }
 
     /// The lifetime of a cell.

@@ -3,7 +3,12 @@
 //! # References
 //! Sulston, Schierenberg, White & Thomson, *Dev. Biol.* 100, 64 (1983).
 
+use std::sync::Arc;
+
 use furrow_input::table::split_unit;
+use furrow_input::{InputError, did_you_mean, listed};
+
+use crate::matching::Matching;
 
 /// Founders: mother, the daughter named first (the anterior one; of EMS and P4 as in Sulston's chart), the other daughter.
 const NAMED: [(&str, &str, &str); 6] = [
@@ -124,6 +129,8 @@ pub struct NamedFounder {
     pub name: String,
     /// The place of its mother among the founders; `None` for the first cell.
     pub mother: Option<usize>,
+    /// Whether it is the smaller of her daughters.
+    pub is_smaller: bool,
     /// Letters of the daughters in the generations below it; the animal's own after these.
     pub letters: Vec<(char, char)>,
 }
@@ -133,12 +140,16 @@ pub struct NamedFounder {
 /// # Examples
 /// ```
 /// use furrow_measured::names::{NamedFounder, Names};
-/// let founder = |name: &str, mother| NamedFounder { name: name.to_owned(), mother, letters: Vec::new() };
-/// let founders = vec![founder("zygote", None), founder("upper", Some(0)), founder("lower", Some(0))];
+/// let founder = |name: &str, mother, is_smaller| {
+///     NamedFounder { name: name.to_owned(), mother, is_smaller, letters: Vec::new() }
+/// };
+/// let founders = vec![founder("zygote", None, false), founder("upper", Some(0), true), founder("lower", Some(0), false)];
 /// let names = Names::of(founders, ('1', '2'));
 /// assert_eq!(names.birth("lower21"), Some(("lower2", "lower22".to_owned(), true)));
 /// assert_eq!(names.birth("upper"), Some(("zygote", "lower".to_owned(), true)));
 /// assert_eq!(names.founder("lower21"), Some("lower"));
+/// assert_eq!(names.daughters("zygote"), Some(["lower", "upper"].map(str::to_owned)));
+/// assert_eq!(names.daughters("upper1"), Some(["upper11", "upper12"].map(str::to_owned)));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Names {
@@ -146,6 +157,8 @@ pub struct Names {
     letters: (char, char),
     /// Whether Sulston's names come first: the lineage has his founders.
     of_worm: bool,
+    /// How cells with other names are matched to these.
+    matching: Option<Arc<Matching>>,
 }
 
 impl Names {
@@ -156,7 +169,30 @@ impl Names {
             mother.is_some_and(|mother| founders[mother].name == other)
         };
         let of_worm = [("AB", "P0"), ("P1", "P0")].into_iter().all(is_of);
-        Names { founders, letters, of_worm }
+        Names { founders, letters, of_worm, matching: None }
+    }
+
+    /// These names, with a matching of other names. Clones share the record of names that were met.
+    ///
+    /// # Errors
+    /// The matching gives a cell a name that the lineage does not have.
+    pub fn matched_by(mut self, mut matching: Matching) -> Result<Names, InputError> {
+        matching.understand(&self)?;
+        self.matching = (!matching.is_empty()).then(|| Arc::new(matching));
+        Ok(self)
+    }
+
+    /// How cells with other names are matched to these.
+    pub(crate) fn matching(&self) -> Option<&Matching> {
+        self.matching.as_deref()
+    }
+
+    /// Requires, once all tables are read, that each name in the matching was met.
+    ///
+    /// # Errors
+    /// The first name that no table has.
+    pub fn require_met(&self) -> Result<(), InputError> {
+        self.matching.as_ref().map_or(Ok(()), |matching| matching.require_met())
     }
 
     /// Whether the cells are the worm's, so that its published measurements are theirs: the lineage has Sulston's founders, or is not
@@ -203,6 +239,37 @@ impl Names {
         if self.of_worm { birth(name).or_else(own) } else { own().or_else(|| birth(name)) }
     }
 
+    /// The daughters of a cell. Of two founders the larger one is first; of other daughters the one with the first letter; `None` for
+    /// anything that is not the name of a cell.
+    pub fn daughters(&self, name: &str) -> Option<[String; 2]> {
+        let of_chart = || {
+            let (_, first, second) = NAMED.into_iter().find(|(mother, ..)| *mother == name)?;
+            Some([first.to_owned(), second.to_owned()])
+        };
+        let own = || {
+            let (k, letters) = self.place(name)?;
+            let below: Vec<&NamedFounder> = self.founders.iter().filter(|founder| founder.mother == Some(k)).collect();
+            if let ([one, other], true) = (&below[..], letters.is_empty()) {
+                let is_turned = one.is_smaller && !other.is_smaller;
+                return Some(if is_turned { [other, one] } else { [one, other] }.map(|founder| founder.name.clone()));
+            }
+            let (first, second) = self.letters_of(k, letters.chars().count());
+            Some([first, second].map(|letter| format!("{name}{letter}")))
+        };
+        let sulston = || is_cell(name).then(|| [SIDES[0].0, SIDES[0].1].map(|letter| format!("{name}{letter}")));
+        match self.of_worm || self.founders.is_empty() {
+            true => of_chart().or_else(own).or_else(sulston),
+            false => own().or_else(of_chart).or_else(sulston),
+        }
+    }
+
+    /// Generations of founders that the lineage lists below a cell; 0 for other cells than founders.
+    pub(crate) fn listed_generations(&self, name: &str) -> u32 {
+        let Some(k) = self.founders.iter().position(|founder| founder.name == name) else { return 0 };
+        let below = self.founders.iter().filter(|founder| founder.mother == Some(k));
+        below.map(|founder| 1 + self.listed_generations(&founder.name)).max().unwrap_or(0)
+    }
+
     /// As [`founder`].
     pub fn founder<'a>(&'a self, name: &'a str) -> Option<&'a str> {
         let own = || self.place(name).map(|(k, _)| self.founders[k].name.as_str());
@@ -214,22 +281,46 @@ impl Names {
         is_cell(name) || self.place(name).is_some()
     }
 
-    /// As [`understood`]; the lineage's own names have one spelling.
-    pub fn understood(&self, text: &str) -> Option<String> {
+    /// Whether a cell of the lineage has this name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.place(name).is_some() || (self.of_worm || self.founders.is_empty()) && is_cell(name)
+    }
+
+    /// The name of a cell of the lineage as the lineage writes it, or which names are allowed.
+    pub(crate) fn known(&self, text: &str) -> Result<String, String> {
+        let own = || self.understood("", text).filter(|name| self.has(name));
+        own().ok_or_else(|| {
+            let founders = || self.founders.iter().map(|founder| founder.name.as_str());
+            let of = match self.founders.is_empty() {
+                true => "Sulston's".to_owned(),
+                false => format!("the lineage's: {}, or one of the cells below them", listed(founders(), ", ")),
+            };
+            format!("a name of {of}{}", did_you_mean(text, founders()))
+        })
+    }
+
+    /// As [`understood`], of a cell of an embryo; the lineage's own names have one spelling. A name that the matching gives to the
+    /// text comes first.
+    pub fn understood(&self, embryo: &str, text: &str) -> Option<String> {
         let text = text.trim();
-        if self.place(text).is_some() { Some(text.to_owned()) } else { understood(text) }
+        let given = self.matching().and_then(|matching| matching.name_of(embryo, text));
+        let own = || if self.place(text).is_some() { Some(text.to_owned()) } else { understood(text) };
+        given.map(str::to_owned).or_else(own)
     }
 
     /// Whether a column after the first, which may be called anything, has the name of a cell.
-    pub(crate) fn any_on_top(&self, header: &[String]) -> bool {
-        header.iter().skip(1).any(|name| self.understood(split_unit(name).0).is_some())
+    pub(crate) fn any_on_top(&self, embryo: &str, header: &[String]) -> bool {
+        header.iter().skip(1).any(|name| self.understood(embryo, split_unit(name).0).is_some())
     }
 
     /// Why another name is not used.
     pub fn unknown(&self) -> &'static str {
-        match self.founders.is_empty() || self.of_worm {
-            true => "no name of Sulston's; other names need the file of their lineage (--lineage)",
-            false => "no name of the lineage's cells",
+        match (self.matching(), self.founders.is_empty() || self.of_worm) {
+            (Some(_), _) => "no name of the lineage's cells, and none was matched to it",
+            (None, true) => {
+                "no name of Sulston's; other names need the file of their lineage (--lineage), or to be matched (--names, --root)"
+            }
+            (None, false) => "no name of the lineage's cells; other names can be matched (--names, --root)",
         }
     }
 }

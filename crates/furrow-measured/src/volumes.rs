@@ -16,7 +16,6 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
-use std::path::{Path, PathBuf};
 
 use furrow_input::table::{Numbers, Row, Table, text};
 use furrow_input::{InputError, csv_value, open_file};
@@ -25,15 +24,18 @@ use serde::Serialize;
 use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{ChiColumns, Columns, DivisionColumns};
+use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
+use crate::matching::Matched;
 use crate::names::Names;
-use crate::tracked::{TrackOptions, TrackedCell, TrackedLineage, read_tracked};
+use crate::pace::{InEmbryos, Shares, shares};
+use crate::per_embryo::PerEmbryo;
+use crate::tracked::{EmbryoFile, TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
 /// Options for reading a table.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
     /// Edge of a voxel in µm, which converts voxels to µm³.
-    pub voxel: Option<f64>,
+    pub voxel: PerEmbryo,
     /// Group of rows without one.
     pub group: Option<String>,
     /// Unit of tables without a unit in headings and columns.
@@ -49,9 +51,9 @@ impl ReadOptions {
         written.or_else(|| self.group.clone()).unwrap_or_default()
     }
 
-    /// The volume of a voxel, 1 if unknown.
-    pub(crate) fn voxel_volume(&self) -> f64 {
-        self.voxel.map_or(1.0, |voxel| voxel.powi(3))
+    /// The volume of a voxel of an embryo, 1 if unknown.
+    pub(crate) fn voxel_volume(&self, embryo: &str) -> f64 {
+        self.voxel.of(embryo).map_or(1.0, |voxel| voxel.powi(3))
     }
 }
 
@@ -85,6 +87,27 @@ pub struct Embryo {
     pub group: String,
     /// Its cells, in the order of the table.
     pub cells: Vec<Lifespan>,
+}
+
+/// An embryo beside the others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EmbryoSize {
+    /// Its name.
+    pub embryo: String,
+    /// Its group; empty without groups.
+    pub group: String,
+    /// Its cells with a volume.
+    pub cells: usize,
+    /// How many of these other embryos have too.
+    pub shared: usize,
+    /// Edge of its voxels in µm, where it is given.
+    pub voxel: Option<f64>,
+    /// The volumes of its cells divided by the volumes in all embryos; `None` if it shares no cell with others.
+    pub size_factor: Option<f64>,
+    /// Standard deviation of ln volume about what its factor gives.
+    pub scatter: Option<f64>,
+    /// One L_h in this embryo, where one of all is known: in proportion to the cube root of its factor.
+    pub length_scale: Option<f64>,
 }
 
 /// A value that could not be used.
@@ -165,6 +188,12 @@ pub struct Volumes {
     pub of_nuclei: bool,
     /// The names of cells, as the last table was read.
     pub names: Names,
+    /// How the cells of embryos that were followed were matched to the names.
+    pub matched: Vec<Matched>,
+    /// Tables and embryos that were read.
+    pub files: usize,
+    /// Edges of voxels, as the last table was read.
+    pub voxels: PerEmbryo,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
@@ -224,21 +253,23 @@ impl Volumes {
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         // The first column of a grid may be called anything.
-        let is_grid = |header: &[String]| options.names.any_on_top(header);
+        let embryo = embryo_of_file(file);
+        let is_grid = |header: &[String]| options.names.any_on_top(&embryo, header);
         let header = table.columns(is_grid)?;
-        self.names = options.names.clone();
+        (self.names, self.voxels) = (options.names.clone(), options.voxel.clone());
+        self.files += 1;
         let unit = if let Some(columns) = DivisionColumns::of(&header)? {
             self.read_divisions(&mut table, file, 2, |row| division(row, &columns, options))?;
             columns.unit.kind
         } else if let Some(columns) = ChiColumns::of(&header)? {
             self.read_divisions(&mut table, file, 1, |row| chi_division(row, &columns, (file, options)))?;
             Unit::OfMother
-        } else if let Some(columns) = Columns::of(&header, &options.names)? {
+        } else if let Some(columns) = Columns::of(&header, &embryo, &options.names)? {
             self.read_long(&mut table, file, options, &columns)?
         } else {
             self.read_grid(&mut table, file, options, &header)?
         };
-        let unit = if unit == Unit::Voxels && options.voxel.is_some() { Unit::CubicMicrometres } else { unit };
+        let unit = if unit == Unit::Voxels && !options.voxel.is_empty() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)
     }
 
@@ -246,9 +277,16 @@ impl Volumes {
     ///
     /// # Errors
     /// As [`Volumes::read`] and [`Volumes::add_tracked`].
-    pub fn read_file(&mut self, path: &Path, options: &ReadOptions) -> Result<(), InputError> {
-        match read_tracked(path, &TrackOptions { pixel: options.voxel, frame_minutes: None })? {
-            Some(lineage) => self.add_tracked(lineage, options),
+    pub fn read_file(
+        &mut self,
+        EmbryoFile { path, name }: &EmbryoFile,
+        options: &ReadOptions,
+    ) -> Result<(), InputError> {
+        match read_tracked(path, &TrackOptions { pixel: options.voxel.of(name), frame_minutes: None })? {
+            Some(mut lineage) => {
+                lineage.name.clone_from(name);
+                self.add_tracked(lineage, options)
+            }
             None => self.read(open_file(path)?, &path.display().to_string(), options),
         }
     }
@@ -257,22 +295,39 @@ impl Volumes {
     ///
     /// # Errors
     /// As [`Volumes::read_file`], and files without a volume that can be used.
-    pub fn of_files(files: &[PathBuf], options: &ReadOptions) -> Result<Volumes, InputError> {
+    pub fn of_files(files: &[EmbryoFile], options: &ReadOptions) -> Result<Volumes, InputError> {
         let mut volumes = Volumes::default();
         files.iter().try_for_each(|file| volumes.read_file(file, options))?;
-        volumes.require_used(&files.first().map_or(String::new(), |file| file.display().to_string()))?;
+        volumes.require_used(&files.first().map_or(String::new(), |file| file.path.display().to_string()))?;
+        volumes.require_voxels()?;
         Ok(volumes)
     }
 
-    /// Adds the cells of an embryo that were followed over time. Cells without a name of Sulston's and cells without a size are
-    /// skipped.
+    /// Requires that each embryo with an edge of a voxel of its own is in the tables.
     ///
     /// # Errors
-    /// Volumes are in another unit than earlier volumes.
-    pub fn add_tracked(&mut self, lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
+    /// The first one that is not.
+    pub fn require_voxels(&self) -> Result<(), InputError> {
+        let of_cells = self.embryos.iter().map(|embryo| embryo.name.as_str());
+        let mut names: Vec<&str> =
+            of_cells.chain(self.divisions.iter().map(|division| division.embryo.as_str())).collect();
+        names.sort_unstable();
+        names.dedup();
+        self.voxels.require_known(&names, "--voxel")
+    }
+
+    /// Adds the cells of an embryo that were followed over time, [matched](crate::matching) to the names. Cells without a name of the
+    /// lineage's and cells without a size are skipped.
+    ///
+    /// # Errors
+    /// Volumes are in another unit than earlier volumes, and as [`TrackedLineage::match_names`].
+    pub fn add_tracked(&mut self, mut lineage: TrackedLineage, options: &ReadOptions) -> Result<(), InputError> {
+        lineage.match_names(&options.names)?;
+        self.matched.extend(lineage.matched.take());
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
         let names = &options.names;
-        self.names = names.clone();
+        (self.names, self.voxels) = (names.clone(), options.voxel.clone());
+        self.files += 1;
         let embryo = self.embryo(options.group_of(None), lineage.name);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
@@ -304,6 +359,27 @@ impl Volumes {
         self.require_unit(unit, file)
     }
 
+    /// Each embryo beside the others, in the order of the tables; empty for tables of divisions.
+    pub fn sizes(&self) -> Vec<EmbryoSize> {
+        let measured = self.embryos.iter().map(|embryo| embryo.cells.iter().filter(|cell| cell.frames > 0));
+        let volumes: InEmbryos<'_> = measured
+            .enumerate()
+            .flat_map(|(k, cells)| cells.map(move |cell| (k, cell.cell.as_str(), cell.volume().ln())))
+            .collect();
+        let Shares { of, scatter, shared } = shares(&volumes, self.embryos.len());
+        let size = |(k, embryo): (usize, &Embryo)| EmbryoSize {
+            embryo: embryo.name.clone(),
+            group: embryo.group.clone(),
+            cells: volumes.iter().filter(|(of, ..)| *of == k).count(),
+            shared: shared[k],
+            voxel: self.voxels.of(&embryo.name),
+            size_factor: of[k].map(f64::exp),
+            scatter: scatter[k],
+            length_scale: None,
+        };
+        self.embryos.iter().enumerate().map(size).collect()
+    }
+
     /// Requires that all volumes are in one unit.
     fn require_unit(&mut self, unit: Unit, file: &str) -> Result<(), InputError> {
         match self.unit.replace(unit).filter(|before| *before != unit) {
@@ -319,8 +395,11 @@ impl Volumes {
     /// Requires that a volume was used of the tables that were read; `tables` is their name if they have no rows.
     ///
     /// # Errors
-    /// No volume was used; the error has the first value that could not be used.
+    /// No volume was used: the error has a cell of the matching that no table has, else the first value that could not be used.
     pub fn require_used(&self, tables: &str) -> Result<(), InputError> {
+        if self.used == 0 {
+            self.names.require_met()?;
+        }
         let file = self.skipped.first().map_or(tables, |skipped| &skipped.file);
         require_used(self.used, (file, "volumes"), &self.skipped, self.skipped_count)
     }

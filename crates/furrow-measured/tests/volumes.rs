@@ -4,6 +4,7 @@ use furrow_measured::dose::{Doses, by_condition, by_dose, trend};
 use furrow_measured::events::Division;
 use furrow_measured::events::{divisions, summaries};
 use furrow_measured::names::{NamedFounder, Names};
+use furrow_measured::per_embryo::PerEmbryo;
 use furrow_measured::published::{rodrigues2024, villoutreix2016};
 use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
@@ -67,7 +68,7 @@ fn frames_are_averaged_and_grids_are_read() {
     let long = read(b"embryo,cell,frame,volume_um3\ne,AB,1,10\ne,AB,2,14\ne,P1,2,8\n");
     assert_eq!(long.embryos[0].cells.iter().map(|cell| cell.volume()).collect::<Vec<_>>(), [12.0, 8.0]);
     let mut grid = Volumes::default();
-    let options = ReadOptions { voxel: Some(0.25), ..ReadOptions::default() };
+    let options = ReadOptions { voxel: Some(0.25).into(), ..ReadOptions::default() };
     grid.read(&b",AB,P1,Nuc3\n1,640,,7\n2,1280,320,\n3,,320,\n"[..], "data/Sample04_Volume.csv", &options).unwrap();
     assert_eq!(grid.embryos[0].name, "Sample04");
     assert_eq!(grid.embryos[0].cells.iter().map(|cell| cell.volume()).collect::<Vec<_>>(), [15.0, 5.0]);
@@ -128,7 +129,7 @@ fn very_wide_tables_and_very_long_names_are_read_in_passing() {
     let long = "a".repeat(1_000_000);
     assert_eq!(
         read(format!("embryo,cell,volume\ne,AB{long},1\n").as_bytes()).skipped[0].why,
-        "no name of Sulston's; other names need the file of their lineage (--lineage)"
+        "no name of Sulston's; other names need the file of their lineage (--lineage), or to be matched (--names, --root)"
     );
 }
 
@@ -241,7 +242,7 @@ fn a_grid_can_be_in_cubic_micrometres() {
     assert_eq!(unit(",AB,P1\n1,640.5,320\n", &plain), (Unit::CubicMicrometres, 640.5));
     assert_eq!(unit(",AB,P1\n1,0.6,0.4\n", &plain), (Unit::Relative, 0.6));
     for table in [",AB (\u{3bc}m\u{b3}),P1 (\u{3bc}m\u{b3})\n1,640,320\n", "frame (um3),AB,P1\n1,640,320\n"] {
-        let options = ReadOptions { voxel: Some(0.25), ..ReadOptions::default() };
+        let options = ReadOptions { voxel: Some(0.25).into(), ..ReadOptions::default() };
         assert_eq!(unit(table, &options), (Unit::CubicMicrometres, 640.0));
     }
     let given = ReadOptions { unit: Some(Unit::CubicMicrometres), ..ReadOptions::default() };
@@ -329,7 +330,8 @@ fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas
     };
     assert_eq!(cells(&grid), [("ABal".to_owned(), 15.6), ("ABar".to_owned(), 14.5)]);
     assert_eq!((grid.skipped_count, grid.unit), (0, Some(Unit::CubicMicrometres)));
-    let founder = |name: &str| NamedFounder { name: name.to_owned(), mother: None, letters: Vec::new() };
+    let founder =
+        |name: &str| NamedFounder { name: name.to_owned(), mother: None, is_smaller: false, letters: Vec::new() };
     let names = Names::of(vec![founder("z\u{fc}")], ('1', '2'));
     let mut long = Volumes::default();
     let table = b"embryo;cell;volume (fl)\ne;z\xfc1;15,6\ne;z\xfc2;14,5\ne;ABal;7,5\ne;zu;1,5\n";
@@ -339,7 +341,7 @@ fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas
     assert_eq!(cells(&long), expected);
     assert_eq!(
         long.skipped.iter().map(|skipped| skipped.why.as_str()).collect::<Vec<_>>(),
-        ["no name of the lineage's cells"]
+        ["no name of the lineage's cells; other names can be matched (--names, --root)"]
     );
 }
 
@@ -603,4 +605,24 @@ fn asymmetry_over_the_dose_has_the_trend_of_scipy() {
             assert!((a.mean - b.mean).abs() < 1e-6 && (a.sd.unwrap() - b.sd.unwrap()).abs() < 1e-6);
         }
     }
+}
+
+#[test]
+fn each_embryo_has_its_size_and_its_voxels() {
+    let table = "embryo,cell,volume_voxels\none,AB,8\none,P1,4\ntwo,AB,16\ntwo,P1,8\n";
+    let voxel = PerEmbryo::new([(None, 2.0), (Some("two".to_owned()), 4.0)]);
+    let options = ReadOptions { voxel, ..ReadOptions::default() };
+    let mut volumes = Volumes::default();
+    volumes.read(table.as_bytes(), "t.csv", &options).unwrap();
+    let sizes = volumes.sizes();
+    assert_eq!(volumes.unit, Some(Unit::CubicMicrometres));
+    let factors: Vec<f64> = sizes.iter().map(|size| size.size_factor.unwrap()).collect();
+    // Twice the voxels of eight times the volume.
+    assert!((factors[1] / factors[0] - 16.0).abs() < 1e-9 && (factors[0] * factors[1] - 1.0).abs() < 1e-9);
+    assert_eq!([sizes[0].voxel, sizes[1].voxel], [Some(2.0), Some(4.0)]);
+    assert_eq!((sizes[0].cells, sizes[0].shared), (2, 2));
+    volumes.require_voxels().unwrap();
+    volumes.voxels = PerEmbryo::new([(Some("three".to_owned()), 4.0)]);
+    let error = volumes.require_voxels().unwrap_err().to_string();
+    assert_eq!(error, "--voxel: embryo = \"three\": must be one of the embryos: one, two");
 }

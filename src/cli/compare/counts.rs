@@ -4,6 +4,7 @@ use super::super::messages;
 use super::lifetimes::Model;
 use super::skipped_text;
 use crate::cli::context::Context;
+use crate::cli::embryos::MatchArgs;
 use crate::cli::error::CliError;
 use crate::cli::output::print_as;
 use crate::cli::picture::PlotArgs;
@@ -31,28 +32,34 @@ pub struct CountsArgs {
     /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
     #[arg(value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
-    /// An embryo followed by another program: nuclei (zip) or CD table of AceTree, spots of TrackMate or Mastodon (CSV), GEFF
+    /// An embryo followed by another program: nuclei (zip) or CD table of AceTree, spots of TrackMate, MaMuT (XML, CSV) or Mastodon
+    /// (CSV), tracks of napari, ultrack (CSV) or the Cell Tracking Challenge (txt), GEFF
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     measured: Option<PathBuf>,
+    #[command(flatten)]
+    matching: MatchArgs,
     #[command(flatten)]
     plot: PlotArgs,
 }
 
 pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
+    let is_lineage = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
+    let model = match args.tree.as_deref() {
+        Some(file) if !is_lineage(&file) => Model::Grown(Box::new(read_tree(file)?)),
+        lineage => Model::read(lineage)?,
+    };
+    let names = args.matching.names(model.lineage())?;
     let read = |path: &Path| {
-        let embryo = read_embryo(path, &TrackOptions::default())?;
+        let embryo = read_embryo(path, &TrackOptions::default(), &names)?;
         Ok::<_, InputError>((embryo, path.display().to_string()))
     };
     let measured = args.measured.as_deref().map(read).transpose()?;
-    let is_lineage = |file: &&Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
-    let tree = match args.tree.as_deref() {
-        Some(file) if !is_lineage(&file) => read_tree(file)?,
-        lineage => Model::read(lineage)?.tree(context)?,
-    };
+    names.require_met()?;
+    let tree = model.tree(context)?;
     let source = args.tree.as_ref().map_or("c_elegans.ron (built in)".to_owned(), |file| file.display().to_string());
     let found = match &measured {
-        Some((measured, file)) => counts_of_embryo(&tree, measured, file)?,
+        Some((measured, file)) => counts_of_embryo(&tree, measured, &names, file)?,
         None => counts(&tree, &source)?,
     };
     if let Some(first) = found.skipped.first() {
@@ -76,6 +83,9 @@ fn counts_text(found: &Counts) -> String {
             let _ = writeln!(out, "{}", counts.concat().trim_end());
         }
         out.push('\n');
+    }
+    if let Some(matched) = &found.matched {
+        let _ = writeln!(out, "{matched}");
     }
     for Absent { founder, why } in &found.absent {
         let _ = writeln!(out, "no row for {founder}: {why}");

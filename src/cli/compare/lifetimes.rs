@@ -3,8 +3,9 @@
 use super::{skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
+use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
 use crate::cli::error::CliError;
-use crate::cli::output::{number, print_as};
+use crate::cli::output::print_as;
 use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::departure::{Counts, Departure, LoneDivision};
@@ -12,12 +13,11 @@ use furrow_analysis::compare::lifetimes::{
     CellComparison, Deviation, FounderComparison, LifetimesComparison, Order, SistersComparison, compare_lifetimes,
     document,
 };
-use furrow_analysis::compare::names_of;
 use furrow_figures::plot;
 use furrow_formats::read_tree;
 use furrow_input::InputError;
 use furrow_lineage::{Lineage, Tree};
-use furrow_measured::lifetimes::{Agreement, Lifetimes, mean_volumes};
+use furrow_measured::lifetimes::{Agreement, LifetimeOptions, Lifetimes, mean_volumes};
 use furrow_measured::names::Names;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::Trend;
@@ -28,9 +28,9 @@ use std::path::{Path, PathBuf};
 
 /// Compares measured lifetimes of cells with the lifetimes in a tree with a clock
 ///
-/// A table has the columns cell and lifetime_min (or lifetime_s, lifetime_h), and optionally n, sd_min and birth_min; lines that begin
-/// with # are comments. An embryo that another program followed is read too, as by compare volumes. Without a table the means of 28 embryos
-/// of C. elegans are used. Prints every cell, the lifetime over the volume by founder, the sister of each pair that divides first, and
+/// A table has the columns cell and lifetime_min (or lifetime_s, lifetime_h; or birth_min and division_min), and optionally embryo, n,
+/// sd_min and birth_min; lines that begin with # are comments. Embryos that other programs followed are read too, as by compare volumes.
+/// Of several embryos each has its time factor and its minute 0. Without a table the means of 28 embryos of C. elegans are used. Prints every cell, the lifetime over the volume by founder, the sister of each pair that divides first, and
 /// when the model's tree leaves the embryo's. A clock is fitted, so the model's lifetimes are no predictions, but its cells, their sizes
 /// and therefore the order of sisters are.
 #[derive(Debug, Args)]
@@ -39,18 +39,24 @@ Examples:
   furrow compare lifetimes
   furrow compare lifetimes lifetimes.csv --tree furrow-out/tree.json --plot lifetimes.svg --json")]
 pub struct LifetimesArgs {
-    /// Table of lifetimes, CSV, or an embryo followed by another program; default published means
+    /// Tables of lifetimes, CSV, embryos followed by other programs, or folders of these; default published means
     #[arg(value_name = "TABLE")]
-    table: Option<PathBuf>,
+    tables: Vec<PathBuf>,
     /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
     #[arg(help_heading = "Model", long, visible_alias = "lineage", value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
     /// Tables of cell volumes, as for compare volumes; default the published ones, for a lineage with the founders of C. elegans
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
-    /// Minutes from one frame to the next, for embryos of programs that count frames
-    #[arg(help_heading = "Tables", long, value_name = "MIN", allow_negative_numbers = true, value_parser = number, requires = "table")]
-    frame_minutes: Option<f64>,
+    /// Minutes from one frame to the next, for embryos of programs that count frames; of one embryo with its name
+    #[arg(help_heading = "Tables", long, value_name = "MIN|EMBRYO=MIN", allow_negative_numbers = true,
+        value_parser = of_embryo, requires = "tables")]
+    frame_minutes: Vec<OfEmbryo>,
+    /// Divides the times of each embryo by its time factor before embryos are averaged
+    #[arg(help_heading = "Tables", long, requires = "tables")]
+    common_pace: bool,
+    #[command(flatten)]
+    matching: MatchArgs,
     #[command(flatten)]
     plot: PlotArgs,
 }
@@ -58,34 +64,37 @@ pub struct LifetimesArgs {
 pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let model = Model::read(args.tree.as_deref())?;
-    let names = names_of(model.lineage());
+    let names = args.matching.names(model.lineage())?;
     let lifetimes = lifetimes(args, &names)?;
     let of_worm = names.are_of_worm();
     let volumes = match &args.volumes[..] {
         [] if of_worm => jankele2021_volumes()?,
         [] => Volumes::default(),
-        files => Volumes::of_files(files, &ReadOptions { names, ..ReadOptions::default() })?,
+        files => Volumes::of_files(&files_of(files)?, &ReadOptions { names: names.clone(), ..ReadOptions::default() })?,
     };
+    names.require_met()?;
     let tree = model.tree(context)?;
     let found = compare_lifetimes(&tree, &lifetimes, &mean_volumes(&volumes));
     picture.write(|| plot::lifetimes::draw(&found, volumes.unit))?;
-    let published = [args.table.is_none(), args.volumes.is_empty() && of_worm];
+    let published = [args.tables.is_empty(), args.volumes.is_empty() && of_worm];
     print_as(context.json, &document(&found, &lifetimes, &volumes, published), || {
         let source = if published[0] { format!("measured: means published by {SOURCE}\n") } else { String::new() };
         let used = format!("{} rows of lifetimes used, {} skipped\n", lifetimes.used, lifetimes.skipped_count);
         let places = [(&*lifetimes.skipped, lifetimes.skipped_count), (&*volumes.skipped, volumes.skipped_count)];
-        source + &text(&found) + &used + &skipped_text(&places)
+        let embryos = times_text(&lifetimes.embryos) + &matched_text(&lifetimes.matched);
+        source + &text(&found) + &embryos + &used + &skipped_text(&places)
     })
 }
 
 fn lifetimes(args: &LifetimesArgs, names: &Names) -> Result<Lifetimes, InputError> {
-    let Some(file) = &args.table else { return jankele2021_lifetimes() };
-    let frame_minutes = args.frame_minutes;
-    if let Some(minutes) = frame_minutes {
-        let allowed = "a time in minutes, from 1e-6 to 1e6";
-        InputError::require((1e-6..=1e6).contains(&minutes), "--frame-minutes", "frame_minutes", minutes, allowed)?;
+    if args.tables.is_empty() {
+        return jankele2021_lifetimes();
     }
-    Lifetimes::read_file(file, frame_minutes, names)
+    let (frame_minutes, common_pace) = (frame_minutes(&args.frame_minutes)?, args.common_pace);
+    Lifetimes::read_files(
+        &files_of(&args.tables)?,
+        &LifetimeOptions { frame_minutes, common_pace, names: names.clone() },
+    )
 }
 
 /// A grown tree, or a lineage to grow.
@@ -104,7 +113,7 @@ impl Model {
         }
     }
 
-    fn lineage(&self) -> &Lineage {
+    pub(super) fn lineage(&self) -> &Lineage {
         match self {
             Model::Grown(tree) => &tree.lineage,
             Model::ToGrow(lineage) => lineage,

@@ -11,12 +11,12 @@ use super::by_size::{bins_text, noise_text, trend_text};
 use super::{MOST_SKIPPED, check_bins, ended, files, plus_minus, significance, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
+use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, matched_text, of_embryo, sizes_text, voxels};
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{number, print, to_json, writable_folder};
 use crate::cli::picture::PlotArgs;
 use clap::{Args, ValueEnum};
-use furrow_analysis::compare::names_of;
 use furrow_analysis::compare::volumes::{
     Band, GroupComparison, ModelDivision, MotherComparison, Regression, Scale, ScaleFrom, SizeCurve, regression_of,
     size_curves,
@@ -47,7 +47,7 @@ Examples:
   furrow compare volumes --published villoutreix2016
   furrow compare volumes data/jankele2021_volumes.csv --regress wt,ctrl")]
 pub struct VolumesArgs {
-    /// Tables of cell volumes (CSV), or tracked embryos (zip, CSV, folder)
+    /// Tables of cell volumes (CSV), tracked embryos (zip, CSV, XML, txt, folder), or folders of these
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Published means that are compared without a table
@@ -56,9 +56,11 @@ pub struct VolumesArgs {
     /// Tables of a second condition, for a regression
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
-    /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm
-    #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number, requires = "files")]
-    voxel: Option<f64>,
+    /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm; of one embryo with its name
+    #[arg(help_heading = "Tables", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo, requires = "files")]
+    voxel: Vec<OfEmbryo>,
+    #[command(flatten)]
+    matching: MatchArgs,
     /// Unit of tables without one: um3, voxels or relative; default voxels for a grid of whole numbers, for others relative if no
     /// number is above 1.5 and µm³ if one is
     #[arg(help_heading = "Tables", long, value_name = "UNIT", value_parser = str::parse::<Unit>, requires = "files")]
@@ -117,7 +119,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         Some(file) => read_constants_of(&read_text(file)?, &file.display().to_string(), &lineage)?,
         None => Vec::new(),
     };
-    let measured = read(args, &names_of(&lineage))?;
+    let measured = read(args, &args.matching.names(&lineage)?)?;
     let settings: TreeSettings =
         tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
     let memo = context.memo()?;
@@ -155,17 +157,20 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         let noise = found.noise.as_ref().map_or(&[][..], |null| &null.bins);
         picture.write(|| comparison::draw(&Comparison { groups, divisions, bins, noise, unit, length, curves }))?;
     }
-    if context.json { print(&json) } else { print(&text(&found, &measured)) }
+    if context.json { print(&json) } else { print(&text(&found, &measured, measured.volumes.files > 1)) }
 }
 
-fn text(found: &VolumesComparison, measured: &MeasuredVolumes) -> String {
+fn text(found: &VolumesComparison, measured: &MeasuredVolumes, is_of_several: bool) -> String {
     let source = found.source.map_or(String::new(), |source| format!("measured: means published by {source}\n\n"));
     let groups: String = found.groups.iter().map(group_text).collect();
     let trend = if measured.volumes.divisions.is_empty() { String::new() } else { trend_text(&found.trend) };
     let noise = found.noise.as_ref().map_or(String::new(), noise_text);
     let regressions: String = found.regressions.iter().map(regression_text).collect();
     let scale = scale_text(found.unit, found.length_scale);
-    [source, groups, bins_text(found), trend, noise, regressions, scale, used_text(found)].concat()
+    // Of one table with many embryos they are in the JSON.
+    let sizes = if is_of_several { sizes_text(&found.embryos, found.unit) } else { String::new() };
+    let matched = matched_text(&found.matched);
+    [source, groups, bins_text(found), trend, noise, regressions, scale, sizes, matched, used_text(found)].concat()
 }
 
 /// The model's χ over the sizes of the measured mothers, for the picture; empty without a length scale.
@@ -191,8 +196,6 @@ fn curves(
 const SMALLEST: f64 = 1.0;
 
 fn check(args: &VolumesArgs) -> Result<(), InputError> {
-    let voxel = args.voxel.unwrap_or(1.0);
-    InputError::require((1e-6..=1e6).contains(&voxel), "--voxel", "voxel", voxel, "a length in µm, from 1e-6 to 1e6")?;
     if let Some(LengthScale::Given(length)) = args.length_scale {
         let allowed = "a length from 1e-6 to 1e6, in the cube root of the tables' unit, or fit";
         InputError::require((1e-6..=1e6).contains(&length), "--length-scale", "length_scale", length, allowed)?;
@@ -202,21 +205,24 @@ fn check(args: &VolumesArgs) -> Result<(), InputError> {
 
 fn read(args: &VolumesArgs, cells: &Names) -> Result<MeasuredVolumes, InputError> {
     if args.files.is_empty() {
+        cells.require_met()?;
         return Ok(match args.published {
             Published::Jankele2021 => MeasuredVolumes::published(SOURCE, jankele2021()?),
             Published::Villoutreix2016 => MeasuredVolumes::published(SEA_URCHIN_SOURCE, villoutreix2016()?),
         });
     }
-    let mut volumes = Volumes::default();
+    let (mut volumes, voxel) = (Volumes::default(), voxels(&args.voxel)?);
     // If the tables have no groups, the two conditions become two groups.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
-        let options = ReadOptions { voxel: args.voxel, group, unit: args.unit, names: cells.clone() };
-        for file in files {
+        let options = ReadOptions { voxel: voxel.clone(), group, unit: args.unit, names: cells.clone() };
+        for file in &files_of(files)? {
             volumes.read_file(file, &options)?;
         }
     }
     volumes.require_used(&args.files[0].display().to_string())?;
+    volumes.require_voxels()?;
+    cells.require_met()?;
     if volumes.of_nuclei {
         messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
     }

@@ -5,16 +5,17 @@ use serde_json::json;
 
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
+use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
 use crate::cli::error::CliError;
 use crate::cli::output::{merged, print_as, writable_file};
 use furrow_analysis::fit::{FittedClock, FittedLaw, Unused, fit_clock};
 use furrow_formats::write_atomically;
-use furrow_input::open_file;
-use furrow_measured::lifetimes::Lifetimes;
+use furrow_input::listed;
+use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Fits the lifetimes of cells as powers of their volumes, by founder
 ///
@@ -27,12 +28,21 @@ Examples:
   furrow fit clock lifetimes.csv --volumes volumes.csv --out clock.ron
   furrow fit clock lifetimes.csv --json")]
 pub struct ClockArgs {
-    /// Lifetimes, CSV with the columns cell and lifetime_min, and optionally n and sd_min; default the published ones
-    #[arg(value_name = "TABLE.csv")]
-    table: Option<PathBuf>,
-    /// Volumes of the cells, CSV as for compare volumes; default the published ones
-    #[arg(help_heading = "Targets", long, value_name = "TABLE.csv")]
-    volumes: Option<PathBuf>,
+    /// Lifetimes: tables (CSV) or tracked embryos, as for compare lifetimes; default the published ones
+    #[arg(value_name = "TABLE")]
+    tables: Vec<PathBuf>,
+    /// Volumes of the cells: tables (CSV) or tracked embryos, as for compare volumes; default the published ones
+    #[arg(help_heading = "Targets", long, value_name = "TABLE")]
+    volumes: Vec<PathBuf>,
+    /// Minutes from one frame to the next, for embryos of programs that count frames; of one embryo with its name
+    #[arg(help_heading = "Targets", long, value_name = "MIN|EMBRYO=MIN", allow_negative_numbers = true,
+        value_parser = of_embryo, requires = "tables")]
+    frame_minutes: Vec<OfEmbryo>,
+    /// Divides the times of each embryo by its time factor before embryos are averaged
+    #[arg(help_heading = "Targets", long, requires = "tables")]
+    common_pace: bool,
+    #[command(flatten)]
+    matching: MatchArgs,
     /// Lineage with the founders to fit; default the built-in C. elegans founders
     #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
@@ -44,30 +54,38 @@ pub struct ClockArgs {
 pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
     let lineage = load_lineage(args.lineage.as_deref())?;
     writable_file("--out", args.out.as_deref())?;
-    let name = |file: &Path| file.display().to_string();
-    let lifetimes = match &args.table {
-        Some(file) => Lifetimes::read(open_file(file)?, &name(file))?,
-        None => jankele2021_lifetimes()?,
+    let names = args.matching.names(&lineage)?;
+    let listed_or = |files: &[PathBuf], published: &str| {
+        let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        if files.is_empty() { published.to_owned() } else { listed(files.iter().map(String::as_str), ", ") }
     };
-    let volumes = match &args.volumes {
-        Some(file) => Volumes::of_files(std::slice::from_ref(file), &ReadOptions::default())?,
-        None => jankele2021_volumes()?,
+    let lifetimes = match &args.tables[..] {
+        [] => jankele2021_lifetimes()?,
+        tables => {
+            let (frame_minutes, common_pace) = (frame_minutes(&args.frame_minutes)?, args.common_pace);
+            let options = LifetimeOptions { frame_minutes, common_pace, names: names.clone() };
+            Lifetimes::read_files(&files_of(tables)?, &options)?
+        }
     };
-    let files = args.volumes.as_deref().map_or_else(|| "the published volumes".to_owned(), name);
+    let volumes = match &args.volumes[..] {
+        [] => jankele2021_volumes()?,
+        tables => {
+            Volumes::of_files(&files_of(tables)?, &ReadOptions { names: names.clone(), ..ReadOptions::default() })?
+        }
+    };
+    names.require_met()?;
+    let files = listed_or(&args.volumes, "the published volumes");
     let found = fit_clock(&lineage, &lifetimes, &volumes, &files)?;
     let ron = found.as_ron(args.lineage.is_none().then_some("c_elegans"));
     if let Some(file) = &args.out {
         write_atomically(file, ron.as_bytes())?;
     }
-    let (lifetimes_of, volumes_of) = (
-        args.table.as_deref().map_or_else(|| SOURCE.to_owned(), name),
-        args.volumes.as_deref().map_or_else(|| SOURCE.to_owned(), name),
-    );
+    let (lifetimes_of, volumes_of) = (listed_or(&args.tables, SOURCE), listed_or(&args.volumes, SOURCE));
     let skipped_rows: Vec<_> = lifetimes.skipped.iter().chain(&volumes.skipped).collect();
     let skipped_count = lifetimes.skipped_count + volumes.skipped_count;
     let about = json!({
         "lifetimes": lifetimes_of, "volumes": volumes_of, "skipped_rows": skipped_rows, "skipped_row_count": skipped_count,
-        "ron": ron,
+        "embryos": lifetimes.embryos, "matched": lifetimes.matched, "ron": ron,
     });
     print_as(context.json, &merged(json!(found), about), || {
         let rows = skipped_rows.iter().take(MOST_ROWS).map(|row| {
@@ -75,7 +93,8 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
         });
         let rows: String = rows.collect();
         let rows = if skipped_count > 0 { format!("{skipped_count} rows skipped:\n{rows}\n") } else { rows };
-        format!("Lifetimes: {lifetimes_of}; volumes: {volumes_of}\n\n{}{rows}{ron}", clock_text(&found))
+        let embryos = times_text(&lifetimes.embryos) + &matched_text(&lifetimes.matched);
+        format!("Lifetimes: {lifetimes_of}; volumes: {volumes_of}\n\n{}{embryos}{rows}{ron}", clock_text(&found))
     })
 }
 

@@ -9,7 +9,7 @@ use super::{FILE, accepted};
 pub fn check(data: &[u8]) {
     let Some((&how, table)) = data.split_first() else { return };
     let options = ReadOptions {
-        voxel: (how & 1 != 0).then_some(0.25),
+        voxel: (how & 1 != 0).then_some(0.25).into(),
         group: (how & 2 != 0).then(|| "wild type".to_owned()),
         ..ReadOptions::default()
     };

@@ -6,6 +6,8 @@
 
 use furrow_input::{InputError, listed, parse_document};
 use furrow_lineage::{Founder, Lineage, ObservedRounds, Rounds, Tree, founder_rounds};
+use furrow_measured::matching::Matched;
+use furrow_measured::names::Names;
 use furrow_measured::tracked::{Absent, TrackedLineage, TrackedRounds};
 use furrow_measured::volumes::Skipped;
 use serde::{Deserialize, Serialize};
@@ -128,31 +130,40 @@ pub struct Counts {
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
+    /// How the cells of such an embryo were matched to the lineage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matched: Option<Matched>,
 }
 
 /// Divisions from P0 to Z2 and Z3.
 const GERMLINE: u32 = 5;
 
-/// A tree beside an embryo that was followed, at its last frame. Errors name the embryo's file `source_name`.
+/// A tree beside an embryo that was followed, at its last frame; cells have these names. Errors name the embryo's file `source_name`.
 ///
 /// # Errors
 /// None of the lineage's founders was followed.
-pub fn counts_of_embryo(tree: &Tree, measured: &TrackedLineage, source_name: &str) -> Result<Counts, InputError> {
+pub fn counts_of_embryo(
+    tree: &Tree,
+    measured: &TrackedLineage,
+    cells: &Names,
+    source_name: &str,
+) -> Result<Counts, InputError> {
     let names: Vec<&str> = tree.lineage.founders.iter().map(|founder| founder.name.as_str()).collect();
     let observed = |TrackedRounds { cell, terminal, min, mean, max }| {
         // As in the model: the first generation with a terminal cell is the first that does not double fully.
         ObservedAtStage { founder: cell, cells: terminal, min, mean, max, full_doublings: min }
     };
-    let cells = super::names_of(&tree.lineage);
-    let (rounds, absent) = measured.rounds(&names, &cells);
+    let (rounds, absent) = measured.rounds(&names, cells);
     let founders: Vec<ObservedAtStage> = rounds.into_iter().map(observed).collect();
-    let allowed = format!("those of at least one founder: {}", listed(names.iter().copied(), ", "));
+    let names = listed(names.iter().copied(), ", ");
+    let allowed = format!("those of at least one founder: {names}; other names can be matched (--names, --root)");
     let known = listed(measured.cells.iter().map(|cell| cell.name.as_str()), ", ");
     InputError::require(!founders.is_empty(), source_name, "names", known, allowed)?;
-    let stage = Stage { cells: measured.terminal(&cells), founders };
+    let stage = Stage { cells: measured.terminal(cells), founders };
     let stages = vec![at_stage(tree, &founder_rounds(tree), &stage)];
-    let (skipped, skipped_count) = measured.skipped_with_names(&cells);
-    Ok(Counts { absent, skipped, skipped_count, ..Counts::of(tree, stages) })
+    let (skipped, skipped_count) = measured.skipped_with_names(cells);
+    let matched = measured.matched.clone();
+    Ok(Counts { absent, skipped, skipped_count, matched, ..Counts::of(tree, stages) })
 }
 
 impl Counts {
@@ -160,7 +171,7 @@ impl Counts {
     fn of(tree: &Tree, stages: Vec<StageCounts>) -> Counts {
         let (lineage, ends) = (tree.lineage.name.clone(), ends(tree));
         let (sentence, absent, skipped) = (Vec::new(), Vec::new(), Vec::new());
-        Counts { lineage, stages, sentence, ends, germline: None, absent, skipped, skipped_count: 0 }
+        Counts { lineage, stages, sentence, ends, germline: None, absent, skipped, skipped_count: 0, matched: None }
     }
 }
 

@@ -172,6 +172,8 @@ pub fn document(
     document["used"] = json!(lifetimes.used);
     document["skipped"] = json!(lifetimes.skipped);
     document["skipped_count"] = json!(lifetimes.skipped_count);
+    document["embryos"] = json!(lifetimes.embryos);
+    document["matched"] = json!(lifetimes.matched);
     document["volumes_skipped"] = json!(volumes.skipped);
     document["volumes_skipped_count"] = json!(volumes.skipped_count);
     document

@@ -18,7 +18,7 @@ pub mod noise;
 pub mod volumes;
 pub mod volumes_comparison;
 
-use furrow_lineage::Lineage;
+use furrow_lineage::{Daughter, Lineage};
 use furrow_measured::names::{NamedFounder, Names};
 
 /// The names that a lineage gives its cells.
@@ -26,6 +26,7 @@ pub fn names_of(lineage: &Lineage) -> Names {
     let founder = |(k, founder): (usize, &furrow_lineage::Founder)| NamedFounder {
         name: founder.name.clone(),
         mother: lineage.mother(k),
+        is_smaller: founder.daughter == Some(Daughter::Smaller),
         letters: founder.letters.clone(),
     };
     Names::of(lineage.founders.iter().enumerate().map(founder).collect(), lineage.naming)

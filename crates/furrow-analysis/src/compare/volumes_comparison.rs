@@ -11,8 +11,9 @@ use furrow_lineage::batch::Memo;
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
 use furrow_lineage::{GrowError, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, Divisions, GroupSummary, HalfSeen, divisions, summaries};
+use furrow_measured::matching::Matched;
 use furrow_measured::trend::{AdjacentTest, VolumeBin, VolumeTrend, adjacent_tests, volume_bins, volume_trend};
-use furrow_measured::volumes::{Skipped, Unit, Volumes};
+use furrow_measured::volumes::{EmbryoSize, Skipped, Unit, Volumes};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
@@ -107,6 +108,10 @@ pub struct VolumesComparison {
     pub skipped: Vec<Skipped>,
     /// Number of volumes that are not used.
     pub skipped_count: u64,
+    /// Each embryo beside the others; empty for published means and tables of divisions.
+    pub embryos: Vec<EmbryoSize>,
+    /// How the cells of embryos that were followed were matched to the lineage.
+    pub matched: Vec<Matched>,
     /// Number of divisions with both daughters.
     pub divisions: usize,
     /// Divisions with one daughter.
@@ -168,6 +173,8 @@ impl VolumesComparison {
             used,
             skipped: skipped.clone(),
             skipped_count,
+            embryos: sizes_with(measured, length_scale),
+            matched: measured.volumes.matched.clone(),
             divisions: all.len(),
             half_seen: measured.divisions.half_seen.clone(),
             unit,
@@ -184,6 +191,15 @@ impl VolumesComparison {
             bins,
         })
     }
+}
+
+/// Each embryo beside the others, with one L_h in it.
+fn sizes_with(measured: &MeasuredVolumes, scale: Option<Scale>) -> Vec<EmbryoSize> {
+    let mut sizes = measured.volumes.sizes();
+    for size in &mut sizes {
+        size.length_scale = scale.zip(size.size_factor).map(|(scale, factor)| scale.length * factor.cbrt());
+    }
+    sizes
 }
 
 impl VolumesModel<'_> {

@@ -10,10 +10,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::compare::names_of;
 use furrow_input::InputError;
 use furrow_lineage::{FounderClock, Lineage};
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
-use furrow_measured::names::birth;
+use furrow_measured::names::Names;
 use furrow_measured::significance::power;
 use furrow_measured::statistics::mean;
 use furrow_measured::volumes::{Unit, Volumes};
@@ -95,8 +96,9 @@ pub fn fit_clock(
     let first_volume = first_volume(lineage, &means, volumes.unit, files)?;
     let (mut points, mut skipped): (Vec<Vec<[f64; 2]>>, Vec<Unused>) =
         (vec![Vec::new(); lineage.founders.len()], Vec::new());
+    let names = names_of(lineage);
     for cell in &lifetimes.cells {
-        let placed = founder_of(lineage, &cell.cell).ok_or("no founder of the lineage is above it");
+        let placed = founder_of(lineage, &names, &cell.cell).ok_or("no founder of the lineage is above it");
         match placed.and_then(|founder| Ok((founder, means.get(&cell.cell).ok_or("no volume")?))) {
             Ok((founder, volume)) => points[founder].push([(volume / first_volume).ln(), cell.mean.ln()]),
             Err(why) => skipped.push(Unused { cell: cell.cell.clone(), why }),
@@ -144,9 +146,9 @@ fn law(founder: &str, points: &[[f64; 2]]) -> Option<FittedLaw> {
     })
 }
 
-/// The founder of the lineage that a cell is or descends from by Sulston's names, the nearest one.
-fn founder_of(lineage: &Lineage, cell: &str) -> Option<usize> {
-    let mut line = std::iter::successors(Some(cell), |cell| birth(cell).map(|(mother, ..)| mother));
+/// The founder of the lineage that a cell is or descends from, the nearest one.
+fn founder_of(lineage: &Lineage, names: &Names, cell: &str) -> Option<usize> {
+    let mut line = std::iter::successors(Some(cell), |cell| names.birth(cell).map(|(mother, ..)| mother));
     line.find_map(|cell| lineage.founder_named(cell))
 }
 

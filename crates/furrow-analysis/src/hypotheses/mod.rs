@@ -42,7 +42,8 @@ pub use posterior::{Posterior, samples_csv};
 pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};
 
 use furrow_lineage::batch::{Memo, scheduler};
-use furrow_measured::volumes::Skipped;
+use furrow_measured::matching::Matched;
+use furrow_measured::volumes::{EmbryoSize, Skipped};
 use serde::Serialize;
 
 use crate::fit::search::{FitRun, SearchBudget};
@@ -85,6 +86,10 @@ pub struct HypothesisTest {
     pub unused: Vec<Unused>,
     /// The first values of the table that could not be read.
     pub skipped: Vec<Skipped>,
+    /// Each embryo beside the others, by size.
+    pub embryos: Vec<EmbryoSize>,
+    /// How the cells of embryos that were followed were matched to the lineage.
+    pub matched: Vec<Matched>,
 }
 
 /// Fits each hypothesis and compares all.
@@ -106,6 +111,8 @@ pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest,
         hypotheses: tested,
         unused: observations.unused.clone(),
         skipped: observations.skipped.clone(),
+        embryos: observations.embryos.clone(),
+        matched: observations.matched.clone(),
     })
 }
 

@@ -1,12 +1,13 @@
 //! The measured χ, by cell and embryo.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use furrow_input::{InputError, parse_document, read_text};
+use furrow_input::{InputError, listed, parse_document, read_text};
 use furrow_lineage::Lineage;
 use furrow_measured::events::{Division, divisions, place};
-use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
+use furrow_measured::matching::Matched;
+use furrow_measured::tracked::EmbryoFile;
+use furrow_measured::volumes::{EmbryoSize, ReadOptions, Skipped, Unit, Volumes};
 use serde::Serialize;
 
 use crate::fit::Targets;
@@ -77,6 +78,10 @@ pub struct Observations {
     pub skipped: Vec<Skipped>,
     /// Whether volumes are of nuclei rather than of cells.
     pub of_nuclei: bool,
+    /// Each embryo beside the others, by size.
+    pub embryos: Vec<EmbryoSize>,
+    /// How the cells of embryos that were followed were matched to the lineage.
+    pub matched: Vec<Matched>,
 }
 
 /// Which divisions of a table are used.
@@ -91,23 +96,35 @@ pub struct Chosen<'a> {
 const NOT_OF_LINEAGE: &str = "the lineage has no such cell";
 
 impl Observations {
-    /// The divisions of a file: a table or an embryo that another program followed, as [`Volumes::read_file`] reads them, or targets of
-    /// a fit (`.ron`). Errors name the file, and the `options` of cells and groups.
+    /// The divisions of files: tables and embryos that other programs followed, as [`Volumes::read_file`] reads them, or targets of
+    /// a fit (`.ron`). Errors name the files, and the `options` of cells and groups.
     ///
     /// # Errors
     /// A file that cannot be read; else as [`Observations::of_tables`] and [`Observations::of_targets`].
     pub fn read(
-        file: &Path,
+        files: &[EmbryoFile],
         reading: &ReadOptions,
         lineage: &Lineage,
         chosen: Chosen<'_>,
         options: [&str; 2],
     ) -> Result<Observations, InputError> {
-        let source = file.display().to_string();
-        if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron")) {
-            let volumes = Volumes::of_files(std::slice::from_ref(&file.to_owned()), reading)?;
+        let is_ron =
+            |file: &&EmbryoFile| file.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"));
+        let Some(EmbryoFile { path: file, .. }) = files.iter().find(is_ron) else {
+            let volumes = Volumes::of_files(files, reading)?;
+            reading.names.require_met()?;
+            let source: Vec<String> = files.iter().map(|file| file.path.display().to_string()).collect();
+            let source = listed(source.iter().map(String::as_str), ", ");
             return Observations::of_tables(&volumes, lineage, chosen, (&source, options));
-        }
+        };
+        let source = file.display().to_string();
+        InputError::require(
+            files.len() == 1,
+            &source,
+            "tables",
+            files.len(),
+            "this file alone: it has targets of a fit",
+        )?;
         let targets: Targets = parse_document(&read_text(file)?, &source, "a file of targets of a fit", "Fit")?;
         targets.check(&source, lineage)?;
         Observations::of_targets(&targets, lineage, chosen.cells, (&source, options[0]))
@@ -138,7 +155,13 @@ impl Observations {
         };
         let rows = found.divisions.iter().map(row).collect();
         let observations = Observations::of(rows, lineage, chosen.cells, (source, options[0]))?;
-        Ok(Observations { skipped: volumes.skipped.clone(), of_nuclei: volumes.of_nuclei, ..observations })
+        Ok(Observations {
+            skipped: volumes.skipped.clone(),
+            of_nuclei: volumes.of_nuclei,
+            embryos: volumes.sizes(),
+            matched: volumes.matched.clone(),
+            ..observations
+        })
     }
 
     /// The χ of a file of targets, each a division by itself.
@@ -211,6 +234,8 @@ impl Observations {
             unused: unused.into_values().collect(),
             skipped: Vec::new(),
             of_nuclei: false,
+            embryos: Vec::new(),
+            matched: Vec::new(),
         })
     }
 

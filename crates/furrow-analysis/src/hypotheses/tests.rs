@@ -132,6 +132,8 @@ fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Obser
         unused: Vec::new(),
         skipped: Vec::new(),
         of_nuclei: false,
+        embryos: Vec::new(),
+        matched: Vec::new(),
     }
 }
 

@@ -24,7 +24,7 @@ fn probability(p: f64) -> String {
 
 impl Display for HypothesisTest {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let HypothesisTest { n, left_out, units, noise, hypotheses, pairs, unused, skipped } = self;
+        let HypothesisTest { n, left_out, units, noise, hypotheses, pairs, unused, skipped, matched, .. } = self;
         let cells = hypotheses.first().map_or(0, |tested| tested.cells.len());
         let count = units.len();
         writeln!(f, "{n} divisions of {cells} cells; {count} {} left out in turn", left_out.word(count))?;
@@ -64,7 +64,10 @@ impl Display for HypothesisTest {
         if skipped.len() > MOST_SKIPPED {
             write!(f, "\nand {} more", skipped.len() - MOST_SKIPPED)?;
         }
-        if unused.is_empty() && skipped.is_empty() { Ok(()) } else { writeln!(f) }
+        if !unused.is_empty() || !skipped.is_empty() {
+            writeln!(f)?;
+        }
+        matched.iter().try_for_each(|matched| write!(f, "\n{matched}"))
     }
 }
 

@@ -109,7 +109,7 @@ fn chi(tree: &Tree, id: CellId) -> Option<String> {
 }
 
 /// χ of the division that a cell was born from.
-pub(super) fn birth_chi(tree: &Tree, id: CellId) -> Option<String> {
+fn birth_chi(tree: &Tree, id: CellId) -> Option<String> {
     chi(tree, tree.mother(id)?)
 }
 
@@ -155,18 +155,5 @@ impl BranchLengths {
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         Self::NAMED.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| *name)
-    }
-
-    /// The length of a cell's branch.
-    pub fn of(self, tree: &TimedTree<'_>, cell: CellId) -> Option<f64> {
-        match self {
-            BranchLengths::Time => tree.cell(cell).fate.t_end(),
-            BranchLengths::Generation => Some(if cell == tree.first() { 0.0 } else { 1.0 }),
-            BranchLengths::Minutes => {
-                let CellTimes { birth_min, division_min, .. } = tree.times(cell)?;
-                division_min.map(|division| division - birth_min)
-            }
-            BranchLengths::None => None,
-        }
     }
 }

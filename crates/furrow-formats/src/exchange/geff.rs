@@ -5,14 +5,11 @@
 
 use serde_json::{Value, json};
 
-use super::column::TimedTree;
-use furrow_lineage::{CellId, TreeCell};
+use super::column::Kind;
+use super::sheet::{GRAPH_COLUMNS, Sheet};
 
 /// The version of GEFF.
 const VERSION: &str = "1.3";
-
-/// Properties that some cells lack. Their files are written for every tree, so that no file of an earlier tree is left in a folder.
-const INCOMPLETE: [&str; 2] = ["chi", "outcome"];
 
 /// The values of a property.
 enum Values {
@@ -21,26 +18,33 @@ enum Values {
     Texts(Vec<Option<String>>),
 }
 
-/// A property of nodes: its name, its description and its values.
-type Property = (&'static str, &'static str, Values);
+/// A property of nodes.
+struct Property {
+    name: &'static str,
+    description: &'static str,
+    values: Values,
+    /// Whether some cells may lack it. The file that says so is written for every tree, so that no file of an earlier tree is left in a
+    /// folder.
+    may_miss: bool,
+}
 
-/// The files of a folder: a node per cell, an edge from each mother to each daughter. `t` is the birth in minutes where
-/// `in_minutes` and the lineage has a clock, else the generation.
-pub(super) fn geff(tree: &TimedTree<'_>, in_minutes: bool) -> Vec<(String, Vec<u8>)> {
-    let times = in_minutes.then(|| tree.cells().map(|id| Some(tree.times(id)?.birth_min)).collect::<Option<Vec<_>>>());
-    let (times, unit) = match times.flatten() {
-        Some(minutes) => (minutes, Some("minute")),
-        None => (tree.cells().map(|id| f64::from(tree.cell(id).generation)).collect(), None),
+/// The files of a folder: a node per cell, an edge from each mother to each daughter. `t` is the birth where it is wanted
+/// (`with_times`) and known, else the generation.
+pub(super) fn geff(sheet: &Sheet<'_>, with_times: bool) -> Vec<(String, Vec<u8>)> {
+    let births = || sheet.cells.iter().map(|cell| Some(cell.times?.0)).collect::<Option<Vec<_>>>();
+    let (times, unit) = match with_times.then(births).flatten() {
+        Some(times) => (times, Some(sheet.time)),
+        None => (sheet.cells.iter().map(|cell| f64::from(cell.generation)).collect(), None),
     };
     let range = times.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(*t), b.max(*t)]);
-    let properties = properties(tree, times);
+    let properties = properties(sheet, times);
     let mut files = vec![(".zattrs".to_owned(), pretty(&metadata(&properties, range, unit)))];
     for group in ["", "nodes/", "nodes/props/", "edges/", "edges/props/"] {
         files.push((format!("{group}.zgroup"), pretty(&json!({ "zarr_format": 2 }))));
     }
-    let ids = tree.cells().map(|id| id.index() as u64).collect();
-    array(&mut files, "nodes/ids", "<u8", &[tree.len()], &Values::Whole(ids));
-    for (name, _, values) in &properties {
+    let ids = (0..sheet.len() as u64).collect();
+    array(&mut files, "nodes/ids", "<u8", &[sheet.len()], &Values::Whole(ids));
+    for Property { name, values, may_miss, .. } in &properties {
         let folder = format!("nodes/props/{name}");
         files.push((format!("{folder}/.zgroup"), pretty(&json!({ "zarr_format": 2 }))));
         let (kind, missing) = match values {
@@ -48,39 +52,41 @@ pub(super) fn geff(tree: &TimedTree<'_>, in_minutes: bool) -> Vec<(String, Vec<u
             Values::Numbers(of) => ("<f8".to_owned(), Some(of.iter().map(Option::is_none).collect())),
             Values::Texts(of) => (format!("<U{}", longest(of)), Some(of.iter().map(Option::is_none).collect())),
         };
-        array(&mut files, &format!("{folder}/values"), &kind, &[tree.len()], values);
-        if let Some(missing) = missing.filter(|_: &Vec<bool>| INCOMPLETE.contains(name)) {
+        array(&mut files, &format!("{folder}/values"), &kind, &[sheet.len()], values);
+        if let Some(missing) = missing.filter(|_: &Vec<bool>| *may_miss) {
             let missing = Values::Whole(missing.into_iter().map(u64::from).collect());
-            array(&mut files, &format!("{folder}/missing"), "|b1", &[tree.len()], &missing);
+            array(&mut files, &format!("{folder}/missing"), "|b1", &[sheet.len()], &missing);
         }
     }
-    let edge = |id: CellId| Some([tree.mother(id)?.index() as u64, id.index() as u64]);
-    let edges: Vec<u64> = tree.cells().filter_map(edge).flatten().collect();
+    let edge = |id: usize| Some([sheet.cells[id].mother? as u64, id as u64]);
+    let edges: Vec<u64> = (0..sheet.len()).filter_map(edge).flatten().collect();
     array(&mut files, "edges/ids", "<u8", &[edges.len() / 2, 2], &Values::Whole(edges));
     files
 }
 
 /// The properties of all cells.
-fn properties(tree: &TimedTree<'_>, times: Vec<f64>) -> Vec<Property> {
-    let numbers =
-        |of: fn(&TreeCell) -> Option<f64>| Values::Numbers(tree.cells().map(|id| of(tree.cell(id))).collect());
-    let texts = |of: &dyn Fn(CellId) -> Option<String>| Values::Texts(tree.cells().map(of).collect());
-    let outcome = |id: CellId| Some(tree.cell(id).fate.outcome()?.name().to_owned());
-    let generations = tree.cells().map(|id| tree.cell(id).generation.into()).collect();
-    vec![
-        ("t", "birth", Values::Numbers(times.into_iter().map(Some).collect())),
-        ("name", "name of the cell", texts(&|id| Some(tree.cell(id).name.clone()))),
-        ("founder", "the founder that it is or descends from", texts(&|id| Some(tree.founder_name(id).to_owned()))),
-        ("generation", "divisions from the first cell", Values::Whole(generations)),
-        ("r0", "radius of the cell at rest, in L_h", numbers(|cell| Some(cell.r0))),
-        ("volume", "volume divided by the first cell's", numbers(|cell| Some(cell.volume_fraction))),
-        ("chi", "size asymmetry of its division", numbers(|cell| cell.fate.chi())),
-        ("outcome", "of its division: symmetric, asymmetric or failed", texts(&outcome)),
-    ]
+fn properties(sheet: &Sheet<'_>, times: Vec<f64>) -> Vec<Property> {
+    let names = sheet.cells.iter().map(|cell| Some(cell.name.to_owned())).collect();
+    let complete = |name, description, values| Property { name, description, values, may_miss: false };
+    let mut found = vec![
+        complete("t", "birth", Values::Numbers(times.into_iter().map(Some).collect())),
+        complete("name", "name of the cell", Values::Texts(names)),
+    ];
+    for (column, name, description) in GRAPH_COLUMNS {
+        let Some(column) = sheet.columns.iter().find(|other| other.name == column) else { continue };
+        let texts: Vec<Option<String>> = (0..sheet.len()).map(|cell| (column.of)(cell)).collect();
+        let values = match column.kind {
+            Kind::Text => Values::Texts(texts),
+            Kind::Number => Values::Numbers(texts.iter().map(|text| text.as_ref()?.parse().ok()).collect()),
+            Kind::Count => Values::Whole(texts.iter().flatten().filter_map(|text| text.parse().ok()).collect()),
+        };
+        found.push(Property { name, description, values, may_miss: column.may_miss });
+    }
+    found
 }
 
 fn metadata(properties: &[Property], [min, max]: [f64; 2], unit: Option<&str>) -> Value {
-    let of = |(name, description, values): &Property| {
+    let of = |Property { name, description, values, .. }: &Property| {
         let kind = match values {
             Values::Whole(_) => "uint64",
             Values::Numbers(_) => "float64",

@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
-use super::column::{BranchLengths, Column, Kind, TimedTree};
+use super::column::{BranchLengths, Kind};
+use super::sheet::{Sheet, SheetColumn};
 
 /// A directed graph with an edge from each mother to each of her daughters. Nodes are called as the cells, and have all
 /// columns as data; edges have a `length` where the branch to the daughter has one.
-pub(super) fn graphml(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
-    let keys = tree.columns().iter().map(|Column { name, kind, .. }| {
+pub(super) fn graphml(sheet: &Sheet<'_>, lengths: BranchLengths) -> String {
+    let keys = sheet.columns.iter().map(|SheetColumn { name, kind, .. }| {
         let kind = match kind {
             Kind::Text => "string",
             Kind::Count => "int",
@@ -15,15 +16,15 @@ pub(super) fn graphml(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
         };
         format!("<key id=\"{name}\" for=\"node\" attr.name=\"{name}\" attr.type=\"{kind}\"/>\n")
     });
-    let name = |id| escape(&tree.cell(id).name);
-    let nodes = tree.cells().map(|id| {
-        let known = tree.columns().iter().filter_map(|column| Some((column.name, escape(&(column.of)(tree, id)?))));
+    let name = |cell: usize| escape(sheet.cells[cell].name);
+    let nodes = (0..sheet.len()).map(|id| {
+        let known = sheet.columns.iter().filter_map(|column| Some((column.name, escape(&(column.of)(id)?))));
         let data: String = known.map(|(key, value)| format!("<data key=\"{key}\">{value}</data>")).collect();
         format!("<node id=\"{}\">{data}</node>\n", name(id))
     });
-    let edges = tree.cells().filter_map(|id| {
-        let (mother, daughter) = (name(tree.mother(id)?), name(id));
-        let length = lengths.of(tree, id).map(|length| format!("<data key=\"length\">{length}</data>"));
+    let edges = (0..sheet.len()).filter_map(|id| {
+        let (mother, daughter) = (name(sheet.cells[id].mother?), name(id));
+        let length = sheet.length(id, lengths).map(|length| format!("<data key=\"length\">{length}</data>"));
         Some(format!("<edge source=\"{mother}\" target=\"{daughter}\">{}</edge>\n", length.unwrap_or_default()))
     });
     format!(
@@ -35,7 +36,7 @@ pub(super) fn graphml(tree: &TimedTree<'_>, lengths: BranchLengths) -> String {
 </graphml>
 "#,
         keys.collect::<String>(),
-        escape(&tree.lineage.name),
+        escape(sheet.name),
         nodes.collect::<String>(),
         edges.collect::<String>()
     )

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::column::{self, BranchLengths, TimedTree};
+use super::column::BranchLengths;
 use super::newick;
-use furrow_lineage::{CellId, Tree};
+use super::sheet::Sheet;
 
 /// Colours of χ = 0 and of χ = 1, from light to dark, so that they differ in print and for colour-blind readers.
 const CHI_COLOURS: [[u8; 3]; 2] = [[0xff, 0xe8, 0xa3], [0x27, 0x1c, 0x6b]];
@@ -25,8 +25,8 @@ const GREY: &str = "#808080";
 pub const ITOL_FILES: [&str; 5] = ["tree.nwk", "founders.txt", "birth_chi.txt", "chi.txt", "labels.txt"];
 
 /// The text of each of [`ITOL_FILES`].
-pub(super) fn itol(tree: &TimedTree<'_>, lengths: BranchLengths, colours: &[&str]) -> Vec<(&'static str, String)> {
-    let texts = [newick::plain(tree, lengths), founders(tree, colours), birth_chi(tree), chi(tree), labels(tree)];
+pub(super) fn itol(sheet: &Sheet<'_>, lengths: BranchLengths, colours: &[&str]) -> Vec<(&'static str, String)> {
+    let texts = [newick::plain(sheet, lengths), founders(sheet, colours), birth_chi(sheet), chi(sheet), labels(sheet)];
     ITOL_FILES.into_iter().zip(texts).collect()
 }
 
@@ -44,11 +44,11 @@ fn file(kind: &str, settings: &[(&str, String)], data: impl Iterator<Item = Stri
     out
 }
 
-fn founders(tree: &Tree, colours: &[&str]) -> String {
+fn founders(sheet: &Sheet<'_>, colours: &[&str]) -> String {
     let colour = |founder: usize| colours.get(founder).copied().unwrap_or(GREY);
     // Founders in the tree, in the lineage's order.
     let present: BTreeMap<usize, &str> =
-        tree.cells().map(|id| (tree.cell(id).founder, tree.founder_name(id))).collect();
+        (0..sheet.len()).map(|id| (sheet.cells[id].founder, sheet.founder(id))).collect();
     let joined = |words: Vec<&str>| words.join("\t");
     let settings = [
         ("DATASET_LABEL", "founder".to_owned()),
@@ -60,11 +60,11 @@ fn founders(tree: &Tree, colours: &[&str]) -> String {
         ("LEGEND_LABELS", joined(present.values().copied().collect())),
     ];
     let line =
-        |id: CellId| format!("{}\t{}\t{}", tree.cell(id).name, colour(tree.cell(id).founder), tree.founder_name(id));
-    file("DATASET_COLORSTRIP", &settings, tree.cells().map(line))
+        |id: usize| format!("{}\t{}\t{}", sheet.cells[id].name, colour(sheet.cells[id].founder), sheet.founder(id));
+    file("DATASET_COLORSTRIP", &settings, (0..sheet.len()).map(line))
 }
 
-fn birth_chi(tree: &Tree) -> String {
+fn birth_chi(sheet: &Sheet<'_>) -> String {
     let settings = [
         ("DATASET_LABEL", "χ of the division it was born from".to_owned()),
         ("COLOR", hex(CHI_COLOURS[1])),
@@ -72,35 +72,31 @@ fn birth_chi(tree: &Tree) -> String {
         ("COLOR_MIN", hex(CHI_COLOURS[0])),
         ("COLOR_MAX", hex(CHI_COLOURS[1])),
     ];
-    let line = |id: CellId| Some(format!("{}\t{}", tree.cell(id).name, column::birth_chi(tree, id)?));
-    file("DATASET_GRADIENT", &settings, tree.cells().filter_map(line))
+    let line = |id: usize| Some(format!("{}\t{}", sheet.cells[id].name, (sheet.chi)(sheet.cells[id].mother?)?));
+    file("DATASET_GRADIENT", &settings, (0..sheet.len()).filter_map(line))
 }
 
-fn chi(tree: &Tree) -> String {
+fn chi(sheet: &Sheet<'_>) -> String {
     let settings =
         [("DATASET_LABEL", "χ".to_owned()), ("COLOR", hex(CHI_COLOURS[1])), ("MAXIMUM_SIZE", "8".to_owned())];
-    let line = |id: CellId| {
-        let chi = tree.cell(id).fate.chi()?;
+    let line = |id: usize| {
+        let chi = (sheet.chi)(id)?;
         let mix = |k: usize| {
             let [light, dark] = CHI_COLOURS.map(|colour| f64::from(colour[k]));
             (light + (dark - light) * chi).round() as u8
         };
         // A disc (2), of size 1, filled, at the end of the cell's branch.
-        Some(format!("{}\t2\t1\t{}\t1\t1\t{chi:.3}", tree.cell(id).name, hex([mix(0), mix(1), mix(2)])))
+        Some(format!("{}\t2\t1\t{}\t1\t1\t{chi:.3}", sheet.cells[id].name, hex([mix(0), mix(1), mix(2)])))
     };
-    file("DATASET_SYMBOL", &settings, tree.cells().filter_map(line))
+    file("DATASET_SYMBOL", &settings, (0..sheet.len()).filter_map(line))
 }
 
-fn labels(tree: &Tree) -> String {
-    let line = |id: CellId| {
-        let cell = tree.cell(id);
-        let ended = cell
-            .fate
-            .terminal_reason()
-            .map_or(String::new(), |reason| format!(", {}", reason.name().replace('_', " ")));
-        format!("{}\t{} (R0 {:.3}{ended})", cell.name, cell.name, cell.r0)
+fn labels(sheet: &Sheet<'_>) -> String {
+    let line = |id: usize| {
+        let (name, remark) = (sheet.cells[id].name, (sheet.remark)(id));
+        if remark.is_empty() { format!("{name}\t{name}") } else { format!("{name}\t{name} ({remark})") }
     };
-    file("LABELS", &[], tree.cells().map(line))
+    file("LABELS", &[], (0..sheet.len()).map(line))
 }
 
 fn hex([red, green, blue]: [u8; 3]) -> String {

@@ -5,11 +5,13 @@ mod geff;
 mod graphml;
 mod itol;
 mod newick;
+mod sheet;
 mod tables;
 
 pub use column::{BranchLengths, COLUMNS, Column, Kind, TimedTree};
 pub use itol::ITOL_FILES;
 pub use newick::newick;
+pub use sheet::{Sheet, SheetCell, SheetColumn};
 
 use std::path::Path;
 
@@ -94,13 +96,17 @@ pub fn check_tree(tree: &Tree, format: Format, lengths: BranchLengths) -> Result
         return refused("minutes".to_owned(), "time, generation or none: the tree's lineage has no clock");
     }
     if format == Format::LineageTree {
-        let rows = tables::lineage_tree_rows(&TimedTree::new(tree), lengths);
-        if rows > MOST_ROWS {
-            let value = format!("minutes, {rows} rows");
-            return refused(value, "generation: a file has at most 20000000 rows");
-        }
+        check_rows(&Sheet::of_tree(&TimedTree::new(tree)), lengths)?;
     }
     Ok(())
+}
+
+/// Refuses branch lengths that would make the file of LineageTree too long.
+fn check_rows(sheet: &Sheet<'_>, lengths: BranchLengths) -> Result<(), InputError> {
+    let rows = tables::lineage_tree_rows(sheet, lengths);
+    let allowed = "generation: a file has at most 20000000 rows";
+    let value = format!("minutes, {rows} rows");
+    InputError::require(rows <= MOST_ROWS, "--branch-lengths", "branch_lengths", value, allowed)
 }
 
 /// A tree in another format.
@@ -147,16 +153,32 @@ impl Exported {
 /// # Ok::<(), furrow_input::InputError>(())
 /// ```
 pub fn export(tree: &Tree, format: Format, lengths: BranchLengths, colours: &[&str]) -> Exported {
-    let tree = &TimedTree::new(tree);
+    let tree = TimedTree::new(tree);
+    export_sheet(&Sheet::of_tree(&tree), format, lengths, colours)
+}
+
+/// Refuses branch lengths that the cells of an observed lineage do not have, or that would make its file too long.
+///
+/// # Errors
+/// Names the lengths and the allowed values.
+pub fn check_sheet(sheet: &Sheet<'_>, format: Format, lengths: BranchLengths) -> Result<(), InputError> {
+    let is_fine = lengths != BranchLengths::Time;
+    let allowed = "minutes, generation or none: observed cells have no time in τ";
+    InputError::require(is_fine, "--branch-lengths", "branch_lengths", lengths.name(), allowed)?;
+    if format == Format::LineageTree { check_rows(sheet, lengths) } else { Ok(()) }
+}
+
+/// As [`export`], of the cells of any lineage.
+pub fn export_sheet(sheet: &Sheet<'_>, format: Format, lengths: BranchLengths, colours: &[&str]) -> Exported {
     Exported::File(match format {
-        Format::Newick => newick::plain(tree, lengths),
-        Format::Nhx => newick::nhx(tree, lengths),
-        Format::Nexus => newick::nexus(tree, lengths),
-        Format::Csv => tables::cells_csv(tree),
-        Format::LineageTree => tables::lineage_tree_csv(tree, lengths),
-        Format::GraphMl => graphml::graphml(tree, lengths),
-        Format::Itol => return Exported::Folder(itol::itol(tree, lengths, colours)),
-        Format::Geff => return Exported::Binary(geff::geff(tree, lengths != BranchLengths::Generation)),
-        Format::Ctc => tables::ctc(tree, lengths),
+        Format::Newick => newick::plain(sheet, lengths),
+        Format::Nhx => newick::nhx(sheet, lengths),
+        Format::Nexus => newick::nexus(sheet, lengths),
+        Format::Csv => tables::cells_csv(sheet),
+        Format::LineageTree => tables::lineage_tree_csv(sheet, lengths),
+        Format::GraphMl => graphml::graphml(sheet, lengths),
+        Format::Itol => return Exported::Folder(itol::itol(sheet, lengths, colours)),
+        Format::Geff => return Exported::Binary(geff::geff(sheet, lengths != BranchLengths::Generation)),
+        Format::Ctc => tables::ctc(sheet, lengths),
     })
 }

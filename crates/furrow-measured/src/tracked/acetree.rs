@@ -152,7 +152,7 @@ fn read_frame(spots: &mut Spots, frame: u32, text: &[u8], options: &TrackOptions
                 spots.skip(&name, line, "9 (size)", &size, "must be a diameter above 0, in pixels");
             }
             let volume = diameter.map(|diameter| sphere_of_pixels(diameter, options));
-            let spot = spots.push(Spot { time: frame.into(), name: cell, volume, file, line });
+            let spot = spots.push(Spot { time: frame.into(), id: None, name: cell, volume, file, line });
             Some(Nucleus { spot, predecessor: link(2)?, successors: [link(3)?, link(4)?] })
         } else {
             None

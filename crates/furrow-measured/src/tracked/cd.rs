@@ -9,6 +9,7 @@ use std::path::Path;
 
 use furrow_input::{InputError, open_file};
 
+use super::chains::{self, Chain};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
 use crate::names::{birth, understood};
@@ -76,44 +77,22 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
             spots.skip(&file, line, "size", size, "must be a diameter above 0, in pixels");
         }
         let volume = diameter.map(|diameter| sphere_of_pixels(diameter, options));
-        let spot = spots.push(Spot { time: frame, name: name.clone(), volume, file: 0, line });
+        let spot = spots.push(Spot { time: frame, id: None, name: name.clone(), volume, file: 0, line });
         cells.entry(name).or_default().push(spot);
     }
-    link(&mut spots, &mut cells, &file)?;
+    let mut chains = chains(&spots, cells);
+    chains::link(&mut spots, &mut chains, &file, "time")?;
     spots.lineage(embryo_of(path), Format::CdTable, TimeUnit::Frames, unit_of_pixels(options))
 }
 
-/// Links the spots of each cell, and its last one to its daughters' first.
-fn link(spots: &mut Spots, cells: &mut HashMap<String, Vec<usize>>, file: &str) -> Result<(), InputError> {
-    // In the order of the file, so that the first error is always the same.
-    let mut order: Vec<String> = cells.keys().cloned().collect();
-    order.sort_by_key(|name| cells[name][0]);
-    for name in &order {
-        let Some(of) = cells.get_mut(name) else { continue };
-        of.sort_by(|a, b| spots.get(*a).time.total_cmp(&spots.get(*b).time));
-        for pair in of.windows(2) {
-            let [first, second] = [spots.get(pair[0]), spots.get(pair[1])];
-            if first.time == second.time {
-                let (time, [first, second]) = (first.time, [first.line, second.line]);
-                let why =
-                    format!("cell {name} a second time at time {time}; the first is on line {}", first.min(second));
-                return Err(malformed(file, first.max(second) as usize, why));
-            }
-            spots.link(pair[0], pair[1], file, second.line)?;
-        }
+/// The cells in the order of the file. Names give their mothers.
+fn chains(spots: &Spots, cells: HashMap<String, Vec<usize>>) -> Vec<Chain> {
+    let mut chains: Vec<Chain> = cells.into_iter().map(|(name, spots)| Chain { name, spots, mother: None }).collect();
+    // So that the first error is always the same.
+    chains.sort_by_key(|chain| chain.spots.iter().map(|spot| spots.get(*spot).line).min());
+    let places: HashMap<String, usize> = chains.iter().enumerate().map(|(k, chain)| (chain.name.clone(), k)).collect();
+    for chain in &mut chains {
+        chain.mother = birth(&chain.name).and_then(|(mother, ..)| places.get(mother).copied());
     }
-    for name in &order {
-        let Some((mother, ..)) = birth(name) else { continue };
-        let (Some(of), first) = (cells.get(mother), cells[name][0]) else { continue };
-        let (last, born) = (of[of.len() - 1], spots.get(first));
-        let (line, until) = (born.line, spots.get(last).time);
-        if until < born.time {
-            spots.link(last, first, file, line)?;
-        } else {
-            let why = format!("it is born while its mother {mother} is still there, until time {until}");
-            let time = born.time.to_string();
-            spots.skip(file, line, "time", &time, why);
-        }
-    }
-    Ok(())
+    chains
 }

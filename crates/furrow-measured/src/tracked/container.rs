@@ -19,9 +19,7 @@ pub(super) fn geff_in(folder: &Path) -> Result<PathBuf, InputError> {
     if is_group(folder) && zarr::attributes(folder).is_ok_and(|attributes| !attributes["geff"].is_null()) {
         return Ok(folder.to_owned());
     }
-    let (mut found, mut looked_at) = (Vec::new(), 0);
-    look(folder, DEEPEST, &mut looked_at, &mut found)?;
-    found.sort();
+    let found = geffs_in(folder)?;
     let wanted = "an embryo that was followed";
     match &found[..] {
         [one] => Ok(one.clone()),
@@ -39,6 +37,17 @@ pub(super) fn geff_in(folder: &Path) -> Result<PathBuf, InputError> {
             Err(InputError::other_file(folder.display(), wanted, reason))
         }
     }
+}
+
+/// The GEFFs in a folder.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub(super) fn geffs_in(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
+    let (mut found, mut looked_at) = (Vec::new(), 0);
+    look(folder, DEEPEST, &mut looked_at, &mut found)?;
+    found.sort();
+    Ok(found)
 }
 
 /// Whether a folder is a group of Zarr.

@@ -70,7 +70,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         })?;
         let name = names.get(k).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| id.to_string());
         let volume = sizes.volume(&mut spots, &file, *id, k);
-        spots.push(Spot { time: time * minutes, name, volume, file: 0, line: 0 });
+        spots.push(Spot { time: time * minutes, id: Some(*id), name, volume, file: 0, line: 0 });
     }
     link(&mut spots, &places, path, &file)?;
     spots.lineage(embryo_of(path), Format::Geff, time, sizes.unit)

@@ -5,23 +5,33 @@ use std::collections::HashSet;
 use furrow_input::InputError;
 
 use super::{TimeUnit, TrackedLineage};
-use crate::lifetimes::{Lifetime, Lifetimes};
+use crate::lifetimes::Lifetime;
 use crate::names::Names;
-use crate::volumes::note;
+use crate::volumes::{Skipped, note};
+
+/// Lifetimes of the cells of one embryo.
+#[derive(Clone, Debug, Default)]
+pub struct TrackedLifetimes {
+    /// Cells that were followed from birth to division.
+    pub cells: Vec<Lifetime>,
+    /// What could not be used of the embryo, and such cells with other names; the first of them.
+    pub skipped: Vec<Skipped>,
+    /// How much there is of it.
+    pub skipped_count: u64,
+}
 
 impl TrackedLineage {
-    /// The lifetimes of the cells that were followed from birth to division; those with other than these names are skipped. Errors
-    /// name the embryo's file `file`.
+    /// The lifetimes of the cells that were followed from birth to division; those with other than these names are skipped.
     ///
     /// # Errors
-    /// Times are in frames of unknown length, or no cell was followed from birth to division.
-    pub fn lifetimes(&self, file: &str, names: &Names) -> Result<Lifetimes, InputError> {
+    /// Times are in frames of unknown length.
+    pub fn lifetimes(&self, names: &Names) -> Result<TrackedLifetimes, InputError> {
         if self.time == TimeUnit::Frames {
-            let allowed = "given: the minutes from one frame to the next, since the file counts frames";
+            let allowed = format!("given: the minutes from one frame to the next, since {} counts frames", self.name);
             return Err(InputError::not_allowed("--frame-minutes", "frame_minutes", "(not given)", allowed));
         }
         let mut found =
-            Lifetimes { skipped: self.skipped.clone(), skipped_count: self.skipped_count, ..Lifetimes::default() };
+            TrackedLifetimes { cells: Vec::new(), skipped: self.skipped.clone(), skipped_count: self.skipped_count };
         let mut seen = HashSet::new();
         for cell in &self.cells {
             let Some(mean) = cell.lifetime() else { continue };
@@ -37,15 +47,6 @@ impl TrackedLineage {
             };
             note(&mut found.skipped, &mut found.skipped_count, || cell.unused(why));
         }
-        found.used = found.cells.len() as u64;
-        found.names = names.clone();
-        let first = found
-            .skipped
-            .first()
-            .map_or(String::new(), |first| format!(" (the first of {} skipped: {first})", found.skipped_count));
-        let why =
-            format!("at least one cell with a known name that was followed from its birth to its division{first}");
-        InputError::require(found.used > 0, file, "cells", self.cells.len(), why)?;
         Ok(found)
     }
 }

@@ -5,8 +5,13 @@
 //! | `acetree`, `archive` | nuclei of AceTree and StarryNite: a zip archive, or the folder in it |
 //! | `cd` | CD tables of AceTree |
 //! | `spot_tables` | spots and links of TrackMate and Mastodon as CSV |
-//! | `geff`, `zarr`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
+//! | `xml` | the files of TrackMate and MaMuT |
+//! | `track_tables` | tables of tracks of napari, ultrack and btrack |
+//! | `ctc` | tracks of the Cell Tracking Challenge |
+//! | `geff`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
+//! | `files` | the embryos in folders and patterns |
+//! | `chains` | links spots, where the file lists the spots of a cell together |
 //! | `spots` | spots and links of any format, as cells |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
@@ -19,15 +24,22 @@ mod acetree;
 #[cfg_attr(target_arch = "wasm32", path = "archive_without_files.rs")]
 mod archive;
 mod cd;
+mod chains;
 mod container;
+mod ctc;
+mod files;
 mod geff;
 mod lifetimes;
 mod rounds;
+mod shards;
 mod spot_tables;
 mod spots;
+mod track_tables;
 mod unpack;
+mod xml;
 mod zarr;
 
+use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -35,8 +47,12 @@ use furrow_input::table::text;
 use furrow_input::{InputError, foreign, open_file};
 use serde::Serialize;
 
+pub use files::{EmbryoFile, LeftOut, embryo_files};
+pub use lifetimes::TrackedLifetimes;
 pub use rounds::{Absent, TrackedRounds};
 
+use crate::matching::Matched;
+use crate::names::Names;
 use crate::volumes::{Skipped, Unit};
 
 /// Unit of times.
@@ -52,8 +68,10 @@ pub enum TimeUnit {
 /// A cell, from its birth to its division.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedCell {
-    /// Its name in Sulston's lineage, or else its first spot's name.
+    /// Its name in Sulston's lineage or one that it is matched to, or else its first spot's name.
     pub name: String,
+    /// Its name in the file.
+    pub tracked: String,
     /// The index of its mother; `None` if it was there from the start, or its mother is not known.
     pub mother: Option<usize>,
     /// The indices of its daughters, at most two.
@@ -109,9 +127,40 @@ pub struct TrackedLineage {
     pub skipped: Vec<Skipped>,
     /// How much there is of it.
     pub skipped_count: u64,
+    /// How its cells were [matched](crate::matching) to a lineage; `None` if they were not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matched: Option<Matched>,
+    /// The names and ids of all spots, with the cell that each is of.
+    #[serde(skip)]
+    pub(crate) spots: SpotNames,
+}
+
+/// Names and ids of spots, with the cell that each is of; `None` if it is of several.
+pub(crate) type SpotNames = HashMap<String, Option<usize>>;
+
+/// The result of a search for a tracked name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// No cell.
+    Nowhere,
+    /// A cell.
+    Cell(usize),
+    /// Several cells.
+    Several,
 }
 
 impl TrackedLineage {
+    /// The cell of this name, or with a spot of this name or id.
+    pub(crate) fn place_of(&self, name: &str) -> Place {
+        let mut named = self.cells.iter().enumerate().filter(|(_, cell)| cell.name == name).map(|(k, _)| k);
+        match (named.next(), named.next(), self.spots.get(name)) {
+            (Some(cell), None, _) => Place::Cell(cell),
+            (None, _, Some(Some(cell))) => Place::Cell(*cell),
+            (None, _, None) => Place::Nowhere,
+            _ => Place::Several,
+        }
+    }
+
     /// Whether sizes belong to nuclei rather than to cells.
     pub fn of_nuclei(&self) -> bool {
         matches!(self.format, Format::AceTree | Format::CdTable)
@@ -133,6 +182,12 @@ pub enum Format {
     Mastodon,
     /// GEFF.
     Geff,
+    /// The file of TrackMate or MaMuT.
+    TrackMateXml,
+    /// A table of tracks of napari, ultrack or btrack.
+    Tracks,
+    /// Tracks of the Cell Tracking Challenge.
+    Ctc,
 }
 
 impl Format {
@@ -144,6 +199,9 @@ impl Format {
             Format::TrackMate => "spots of TrackMate",
             Format::Mastodon => "spots of Mastodon",
             Format::Geff => "GEFF",
+            Format::TrackMateXml => "spots of TrackMate or MaMuT",
+            Format::Tracks => "table of tracks",
+            Format::Ctc => "tracks of the Cell Tracking Challenge",
         }
     }
 }
@@ -167,8 +225,17 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         if acetree::is_folder(path) {
             return Ok(here(Format::AceTree));
         }
+        if let Some(tracks) = ctc::IN_FOLDER.iter().map(|name| path.join(name)).find(|tracks| tracks.is_file()) {
+            return Ok(Some((Format::Ctc, tracks)));
+        }
         return Ok(Some((Format::Geff, container::geff_in(path)?)));
     }
+    located_file(path)
+}
+
+/// As [`located`], of a file.
+fn located_file(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
+    let here = |format: Format| Some((format, path.to_owned()));
     // A pipe can be read only once: it is a plain table.
     if path.exists() && !path.is_file() {
         return Ok(None);
@@ -182,28 +249,37 @@ fn located(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         }
         return Ok(here(Format::AceTree));
     }
+    let text = text(head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head));
+    if xml::is_model(&text) {
+        return Ok(here(Format::TrackMateXml));
+    }
+    if foreign::is_ctc(&text) {
+        return Ok(here(Format::Ctc));
+    }
     foreign::refuse(&path.display().to_string(), &head, foreign::WANTED)?;
     if path.file_name().is_some_and(|name| acetree::is_of_nuclei(&name.to_string_lossy())) {
         let reason = "it has the nuclei of one frame: the folder or the archive with all frames must be given";
         return Err(InputError::other_file(path.display(), "an embryo that was followed", reason));
     }
-    let text = text(head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head));
     let is_heading = |line: &&str| !line.trim().is_empty() && !line.starts_with(['#']) && !line.starts_with("sep=");
     let line = text.lines().find(is_heading).unwrap_or_default();
     let columns: Vec<&str> =
         line.split([',', ';', '\t']).map(|name| name.trim_matches(|c: char| c == '"' || c.is_whitespace())).collect();
     let cd = cd::is_table(&columns).then_some(Format::CdTable);
-    Ok(cd.or_else(|| spot_tables::format_of(&columns)).and_then(here))
+    let tracks = || track_tables::is_table(&columns).then_some(Format::Tracks);
+    Ok(cd.or_else(|| spot_tables::format_of(&columns)).or_else(tracks).and_then(here))
 }
 
-/// Reads an embryo that was followed; as [`read_tracked`], but a file in another format is an error.
+/// Reads an embryo that was followed, with its cells [matched](crate::matching) to these names; a file in another format is an error.
 ///
 /// # Errors
-/// As [`read_tracked`]; a file outside the [formats](Format).
-pub fn read_embryo(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
-    let reason = "it is neither of AceTree, StarryNite, TrackMate, Mastodon nor GEFF";
+/// As [`read_tracked`] and [`TrackedLineage::match_names`]; a file outside the [formats](Format).
+pub fn read_embryo(path: &Path, options: &TrackOptions, names: &Names) -> Result<TrackedLineage, InputError> {
+    let reason = "it is neither of AceTree, StarryNite, TrackMate, MaMuT, Mastodon, napari, ultrack, the Cell Tracking Challenge nor GEFF";
     let other = || InputError::other_file(path.display(), "an embryo that was followed", reason);
-    read_tracked(path, options)?.ok_or_else(other)
+    let mut embryo = read_tracked(path, options)?.ok_or_else(other)?;
+    embryo.match_names(names)?;
+    Ok(embryo)
 }
 
 /// Reads a file or folder of tracked cells; `None` for a file outside the [formats](Format).
@@ -217,6 +293,9 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
         Format::CdTable => cd::read(path, options),
         Format::TrackMate | Format::Mastodon => spot_tables::read(path, format, options),
         Format::Geff => geff::read(&place, options),
+        Format::TrackMateXml => xml::read(path, options),
+        Format::Tracks => track_tables::read(path, options),
+        Format::Ctc => ctc::read(&place, name_of(path)),
     }?;
     if let Some(minutes) = options.frame_minutes.filter(|_| lineage.time == TimeUnit::Frames) {
         lineage.time = TimeUnit::Minutes;
@@ -253,6 +332,16 @@ fn unit_of_pixels(options: &TrackOptions) -> Unit {
 /// The embryo of a file: its name without its extension.
 fn embryo_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The embryo of a file or folder. The files of the Cell Tracking Challenge have one name each: the folder's is the sequence's.
+pub(crate) fn name_of(path: &Path) -> String {
+    let is_common = |path: &&Path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        ["man_track.txt", "res_track.txt", "TRA"].contains(&&*name)
+    };
+    let named = path.ancestors().find(|path| !is_common(path) && path.file_name().is_some());
+    embryo_of(named.unwrap_or(path))
 }
 
 #[cfg(test)]

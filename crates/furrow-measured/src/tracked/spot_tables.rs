@@ -57,6 +57,17 @@ pub(super) fn format_of(columns: &[&str]) -> Option<Format> {
     (has(TRACKMATE.link[0]) || (has(label) && has(id) && has(frame))).then_some(Format::TrackMate)
 }
 
+/// Whether a file has the links beside a table of spots: that table is read, and its links with it.
+pub(super) fn is_of_links(path: &Path) -> bool {
+    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let spots = |(spots, links): &(&str, &str)| {
+        let at = name.rfind(links)?;
+        Some(path.with_file_name(format!("{}{spots}{}", &name[..at], &name[at + links.len()..])))
+    };
+    let words = TRACKMATE.words.iter().chain(&MASTODON.words);
+    words.filter_map(spots).any(|other| other != path && other.is_file())
+}
+
 pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let layout = if format == Format::Mastodon { MASTODON } else { TRACKMATE };
     let file = path.display().to_string();
@@ -171,16 +182,19 @@ impl Heading {
     fn unit(&self, radius: usize, file: &str) -> Result<Option<Unit>, InputError> {
         let Some(units) = &self.units else { return Ok(None) };
         let text = String::from_utf8_lossy(units.get(radius).unwrap_or_default());
-        match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
-            "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => {
-                Ok(Some(Unit::CubicMicrometres))
-            }
-            "pixel" | "pixels" | "" => Ok(Some(Unit::Voxels)),
-            _ => {
-                let why = format!("the unit of radii is {}: must be (micron), (µm) or (pixel)", shown(&text));
-                Err(malformed(file, self.lines, why))
-            }
-        }
+        radius_unit(&text).map(Some).ok_or_else(|| {
+            let why = format!("the unit of radii is {}: must be (micron), (µm) or (pixel)", shown(&text));
+            malformed(file, self.lines, why)
+        })
+    }
+}
+
+/// The unit of volumes, from the unit of radii; `None` if the unit is not known.
+pub(super) fn radius_unit(text: &str) -> Option<Unit> {
+    match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
+        "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => Some(Unit::CubicMicrometres),
+        "pixel" | "pixels" | "" => Some(Unit::Voxels),
+        _ => None,
     }
 }
 
@@ -244,7 +258,7 @@ fn read_spots(
         let in_um = written == Some(Unit::CubicMicrometres);
         let sphere = |d: f64| if in_um { sphere(d) } else { sphere_of_pixels(d, options) };
         let volume = radius.map(|radius| sphere(2.0 * radius));
-        let spot = spots.push(Spot { time, name: text(label), volume, file: 0, line });
+        let spot = spots.push(Spot { time, id: Some(id.into()), name: text(label), volume, file: 0, line });
         if let Some(first) = ids.insert(id, spot) {
             let first = spots.get(first).line;
             let why = format!("ID = {id}: must be of one spot only; line {first} has it too");

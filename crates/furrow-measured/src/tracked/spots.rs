@@ -1,10 +1,10 @@
 //! Spots and the links between them, as cells: chains of spots between divisions.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use furrow_input::InputError;
 
-use super::{Format, TimeUnit, TrackedCell, TrackedLineage};
+use super::{Format, SpotNames, TimeUnit, TrackedCell, TrackedLineage};
 use crate::names::{birth, is_cell, understood};
 use crate::volumes::{Skipped, Unit, note};
 use furrow_input::table::malformed;
@@ -16,6 +16,8 @@ pub(super) struct Spot {
     pub time: f64,
     /// Its name in that frame; empty without a name.
     pub name: String,
+    /// Its id, where the format has ids beside names.
+    pub id: Option<i128>,
     /// Its volume in that frame.
     pub volume: Option<f64>,
     /// Index of its file.
@@ -40,6 +42,8 @@ pub(super) struct Spots {
     shattered: HashSet<usize>,
     /// Spots that have lost a link: their remaining link leads to a daughter, unless the names are equal.
     parted: HashSet<usize>,
+    /// Names of tracks and their first spots.
+    pub tracks: Vec<(String, usize)>,
     skipped: Vec<Skipped>,
     skipped_count: u64,
 }
@@ -180,8 +184,31 @@ impl Spots {
             of_spot[spot] = index;
             self.extend(&mut cells[index], spot);
         }
+        let known = self.known(&of_spot);
         let Spots { skipped, skipped_count, .. } = self;
-        Ok(TrackedLineage { name, format, cells, time, volumes, skipped, skipped_count })
+        let matched = None;
+        Ok(TrackedLineage { name, format, cells, time, volumes, skipped, skipped_count, matched, spots: known })
+    }
+
+    /// Names, tracks and ids of spots with their cells. A name comes before an equal id.
+    fn known(&self, of_spot: &[usize]) -> SpotNames {
+        let mut known: SpotNames = HashMap::new();
+        let mut add = |name: &str, cell: usize| {
+            let cells = known.entry(name.to_owned()).or_insert(Some(cell));
+            *cells = cells.filter(|before| *before == cell);
+        };
+        let named = self.spots.iter().zip(of_spot).filter(|(spot, _)| !spot.name.is_empty());
+        named.for_each(|(spot, cell)| add(&spot.name, *cell));
+        let tracks: Vec<(&String, usize)> = self.tracks.iter().map(|(name, spot)| (name, of_spot[*spot])).collect();
+        for (name, cell) in tracks {
+            known.entry(name.clone()).or_insert(Some(cell));
+        }
+        for (spot, cell) in self.spots.iter().zip(of_spot) {
+            if let Some(id) = spot.id {
+                known.entry(id.to_string()).or_insert(Some(*cell));
+            }
+        }
+        known
     }
 
     /// Adds a cell that begins with a spot.
@@ -194,6 +221,7 @@ impl Spots {
         }
         cells.push(TrackedCell {
             name: name.clone(),
+            tracked: name.clone(),
             mother,
             daughters: Vec::new(),
             birth: *time,
@@ -208,7 +236,7 @@ impl Spots {
 
     /// Adds a spot to its cell.
     fn extend(&mut self, cell: &mut TrackedCell, spot: usize) {
-        let Spot { time, name, volume, file, line } = self.spots[spot].clone();
+        let Spot { time, name, volume, file, line, .. } = self.spots[spot].clone();
         cell.last = time;
         if let Some(volume) = volume {
             let sum = cell.volume.unwrap_or(0.0) * cell.sizes as f64 + volume;

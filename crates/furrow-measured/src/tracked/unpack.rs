@@ -1,16 +1,11 @@
-//! Blosc and Zstandard, as Python's Zarr compresses arrays (feature `geff`).
+//! Blosc and Zstandard, as Python's Zarr compresses arrays.
 //!
 //! # References
 //! <https://github.com/Blosc/c-blosc/blob/main/README_CHUNK_FORMAT.rst>.
 
-/// The bytes of a chunk, at most one more than `length`.
-#[cfg(not(feature = "geff"))]
-pub(super) fn unpacked(_: &[u8], codec: &str, _: usize) -> Result<Vec<u8>, String> {
-    Err(format!("it is compressed with {codec}, and this furrow was built without GEFF: build with --features geff"))
-}
+use std::io::Read;
 
 /// The bytes of a chunk, at most one more than `length`.
-#[cfg(feature = "geff")]
 pub(super) fn unpacked(packed: &[u8], codec: &str, length: usize) -> Result<Vec<u8>, String> {
     if codec == "zstd" {
         return zstandard(packed, length);
@@ -18,16 +13,19 @@ pub(super) fn unpacked(packed: &[u8], codec: &str, length: usize) -> Result<Vec<
     blosc(packed, length).map_err(|why| format!("Blosc: {why}"))
 }
 
-#[cfg(feature = "geff")]
 fn zstandard(packed: &[u8], length: usize) -> Result<Vec<u8>, String> {
-    use std::io::Read;
     let decoder = ruzstd::decoding::StreamingDecoder::new(packed).map_err(|e| e.to_string())?;
     let mut out = Vec::new();
     decoder.take(length as u64 + 1).read_to_end(&mut out).map_err(|e| e.to_string())?;
     Ok(out)
 }
 
-#[cfg(feature = "geff")]
+fn zlib(packed: &[u8], length: usize) -> Result<Vec<u8>, String> {
+    let mut out = Vec::new();
+    flate2::read::ZlibDecoder::new(packed).take(length as u64 + 1).read_to_end(&mut out).map_err(|e| e.to_string())?;
+    Ok(out)
+}
+
 fn blosc(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static str> {
     // Bits of the flags: bytes of equal rank together, not compressed, bits of equal rank together, a block in one piece.
     const SHUFFLED: u8 = 1;
@@ -67,8 +65,9 @@ fn blosc(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static str> {
             match codec {
                 _ if packed_length == stream => bytes.extend(data),
                 1 => bytes.extend(lz4_flex::block::decompress(data, stream).map_err(|_| "its LZ4 is damaged")?),
+                3 => bytes.extend(zlib(data, stream).map_err(|_| "its zlib is damaged")?),
                 4 => bytes.extend(zstandard(data, stream).map_err(|_| "its Zstandard is damaged")?),
-                _ => return Err("only LZ4 and Zstandard in it are read"),
+                _ => return Err("only LZ4, zlib and Zstandard in it are read"),
             }
         }
         if bytes.len() != length {
@@ -83,7 +82,6 @@ fn blosc(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static str> {
 }
 
 /// Values from the first bytes of all, the second bytes of all, and so on.
-#[cfg(feature = "geff")]
 fn unshuffled(bytes: &[u8], size: usize) -> Vec<u8> {
     let count = bytes.len() / size;
     let mut out: Vec<u8> = (0..count).flat_map(|k| (0..size).map(move |byte| bytes[byte * count + k])).collect();
@@ -91,7 +89,7 @@ fn unshuffled(bytes: &[u8], size: usize) -> Vec<u8> {
     out
 }
 
-#[cfg(all(test, feature = "geff"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -1,7 +1,6 @@
 //! Arrays of Zarr, versions 2 and 3, in folders: numbers and texts in one or two dimensions, plain or compressed.
 //!
-//! What Python's `geff` writes by default is compressed with Blosc (version 2) or Zstandard (version 3), which the feature `geff`
-//! reads.
+//! What Python's `geff` writes by default is compressed with Blosc (version 2) or Zstandard (version 3).
 //!
 //! # References
 //! <https://zarr-specs.readthedocs.io>.
@@ -13,6 +12,8 @@ use std::path::{Path, PathBuf};
 use flate2::read::{GzDecoder, ZlibDecoder};
 use furrow_input::{InputError, json_field_at, read_text_up_to};
 use serde_json::Value;
+
+use super::shards::Shards;
 
 /// Most bytes of a chunk; beyond [`SMALL`], most for each byte of the array's files.
 const LONGEST: usize = 1 << 30;
@@ -101,6 +102,8 @@ struct Layout {
     separators: [String; 2],
     /// How chunks are compressed.
     codec: Option<String>,
+    /// How chunks lie in shards; `None` if each has a file of its own.
+    shards: Option<Shards>,
     fill: Value,
 }
 
@@ -163,12 +166,17 @@ pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
         return refused("shape", &document["shape"], &format!("of at most {WIDEST} columns"));
     }
     let (separators, codec) = if is_third { stored_third(&document) } else { stored_second(&document) };
+    let shards = match &document["codecs"].as_array().map(Vec::as_slice) {
+        Some([one]) if is_third => Shards::of(one, &chunk, |codecs| coded_third(codecs).ok()),
+        _ => None,
+    };
     let codec = match codec {
+        _ if shards.is_some() => None,
         Ok(codec) => codec,
         Err(value) => return refused("codecs", &value, ALLOWED_CODECS),
     };
     let fill = document["fill_value"].clone();
-    let layout = Layout { shape, chunk, kind, size, separators, codec, fill };
+    let layout = Layout { shape, chunk, kind, size, separators, codec, shards, fill };
     let files = layout.files(folder)?;
     let held = files.iter().fold(0_usize, |sum, file| sum.saturating_add(file.length));
     let most = SMALL.max(held.saturating_mul(TIGHTEST)).min(LONGEST);
@@ -223,7 +231,8 @@ fn known(kind: char, size: usize) -> Option<(char, usize)> {
 }
 
 /// The allowed codecs.
-const ALLOWED_CODECS: &str = "none, zlib, gzip, zstd or blosc, for values in rows and little-endian order";
+const ALLOWED_CODECS: &str =
+    "none, zlib, gzip, zstd or blosc, for values in rows and little-endian order, also in shards";
 
 /// The separators in names of chunks, and the compression, or the unknown codec.
 type Stored = ([String; 2], Result<Option<String>, Value>);
@@ -246,16 +255,19 @@ fn stored_third(document: &Value) -> Stored {
     let is_second = encoding["name"] == "v2";
     let separator = encoding["configuration"]["separator"].as_str().unwrap_or(if is_second { "." } else { "/" });
     let prefix = if is_second { String::new() } else { format!("c{separator}") };
-    let codecs = document["codecs"].as_array().map_or(&[][..], Vec::as_slice);
-    let codec = match codecs {
+    ([prefix, separator.to_owned()], coded_third(&document["codecs"]))
+}
+
+/// The compression in a list of codecs of version 3.
+fn coded_third(codecs: &Value) -> Result<Option<String>, Value> {
+    match codecs.as_array().map_or(&[][..], Vec::as_slice) {
         [bytes, rest @ ..] if bytes["name"] == "bytes" && bytes["configuration"]["endian"] != "big" => match rest {
             [] => Ok(None),
             [one] => coded(one, &one["name"]),
-            _ => Err(document["codecs"].clone()),
+            _ => Err(codecs.clone()),
         },
-        _ => Err(document["codecs"].clone()),
-    };
-    ([prefix, separator.to_owned()], codec)
+        _ => Err(codecs.clone()),
+    }
 }
 
 /// A compression by its name.
@@ -315,21 +327,37 @@ impl Layout {
 
     /// Reads the values of all chunks.
     fn read(self, files: &[ChunkFile]) -> Result<Array, InputError> {
-        let (rows, columns) = (self.shape[0], self.shape.get(1).copied().unwrap_or(1));
-        let (chunk_rows, chunk_columns) = (self.chunk[0], self.chunk.get(1).copied().unwrap_or(1));
-        let mut values = self.filled(rows * columns);
+        let mut values = self.filled(self.shape.iter().product());
+        let length = |lengths: &[usize]| [lengths[0], lengths.get(1).copied().unwrap_or(1)];
+        let [rows, columns] = length(&self.chunk);
         for file in files {
-            let bytes = self.bytes(file)?;
-            let [i, j] = file.place;
-            // Chunks at the edge are as long as others; what lies beyond the array is not used.
-            let width = chunk_columns.min(columns - j * chunk_columns);
-            for row in 0..chunk_rows.min(rows - i * chunk_rows) {
-                let from = row * chunk_columns * self.size;
-                let to = (i * chunk_rows + row) * columns + j * chunk_columns;
-                self.decode(&bytes[from..from + width * self.size], &mut values, to);
+            let packed = fs::read(&file.path).map_err(|e| InputError::unreadable(&file.path, e))?;
+            let refused = |why: String| InputError::other_file(file.path.display(), "a chunk of an array", why);
+            let [row, column] = [file.place[0] * rows, file.place[1] * columns];
+            let Some(shards) = &self.shards else {
+                let bytes = self.unpacked(packed, self.codec.as_deref(), &self.chunk).map_err(refused)?;
+                self.place_values(&bytes, [row, column], [rows, columns], &mut values);
+                continue;
+            };
+            let [inner_rows, inner_columns] = length(&shards.chunk);
+            for ([i, j], packed) in shards.chunks(&self.chunk, &packed).map_err(refused)? {
+                let bytes = self.unpacked(packed.to_vec(), shards.codec.as_deref(), &shards.chunk).map_err(refused)?;
+                let at = [row + i * inner_rows, column + j * inner_columns];
+                self.place_values(&bytes, at, [inner_rows, inner_columns], &mut values);
             }
         }
         Ok(Array { shape: self.shape, values })
+    }
+
+    /// Puts the values of a chunk of `length` rows and columns to a row and column of the array. Chunks at the edge are as long as others;
+    /// what lies beyond the array is not used.
+    fn place_values(&self, bytes: &[u8], [row, column]: [usize; 2], length: [usize; 2], values: &mut Values) {
+        let (rows, columns) = (self.shape[0], self.shape.get(1).copied().unwrap_or(1));
+        let [height, width] = [length[0].min(rows.saturating_sub(row)), length[1].min(columns.saturating_sub(column))];
+        for k in 0..height {
+            let from = k * length[1] * self.size;
+            self.decode(&bytes[from..from + width * self.size], values, (row + k) * columns + column);
+        }
     }
 
     /// Values that no chunk gives.
@@ -344,15 +372,12 @@ impl Layout {
         }
     }
 
-    /// The bytes of a chunk.
-    fn bytes(&self, file: &ChunkFile) -> Result<Vec<u8>, InputError> {
-        let unreadable = |e| InputError::unreadable(&file.path, e);
-        let packed = fs::read(&file.path).map_err(unreadable)?;
-        let refused = |why: String| InputError::other_file(file.path.display(), "a chunk of an array", why);
-        let count: usize = self.chunk.iter().product();
-        let bytes = unpacked(packed, self.codec.as_deref(), count * self.size).map_err(refused)?;
+    /// The bytes of a chunk of this shape.
+    fn unpacked(&self, packed: Vec<u8>, codec: Option<&str>, chunk: &[usize]) -> Result<Vec<u8>, String> {
+        let count: usize = chunk.iter().product();
+        let bytes = unpacked(packed, codec, count * self.size)?;
         if bytes.len() != count * self.size {
-            return Err(refused(format!("it has {} bytes; {count} values have {}", bytes.len(), count * self.size)));
+            return Err(format!("it has {} bytes; {count} values have {}", bytes.len(), count * self.size));
         }
         Ok(bytes)
     }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use furrow_measured::lifetimes::{
-    Lifetimes, Sisters, agreement, cells_over_time, mean_volumes, sisters, slopes, smaller,
+    LifetimeOptions, Lifetimes, Sisters, agreement, cells_over_time, mean_volumes, sisters, slopes, smaller,
 };
 use furrow_measured::published::{jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::{Sample, Trend, sign_test, welch};
+use furrow_measured::tracked::embryo_files;
 use serde_json::Value;
 
 use super::close;
@@ -110,7 +111,7 @@ fn unusable_rows_are_reported_with_their_place() {
         found.skipped.iter().map(|s| format!("{}: {} = {:?}: {}", s.line, s.column, s.value, s.why)).collect();
     let expected = [
         "4: 1 (cell) = \"ABa\": a second row of this cell; the first is on line 3",
-        "5: 1 (cell) = \"nuc\": no name of Sulston's; other names need the file of their lineage (--lineage)",
+        "5: 1 (cell) = \"nuc\": no name of Sulston's; other names need the file of their lineage (--lineage), or to be matched (--names, --root)",
         "6: 2 (n) = \"0\": must be a number of embryos, at least 1",
         "7: 3 (lifetime_min) = \"-1\": must be a time above 0",
         "8: 3 (lifetime_min) = \"\": must be a time above 0 (empty)",
@@ -152,16 +153,85 @@ fn other_tables_than_of_lifetimes_are_refused() {
             "# x\ncell,lifetime\nAB,1\n",
             "t.csv:2:1: column 2 is called \"lifetime\": its name must have the unit, as lifetime_min, lifetime_s, lifetime_h",
         ),
-        ("cell,n\nAB,1\n", "no column is called lifetime_min; the columns are \"cell\", \"n\""),
+        (
+            "cell,n\nAB,1\n",
+            "no column is called lifetime_min, nor are there both birth_min and division_min; the columns are \"cell\", \"n\"",
+        ),
         ("n,lifetime_min\n1,1\n", "no column is called cell"),
         ("cell,lifetime_min,lifetime_s\nAB,1,1\n", "column 3 is a second one for the lifetime"),
         ("cell,cell,lifetime_min\n", "two columns are called \"cell\""),
         ("cell,lifetime_min,sd_min\nAB,1,1\n", "column 3 is a standard deviation, but no column is called n"),
         ("cell,lifetime_min\nAB,0\n", "none used, 1 skipped"),
         ("cell,lifetime_min\n", "the table has no rows"),
+        (
+            "cell,birth_min,division\nAB,0,1\n",
+            "column 3 is called \"division\": its name must have the unit, as division_min",
+        ),
+        ("cell,birth_min,division_min\nAB,2,2\n", "column 3 (division_min): \"2\": must be a time after the birth"),
     ]);
     for (table, expected) in cases {
         let said = Lifetimes::read(table.as_bytes(), "t.csv").unwrap_err().to_string();
         assert!(said.contains(expected), "{said}");
     }
+}
+
+#[test]
+fn births_and_divisions_stand_for_lifetimes() {
+    let table = "cell,birth_min,division_h,lifetime_rank\nAB,30,1,1\nP1,30,1.5,2\n";
+    let found = Lifetimes::read(table.as_bytes(), "t.csv").unwrap();
+    let cells: Vec<_> = found.cells.iter().map(|cell| (cell.cell.as_str(), cell.mean, cell.birth)).collect();
+    assert_eq!(cells, [("AB", 30.0, Some(30.0)), ("P1", 60.0, Some(30.0))]);
+    assert_eq!(found.embryos, []);
+}
+
+/// Three embryos: the second is slower than the first by a factor of 1.5, and its clock begins 100 minutes earlier; the third has another
+/// cell.
+#[test]
+fn each_embryo_has_its_pace_and_its_clock() {
+    let cells = [("AB", 20.0, 0.0), ("P1", 24.0, 0.0), ("ABa", 18.0, 20.0)];
+    let mut table = "embryo,cell,lifetime_min,birth_min\n".to_owned();
+    for (cell, life, birth) in cells {
+        table += &format!("one,{cell},{life},{birth}\ntwo,{cell},{},{}\n", 1.5 * life, 1.5 * birth + 100.0);
+    }
+    table += "three,EMS,30,3\ntwo,P1,9,9\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    std::fs::write(&path, &table).unwrap();
+    let read = |common_pace: bool| {
+        let files = embryo_files(std::slice::from_ref(&path)).unwrap().0;
+        Lifetimes::read_files(&files, &LifetimeOptions { common_pace, ..LifetimeOptions::default() }).unwrap()
+    };
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+    let found = read(false);
+    assert_eq!(found.skipped[0].why, "a second row of this cell; the first is on line 5");
+    let [one, two, three] = &found.embryos[..] else { panic!("{:?}", found.embryos) };
+    assert_eq!([one.cells, two.cells, three.cells, one.shared, three.shared], [3, 3, 1, 3, 0]);
+    // The factors' geometric mean is 1.
+    near(two.time_factor.unwrap() / one.time_factor.unwrap(), 1.5);
+    near(two.time_factor.unwrap() * one.time_factor.unwrap(), 1.0);
+    assert!(two.scatter.unwrap() < 1e-9);
+    assert_eq!((three.time_factor, three.shift_min), (None, None));
+    let mean = |lifetimes: &Lifetimes, cell: &str| lifetimes.of(cell).unwrap().clone();
+    near(mean(&found, "AB").mean, 25.0);
+    // Births differ by 100, 100 and 110.
+    near(two.shift_min.unwrap(), 310.0 / 3.0);
+    // A birth on a clock that no other embryo shares is left out.
+    assert_eq!(mean(&found, "EMS").birth, None);
+    let found = read(true);
+    let factor = 1.5_f64.sqrt();
+    near(mean(&found, "AB").mean, 20.0 * factor);
+    assert!(mean(&found, "AB").sd.unwrap() < 1e-9);
+    near(found.embryos[1].shift_min.unwrap(), 100.0 / factor);
+    near(mean(&found, "ABa").birth.unwrap(), 20.0 * factor);
+    // One table of one embryo each gives the same.
+    let tables = ["one", "two"].map(|embryo| {
+        let rows = table.lines().filter(|row| row.starts_with(&format!("{embryo},"))).take(3);
+        let text: String = rows.map(|row| format!("{}\n", &row[4..])).collect();
+        let path = folder.path().join(format!("{embryo}.csv"));
+        std::fs::write(&path, format!("cell,lifetime_min,birth_min\n{text}")).unwrap();
+        path
+    });
+    let found = Lifetimes::read_files(&embryo_files(&tables).unwrap().0, &LifetimeOptions::default()).unwrap();
+    assert_eq!(found.embryos.iter().map(|embryo| embryo.embryo.as_str()).collect::<Vec<_>>(), ["one", "two"]);
+    near(found.embryos[1].shift_min.unwrap(), 310.0 / 3.0);
 }

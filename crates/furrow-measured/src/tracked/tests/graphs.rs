@@ -294,6 +294,29 @@ pub(super) fn written(files: &Files) -> TempDir {
     folder
 }
 
+/// As Python's Zarr writes them: chunks of two rows in shards of eight, most of them compressed with Zstandard; of the edges also one chunk
+/// for each column (`make_sharded.py`).
+#[test]
+fn shards_of_chunks_give_the_same_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    zip::ZipArchive::new(Cursor::new(include_bytes!("sharded.zip"))).unwrap().extract(folder.path()).unwrap();
+    let path = folder.path().join("embryo.geff");
+    let lineage = tracked(&path);
+    assert_eq!(lives(&lineage), LIVES);
+    assert!((lineage.cells[0].volume.unwrap() - 33_510.321_638_291_13).abs() < 1e-9);
+    // Cut short or with another index: an error or other cells, no panic.
+    let shard = path.join("nodes/ids/c/0");
+    let whole = fs::read(&shard).unwrap();
+    for end in 0..whole.len() {
+        fs::write(&shard, &whole[..end]).unwrap();
+        assert!(refused(&path).contains("is not a chunk of an array"), "{end}: {}", refused(&path));
+        let mut changed = whole.clone();
+        changed[end] ^= 0x7f;
+        fs::write(&shard, changed).unwrap();
+        let _ = read_tracked(&path, &TrackOptions::default());
+    }
+}
+
 #[test]
 fn geff_gives_the_same_cells() {
     for (version, chunk) in [(2, 10), (3, 10), (2, 4), (3, 3)] {

@@ -2,6 +2,7 @@
 
 mod damaged;
 mod graphs;
+mod tracks;
 
 use std::fs;
 use std::io::{Cursor, Write};
@@ -12,6 +13,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::*;
+use crate::lifetimes::{LifetimeOptions, Lifetimes};
 use crate::names::Names;
 
 /// Nuclei of P0 in frames 1 and 2, AB and P1 from 3 on, AB's daughters from 5 on; P1 is last seen in 6.
@@ -81,6 +83,12 @@ fn refused(path: &Path) -> String {
     let error = read_tracked(path, &TrackOptions::default()).unwrap_err().to_string();
     let folder = path.parent().unwrap().display().to_string();
     error.replace(&format!("{}/", path.display()), "").replace(&format!("{folder}/"), "")
+}
+
+/// The lifetimes of an embryo.
+fn lifetimes(path: &Path, frame_minutes: Option<f64>) -> Result<Lifetimes, InputError> {
+    let options = LifetimeOptions { frame_minutes: frame_minutes.into(), ..LifetimeOptions::default() };
+    Lifetimes::read_files(&embryo_files(&[path.to_owned()])?.0, &options)
 }
 
 /// Name, mother's name, birth, division and last time of each cell.
@@ -310,8 +318,7 @@ fn names_are_understood_or_skipped() {
         let folder = nuclei(&texts.iter().map(String::as_str).collect::<Vec<_>>());
         let options = TrackOptions { pixel: None, frame_minutes: Some(1.0) };
         let embryo = read_tracked(folder.path(), &options).unwrap().unwrap();
-        let counted = embryo.skipped_with_names(&Names::default());
-        (embryo.lifetimes("embryo", &Names::default()), counted)
+        (super::tests::lifetimes(folder.path(), Some(1.0)), embryo.skipped_with_names(&Names::default()))
     };
     for name in ["AB", "A B", "AB.", " AB"] {
         let (found, (skipped, count)) = lifetimes("AB", name);
@@ -362,10 +369,8 @@ fn rounds_of_mothers_that_were_not_followed_come_from_their_daughters() {
 #[test]
 fn files_of_other_kinds_are_named() {
     for (name, content, message) in [
-        ("film.xml", "<?xml version=\"1.0\"?>\n<TrackMate version=\"7\">\n", "it is a file of TrackMate (XML)"),
         ("film.xml", "<embryo>\n<nuclei file=\"a.zip\"/>\n</embryo>\n", "it is AceTree's configuration (XML)"),
         ("tree.json", "{\n\"format\": 1, \"cells\": []\n}\n", "it is JSON, as furrow's tree.json is"),
-        ("man_track.txt", "1 0 14 0\n2 15 32 1\n3 15 34 1\n", "it is tracks of the Cell Tracking Challenge"),
         ("tree.nwk", "((ABa:1,ABp:1)AB:2,P1:3)P0;\n", "it is a tree (Newick or Nexus)"),
         ("tree.json", "{\n  \"schema\": \"furrow.tree\",\n", "it is JSON, as furrow's tree.json is"),
         ("tree.nex", "#NEXUS\nbegin trees;\n", "it is a tree (Newick or Nexus)"),
@@ -381,6 +386,19 @@ fn files_of_other_kinds_are_named() {
         assert!(error.contains(message) && error.contains("is not a table (CSV)"), "{error}");
         drop(folder);
     }
+    // A command that reads only tables names the kind of embryo.
+    for (name, content, message) in [
+        (
+            "film.xml",
+            "<?xml version=\"1.0\"?>\n<TrackMate version=\"7\">\n",
+            "it is a file of TrackMate or MaMuT (XML)",
+        ),
+        ("man_track.txt", "1 0 14 0\n2 15 32 1\n3 15 34 1\n", "it is tracks of the Cell Tracking Challenge"),
+    ] {
+        let (_folder, path) = file(name, content);
+        let error = crate::lifetimes::Lifetimes::read(fs::File::open(&path).unwrap(), "table").unwrap_err().to_string();
+        assert!(error.contains(message) && error.contains("is not a table (CSV)"), "{error}");
+    }
     for (inside, message) in [
         ("project.xml", "it is a project of Mastodon"),
         ("xl/workbook.xml", "it is a workbook of Excel"),
@@ -393,8 +411,6 @@ fn files_of_other_kinds_are_named() {
     assert!(refused(&path).contains("it has the nuclei of one frame"), "{}", refused(&path));
     fs::remove_file(path).unwrap();
     assert!(refused(folder.path()).contains("it is a folder with neither nuclei of AceTree"));
-    fs::write(folder.path().join("man_track.txt"), "").unwrap();
-    assert!(refused(folder.path()).contains("it has tracks of the Cell Tracking Challenge"));
 }
 
 /// Which of two files of one frame is the right one is not known.
@@ -448,15 +464,13 @@ fn rounds_count_divisions_to_the_last_cells() {
 #[test]
 fn lifetimes_need_minutes_and_both_ends() {
     let folder = nuclei(&NUCLEI);
-    let error = tracked(folder.path()).lifetimes("embryo", &Names::default()).unwrap_err().to_string();
+    let error = lifetimes(folder.path(), None).unwrap_err().to_string();
     assert_eq!(error.split(':').next(), Some("--frame-minutes"), "{error}");
-    let options = TrackOptions { pixel: None, frame_minutes: Some(1.5) };
-    let found = read_tracked(folder.path(), &options).unwrap().unwrap().lifetimes("embryo", &Names::default()).unwrap();
+    let found = lifetimes(folder.path(), Some(1.5)).unwrap();
     // P0 is there from the start, and the others were not seen to divide.
     let [ab] = &found.cells[..] else { panic!("{found:?}") };
     assert_eq!((ab.cell.as_str(), ab.founder.as_str(), ab.n, ab.mean, ab.birth), ("AB", "AB", 1, 3.0, Some(4.5)));
     let folder = nuclei(&NUCLEI[..2]);
-    let lineage = read_tracked(folder.path(), &options).unwrap().unwrap();
-    let error = lineage.lifetimes("embryo", &Names::default()).unwrap_err().to_string();
-    assert!(error.starts_with("embryo: cells = 1: must be at least one cell"), "{error}");
+    let error = lifetimes(folder.path(), Some(1.5)).unwrap_err().to_string();
+    assert!(error.contains(": cells = 1: must be at least one cell"), "{error}");
 }

@@ -1,0 +1,252 @@
+//! Observed embryos as the cells that formats write.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use furrow_formats::exchange::{Kind, Sheet, SheetCell, SheetColumn};
+use furrow_input::InputError;
+use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes, mean_volumes};
+use furrow_measured::matching::Matched;
+use furrow_measured::names::Names;
+use furrow_measured::tracked::{EmbryoFile, TimeUnit, TrackOptions, TrackedLineage, embryo_files, read_tracked};
+use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
+
+/// How an observed embryo is read.
+#[derive(Clone, Debug, Default)]
+pub struct ObservedOptions {
+    /// Tables of volumes beside a table of lifetimes.
+    pub volumes: Vec<EmbryoFile>,
+    /// Minutes from one frame to the next.
+    pub frame_minutes: Option<f64>,
+    /// Edge of a voxel in µm.
+    pub voxel: Option<f64>,
+    /// Names of cells.
+    pub names: Names,
+}
+
+/// An observed embryo, how its cells were matched, and what could not be used of it.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    /// The cells.
+    pub lineage: ObservedLineage,
+    /// How they were matched to the lineage.
+    pub matched: Option<Matched>,
+    /// The first values that could not be used.
+    pub skipped: Vec<Skipped>,
+    /// How many there are.
+    pub skipped_count: u64,
+}
+
+impl Observed {
+    /// Reads an embryo that another program followed, or a table of lifetimes with mean volumes.
+    ///
+    /// # Errors
+    /// A file that cannot be read as either; a name of the matching that was not met; volumes beside an embryo that was followed.
+    pub fn read(path: &Path, options: &ObservedOptions) -> Result<Observed, InputError> {
+        let ObservedOptions { volumes, frame_minutes, voxel, names } = options;
+        if let Some(mut embryo) = read_tracked(path, &TrackOptions { pixel: *voxel, frame_minutes: *frame_minutes })? {
+            let allowed = "left out with an embryo that was followed, which has sizes of its own";
+            InputError::require(volumes.is_empty(), "--volumes", "volumes", "(given)", allowed)?;
+            embryo.match_names(names)?;
+            names.require_met()?;
+            let (skipped, skipped_count) = (embryo.skipped.clone(), embryo.skipped_count);
+            let lineage = ObservedLineage::of_tracked(&embryo, names);
+            return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count });
+        }
+        let lifetimes = LifetimeOptions { names: names.clone(), ..LifetimeOptions::default() };
+        let lifetimes = Lifetimes::read_files(&embryo_files(&[path.to_owned()])?.0, &lifetimes)?;
+        let reading = ReadOptions { names: names.clone(), voxel: (*voxel).into(), ..ReadOptions::default() };
+        let sizes = if volumes.is_empty() { Volumes::default() } else { Volumes::of_files(volumes, &reading)? };
+        names.require_met()?;
+        let name = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+        let means = mean_volumes(&sizes).into_iter().collect();
+        let lineage = ObservedLineage::of_lifetimes(&name, &lifetimes, &means, sizes.unit);
+        let skipped = lifetimes.skipped.into_iter().chain(sizes.skipped).collect();
+        let skipped_count = lifetimes.skipped_count + sizes.skipped_count;
+        Ok(Observed { lineage, matched: None, skipped, skipped_count })
+    }
+}
+
+/// A cell of an observed embryo.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservedCell {
+    /// Its name.
+    pub name: String,
+    /// Its name in the file of the tracking program.
+    pub tracked: Option<String>,
+    /// The place of its mother.
+    pub mother: Option<usize>,
+    /// The places of its daughters, the one named first before the other.
+    pub daughters: [Option<usize>; 2],
+    /// Divisions from the first cell that is above it.
+    pub generation: u32,
+    /// When it was born.
+    pub birth: Option<f64>,
+    /// When it divided; `None` if that was not seen.
+    pub division: Option<f64>,
+    /// When it was seen last.
+    pub last: Option<f64>,
+    /// Its volume.
+    pub volume: Option<f64>,
+}
+
+/// The cells of an observed embryo, or of several by their means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservedLineage {
+    /// Its name.
+    pub name: String,
+    /// Mothers before daughters.
+    pub cells: Vec<ObservedCell>,
+    /// The unit of times.
+    pub time: TimeUnit,
+    /// The unit of volumes.
+    pub volumes: Option<Unit>,
+}
+
+impl ObservedLineage {
+    /// The cells of an embryo that was followed.
+    pub fn of_tracked(embryo: &TrackedLineage, names: &Names) -> ObservedLineage {
+        let mut cells: Vec<ObservedCell> = Vec::with_capacity(embryo.cells.len());
+        for cell in &embryo.cells {
+            let mut daughters: Vec<usize> = cell.daughters.clone();
+            daughters.sort_by_key(|daughter| !is_first(names, &embryo.cells[*daughter].name));
+            cells.push(ObservedCell {
+                name: cell.name.clone(),
+                tracked: Some(cell.tracked.clone()).filter(|tracked| !tracked.is_empty()),
+                mother: cell.mother,
+                daughters: [daughters.first().copied(), daughters.get(1).copied()],
+                generation: cell.mother.map_or(0, |mother| cells[mother].generation + 1),
+                birth: Some(cell.birth),
+                division: cell.division,
+                last: Some(cell.last),
+                volume: cell.volume,
+            });
+        }
+        let volumes = cells.iter().any(|cell| cell.volume.is_some()).then_some(embryo.volumes);
+        ObservedLineage { name: embryo.name.clone(), cells, time: embryo.time, volumes }
+    }
+
+    /// The cells of tables of lifetimes, with mean volumes. A cell's name gives its mother.
+    pub fn of_lifetimes(
+        name: &str,
+        lifetimes: &Lifetimes,
+        volumes: &HashMap<String, f64>,
+        unit: Option<Unit>,
+    ) -> ObservedLineage {
+        let names = &lifetimes.names;
+        let mother = |cell: &str| names.birth(cell).map(|(mother, ..)| mother.to_owned());
+        let depth = |cell: &str| std::iter::successors(mother(cell), |cell| mother(cell)).count();
+        let mut all: Vec<&str> = lifetimes.cells.iter().map(|life| life.cell.as_str()).collect();
+        all.sort_by_key(|cell| (depth(cell), !is_first(names, cell)));
+        let places: HashMap<&str, usize> = all.iter().enumerate().map(|(place, cell)| (*cell, place)).collect();
+        let mut cells: Vec<ObservedCell> = Vec::with_capacity(all.len());
+        for (place, cell) in all.iter().enumerate() {
+            let mother = mother(cell).and_then(|mother| places.get(mother.as_str()).copied());
+            let life = lifetimes.of(cell);
+            if let Some(mother) = mother {
+                let free = cells[mother].daughters.iter_mut().find(|daughter| daughter.is_none());
+                free.into_iter().for_each(|daughter| *daughter = Some(place));
+            }
+            cells.push(ObservedCell {
+                name: (*cell).to_owned(),
+                tracked: None,
+                mother,
+                daughters: [None; 2],
+                generation: mother.map_or(0, |mother: usize| cells[mother].generation + 1),
+                birth: life.and_then(|life| life.birth),
+                division: life.and_then(|life| life.division()),
+                last: None,
+                volume: volumes.get(*cell).copied(),
+            });
+        }
+        ObservedLineage { name: name.to_owned(), cells, time: TimeUnit::Minutes, volumes: unit }
+    }
+
+    /// The cells as formats write them, with the founders of a lineage.
+    pub fn sheet<'a>(&'a self, founders: &[&'a str], names: &'a Names) -> Sheet<'a> {
+        let unknown = founders.len();
+        let founder = |cell: &ObservedCell| {
+            let founder = names.founder(&cell.name)?;
+            founders.iter().position(|known| *known == founder)
+        };
+        let cell = |cell: &'a ObservedCell| SheetCell {
+            name: &cell.name,
+            mother: cell.mother,
+            daughters: cell.daughters,
+            founder: founder(cell).unwrap_or(unknown),
+            generation: cell.generation,
+            times: cell.birth.map(|birth| (birth, cell.division)),
+            last: cell.last,
+        };
+        let in_minutes = self.time == TimeUnit::Minutes;
+        let [birth, division] =
+            if in_minutes { ["birth_min", "division_min"] } else { ["birth_frame", "division_frame"] };
+        let own: Vec<Option<String>> =
+            self.cells.iter().map(|cell| founder(cell).map(|founder| founders[founder].to_owned())).collect();
+        let number = |name, of: fn(&ObservedCell) -> Option<f64>| {
+            self.column(name, Kind::Number, true, move |cell| Some(of(cell)?.to_string()))
+        };
+        let columns = vec![
+            self.column("mother", Kind::Text, false, |cell| Some(self.cells[cell.mother?].name.clone())),
+            SheetColumn {
+                name: "founder",
+                kind: Kind::Text,
+                note: true,
+                may_miss: true,
+                of: Box::new(move |cell| own.get(cell)?.clone()),
+            },
+            self.column("generation", Kind::Count, true, |cell| Some(cell.generation.to_string())),
+            number("volume", |cell| cell.volume),
+            SheetColumn {
+                name: "chi",
+                kind: Kind::Number,
+                note: true,
+                may_miss: true,
+                of: Box::new(|cell| Some(self.chi_signed(cell)?.abs().to_string())),
+            },
+            SheetColumn {
+                name: "chi_signed",
+                kind: Kind::Number,
+                note: true,
+                may_miss: true,
+                of: Box::new(|cell| Some(self.chi_signed(cell)?.to_string())),
+            },
+            number(birth, |cell| cell.birth),
+            number(division, |cell| cell.division),
+            self.column("tracked", Kind::Text, true, |cell| cell.tracked.clone()),
+        ];
+        Sheet {
+            name: &self.name,
+            cells: self.cells.iter().map(cell).collect(),
+            founders: founders.iter().copied().chain(["unnamed"]).collect(),
+            columns,
+            time: if in_minutes { "minute" } else { "frame" },
+            duration: Box::new(|_| None),
+            chi: Box::new(|cell| Some(self.chi_signed(cell)?.abs())),
+            remark: Box::new(|cell| self.cells[cell].tracked.clone().unwrap_or_default()),
+        }
+    }
+
+    fn column<'a>(
+        &'a self,
+        name: &'static str,
+        kind: Kind,
+        note: bool,
+        of: impl Fn(&'a ObservedCell) -> Option<String> + 'a,
+    ) -> SheetColumn<'a> {
+        let may_miss = kind != Kind::Count;
+        SheetColumn { name, kind, note, may_miss, of: Box::new(move |cell| of(&self.cells[cell])) }
+    }
+
+    /// (V₁ − V₂)/(V₁ + V₂) of a cell's daughters, the first-named one first.
+    fn chi_signed(&self, cell: usize) -> Option<f64> {
+        let [first, second] = self.cells[cell].daughters;
+        let [first, second] = [self.cells[first?].volume?, self.cells[second?].volume?];
+        Some((first - second) / (first + second))
+    }
+}
+
+/// Whether a cell is named before its sister.
+fn is_first(names: &Names, cell: &str) -> bool {
+    names.birth(cell).is_some_and(|(_, _, is_first)| is_first)
+}

@@ -1,0 +1,122 @@
+//! The columns and rows of tables of lifetimes.
+
+use furrow_input::InputError;
+use furrow_input::table::{Header, Row, TIMES, columns_listed};
+
+use crate::layout::{EMBRYO, cell_column};
+use crate::lifetimes::Lifetime;
+use crate::names::Names;
+use crate::volumes::{Rejected, Value, fitting};
+
+/// A column of times and the minutes in its unit.
+type TimeColumn = (usize, f64);
+
+/// What says how long a cell lives.
+enum Life {
+    Lifetime(TimeColumn),
+    /// Its birth and its division.
+    Times(TimeColumn, TimeColumn),
+}
+
+/// The columns of a table.
+pub(crate) struct Columns {
+    pub(crate) cell: usize,
+    life: Life,
+    pub(crate) n: Option<usize>,
+    sd: Option<TimeColumn>,
+    birth: Option<TimeColumn>,
+    pub(crate) embryo: Option<usize>,
+}
+
+impl Columns {
+    pub(crate) fn of(header: &Header<'_>) -> Result<Columns, InputError> {
+        let time = |what: &str| -> Result<Option<TimeColumn>, InputError> {
+            let refused = |column: usize, why: String| {
+                let named: Vec<String> = TIMES.iter().map(|unit| format!("{what}_{}", unit.words[0])).collect();
+                header.refused(format!("column {} is {why} {}", column + 1, named.join(", ")))
+            };
+            match header.quantity(what, &TIMES)?[..] {
+                [] => Ok(None),
+                [(column, Some(unit))] => Ok(Some((column, unit.size))),
+                [(column, None), ..] => {
+                    Err(refused(column, format!("called {what:?}: its name must have the unit, as")))
+                }
+                [_, (second, _), ..] => Err(refused(second, format!("a second one for the {what}; allowed is one of"))),
+            }
+        };
+        let missing = |what: &str| {
+            let here = columns_listed(&header.names);
+            header.refused(format!("no column is called {what}; the columns are {here}"))
+        };
+        let cell = cell_column(header).ok_or_else(|| missing("cell"))?;
+        let (lifetime, n, sd, birth) = (time("lifetime")?, header.find(&["n"]), time("sd")?, time("birth")?);
+        let division = if lifetime.is_none() && birth.is_some() { time("division")? } else { None };
+        let life = match (lifetime, birth, division) {
+            (Some(lifetime), ..) => Life::Lifetime(lifetime),
+            (None, Some(birth), Some(division)) => Life::Times(birth, division),
+            (None, ..) => return Err(missing("lifetime_min, nor are there both birth_min and division_min")),
+        };
+        if let (None, Some((column, _))) = (n, sd) {
+            let why = format!("column {} is a standard deviation, but no column is called n", column + 1);
+            return Err(header.refused(why));
+        }
+        // A row with n is a mean over embryos.
+        let embryo = header.find(&EMBRYO).filter(|_| n.is_none());
+        Ok(Columns { cell, life, n, sd, birth, embryo })
+    }
+
+    /// The embryo of a row; `None` without such a column.
+    pub(crate) fn embryo_of<'r>(&self, row: Row<'r>) -> Result<Option<String>, Rejected<'r>> {
+        let Some(value) = self.embryo.map(|column| Value::new(row, column)) else { return Ok(None) };
+        if value.text.is_empty() { Err((value, "no name of an embryo".to_owned())) } else { Ok(Some(value.written())) }
+    }
+}
+
+/// Limits of a time, in minutes: sums beyond them could overflow.
+const TIMES_OF_CELLS: [f64; 2] = [1e-9, 1e12];
+
+/// Minutes in a column that are in the limits.
+fn minutes<'r>(row: Row<'r>, (column, unit): TimeColumn, least: f64, allowed: &str) -> Result<f64, Rejected<'r>> {
+    let value = Value::new(row, column);
+    let time = value.number().map_err(|(value, why)| (value, format!("{allowed} ({why})")))? * unit;
+    if (least..=TIMES_OF_CELLS[1]).contains(&time) { Ok(time) } else { Err((value, allowed.to_owned())) }
+}
+
+/// The lifetime in a row of an embryo.
+pub(crate) fn read_row<'r>(
+    row: Row<'r>,
+    columns: &Columns,
+    embryo: &str,
+    names: &Names,
+) -> Result<Lifetime, Rejected<'r>> {
+    let row = fitting(row)?;
+    let at = |column: usize| Value::new(row, column);
+    let cell = at(columns.cell);
+    let cell = names.understood(embryo, &cell.written()).ok_or_else(|| (cell, names.unknown().to_owned()))?;
+    let optional = |column: Option<TimeColumn>, least: f64, allowed: &str| {
+        let given = column.filter(|(column, _)| !row.text(*column).is_empty());
+        given.map(|column| minutes(row, column, least, allowed)).transpose()
+    };
+    let mean = match columns.life {
+        Life::Lifetime(column) => minutes(row, column, TIMES_OF_CELLS[0], "must be a time above 0")?,
+        Life::Times(birth, division) => {
+            let [born, divided] = [birth, division].map(|of| minutes(row, of, -TIMES_OF_CELLS[1], "must be a time"));
+            let lifetime = divided? - born?;
+            if lifetime < TIMES_OF_CELLS[0] {
+                return Err((at(division.0), "must be a time after the birth".to_owned()));
+            }
+            lifetime
+        }
+    };
+    let n = match columns.n.map(at) {
+        None => 1,
+        Some(value) => {
+            let n = value.number().ok().filter(|n| (1.0..=1e9).contains(n) && n.fract() == 0.0);
+            n.ok_or((value, "must be a number of embryos, at least 1".to_owned()))? as u64
+        }
+    };
+    let sd = optional(columns.sd, 0.0, "must be a time of 0 or more, or empty")?;
+    let birth = optional(columns.birth, -TIMES_OF_CELLS[1], "must be a time, or empty")?;
+    let founder = names.founder(&cell).unwrap_or_default().to_owned();
+    Ok(Lifetime { cell, founder, n, mean, sd, birth })
+}

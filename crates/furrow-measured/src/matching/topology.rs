@@ -1,0 +1,235 @@
+//! Matches the cells of a tracked embryo to the cells of the lineage, from roots down.
+
+use std::sync::atomic::Ordering;
+
+use furrow_input::{InputError, listed, shown};
+
+use super::report::{By, Matched, MatchedDivision, MatchedRoot, NEARLY_EQUAL, Unmatched};
+use super::{Matching, Root};
+use crate::names::Names;
+use crate::tracked::{Place, TrackedCell, TrackedLineage};
+
+impl TrackedLineage {
+    /// Gives cells the names that the matching of `names` finds for them, and notes how. Other cells keep their names.
+    ///
+    /// # Errors
+    /// A tracked name of several cells, two names of one cell, or a root without its tracked name where several cells have no mother.
+    pub fn match_names(&mut self, names: &Names) -> Result<(), InputError> {
+        let Some(matching) = names.matching() else { return Ok(()) };
+        let mut found = Search::of(self, names, matching);
+        found.name_by_table()?;
+        found.name_roots()?;
+        found.name_below();
+        let Search { given, mut matched, .. } = found;
+        for (cell, name) in self.cells.iter_mut().zip(given) {
+            if let Some(name) = name {
+                cell.name = name;
+            }
+        }
+        matched.without_name = self.cells.iter().filter(|cell| !names.is_cell(&cell.name)).count();
+        self.matched = Some(matched);
+        Ok(())
+    }
+}
+
+/// Generations that were followed below each cell; daughters come after their mothers.
+fn generations(embryo: &TrackedLineage) -> Vec<u32> {
+    let mut below = vec![0; embryo.cells.len()];
+    for (cell, TrackedCell { daughters, .. }) in embryo.cells.iter().enumerate().rev() {
+        below[cell] = daughters.iter().map(|daughter| below[*daughter] + 1).max().unwrap_or(0);
+    }
+    below
+}
+
+struct Search<'a> {
+    embryo: &'a TrackedLineage,
+    names: &'a Names,
+    matching: &'a Matching,
+    /// Names in the lineage of the cells that have one.
+    given: Vec<Option<String>>,
+    /// Whether a cell is a root or below one.
+    reached: Vec<bool>,
+    /// Generations that were followed below each cell.
+    generations: Vec<u32>,
+    matched: Matched,
+}
+
+impl<'a> Search<'a> {
+    fn of(embryo: &'a TrackedLineage, names: &'a Names, matching: &'a Matching) -> Search<'a> {
+        let own = |cell: &TrackedCell| names.has(&cell.name).then(|| cell.name.clone());
+        let given = embryo.cells.iter().map(own).collect();
+        let (reached, matched) =
+            (vec![false; embryo.cells.len()], Matched { embryo: embryo.name.clone(), ..Matched::default() });
+        Search { embryo, names, matching, given, reached, generations: generations(embryo), matched }
+    }
+
+    /// A cell's name in the file of the tracking program.
+    fn tracked(&self, cell: usize) -> String {
+        self.embryo.cells[cell].name.clone()
+    }
+
+    fn name_by_table(&mut self) -> Result<(), InputError> {
+        let map = &self.matching.map;
+        map.meet(&self.embryo.name);
+        let mut lines: Vec<Option<&str>> = vec![None; self.embryo.cells.len()];
+        // Rows of this embryo come before rows of any.
+        for any in [false, true] {
+            for row in
+                map.rows.iter().filter(|row| row.embryo.is_empty() == any && (any || row.embryo == self.embryo.name))
+            {
+                let cell = match self.embryo.place_of(&row.tracked) {
+                    Place::Nowhere => continue,
+                    Place::Cell(cell) => cell,
+                    Place::Several => {
+                        let why = format!(
+                            "tracked = {}: several cells of {} have this name",
+                            shown(&row.tracked),
+                            self.embryo.name
+                        );
+                        return Err(map.refused(row, why));
+                    }
+                };
+                row.meet();
+                if let Some(before) = lines[cell].replace(&row.tracked) {
+                    let why = format!("{} and {} are the same cell", shown(before), shown(&row.tracked));
+                    return Err(map.refused(row, why));
+                }
+                self.given[cell] = Some(row.name.clone());
+                self.matched.by_table += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn name_roots(&mut self) -> Result<(), InputError> {
+        let refused = |value: &str, allowed: String| {
+            Err(InputError::not_allowed(&self.matching.source, "root", format!("{value:?}"), allowed))
+        };
+        let mut roots = Vec::new();
+        for Root { tracked, name, met } in &self.matching.roots {
+            let cell = match tracked.as_deref().map(|tracked| (tracked, self.embryo.place_of(tracked))) {
+                Some((_, Place::Cell(cell))) => cell,
+                Some((_, Place::Nowhere)) => continue,
+                Some((tracked, Place::Several)) => {
+                    return refused(tracked, format!("of one cell; several cells of {} have it", self.embryo.name));
+                }
+                None => match &self.first_cells()[..] {
+                    [one] => *one,
+                    several => {
+                        let shown: Vec<String> = several.iter().map(|cell| self.shown_first(*cell)).collect();
+                        let those = listed(shown.iter().map(String::as_str), ", ");
+                        let of = &self.embryo.name;
+                        return refused(
+                            name,
+                            format!("TRACKED={name} with one of the cells of {of} that have no mother: {those}"),
+                        );
+                    }
+                },
+            };
+            met.store(true, Ordering::Relaxed);
+            roots.push((cell, name.clone()));
+        }
+        for (cell, name) in roots {
+            self.matched.roots.push(MatchedRoot { tracked: self.tracked(cell), name: name.clone() });
+            self.given[cell] = Some(name);
+            self.reached[cell] = true;
+        }
+        Ok(())
+    }
+
+    /// The cells without a mother; those that divide, if there are any.
+    fn first_cells(&self) -> Vec<usize> {
+        let cells = &self.embryo.cells;
+        let first: Vec<usize> = (0..cells.len()).filter(|cell| cells[*cell].mother.is_none()).collect();
+        let divide: Vec<usize> = first.iter().copied().filter(|cell| !cells[*cell].daughters.is_empty()).collect();
+        if divide.is_empty() { first } else { divide }
+    }
+
+    /// A cell without a mother, with the number of its descendants.
+    fn shown_first(&self, first: usize) -> String {
+        let cells = &self.embryo.cells;
+        let (mut count, mut left) = (0, vec![first]);
+        while let Some(cell) = left.pop() {
+            count += cells[cell].daughters.len();
+            left.extend(&cells[cell].daughters);
+        }
+        format!("{} ({count} descendants)", cells[first].name)
+    }
+
+    /// Names the daughters of each cell below a root; mothers come before daughters.
+    fn name_below(&mut self) {
+        for cell in 0..self.embryo.cells.len() {
+            let (true, Some(mother)) = (self.reached[cell], self.given[cell].clone()) else { continue };
+            let tracked = self.tracked(cell);
+            let named = match self.embryo.cells[cell].daughters[..] {
+                [] => continue,
+                [_] => Err("only one daughter was followed, so it is not known which".to_owned()),
+                [one, other, ..] => self.named_daughters(&mother, [one, other]),
+            };
+            match named {
+                Ok((daughters, cells, by)) => {
+                    for (cell, name) in cells.into_iter().zip(&daughters) {
+                        self.given[cell] = Some(name.clone());
+                        self.reached[cell] = true;
+                    }
+                    let chi = self.volumes(cells).map(|[a, b]| (a - b).abs() / (a + b));
+                    let tracked_daughters = cells.map(|cell| self.tracked(cell));
+                    let division = MatchedDivision { mother, tracked, daughters, tracked_daughters, by, chi };
+                    self.matched.divisions.push(division);
+                }
+                Err(why) => self.matched.unmatched.push(Unmatched { mother, tracked, why }),
+            }
+        }
+    }
+
+    /// The names of a mother's daughters, the cells that get them, and what decided.
+    fn named_daughters(&self, mother: &str, [one, other]: [usize; 2]) -> Result<([String; 2], [usize; 2], By), String> {
+        let Some(daughters) = self.names.daughters(mother) else {
+            return Err("the lineage has no names for them".to_owned());
+        };
+        let ordered = |is_turned: bool| if is_turned { [other, one] } else { [one, other] };
+        let known = [one, other].map(|cell| self.given[cell].as_deref());
+        let of = |name: Option<&str>| name.map(|name| daughters.iter().position(|daughter| daughter == name));
+        let (cells, by) = match known.map(of) {
+            [None, None] => self.by_looks(&daughters, [one, other]),
+            [Some(Some(first)), None] => (ordered(first == 1), By::Names),
+            [None, Some(Some(second))] => (ordered(second == 0), By::Names),
+            [Some(Some(first)), Some(Some(second))] if first != second => (ordered(first == 1), By::Names),
+            _ => {
+                let shown = known.map(|name| name.unwrap_or("without a name"));
+                return Err(format!("they are {} and {}, not {}", shown[0], shown[1], daughters.join(" and ")));
+            }
+        };
+        Ok((daughters, cells, by))
+    }
+
+    /// Two sisters without names, in the order of the names.
+    fn by_looks(&self, daughters: &[String; 2], [one, other]: [usize; 2]) -> ([usize; 2], By) {
+        let births = [one, other].map(|cell| self.embryo.cells[cell].birth);
+        let volumes = self.volumes([one, other]);
+        let is_unequal = volumes.is_some_and(|[a, b]| (a - b).abs() >= NEARLY_EQUAL * (a + b));
+        let listed = [0, 1].map(|k| self.names.listed_generations(&daughters[k]));
+        let followed = [one, other].map(|cell| self.generations[cell]);
+        if !is_unequal && listed[0] != listed[1] && followed[0] != followed[1] {
+            let is_turned = (listed[0] > listed[1]) != (followed[0] > followed[1]);
+            return (if is_turned { [other, one] } else { [one, other] }, By::Descendants);
+        }
+        match volumes {
+            Some([a, b]) if a != b => (if a > b { [one, other] } else { [other, one] }, By::Sizes),
+            _ if births[0] != births[1] => {
+                (if births[0] < births[1] { [one, other] } else { [other, one] }, By::Births)
+            }
+            _ => (self.in_file([one, other]), By::Order),
+        }
+    }
+
+    /// The cells in the order of the file.
+    fn in_file(&self, [one, other]: [usize; 2]) -> [usize; 2] {
+        let line = |cell: usize| (&self.embryo.cells[cell].place, cell);
+        if line(one) <= line(other) { [one, other] } else { [other, one] }
+    }
+
+    fn volumes(&self, [one, other]: [usize; 2]) -> Option<[f64; 2]> {
+        Some([self.embryo.cells[one].volume?, self.embryo.cells[other].volume?])
+    }
+}

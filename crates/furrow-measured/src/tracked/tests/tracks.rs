@@ -1,0 +1,244 @@
+//! Formats that have tracks rather than names: XML of TrackMate and MaMuT, tables of napari, ultrack and btrack, and tracks of the Cell
+//! Tracking Challenge.
+
+use super::*;
+
+/// The embryo of [`LIVES`] as tracks: number, first frame, last frame, mother, radius.
+const TRACKS: [(u32, u32, u32, u32, f64); 5] =
+    [(1, 1, 2, 0, 20.0), (2, 3, 4, 1, 15.0), (3, 3, 6, 1, 10.0), (4, 5, 6, 2, 11.0), (5, 5, 6, 2, 12.0)];
+
+/// The lives with the names of tracks.
+fn numbered() -> Vec<Life<'static>> {
+    let number = |name: &str| ["1", "2", "3", "4", "5"][LIVES.iter().position(|life| life.0 == name).unwrap()];
+    LIVES.iter().map(|(name, mother, a, b, c)| (number(name), mother.map(number), *a, *b, *c)).collect()
+}
+
+fn by_track(mut lives: Vec<Life<'_>>) -> Vec<Life<'_>> {
+    lives.sort_by_key(|life| life.0.to_owned());
+    lives
+}
+
+/// A table of tracks, with what `row` writes of a track in a frame.
+fn table(heading: &str, row: impl Fn(u32, u32, u32, f64) -> String) -> String {
+    let mut text = format!("{heading}\n");
+    for (track, first, last, mother, radius) in TRACKS {
+        (first..=last).for_each(|t| text += &format!("{}\n", row(track, t, mother, radius)));
+    }
+    text
+}
+
+fn xml(units: &str) -> String {
+    let (mut spots, mut edges, mut last) = (String::new(), String::new(), std::collections::HashMap::new());
+    for (track, first, until, mother, radius) in TRACKS {
+        for t in first..=until {
+            let id = 10 * track + t;
+            let (before, seconds) = (last.insert(track, id).or(last.get(&mother).copied()), f64::from(t) * 90.0);
+            spots += &format!(
+                "<Spot ID=\"{id}\" name=\"ID&lt;{id}&gt;\" VISIBILITY=\"1\" RADIUS=\"{radius}\" FRAME=\"{t}\"\n POSITION_T=\"{seconds}\" />\n"
+            );
+            if let Some(before) = before {
+                edges += &format!("<Edge SPOT_SOURCE_ID=\"{before}\" SPOT_TARGET_ID=\"{id}\" />\n");
+            }
+        }
+    }
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<TrackMate version=\"7.11.1\">\n<Log>a &amp; b</Log>\n<Model {units}>\n<AllSpots>\n\
+         <SpotsInFrame frame=\"1\">\n{spots}<Spot ID=\"900\" name=\"dust\" RADIUS=\"1\" FRAME=\"1\" POSITION_T=\"90\" />\n\
+         <Spot ID=\"901\" name=\"x\" RADIUS=\"1\" FRAME=\"1\" POSITION_T=\"90\" /><Spot ID=\"902\" name=\"x\" RADIUS=\"1\" FRAME=\"2\" \
+         POSITION_T=\"180\" />\n</SpotsInFrame>\n</AllSpots>\n<AllTracks>\n<Track name=\"Track_0\" TRACK_ID=\"0\">\n{edges}</Track>\n\
+         <Track name=\"Track_1\" TRACK_ID=\"1\">\n<Edge SPOT_SOURCE_ID=\"901\" SPOT_TARGET_ID=\"902\" />\n</Track>\n</AllTracks>\n\
+         <FilteredTracks>\n<TrackID TRACK_ID=\"0\" />\n</FilteredTracks>\n</Model>\n</TrackMate>\n"
+    )
+}
+
+#[test]
+fn the_file_of_trackmate_has_the_units_and_the_tracks_that_are_kept() {
+    let (_folder, path) = file("film.xml", xml("spatialunits=\"micron\" timeunits=\"sec\""));
+    let lineage = tracked(&path);
+    assert_eq!(
+        (lineage.format, lineage.time, lineage.volumes),
+        (Format::TrackMateXml, TimeUnit::Minutes, Unit::CubicMicrometres)
+    );
+    assert_eq!(lineage.cells.len(), 5);
+    assert_eq!(
+        (&*lineage.cells[0].name, lineage.cells[0].birth, lineage.cells[0].division),
+        ("ID<11>", 1.5, Some(4.5))
+    );
+    assert!((lineage.cells[0].volume.unwrap() - sphere(40.0)).abs() < 1e-9);
+    assert_eq!(lineage.cells[0].place.1, 7);
+    assert_eq!(reports(&lineage), ["0 Spot 3: spots that belong to no track, or to one that was filtered out"]);
+    // A cell is found by its track, a spot's id and a spot's name.
+    for name in ["Track_0", "12", "ID<12>"] {
+        assert_eq!(lineage.place_of(name), Place::Cell(0), "{name}");
+    }
+    assert_eq!(lineage.place_of("Track_1"), Place::Nowhere);
+    // Given minutes count frames.
+    let options = TrackOptions { pixel: Some(0.5), frame_minutes: Some(2.0) };
+    let given = read_tracked(&path, &options).unwrap().unwrap();
+    assert_eq!((given.cells[0].birth, given.cells[0].division), (2.0, Some(6.0)));
+    let (_folder, path) = file("film.xml", xml("spatialunits=\"pixel\" timeunits=\"frame\""));
+    let plain = tracked(&path);
+    assert_eq!((plain.time, plain.volumes, plain.cells[0].birth), (TimeUnit::Frames, Unit::Voxels, 1.0));
+    let scaled = read_tracked(&path, &options).unwrap().unwrap();
+    assert!((scaled.cells[0].volume.unwrap() - sphere(20.0)).abs() < 1e-9);
+}
+
+#[test]
+fn wrong_xml_is_refused_with_its_line() {
+    let right = xml("spatialunits=\"micron\" timeunits=\"sec\"");
+    for (from, to, message) in [
+        ("micron", "parsec", "film.xml: spatialunits of Model = \"parsec\": must be micron, µm or pixel"),
+        ("Spot ID=\"11\"", "Spot ID=\"a\"", "film.xml:7:1: ID of Spot = \"a\": must be a whole number from 0"),
+        ("POSITION_T=\"90\"", "T=\"90\"", "film.xml:7:1: the spot 11 has no number as its POSITION_T"),
+        ("SPOT_SOURCE_ID=\"11\"", "SPOT_SOURCE_ID=\"99\"", "99: must be the ID of a spot"),
+        ("<Spot ID=\"12\"", "<Spot ID=\"11\"", "film.xml:9:1: ID = 11: must be of one spot only"),
+        ("</AllTracks>", "</AllTrack>", "film.xml:"),
+        ("<Edge SPOT_SOURCE_ID=\"11\"", "</Track><Edge SPOT_SOURCE_ID=\"11\"", "film.xml:"),
+        ("name=\"dust\"", "name=dust", "film.xml:"),
+    ] {
+        let changed = right.replacen(from, to, 1);
+        assert_ne!(changed, right, "{from}");
+        let (_folder, path) = file("film.xml", changed);
+        let error = refused(&path);
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+    // Cut anywhere: an error or fewer cells, no panic.
+    for end in (0..right.len()).step_by(97) {
+        let (_folder, path) = file("film.xml", &right[..end]);
+        let _ = read_tracked(&path, &TrackOptions::default());
+    }
+}
+
+#[test]
+fn tables_of_ultrack_btrack_and_napari_give_the_same_cells() {
+    let ultrack = table("track_id,t,z,y,x,id,parent_track_id,parent_id,area", |track, t, mother, radius| {
+        let mother = if mother == 0 { -1 } else { i64::from(mother) };
+        format!("{track},{t},1,2,3,{},{mother},-1,{}", 1_000_000 * t + track, radius * 10.0)
+    });
+    let btrack = table(",track_id,t,x,y,z,parent,root,generation,radius", |track, t, mother, radius| {
+        let mother = if mother == 0 { track } else { mother };
+        format!("0,{track},{t}.0,1,2,3,{mother},1,0,{radius}")
+    });
+    let napari = table("track_id;t;y;x", |track, t, _, _| format!("{track};{t};1,5;2,5"));
+    for (text, unit, volume) in [
+        (&ultrack, Unit::Voxels, Some(200.0)),
+        (&btrack, Unit::Voxels, Some(sphere(40.0))),
+        (&napari, Unit::Voxels, None),
+    ] {
+        let (folder, path) = file("embryo_tracks.csv", text);
+        if text == &napari {
+            let error = refused(&path);
+            let names = "embryo_graph.csv, embryo_graph.json, embryo_tracks_graph.csv, embryo_tracks_graph.json";
+            assert!(error.contains(names), "{error}");
+            fs::write(folder.path().join("embryo_graph.json"), "{\"2\": [1], \"3\": 1, \"4\": [2], \"5\": [2]}")
+                .unwrap();
+        }
+        let lineage = tracked(&path);
+        assert_eq!((lineage.format, lineage.time, lineage.volumes), (Format::Tracks, TimeUnit::Frames, unit));
+        assert_eq!(by_track(lives(&lineage)), numbered());
+        assert_eq!(lineage.cells[0].volume.map(|volume| (volume * 1e6).round()), volume.map(|v| (v * 1e6).round()));
+        assert_eq!(lineage.skipped_count, 0);
+    }
+    let (folder, path) = file("embryo.csv", &napari);
+    fs::write(folder.path().join("embryo_graph.csv"), "child,parent\n2,1\n3,1\n4,2\n5,2\n").unwrap();
+    assert_eq!(by_track(lives(&tracked(&path))), numbered());
+    // Two mothers, as where tracks merge.
+    fs::write(folder.path().join("embryo_graph.csv"), "child,parent\n2,1\n3,1\n4,2\n5,2\n5,3\n").unwrap();
+    let lineage = tracked(&path);
+    assert_eq!(reports(&lineage), ["6 child 5: it comes from 2 and from 3: it is left without a mother"]);
+    // Volumes in a unit.
+    let sized = table("track_id,t,y,x,parent_track_id,volume_um3,name", |track, t, mother, radius| {
+        format!("{track},{t},1,2,{mother},{radius},{}", ["", "P0", "AB", "P1", "ABa", "ABp"][track as usize])
+    });
+    let (_folder, path) = file("sized.csv", sized);
+    let lineage = tracked(&path);
+    assert_eq!((lineage.volumes, lineage.cells[0].volume), (Unit::CubicMicrometres, Some(20.0)));
+    assert_eq!(in_order(lives(&lineage)), LIVES);
+}
+
+#[test]
+fn wrong_tables_of_tracks_are_refused_with_their_line() {
+    let heading = "track_id,t,y,x,parent_track_id";
+    for (rows, message) in [
+        ("1,0,0,0,-1\na,1,0,0,-1\n", "tracks.csv:3:1: track_id = \"a\": must be a whole number from 0"),
+        ("1,zero,0,0,-1\n", "tracks.csv:2:1: t = \"zero\": must be a number of frames"),
+        ("1,0,0,0,mother\n", "tracks.csv:2:1: parent_track_id = \"mother\": must be a track_id, or -1"),
+        ("1,0,0,0,7\n", "tracks.csv:2:1: parent = 7: must be a track of the table"),
+        ("1,0,0,0,-1\n1,0,0,0,-1\n", "tracks.csv:3:1: cell 1 a second time at time 0; the first is on line 2"),
+        (
+            "1,0,0,0,-1\n2,0,0,0,-1\n2,1,0,0,1\n",
+            "tracks.csv:4:1: track 2 comes from no track in rows before, here from track 1",
+        ),
+        ("", "is not table of tracks with a cell that can be used: it has no spots"),
+    ] {
+        let (_folder, path) = file("tracks.csv", format!("{heading}\n{rows}"));
+        let error = refused(&path);
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+    let (_folder, path) = file("tracks.csv", format!("{heading}\n1,0,0,0,-1\n1,1,0,0,-1\n2,1,0,0,1\n"));
+    let why = "4 t 1: it is born while its mother 1 is still there, until time 1";
+    assert_eq!(reports(&tracked(&path)), [why]);
+}
+
+#[test]
+fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
+    let text: String =
+        TRACKS.map(|(track, first, last, mother, _)| format!("{track} {first} {last} {mother}\n")).concat();
+    let (folder, path) = file("01.txt", &text);
+    let lineage = tracked(&path);
+    assert_eq!((lineage.format, lineage.name.as_str()), (Format::Ctc, "01"));
+    assert_eq!(by_track(lives(&lineage)), numbered());
+    let inside = folder.path().join("02_GT");
+    fs::create_dir_all(inside.join("TRA")).unwrap();
+    fs::write(inside.join("TRA/man_track.txt"), &text).unwrap();
+    for place in [inside.clone(), inside.join("TRA"), inside.join("TRA/man_track.txt")] {
+        let lineage = tracked(&place);
+        assert_eq!((lineage.name.as_str(), lineage.cells.len()), ("02_GT", 5), "{}", place.display());
+    }
+    for (text, message) in [
+        ("1 0 4 0\n2 5 8\n", "01.txt:2:1: must be four whole numbers"),
+        ("1 5 4 0\n", "01.txt:1:1: first frame = 5: must not be after the last, 4"),
+        ("1 0 4 0\n1 5 6 0\n", "01.txt:2:1: label = 1: must be above 0 and of one line only"),
+        ("1 0 4 0\n2 5 6 9\n", "01.txt:2:1: mother = 9: must be 0 or a label of the file"),
+    ] {
+        let (_folder, path) = file("01.txt", text);
+        assert!(refused(&path).contains(message), "{}\n{message}", refused(&path));
+    }
+}
+
+#[test]
+fn folders_and_patterns_stand_for_the_embryos_in_them() {
+    let text: String =
+        TRACKS.map(|(track, first, last, mother, _)| format!("{track} {first} {last} {mother}\n")).concat();
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["01/TRA", "02/TRA"] {
+        fs::create_dir_all(at(name)).unwrap();
+        fs::write(at(name).join("man_track.txt"), &text).unwrap();
+    }
+    for name in ["a", "b"] {
+        fs::write(at(&format!("{name}_spots.csv")), "LABEL,ID,FRAME\n").unwrap();
+        fs::write(at(&format!("{name}_edges.csv")), "").unwrap();
+    }
+    fs::write(at("notes.txt"), "none\n").unwrap();
+    let files = |paths: &[PathBuf]| {
+        let (files, left) = embryo_files(paths)?;
+        let left: Vec<String> = left.into_iter().flat_map(|left| left.files).collect();
+        Ok::<_, InputError>((files.into_iter().map(|file| file.name).collect::<Vec<_>>(), left))
+    };
+    let (names, left) = files(&[folder.path().to_owned()]).unwrap();
+    assert_eq!((names.join(" "), left), ("01 02 a_spots b_spots".to_owned(), vec!["notes.txt".to_owned()]));
+    let (names, _) = files(&[at("*_*.csv"), at("01"), at("not there")]).unwrap();
+    assert_eq!(names, ["a_spots", "b_spots", "01", "not there"]);
+    // Files of one name are called after their folders.
+    let paths = ["01", "02"].map(|name| {
+        fs::write(at(name).join("film_spots.csv"), "").unwrap();
+        at(name).join("film_spots.csv")
+    });
+    assert_eq!(files(&paths).unwrap().0, ["01/film_spots", "02/film_spots"]);
+    let error = files(&[at("*.xml")]).unwrap_err().to_string();
+    assert!(error.contains("files = 0: must be a pattern that a file fits; there are 01, 02, a_edges"), "{error}");
+    fs::create_dir(at("empty")).unwrap();
+    let error = files(&[at("empty")]).unwrap_err().to_string();
+    assert!(error.contains("it is a folder with neither nuclei of AceTree"), "{error}");
+}

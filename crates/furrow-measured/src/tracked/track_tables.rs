@@ -1,0 +1,265 @@
+//! Tables of tracks, a row per track and frame, as napari, ultrack and btrack write them.
+//!
+//! The columns are `track_id`, a time (`t`), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
+//! (btrack). napari has that in a graph of its own, which is read from a file beside the table: `…_graph.csv` with the columns `child`
+//! and `parent`, or `…_graph.json`, `{"child": [parent], …}`. Sizes are `volume` (with its unit), `radius` or `diameter` in pixels, or
+//! beside a column `z` `area`, which counts voxels.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use furrow_input::table::{Header, Row, Table, malformed, text};
+use furrow_input::{InputError, open_file, shown};
+use serde_json::Value as Json;
+
+use super::chains::{self, Chain};
+use super::spots::{Spot, Spots};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels, whole, zarr};
+use crate::layout::volume_column;
+use crate::volumes::Unit;
+
+const TRACK: [&str; 3] = ["track_id", "trackid", "track"];
+const TIME: [&str; 5] = ["t", "time", "frame", "timepoint", "time_point"];
+const PARENT: [&str; 5] = ["parent_track_id", "parent_track", "parenttrackid", "parent", "mother"];
+const CHILD: [&str; 3] = ["child", "track_id", "track"];
+
+/// Whether these are the columns of a table of tracks.
+pub(super) fn is_table(columns: &[&str]) -> bool {
+    let lower: Vec<String> = columns.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
+    let has = |names: &[&str]| lower.iter().any(|name| names.contains(&name.as_str()));
+    has(&TRACK) && has(&TIME) && (has(&["x"]) && has(&["y"]) || has(&PARENT)) && !has(&["embryo"])
+}
+
+/// The size of a row.
+enum Size {
+    /// None.
+    Unknown,
+    /// A column of volumes, and the size of their unit.
+    Volume(usize, f64),
+    /// A length in pixels, and how many of it are a diameter.
+    Length(usize, f64),
+}
+
+/// The columns of a table.
+struct Columns {
+    track: usize,
+    time: usize,
+    parent: Option<usize>,
+    name: Option<usize>,
+    size: Size,
+    unit: Unit,
+}
+
+impl Columns {
+    fn of(header: &Header<'_>, options: &TrackOptions) -> Result<Columns, InputError> {
+        let (track, time) = (header.find(&TRACK), header.find(&TIME));
+        let (Some(track), Some(time)) = (track, time) else {
+            return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));
+        };
+        let voxel = options.pixel.map_or(1.0, |pixel| pixel.powi(3));
+        let voxels = unit_of_pixels(options);
+        let [radius, diameter, area, z] = [&["radius"][..], &["diameter"], &["area", "n_voxels", "num_voxels"], &["z"]]
+            .map(|names| header.find(names));
+        let (size, unit) = match volume_column(header)? {
+            Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind),
+            // Programs that count in voxels do not say so.
+            Some((at, _)) => (Size::Volume(at, voxel), voxels),
+            None => match (radius, diameter, area.filter(|_| z.is_some())) {
+                (Some(at), ..) => (Size::Length(at, 2.0), voxels),
+                (None, Some(at), _) => (Size::Length(at, 1.0), voxels),
+                (None, None, Some(at)) => (Size::Volume(at, voxel), voxels),
+                (None, None, None) => (Size::Unknown, voxels),
+            },
+        };
+        let name = header.find(&["name", "cell_name"]);
+        Ok(Columns { track, time, parent: header.find(&PARENT), name, size, unit })
+    }
+}
+
+/// A track while its rows are read.
+struct Track {
+    chain: Chain,
+    /// The id of the track that it comes from, and the line that says so.
+    parent: Option<(u64, u64)>,
+}
+
+/// Tracks by their ids, in the order of the table.
+#[derive(Default)]
+struct Tracks {
+    all: Vec<Track>,
+    places: HashMap<u64, usize>,
+}
+
+pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
+    let file = path.display().to_string();
+    let mut table = Table::open(open_file(path)?, &file)?;
+    let columns = Columns::of(&table.columns(|_| false)?, options)?;
+    let (mut spots, mut tracks) = (Spots::of(&file), Tracks::default());
+    while let Some(row) = table.next_row()? {
+        if let Some((_, why)) = row.surplus() {
+            return Err(malformed(&file, row.line as usize, why));
+        }
+        read_row(row, &columns, &file, options, (&mut spots, &mut tracks))?;
+    }
+    let graph = match columns.parent {
+        Some(_) => None,
+        None => Some(graph_beside(path)?),
+    };
+    if let Some(graph) = graph {
+        read_graph(&graph, &mut spots, &mut tracks)?;
+    }
+    let mut chains = tracks.chains(&file)?;
+    chains::link(&mut spots, &mut chains, &file, "t")?;
+    spots.lineage(embryo_of(path), Format::Tracks, TimeUnit::Frames, columns.unit)
+}
+
+fn read_row(
+    row: Row<'_>,
+    columns: &Columns,
+    file: &str,
+    options: &TrackOptions,
+    (spots, tracks): (&mut Spots, &mut Tracks),
+) -> Result<(), InputError> {
+    let written = |column: usize| text(row.text(column)).into_owned();
+    let refused = |column: usize, allowed: &str| {
+        let value = shown(&written(column));
+        malformed(file, row.line as usize, format!("{} = {value}: must be {allowed}", row.name(column)))
+    };
+    let id = whole(row.text(columns.track)).ok_or_else(|| refused(columns.track, "a whole number from 0"))?;
+    let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
+    let time = time.ok_or_else(|| refused(columns.time, "a number of frames"))?;
+    let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
+    let parent = parent.transpose().map_err(|column| refused(column, "a track_id, or -1"))?.flatten();
+    let size = |column: usize| {
+        let size = row.numbers.read(row.text(column)).ok().filter(|size| *size > 0.0 && *size < 1e30);
+        size.ok_or(column)
+    };
+    let volume = match columns.size {
+        Size::Unknown => Ok(None),
+        Size::Volume(column, unit) => size(column).map(|size| Some(size * unit)),
+        Size::Length(column, part) => size(column).map(|size| Some(sphere_of_pixels(size * part, options))),
+    };
+    if let Err(column) = volume {
+        spots.skip(file, row.line, row.name(column), &written(column), "must be a size above 0");
+    }
+    let name = columns.name.map(written).filter(|name| !name.is_empty()).unwrap_or_else(|| id.to_string());
+    let volume = volume.ok().flatten();
+    let spot = spots.push(Spot { time, name, id: Some(id.into()), volume, file: 0, line: row.line });
+    // btrack calls the first tracks their own parents.
+    let parent = parent.filter(|parent| *parent != id).map(|parent| (parent, row.line));
+    let place = *tracks.places.entry(id).or_insert_with(|| {
+        tracks.all.push(Track { chain: Chain { name: id.to_string(), ..Chain::default() }, parent });
+        tracks.all.len() - 1
+    });
+    let track = &mut tracks.all[place];
+    track.chain.spots.push(spot);
+    let [before, now] = [track.parent, parent].map(|parent| parent.map(|(id, _)| id));
+    if before != now {
+        let of = |parent: Option<u64>| parent.map_or("no track".to_owned(), |id| format!("track {id}"));
+        let why = format!("track {id} comes from {} in rows before, here from {}", of(before), of(now));
+        return Err(malformed(file, row.line as usize, why));
+    }
+    Ok(())
+}
+
+/// The track that one comes from, if it comes from one; `None` for a text that is neither.
+fn parent_of(written: &[u8]) -> Option<Option<u64>> {
+    match text(written).trim() {
+        "" | "-1" | "-1.0" => Some(None),
+        none if none.eq_ignore_ascii_case("nan") || none.eq_ignore_ascii_case("none") => Some(None),
+        _ => whole(written).map(Some),
+    }
+}
+
+impl Tracks {
+    /// The tracks with the places of their mothers. Mother 0 is no mother if no track has this number.
+    fn chains(self, file: &str) -> Result<Vec<Chain>, InputError> {
+        let Tracks { all, places } = self;
+        let chain = |Track { mut chain, parent }: Track| {
+            if let Some((parent, line)) = parent.filter(|(parent, _)| *parent > 0 || places.contains_key(parent)) {
+                let refused =
+                    || malformed(file, line as usize, format!("parent = {parent}: must be a track of the table"));
+                chain.mother = Some(*places.get(&parent).ok_or_else(refused)?);
+            }
+            Ok(chain)
+        };
+        all.into_iter().map(chain).collect()
+    }
+}
+
+/// The file of the graph beside a table of tracks.
+fn graph_beside(path: &Path) -> Result<PathBuf, InputError> {
+    let stem = embryo_of(path);
+    let mut tried = Vec::new();
+    for name in [stem.replace("tracks", "graph"), format!("{stem}_graph")] {
+        tried.extend(["csv", "json"].map(|extension| format!("{name}.{extension}")));
+    }
+    // A table without the word has one name only, and is no graph itself.
+    tried.retain(|name| path.file_name().is_none_or(|own| own.to_string_lossy() != name.as_str()));
+    if !stem.contains("tracks") {
+        tried.drain(..tried.len().saturating_sub(2));
+    }
+    let found = tried.iter().map(|name| path.with_file_name(name)).find(|path| path.is_file());
+    found.ok_or_else(|| {
+        let allowed =
+            format!("a column, or a graph beside the table ({}): else no cell has a mother", tried.join(", "));
+        InputError::not_allowed(path.display().to_string(), "parent_track_id", "none", allowed)
+    })
+}
+
+/// Adds the mothers that a graph gives.
+fn read_graph(path: &Path, spots: &mut Spots, tracks: &mut Tracks) -> Result<(), InputError> {
+    let file = path.display().to_string();
+    let refused = |line: u64, why: String| Err(malformed(&file, line.max(1) as usize, why));
+    for (line, child, parent) in edges(path, &file)? {
+        let [Some(child_at), Some(_)] = [child, parent].map(|id| tracks.places.get(&id).copied()) else {
+            return refused(line, format!("{child} from {parent}: both must be tracks of the table"));
+        };
+        let track = &mut tracks.all[child_at];
+        match track.parent.replace((parent, line)) {
+            Some((before, _)) if before != parent => {
+                track.parent = None;
+                let why = format!("it comes from {before} and from {parent}: it is left without a mother");
+                spots.skip(&file, line, "child", &child.to_string(), why);
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Line, child and parent of each edge of a graph.
+fn edges(path: &Path, file: &str) -> Result<Vec<(u64, u64, u64)>, InputError> {
+    let mut edges = Vec::new();
+    if path.extension().is_some_and(|extension| extension == "json") {
+        let document = zarr::json(path)?;
+        let refused = |child: &str, value: &Json| {
+            InputError::not_allowed(file, format!("parents of {child}"), value, "a track, or a list of tracks")
+        };
+        let Some(object) = document.as_object() else {
+            return Err(InputError::not_allowed(file, "graph", &document, "{\"child\": [parent], …}"));
+        };
+        for (child, parents) in object {
+            let parents = parents.as_array().cloned().unwrap_or_else(|| vec![parents.clone()]);
+            for value in parents {
+                let ids = child.parse().ok().zip(value.as_u64());
+                let (child, parent) = ids.ok_or_else(|| refused(child, &value))?;
+                edges.push((0, child, parent));
+            }
+        }
+        return Ok(edges);
+    }
+    let mut table = Table::open(open_file(path)?, file)?;
+    let header = table.columns(|_| false)?;
+    let (child, parent) = (header.find(&CHILD), header.find(&PARENT));
+    let (Some(child), Some(parent)) = (child, parent) else {
+        return Err(header.missing(&[("child", child), ("parent", parent)], "a graph of tracks has them"));
+    };
+    while let Some(row) = table.next_row()? {
+        let Some((one, other)) = whole(row.text(child)).zip(whole(row.text(parent))) else {
+            return Err(malformed(file, row.line as usize, "child and parent must be whole numbers from 0"));
+        };
+        edges.push((row.line, one, other));
+    }
+    Ok(edges)
+}

@@ -1,0 +1,235 @@
+//! Cells with other names than the lineage's.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use furrow_input::InputError;
+use furrow_measured::events::divisions;
+use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
+use furrow_measured::matching::{By, Matched, Matching};
+use furrow_measured::names::{NamedFounder, Names};
+use furrow_measured::tracked::{TrackOptions, TrackedLineage, embryo_files, read_embryo};
+use furrow_measured::volumes::{ReadOptions, Volumes};
+
+/// An egg that divides into animal (smaller) and vegetal, and animal into A1 (larger) and A2; letters below.
+fn names() -> Names {
+    let founder = |name: &str, mother, is_smaller| NamedFounder {
+        name: name.to_owned(),
+        mother,
+        is_smaller,
+        letters: Vec::new(),
+    };
+    let founders = vec![
+        founder("egg", None, false),
+        founder("animal", Some(0), true),
+        founder("vegetal", Some(0), false),
+        founder("A1", Some(1), false),
+        founder("A2", Some(1), true),
+    ];
+    Names::of(founders, ('x', 'y'))
+}
+
+/// Spots of an egg (1, 2), its daughters 3 and 4 in frame 2, the daughters of 3 (5, 6) in frame 4, of 4 (7, 8) in frames 4 and 5,
+/// and a spot of something else (9).
+const SPOTS: &str = "LABEL,ID,FRAME,RADIUS\n\
+    ID1,1,0,10\nID2,2,1,10\nID3,3,2,9\nID4,4,2,6\nID5,5,4,7\nID6,6,4,7\nID7,7,4,3\nID8,8,5,4\nID10,10,6,4\nID9,9,0,2\n";
+const EDGES: &str = "SPOT_SOURCE_ID,SPOT_TARGET_ID\n1,2\n2,3\n2,4\n3,5\n3,6\n4,7\n4,8\n8,10\n";
+
+struct Files {
+    folder: tempfile::TempDir,
+}
+
+impl Files {
+    fn new() -> Files {
+        let files = Files { folder: tempfile::tempdir().unwrap() };
+        files.write("e_spots.csv", SPOTS);
+        files.write("e_edges.csv", EDGES);
+        files
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn matching(&self, map: Option<&str>, roots: &[&str]) -> Result<Names, String> {
+        let map = map.map(|text| self.write("map.csv", text));
+        let roots: Vec<String> = roots.iter().map(|root| (*root).to_owned()).collect();
+        let matching = Matching::read(map.as_deref(), &roots, "--root").map_err(|error| self.short(error))?;
+        names().matched_by(matching).map_err(|error| self.short(error))
+    }
+
+    /// An error without the folder's name.
+    fn short(&self, error: impl ToString) -> String {
+        error.to_string().replace(&format!("{}/", self.folder.path().display()), "")
+    }
+
+    fn embryo(&self, map: Option<&str>, roots: &[&str]) -> Result<TrackedLineage, String> {
+        let names = self.matching(map, roots)?;
+        let read = || {
+            let embryo = read_embryo(&self.folder.path().join("e_spots.csv"), &TrackOptions::default(), &names)?;
+            names.require_met().map(|()| embryo)
+        };
+        read().map_err(|error| self.short(error))
+    }
+}
+
+/// The lifetimes of a table.
+fn lifetimes(path: &Path, names: Names) -> Result<Lifetimes, InputError> {
+    Lifetimes::read_files(
+        &embryo_files(&[path.to_owned()])?.0,
+        &LifetimeOptions { names, ..LifetimeOptions::default() },
+    )
+}
+
+fn named(embryo: &TrackedLineage) -> Vec<&str> {
+    embryo.cells.iter().map(|cell| cell.name.as_str()).collect()
+}
+
+fn bys(matched: &Matched) -> Vec<(&str, By)> {
+    matched.divisions.iter().map(|division| (division.mother.as_str(), division.by)).collect()
+}
+
+#[test]
+fn cells_below_a_root_are_matched_by_size_then_birth_then_order() {
+    let files = Files::new();
+    // ID1 is the only cell without a mother that divides.
+    for root in ["egg", "ID1=egg", "2=egg"] {
+        let embryo = files.embryo(None, &[root]).unwrap();
+        assert_eq!(named(&embryo), ["egg", "ID9", "vegetal", "animal", "vegetalx", "vegetaly", "A2", "A1"], "{root}");
+        let matched = embryo.matched.unwrap();
+        // The daughters of ID3 have equal sizes and births. The daughters of ID4 differ in size, and the larger one is born later.
+        assert_eq!(bys(&matched), [("egg", By::Sizes), ("vegetal", By::Order), ("animal", By::Sizes)]);
+        assert_eq!((matched.without_name, matched.by_table, matched.unmatched.len()), (1, 0, 0));
+        let chi = matched.divisions[0].chi.unwrap();
+        assert!((chi - (729.0 - 216.0) / (729.0 + 216.0)).abs() < 1e-12, "{chi}");
+    }
+    // The daughters of the egg are nearly equal. ID4 has more generations below it, and so has the founder animal.
+    let text = "LABEL,ID,FRAME,RADIUS\nID11,11,9,2\nID12,12,9,2\n";
+    files.write("e_spots.csv", &(SPOTS.replace("ID4,4,2,6", "ID4,4,2,8.9") + &text[text.find("ID11").unwrap()..]));
+    files.write("e_edges.csv", &format!("{EDGES}5,11\n5,12\n"));
+    let embryo = files.embryo(None, &["egg"]).unwrap();
+    let matched = embryo.matched.as_ref().unwrap();
+    assert_eq!(bys(matched)[..2], [("egg", By::Descendants), ("animal", By::Order)]);
+    assert_eq!(matched.divisions[0].tracked_daughters, ["ID4", "ID3"]);
+    files.write("e_edges.csv", EDGES);
+    files.write("e_spots.csv", &SPOTS.replace("ID7,7,4,3", "ID7,7,4,4"));
+    let embryo = files.embryo(None, &["egg"]).unwrap();
+    assert_eq!(bys(embryo.matched.as_ref().unwrap())[2], ("animal", By::Births));
+    assert_eq!(named(&embryo)[6..], ["A1", "A2"]);
+}
+
+#[test]
+fn a_table_gives_names_and_decides_which_daughter_is_which() {
+    let files = Files::new();
+    let embryo =
+        files.embryo(Some("tracked,name\nID4,vegetal\n5,animalx\n"), &[]).map(|embryo| named(&embryo).join(" "));
+    // The lineage has founders below animal, so no animalx.
+    assert!(
+        embryo
+            .unwrap_err()
+            .starts_with("map.csv:3:1: name = \"animalx\": must be a name of the lineage's: egg, animal")
+    );
+    let embryo = files.embryo(Some("tracked,name\nID4,vegetal\n6,A2\n"), &["egg"]).unwrap();
+    assert_eq!(named(&embryo), ["egg", "ID9", "animal", "vegetal", "A1", "A2", "vegetaly", "vegetalx"]);
+    let matched = embryo.matched.unwrap();
+    assert_eq!(bys(&matched), [("egg", By::Names), ("animal", By::Names), ("vegetal", By::Sizes)]);
+    assert_eq!(matched.by_table, 2);
+    let text = matched.to_string();
+    assert!(
+        text.starts_with(
+            "cells of e_spots matched; 1 have no name in the lineage\n  2 by the table of names\n  root ID1 = egg\n"
+        ),
+        "{text}"
+    );
+    assert!(text.contains("  daughters of 2 by names\n  daughters of 1 by sizes\n"), "{text}");
+}
+
+#[test]
+fn what_cannot_be_matched_is_reported() {
+    let files = Files::new();
+    // ID5 is no daughter of the cell that is called animal.
+    let embryo = files.embryo(Some("tracked,name\nID5,A1\n"), &["egg"]).unwrap();
+    assert_eq!(named(&embryo), ["egg", "ID9", "vegetal", "animal", "A1", "ID6", "A2", "A1"]);
+    let unmatched = embryo.matched.unwrap().unmatched;
+    assert_eq!((unmatched[0].mother.as_str(), unmatched[0].tracked.as_str()), ("vegetal", "ID3"));
+    assert_eq!(unmatched[0].why, "they are A1 and without a name, not vegetalx and vegetaly");
+}
+
+#[test]
+fn wrong_maps_and_roots_are_refused_with_their_place() {
+    let files = Files::new();
+    for (map, roots, message) in [
+        (
+            Some("a,b\n1,egg\n"),
+            &[][..],
+            "map.csv:1:1: no column is called tracked or name; a map of names has the columns",
+        ),
+        (Some("tracked,name\n"), &[], "map.csv: rows = 0: must be at least one"),
+        (Some("tracked,name\nID1,\n"), &[], "map.csv:2:1: name is empty"),
+        (
+            Some("tracked,name\nID1,egg\nID1,animal\n"),
+            &[],
+            "map.csv:3:1: a second name of \"ID1\"; line 2 calls it egg",
+        ),
+        (Some("tracked,name\nID1,egg\nID3,egg\n"), &[], "map.csv:3:1: a second cell called egg; \"ID1\" on line 2 is"),
+        (Some("tracked,name\nID1,eg\n"), &[], "did you mean egg?"),
+        (Some("tracked,name\nID1,AB\n"), &[], "map.csv:2:1: name = \"AB\": must be a name of the lineage's"),
+        (
+            Some("tracked,name\nID1,egg\nID99,animal\n"),
+            &[],
+            "map.csv:3:1: tracked = \"ID99\": must be a cell in the tables",
+        ),
+        (Some("tracked,name\nID1,egg\n2,animal\n"), &[], "map.csv:3:1: \"ID1\" and \"2\" are the same cell"),
+        (
+            Some("tracked,name,embryo\nID1,egg,other\n"),
+            &[],
+            "map.csv:2:1: embryo = \"other\": must be an embryo of the tables",
+        ),
+        (None, &["ID99=egg"], "--root: root = \"ID99\": must be a cell of a tracked embryo"),
+        (None, &["=egg"], "--root: root = \"=egg\": must be TRACKED=NAME, or NAME"),
+        (None, &["ID1=eg"], "--root: name of a root = \"eg\": must be a name of the lineage's"),
+        (None, &["egg", "ID3=egg"], "must be another cell and another name than the roots before"),
+    ] {
+        let error = files.embryo(map, roots).unwrap_err();
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+    files.write("e_edges.csv", &EDGES.replace("2,4\n", ""));
+    let error = files.embryo(None, &["egg"]).unwrap_err();
+    let message = "must be TRACKED=egg with one of the cells of e_spots that have no mother: ID1 (2 descendants), ID4 (2 descendants)";
+    assert!(error.contains(message), "{error}");
+    // A table of cells has no mothers.
+    let table = files.write("t.csv", "cell,lifetime_min\negg,9\n");
+    let names = files.matching(None, &["egg"]).unwrap();
+    lifetimes(&table, names.clone()).unwrap();
+    let error = names.require_met().unwrap_err();
+    assert!(error.to_string().contains("given with an embryo that has mothers and daughters"), "{error}");
+}
+
+#[test]
+fn tables_of_volumes_divisions_and_lifetimes_use_the_map() {
+    let files = Files::new();
+    let map = "tracked,name,embryo\n7,animal,e1\n8,vegetal,e1\n7,vegetal,e2\n8,animal,e2\n1,egg,\n";
+    let read = |text: &str, names: &Names| {
+        let mut volumes = Volumes::default();
+        let options = ReadOptions { names: names.clone(), ..ReadOptions::default() };
+        volumes.read(text.as_bytes(), "t.csv", &options).unwrap();
+        volumes
+    };
+    let names = files.matching(Some(map), &[]).unwrap();
+    let volumes = read("embryo,cell,volume_um3\ne1,7,1\ne1,8,3\ne2,7,4\ne2,8,1\ne2,other,1\n", &names);
+    let found = divisions(&volumes).divisions;
+    // The animal cell is listed first.
+    assert_eq!(found.iter().map(|division| division.chi_signed).collect::<Vec<_>>(), [-0.5, -0.6]);
+    assert_eq!(volumes.skipped[0].why, "no name of the lineage's cells, and none was matched to it");
+    assert!(names.require_met().unwrap_err().to_string().contains("map.csv:6:1: tracked = \"1\": must be a cell"));
+    let chi = read("embryo,mother,chi\ne1,1,0.2\n", &names);
+    assert_eq!(divisions(&chi).divisions[0].mother, "egg");
+    names.require_met().unwrap();
+    let lives = lifetimes(
+        &files.write("t.csv", "cell,lifetime_min\n12,9\n13,8\n"),
+        files.matching(Some("id;cell\n12;egg\n13;animal\n"), &[]).unwrap(),
+    );
+    assert_eq!(lives.unwrap().cells.iter().map(|life| life.cell.as_str()).collect::<Vec<_>>(), ["egg", "animal"]);
+}

@@ -1,0 +1,140 @@
+//! Measured embryos as commands take them: files and folders, numbers of single embryos, names of cells; and how they are reported.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use furrow_analysis::compare::names_of;
+use furrow_input::InputError;
+use furrow_lineage::Lineage;
+use furrow_measured::lifetimes::EmbryoTimes;
+use furrow_measured::matching::{Matched, Matching};
+use furrow_measured::names::Names;
+use furrow_measured::per_embryo::PerEmbryo;
+use furrow_measured::tracked::{EmbryoFile, LeftOut, embryo_files};
+use furrow_measured::volumes::{EmbryoSize, Unit};
+
+use super::messages;
+use super::output::number;
+
+// Cells with other names than the lineage's.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Names")]
+pub struct MatchArgs {
+    /// Table (CSV) with the columns tracked and name, and optionally embryo: what cells are called in the tables, and in the lineage
+    #[arg(long, value_name = "MAP.csv")]
+    names: Option<PathBuf>,
+    /// Cell of a tracked embryo and its name in the lineage; cells below it get their names by their divisions. NAME alone names the
+    /// only cell that has no mother
+    ///
+    /// Of two daughters the larger one gets the name of the larger founder, or the first letter; without sizes the one born first, or
+    /// else the one that comes first in the file. Names in --names, and names of the lineage that cells have already, come before.
+    #[arg(long, value_name = "TRACKED=NAME")]
+    root: Vec<String>,
+}
+
+impl MatchArgs {
+    /// Whether there is a table of names or a root.
+    pub fn is_given(&self) -> bool {
+        self.names.is_some() || !self.root.is_empty()
+    }
+
+    /// The names of a lineage's cells, to which others are matched.
+    pub fn names(&self, lineage: &Lineage) -> Result<Names, InputError> {
+        names_of(lineage).matched_by(Matching::read(self.names.as_deref(), &self.root, "--root")?)
+    }
+}
+
+/// The files of embryos by paths, folders and patterns. A warning counts the files of folders that are no embryos.
+pub fn files_of(paths: &[PathBuf]) -> Result<Vec<EmbryoFile>, InputError> {
+    let (files, left_out) = embryo_files(paths)?;
+    for LeftOut { folder, files } in left_out {
+        let first = files.first().map_or("", String::as_str);
+        messages::warning!(
+            "{}: {} files are no embryos and not read, the first is {first}",
+            folder.display(),
+            files.len()
+        );
+    }
+    Ok(files)
+}
+
+/// A number for all embryos, or one of one embryo.
+pub type OfEmbryo = (Option<String>, f64);
+
+/// Reads NUMBER or EMBRYO=NUMBER.
+///
+/// # Errors
+/// As [`number`].
+pub fn of_embryo(text: &str) -> Result<OfEmbryo, String> {
+    match text.rsplit_once('=') {
+        Some((embryo, value)) => Ok((Some(embryo.trim().to_owned()), number(value)?)),
+        None => Ok((None, number(text)?)),
+    }
+}
+
+/// The edges of voxels.
+pub fn voxels(given: &[OfEmbryo]) -> Result<PerEmbryo, InputError> {
+    let voxels = PerEmbryo::new(given.iter().cloned());
+    voxels.require_in([1e-6, 1e6], ("--voxel", "voxel"), "a length in µm, from 1e-6 to 1e6")?;
+    Ok(voxels)
+}
+
+/// Minutes per frame.
+pub fn frame_minutes(given: &[OfEmbryo]) -> Result<PerEmbryo, InputError> {
+    let minutes = PerEmbryo::new(given.iter().cloned());
+    minutes.require_in([1e-6, 1e6], ("--frame-minutes", "frame_minutes"), "a time in minutes, from 1e-6 to 1e6")?;
+    Ok(minutes)
+}
+
+/// How cells were matched.
+pub fn matched_text(matched: &[Matched]) -> String {
+    matched.iter().map(Matched::to_string).collect()
+}
+
+fn or_dash(value: Option<f64>, digits: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+}
+
+/// A factor and how far its cells scatter about it, in per cent.
+fn factor_text(factor: Option<f64>, scatter: Option<f64>) -> String {
+    let scatter = scatter.map_or(String::new(), |scatter| format!(" ± {:.1} %", 100.0 * scatter));
+    or_dash(factor, 4) + &scatter
+}
+
+fn width(names: impl Iterator<Item = usize>) -> usize {
+    names.fold(10, usize::max)
+}
+
+/// The sizes of embryos, of two or more.
+pub fn sizes_text(sizes: &[EmbryoSize], unit: Option<Unit>) -> String {
+    if sizes.len() < 2 {
+        return String::new();
+    }
+    let wide = width(sizes.iter().map(|size| size.embryo.chars().count()));
+    let of = if unit == Some(Unit::CubicMicrometres) { " (µm)" } else { "" };
+    let is_scaled = sizes.iter().any(|size| size.length_scale.is_some());
+    let last = if is_scaled { format!("   one L_h{of}") } else { String::new() };
+    let mut out = format!("{:<wide$} cells  shared   voxel (µm)        size factor{last}\n", "embryo");
+    for EmbryoSize { embryo, cells, shared, voxel, size_factor, scatter, length_scale, .. } in sizes {
+        let (factor, voxel) = (factor_text(*size_factor, *scatter), or_dash(*voxel, 4));
+        let length = if is_scaled { format!(" {:>9}", or_dash(*length_scale, 4)) } else { String::new() };
+        let _ = writeln!(out, "{embryo:<wide$} {cells:>5} {shared:>7} {voxel:>12} {factor:>18}{length}");
+    }
+    out + "\n"
+}
+
+/// The times of embryos, of two or more.
+pub fn times_text(times: &[EmbryoTimes]) -> String {
+    if times.len() < 2 {
+        return String::new();
+    }
+    let wide = width(times.iter().map(|times| times.embryo.chars().count()));
+    let mut out = format!("{:<wide$} cells  shared   min a frame        time factor   minute 0\n", "embryo");
+    for EmbryoTimes { embryo, cells, shared, frame_minutes, time_factor, scatter, shift_min } in times {
+        let (factor, minutes) = (factor_text(*time_factor, *scatter), or_dash(*frame_minutes, 3));
+        let shift = or_dash(*shift_min, 2);
+        let _ = writeln!(out, "{embryo:<wide$} {cells:>5} {shared:>7} {minutes:>13} {factor:>18} {shift:>10}");
+    }
+    out + "\n"
+}
