@@ -25,7 +25,7 @@ const CONTACT: f64 = 0.1;
 
 /// The cell in a shell that is 1/ε times as large. Its regulator has five times its resting concentration at the equator.
 pub fn cell(epsilon: f64) -> Result<Cell, Box<dyn std::error::Error>> {
-    let law = Law::parse(include_str!("../laws/gao_mietke_ma2026.ron"), "laws/gao_mietke_ma2026.ron")?;
+    let law = Law::parse(include_str!("laws/gao_mietke_ma2026.ron"), "examples/laws/gao_mietke_ma2026.ron")?;
     // The law alone uses the regulator: a coupling of 0.
     let source = format!("band,u0=0.5,omega={},amplitude=4", 50f64.powf(-0.5));
     let cue = format!("regulator:{source},turnover=5,diffusion=1,activity=0");

@@ -19,7 +19,7 @@ const TENSION: f64 = 10.0;
 /// A vesicle of radius 1 and rigidity 1 in a shell so wide and soft that it only holds its place and chooses whether a branch becomes
 /// prolate (`aspect` above 1) or oblate.
 fn vesicle(aspect: f64, spontaneous_curvature: f64) -> Result<Cell, Box<dyn std::error::Error>> {
-    let law = Law::parse(include_str!("../laws/vesicle.ron"), "laws/vesicle.ron")?;
+    let law = Law::parse(include_str!("laws/vesicle.ron"), "examples/laws/vesicle.ron")?;
     let mut cell = Cell::new(1.0).with_law(law);
     cell.epsilon = 0.01;
     (cell.shell.aspect, cell.shell.p0, cell.shell.w) = (aspect, 1e-2, 3.0);

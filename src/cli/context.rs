@@ -27,7 +27,7 @@ pub struct Globals {
     /// keep the preset's values
     #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
     pub config: Option<PathBuf>,
-    /// Law of active stress: a file of expressions, as in laws/, or paper, the built-in one; its constants are set as law.NAME
+    /// Law of active stress: a file of expressions, as in examples/laws/, or paper, the built-in one; its constants are set as law.NAME
     #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
     pub law: Option<PathBuf>,
     /// Sets one parameter and overrides --config; repeatable

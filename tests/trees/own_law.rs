@@ -12,7 +12,7 @@ fn the_papers_law_as_text_grows_the_tree_of_the_built_in_one() {
     let mut lineage = Lineage::c_elegans().unwrap();
     lineage.limits.max_depth = 4;
     lineage.forget_first_radius();
-    let law = Law::parse(include_str!("../../laws/paper.ron"), "paper.ron").unwrap();
+    let law = Law::parse(include_str!("../../examples/laws/paper.ron"), "paper.ron").unwrap();
     let cells = [Cell::new(3.0), Cell::new(3.0).with_law(law)];
     let [built_in, own] = cells.map(|cell| {
         let settings = TreeSettings { cell, ..TreeSettings::default() };

@@ -68,7 +68,7 @@ impl Constants {
         Ok(())
     }
 
-    /// A lineage and the settings of its divisions with these constants; what the lineage cannot have is left out. A founder's own
+    /// A lineage and the settings of its divisions with these constants, without those that the lineage cannot have. A founder's own
     /// value in the lineage file gives way to one of all cells.
     pub fn applied(&self, lineage: &Lineage, settings: &TreeSettings) -> (Lineage, TreeSettings) {
         let (mut lineage, mut settings) = (lineage.clone(), settings.clone());
@@ -210,7 +210,7 @@ mod tests {
         Constant { parameter, class: None, value }
     }
 
-    /// A posterior's columns: numbers of a class set its founders, those of a cue every cue that has them.
+    /// A posterior's columns: numbers of a class are set in its founders, numbers of a cue in every cue that has them.
     #[test]
     fn classes_and_cues_have_constants_of_their_own() {
         let sets = read_constants("epsilon@somatic,cue[0].amplitude,xi_s,weight\n0.8,0.2,24,1\n", "c.csv").unwrap();

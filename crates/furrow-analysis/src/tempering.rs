@@ -33,7 +33,7 @@ const LENGTH: f64 = 2.38;
 /// The steps become longer or shorter by this factor where more or fewer than these shares of them are accepted.
 const FACTOR: f64 = 1.5;
 const ACCEPTED: [f64; 2] = [0.15, 0.4];
-/// Variance added to that of the sample, in the unit cube.
+/// Variance added to the sample's, in the unit cube.
 const FLOOR: f64 = 1e-12;
 
 /// How many particles, and their seed.
@@ -117,7 +117,7 @@ pub fn sample<T: Clone + Send + Sync>(
     Some(found)
 }
 
-/// A logarithm that is no number counts as that of 0.
+/// NaN counts as ln 0.
 fn finite(log: f64) -> f64 {
     if log.is_nan() { f64::NEG_INFINITY } else { log }
 }
@@ -238,7 +238,7 @@ impl<T: Clone + Send + Sync> Sample<T> {
     }
 }
 
-/// A number folded back into the unit interval, at whose ends steps are thrown back.
+/// Reflects a number at the ends of the unit interval.
 fn reflected(x: f64) -> f64 {
     let x = x.rem_euclid(2.0);
     if x > 1.0 { 2.0 - x } else { x }

@@ -10,7 +10,7 @@ use furrow_mechanics::equilibria::curves::boundary_and_folds;
 use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StationaryError, pitchfork, primary, stationary};
 use furrow_mechanics::law::LawError;
 
-const PAPER: &str = include_str!("../../../laws/paper.ron");
+const PAPER: &str = include_str!("../../../examples/laws/paper.ron");
 
 /// Deviation of numbers by another order of operations.
 const SAME: f64 = 1e-8;
@@ -177,7 +177,7 @@ fn laws_do_what_an_equal_change_of_the_cell_does() {
 /// C − C0 in place of C in the energy of bending: forces of the elastic surface alone drive no flow.
 #[test]
 fn a_surface_with_a_curvature_of_its_own_rests() {
-    let law = Law::parse(include_str!("../../../laws/spontaneous_curvature.ron"), "spontaneous_curvature.ron").unwrap();
+    let law = Law::parse(include_str!("../../../examples/laws/spontaneous_curvature.ron"), "spontaneous_curvature.ron").unwrap();
     let shape = stationary(&Cell { xi_s: 0.0, ..Cell::new(2.0).with_law(law) }, &Numerics::default()).unwrap();
     let places = forces::profile(&shape.cortex, &shape.solution.gauss(), &shape.solution);
     let inside = &places[1..places.len() - 1];
@@ -294,7 +294,7 @@ fn any_expression_ends_in_an_outcome_or_a_reason() {
 /// of a law, is left out.
 #[test]
 fn a_spontaneous_curvature_as_a_law_is_the_built_in_one() {
-    let stated = include_str!("../../../laws/spontaneous_curvature.ron");
+    let stated = include_str!("../../../examples/laws/spontaneous_curvature.ron");
     let stated = Law::parse(stated, "spontaneous_curvature.ron").unwrap();
     let pair = |cell: Cell| {
         let mut plain = cell.clone();

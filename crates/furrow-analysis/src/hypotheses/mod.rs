@@ -61,7 +61,7 @@ pub struct Question<'a> {
     pub noise: &'a Noise,
     /// How long each fit is searched.
     pub effort: SearchBudget,
-    /// The sample of each posterior; `None` draws none.
+    /// How posteriors are sampled, if they are.
     pub sampling: Option<Sampling>,
     /// Solved divisions.
     pub memo: &'a Memo,

@@ -213,7 +213,7 @@ fn a_chosen_state_is_found_again_whatever_the_cue() {
 /// The same of the paper's law as text.
 #[test]
 fn a_chosen_state_is_found_again_by_a_law_as_text() {
-    let law = furrow_cell::Law::parse(include_str!("../../../../laws/paper.ron"), "paper.ron").unwrap();
+    let law = furrow_cell::Law::parse(include_str!("../../../../examples/laws/paper.ron"), "paper.ron").unwrap();
     let mut largest = 0.0f64;
     for cue in cues().iter().step_by(3) {
         let cell = cell(cue).with_law(law.clone());
