@@ -177,7 +177,8 @@ fn laws_do_what_an_equal_change_of_the_cell_does() {
 /// C − C0 in place of C in the energy of bending: forces of the elastic surface alone drive no flow.
 #[test]
 fn a_surface_with_a_curvature_of_its_own_rests() {
-    let law = Law::parse(include_str!("../../../examples/laws/spontaneous_curvature.ron"), "spontaneous_curvature.ron").unwrap();
+    let law = Law::parse(include_str!("../../../examples/laws/spontaneous_curvature.ron"), "spontaneous_curvature.ron")
+        .unwrap();
     let shape = stationary(&Cell { xi_s: 0.0, ..Cell::new(2.0).with_law(law) }, &Numerics::default()).unwrap();
     let places = forces::profile(&shape.cortex, &shape.solution.gauss(), &shape.solution);
     let inside = &places[1..places.len() - 1];

@@ -178,6 +178,17 @@ impl<'a> Objective<'a> {
         Ok(found.unwrap_or((place, least)))
     }
 
+    /// The place of the least misfit from what a search found and from another place.
+    ///
+    /// # Errors
+    /// The search was cancelled.
+    pub fn refined(&self, (place, least): (Vec<f64>, f64), other: &[f64]) -> Result<Vec<f64>, FitError> {
+        let misfit = |place: &[f64]| self.chi_squared(place);
+        let found = (misfit(other) < least).then(|| descend(other, EDGE, DESCENT, &misfit)).flatten();
+        self.check_cancelled()?;
+        Ok(found.filter(|(_, better)| *better < least).map_or(place, |(better, _)| better))
+    }
+
     /// ∂χ/∂(number), by the logarithm where that is searched, rows by measurement; `None` for a cell that does not divide, or if its
     /// outcome is not smooth.
     pub fn sensitivities(&self, place: &[f64]) -> Vec<Option<Vec<f64>>> {

@@ -91,6 +91,9 @@ pub struct Posterior {
     /// The sample: the numbers of each point, in their order.
     #[serde(skip)]
     pub points: Vec<Vec<f64>>,
+    /// The place of its most likely point in the unit cube.
+    #[serde(skip)]
+    pub(super) best: Vec<f64>,
 }
 
 impl Posterior {
@@ -142,6 +145,7 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
     }
     let points: Vec<Vec<f64>> = particles.iter().map(|particle| model.values(&particle.place)).collect();
     let names: Vec<String> = model.unknowns.iter().map(|unknown| unknown.name()).collect();
+    let best = particles.iter().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
     Ok(Posterior {
         samples: points.len(),
         stages,
@@ -151,6 +155,7 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
         parameters: names.iter().enumerate().filter_map(|(k, name)| number(name, &points, k)).collect(),
         ridges: ridges(&names, &points),
         cells: (0..cells.len()).map(|cell| predicted(question, &particles, cell)).collect(),
+        best: best.map_or(Vec::new(), |particle| particle.place.clone()),
         points,
     })
 }

@@ -190,7 +190,13 @@ pub(super) fn tested(
     let sds = noise.sds(rows);
     let measured = means(rows, &sds, cells);
     let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort);
-    let (place, _) = objective.search(effort)?;
+    let found = objective.search(effort)?;
+    let posterior = question.sampling.map(|sampling| posterior(question, &objective.model, sampling)).transpose()?;
+    let place = match &posterior {
+        // A sample may pass ridges and valleys in which the search stays.
+        Some(posterior) if !found.0.is_empty() => objective.refined(found, &posterior.best)?,
+        _ => found.0,
+    };
     let values = objective.model.values(&place);
     let chi = objective.chi(&values);
     let slopes = slopes(&objective, &place, &chi);
@@ -226,7 +232,7 @@ pub(super) fn tested(
         resting: cells.iter().filter(|cell| cell.chi.is_none()).map(|cell| cell.cell.clone()).collect(),
         cells,
         tried: objective.tried(),
-        posterior: question.sampling.map(|sampling| posterior(question, &objective.model, sampling)).transpose()?,
+        posterior,
     })
 }
 

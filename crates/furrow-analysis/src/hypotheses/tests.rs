@@ -411,7 +411,7 @@ fn a_sample_agrees_with_the_fit_where_that_is_good() {
     assert!(one.samples == 1 && (one.log_evidence - none.log_likelihood).abs() < 1e-9);
     assert!(one.surprising().count() == 1 && found.to_string().contains("P0 is surprising, p = "), "{found}");
     let csv = samples_of(&found);
-    assert!(csv.starts_with("hypothesis,cue.amplitude\n\"tension:gradient,amplitude=-0.3\",-0."), "{csv}");
+    assert!(csv.starts_with("hypothesis,cue[0].amplitude\n\"tension:gradient,amplitude=-0.3\",-0."), "{csv}");
     assert_eq!(csv.lines().count(), 62);
 }
 
