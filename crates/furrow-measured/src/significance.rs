@@ -104,13 +104,13 @@ pub fn sign_test(agree: usize, of: usize) -> f64 {
     below.map_or(1.0, |(below, tosses)| tosses.sf(below as u64))
 }
 
-/// Probability that a standard normal number is as large or larger.
+/// Probability that a standard normal number is as large or larger, to ten digits.
 ///
 /// # Examples
 /// ```
 /// use furrow_measured::significance::normal_tail;
 /// // scipy.stats.norm.sf(1.5)
-/// assert!((normal_tail(1.5) - 0.066_807_201_268_858_07).abs() < 1e-14);
+/// assert!((normal_tail(1.5) - 0.066_807_201_268_858).abs() < 1e-10);
 /// ```
 pub fn normal_tail(z: f64) -> f64 {
     0.5 * erfc(z * FRAC_1_SQRT_2)
