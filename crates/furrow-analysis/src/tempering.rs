@@ -71,6 +71,9 @@ pub struct Sample<T> {
     pub accepted: f64,
 }
 
+/// ln L at a place, and anything else to keep; `None` stops the sampling.
+pub type Likelihood<'a, T> = &'a (dyn Fn(&[f64]) -> Option<(f64, T)> + Sync);
+
 /// Draws a sample. `likelihood` gives ln L at a place, −∞ where it vanishes, with anything else to keep, or `None` to stop.
 ///
 /// # Examples
@@ -89,7 +92,7 @@ pub struct Sample<T> {
 pub fn sample<T: Clone + Send + Sync>(
     dimensions: usize,
     Sampling { particles, seed }: Sampling,
-    likelihood: &(dyn Fn(&[f64]) -> Option<(f64, T)> + Sync),
+    likelihood: Likelihood<'_, T>,
 ) -> Option<Sample<T>> {
     let particles = if dimensions == 0 { 1 } else { particles };
     let columns: Vec<Vec<f64>> = (0..dimensions).map(|axis| halton(axis, seed, particles)).collect();
@@ -179,13 +182,7 @@ impl<T: Clone + Send + Sync> Sample<T> {
     }
 
     /// Moves the particles at β; `length` follows the share of accepted steps.
-    fn moved(
-        &mut self,
-        beta: f64,
-        length: &mut f64,
-        seed: u64,
-        likelihood: &(dyn Fn(&[f64]) -> Option<(f64, T)> + Sync),
-    ) -> Option<()> {
+    fn moved(&mut self, beta: f64, length: &mut f64, seed: u64, likelihood: Likelihood<'_, T>) -> Option<()> {
         let root = self.root();
         let count = self.particles.len();
         let mut moved = 0;
