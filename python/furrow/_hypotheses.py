@@ -107,8 +107,8 @@ def test(
     ``"name=CUE"`` names a hypothesis, or cues by name. ``free`` lists the numbers that are fitted, such as ``cue.amplitude`` or
     ``epsilon@somatic``; by default all numbers of each cue, and none for an empty list. ``noise`` says where the errors of χ come
     from, ``cells`` and ``population`` which cells and groups are used. ``names`` and ``root`` match cells with other names than
-    the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``samples`` draws so many points
-    of each posterior.
+    the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``samples`` draws so many
+    points of each posterior.
     """
     named = _cues(cues)
     if not named:

@@ -61,7 +61,7 @@ def source_of(table: Table | None) -> tuple[str | None, str | None]:
 
 
 #: A number of all embryos, or numbers by the names of embryos.
-OfEmbryos: TypeAlias = Union[SupportsFloat, Mapping[str, SupportsFloat]]
+OfEmbryos: TypeAlias = SupportsFloat | Mapping[str, SupportsFloat]
 
 
 def of_embryos(name: str, value: OfEmbryos | None) -> list[tuple[str | None, float]]:

@@ -98,9 +98,10 @@ def lifetimes(
     ``division_min``), and optionally ``embryo``, ``n``, ``sd_min`` and ``birth_min``, or is the file of an embryo that another
     program followed, or several files; ``frame_minutes`` is the time between frames where they are counted, one number or
     one for each embryo by name. Each embryo has its time factor in ``embryos``; ``common_pace`` divides by it before embryos
-    are averaged. ``names`` and ``root`` match cells with other names, as for :func:`counts`. Without a table these are the published means of 28 embryos of C. elegans. ``tree`` is by
-    default that of the built-in founders. ``volumes`` are tables as for :func:`volumes`; default published ones. The clock
-    is fitted: lifetimes of the model are no predictions.
+    are averaged. ``names`` and ``root`` match cells with other names, as for :func:`counts`. Without a table these are
+    the published means of 28 embryos of C. elegans. ``tree`` is by default grown from the built-in founders.
+    ``volumes`` are tables as for :func:`volumes`; default published ones. The clock is fitted: lifetimes of the model are no
+    predictions.
     """
     if tree is not None and not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
@@ -265,7 +266,8 @@ def volumes(
     ``relative_volume``) and optionally ``group``, ``frame`` and ``n``. A row can also be a division, with the columns
     ``embryo``, ``mother``, ``larger_um3`` and ``smaller_um3``. It is a file, several files, a DataFrame or columns
     by name. Files can be embryos that other programs followed, as for :func:`counts`, or folders of these; ``names`` and
-    ``root`` match cells with other names. Without it the model is compared with ``published`` means, of C. elegans or of the sea urchin.
+    ``root`` match cells with other names. Without it the model is compared with ``published`` means, of C. elegans or of the
+    sea urchin.
 
     ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
     ``population`` names the populations of a table of divisions that are used, one or several; default all. ``bins`` are

@@ -171,7 +171,8 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     ),
     "export": (
         "furrow.Tree.export",
-        {"[TREE.json|EMBRYO]": "furrow.read_tree(path), or furrow.export_observed(embryo)", "--to": "furrow.Tree.export(format)", "--out": "furrow.Tree.export(path)"}
+        {"[TREE.json|EMBRYO]": "furrow.read_tree(path), or furrow.export_observed(embryo)"}
+        | {"--to": "furrow.Tree.export(format)", "--out": "furrow.Tree.export(path)"}
         | {"--branch-lengths": "furrow.Tree.export(lengths)", "--schema": "furrow.tree_schema"}
         | {"--subtree": "furrow.Tree.export(subtree)"}
         | {

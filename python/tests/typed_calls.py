@@ -109,6 +109,8 @@ def observed(table: pd.DataFrame, tree: furrow.Tree, outlines: list[Floats]) -> 
     volumes = furrow.compare.volumes(table, population=["Mac"], constants=constants, length_scale="fit")
     assert_type(volumes.mothers, tuple[furrow.compare.Mother, ...])
     assert_type(furrow.compare.counts(tree, measured="embryo.zip"), furrow.compare.Counts)
+    exported = furrow.export_observed("embryo.xml", "newick", root="Track_1=P0", subtree="AB")
+    assert_type(exported, str | dict[str, str] | dict[str, bytes] | None)
     assert_type(furrow.compare.lifetimes({"cell": ["AB"], "lifetime_min": [15]}, tree=tree), furrow.compare.Lifetimes)
     assert_type(furrow.compare.dose(bins=[0, 1], r0=5), furrow.compare.Dose)
     laid = furrow.compare.contours(outlines, furrow.Cell(4).divide(frames=True))
