@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, optional_path, refused, text_of, threads_of, whole
+from ._checks import given_of, optional_path, refused, seed_of, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
 from ._tables import OfEmbryos, Table, frame, matching_of, of_embryos, tables_of
-from .fit import _search
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,8 +87,8 @@ def test(
     root: str | Sequence[str] | None = None,
     unit: Literal["um3", "voxels", "relative"] | None = None,
     lineage: str | os.PathLike[str] | None = None,
-    particles: SupportsIndex = 12,
-    moves: SupportsIndex = 10,
+    particles: SupportsIndex | None = None,
+    moves: SupportsIndex | None = None,
     seed: SupportsIndex = 0,
     samples: SupportsIndex | None = None,
     preset: str = "gao2026",
@@ -124,7 +123,11 @@ def test(
         "voxel": of_embryos("voxel", voxel),
         "matching": matching_of(names, root),
         "unit": None if unit is None else text_of("unit", unit),
-        "search": _search(particles, moves, seed),
+        "search": (
+            None if particles is None else whole("particles", particles, 2, 10_000),
+            None if moves is None else whole("moves", moves, 1, 100_000),
+            seed_of(seed),
+        ),
         "samples": None if samples is None else whole("samples", samples, 20, 100_000),
     }
     known = shared_memo() if memo is None else memo

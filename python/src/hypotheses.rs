@@ -1,10 +1,10 @@
 //! Hypotheses beside each other.
 
-use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
+use furrow_analysis::fit::{FitProgress, FitRun};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
 use furrow_analysis::hypotheses::{
-    Hypothesis, Noise, NoiseKind, Observations, Question, TestedHypothesis, test as tested,
+    Effort, Hypothesis, Noise, NoiseKind, Observations, Question, TestedHypothesis, test as tested,
 };
 use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
@@ -38,7 +38,7 @@ pub struct TestAsked {
     matching: MatchAsked,
     unit: Option<String>,
     /// Particles, moves and seed of each search.
-    search: (usize, u64, u64),
+    search: (Option<usize>, Option<u64>, u64),
     /// Points of each sample.
     samples: Option<usize>,
 }
@@ -88,7 +88,7 @@ pub fn test(
         let observations = asked.observations(&lineage)?;
         let noise = Noise::of(&observations, kind, ("table", ARGUMENTS))?;
         let (particles, moves, seed) = asked.search;
-        let effort = SearchBudget { particles, moves, seed };
+        let effort = Effort { particles, moves, seed };
         let (observations, hypotheses, noise, memo) = (&observations, &hypotheses, &noise, &memo);
         let sampling = asked.samples.map(|particles| Sampling { particles, seed });
         let question = Question { observations, hypotheses, noise, effort, sampling, memo };

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use furrow_analysis::fit::{FitProgress, FitRun, SearchBudget};
+use furrow_analysis::fit::{FitProgress, FitRun};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
-use furrow_analysis::hypotheses::{Hypothesis, Noise, NoiseKind, Observations, Question, samples_csv, test};
+use furrow_analysis::hypotheses::{Effort, Hypothesis, Noise, NoiseKind, Observations, Question, samples_csv, test};
 use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
@@ -75,12 +75,12 @@ pub struct TestArgs {
     /// Unit of a table without one: um3, voxels or relative
     #[arg(help_heading = "Measurements", long, value_name = "UNIT", value_parser = str::parse::<Unit>)]
     unit: Option<Unit>,
-    /// Particles of the swarm that searches for each best fit
-    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(2..=10_000))]
-    particles: u32,
-    /// Moves of the swarm
-    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    moves: u32,
+    /// Particles of the swarm that searches for each best fit; default 12 for each free number
+    #[arg(help_heading = "Search", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    particles: Option<u32>,
+    /// Moves of the swarm; default 10 for each free number
+    #[arg(help_heading = "Search", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    moves: Option<u32>,
     /// Seed of the search and of the samples
     #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -110,7 +110,8 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let noise = Noise::of(&observations, args.noise, (&table, "--noise"))?;
     let memo = context.memo()?;
     interrupt::finish();
-    let effort = SearchBudget { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed };
+    let (particles, moves) = (args.particles.map(|count| count as usize), args.moves.map(u64::from));
+    let effort = Effort { particles, moves, seed: args.seed };
     let sampling = args.samples.map(|samples| Sampling { particles: samples as usize, seed: args.seed });
     let question =
         Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };

@@ -60,11 +60,37 @@ pub struct Question<'a> {
     /// The errors of χ.
     pub noise: &'a Noise,
     /// How long each fit is searched.
-    pub effort: SearchBudget,
+    pub effort: Effort,
     /// How posteriors are sampled, if they are.
     pub sampling: Option<Sampling>,
     /// Solved divisions.
     pub memo: &'a Memo,
+}
+
+/// The particles and moves of the search for each free number of a hypothesis: more numbers have more valleys.
+const FOR_EACH: (usize, u64) = (12, 10);
+
+/// How long each fit is searched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Particles of the swarm; `None` is 12 for each free number.
+    pub particles: Option<usize>,
+    /// Moves of each; `None` is 10 for each free number.
+    pub moves: Option<u64>,
+    /// Seed of their positions and moves.
+    pub seed: u64,
+}
+
+impl Effort {
+    /// For a hypothesis with so many free numbers.
+    fn budget(self, numbers: usize) -> SearchBudget {
+        let numbers = numbers.max(1);
+        SearchBudget {
+            particles: self.particles.unwrap_or(FOR_EACH.0 * numbers),
+            moves: self.moves.unwrap_or(FOR_EACH.1 * numbers as u64),
+            seed: self.seed,
+        }
+    }
 }
 
 /// Hypotheses beside each other.

@@ -179,6 +179,7 @@ pub(super) fn tested(
 ) -> Result<TestedHypothesis, FitError> {
     let Question { observations, noise, effort, memo, .. } = *question;
     let Hypothesis { lineage, template, unknowns, .. } = hypothesis;
+    let effort = effort.budget(unknowns.len());
     let Observations { cells, rows, .. } = observations;
     let model = || Model {
         run: FitRun { lineage, ..*run },

@@ -299,8 +299,9 @@ fn sampled(
     let hypotheses = Hypothesis::all(&cues, Some(&free), &lineage, &settings.cell, ["--cue", "--free"]).unwrap();
     let noise = Noise::of(observations, kind, ("t.csv", "--noise")).unwrap();
     let memo = Memo::new(Quantisation::EXACT);
-    let question =
-        Question { observations, hypotheses: &hypotheses, noise: &noise, effort: EFFORT, sampling, memo: &memo };
+    let SearchBudget { particles, moves, seed } = EFFORT;
+    let effort = Effort { particles: Some(particles), moves: Some(moves), seed };
+    let question = Question { observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };
     test(&FitRun::new(&lineage, &settings, threads, &cancel), &question).unwrap()
 }
 
