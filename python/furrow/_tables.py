@@ -73,9 +73,7 @@ def of_embryos(name: str, value: OfEmbryos | None) -> list[tuple[str | None, flo
     return [(None, positive(name, value))]
 
 
-def matching_of(
-    names: Table | None, root: str | Sequence[str] | None
-) -> tuple[tuple[str | None, str | None], list[str]]:
+def matching_of(names: Table | None, root: str | Sequence[str] | None) -> tuple[tuple[str | None, str | None], list[str]]:
     """A table of names, and roots."""
     roots = [root] if isinstance(root, str) else list(root or [])
     return source_of(names), [text_of("root", one) for one in roots]

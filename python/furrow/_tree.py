@@ -233,9 +233,7 @@ class Tree:
         self, format: str, lengths: str = "time", *, path: None = None, subtree: str | None = None
     ) -> str | dict[str, str] | dict[str, bytes]: ...
     @overload
-    def export(
-        self, format: str, lengths: str = "time", *, path: str | os.PathLike[str], subtree: str | None = None
-    ) -> None: ...
+    def export(self, format: str, lengths: str = "time", *, path: str | os.PathLike[str], subtree: str | None = None) -> None: ...
     def export(
         self,
         format: str,
