@@ -4,7 +4,7 @@ use super::cell::{AxisArgs, CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::messages;
-use super::output::{filled, merged, number, print_as, records_csv, writable_file};
+use super::output::{filled, merged, number, or_dash, print_as, records_csv, writable_file};
 use super::picture::PlotArgs;
 use super::steady::MOST_AZIMUTHAL;
 use clap::Args;
@@ -184,7 +184,7 @@ fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String
         out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
         for (name, p) in found.branches.iter().flat_map(|(name, branch)| branch.points.iter().map(move |p| (name, p))) {
             let ShapePoint { xi_s, elongation: h, length: l, delta_u, .. } = p;
-            let rate = p.growth_rate.map_or("-".to_owned(), |rate| format!("{rate:.4}"));
+            let rate = or_dash(p.growth_rate, 4);
             let _ = writeln!(out, "{name:<10} {xi_s:>9.5} {h:>9.6} {l:>9.5} {rate:>13} {delta_u:>9.5}");
         }
     }

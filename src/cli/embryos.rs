@@ -15,7 +15,7 @@ use furrow_measured::tracked::{EmbryoFile, LeftOut, embryo_files};
 use furrow_measured::volumes::{EmbryoSize, Unit};
 
 use super::messages;
-use super::output::number;
+use super::output::{number, or_dash};
 
 // Cells with other names than the lineage's.
 #[derive(Debug, Args)]
@@ -90,10 +90,6 @@ pub fn frame_minutes(given: &[OfEmbryo]) -> Result<PerEmbryo, InputError> {
 /// How cells were matched.
 pub fn matched_text(matched: &[Matched]) -> String {
     matched.iter().map(Matched::to_string).collect()
-}
-
-fn or_dash(value: Option<f64>, digits: usize) -> String {
-    value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
 }
 
 /// A factor and how far its cells scatter about it, in per cent.

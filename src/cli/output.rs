@@ -78,3 +78,8 @@ pub fn number(text: &str) -> Result<f64, String> {
     let finite = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
     finite.ok_or_else(|| "must be a finite number, as 0.87 or 1e-3".to_owned())
 }
+
+/// A number with a given number of digits, or a dash.
+pub fn or_dash(value: Option<f64>, digits: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+}

@@ -4,7 +4,7 @@ use super::cell::{length, load_lineage, one_of, positive, set};
 use super::context::Context;
 use super::error::CliError;
 use super::messages;
-use super::output::{number, print_as, records_csv, writable_file};
+use super::output::{number, or_dash, print_as, records_csv, writable_file};
 use clap::Args;
 use furrow_analysis::polarity::{
     Follows, NamedCell, PolarisedCell, PolarityStudy, PolarityStudyError, germline, polarity,
@@ -135,7 +135,7 @@ impl Shown<'_> {
             // Without a cue the noise decides the side.
             let chi = division
                 .and_then(|division| if cell.readings().is_some() { division.chi_signed() } else { division.chi() });
-            let chi = chi.map_or("-".to_owned(), |chi| format!("{chi:.4}"));
+            let chi = or_dash(chi, 4);
             let measured = cell.measured.as_ref().map_or("-".to_owned(), |m| {
                 format!(
                     "{:.3}{}",
@@ -144,7 +144,7 @@ impl Shown<'_> {
                 )
             });
             let (name, r0, um) = (name(cell), cell.r0, self.um(cell.r0));
-            let ratio = cell.surface_to_volume.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
+            let ratio = or_dash(cell.surface_to_volume, 4);
             let _ = writeln!(
                 out,
                 "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"

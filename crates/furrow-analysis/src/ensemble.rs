@@ -311,6 +311,22 @@ fn effective_size(weights: &[f64]) -> f64 {
     1.0 / weights.iter().map(|w| w * w).sum::<f64>()
 }
 
+/// The mean and the covariance of points with weights that sum to 1, with `floor` added to each variance.
+pub(crate) fn mean_and_covariance<'a>(
+    dimensions: usize,
+    points: impl Iterator<Item = (&'a DVector<f64>, f64)> + Clone,
+    floor: f64,
+) -> (DVector<f64>, DMatrix<f64>) {
+    let mut mean = DVector::zeros(dimensions);
+    points.clone().for_each(|(x, weight)| mean += x * weight);
+    let mut covariance = DMatrix::identity(dimensions, dimensions) * floor;
+    for (x, weight) in points {
+        let off = x - &mean;
+        covariance += &off * off.transpose() * weight;
+    }
+    (mean, covariance)
+}
+
 /// The distribution with the mean and covariance of a weighted sample; `None` from too few draws. If a few draws have most of the
 /// weight, a smaller power of the weights is used: early proposals lie beside the posterior, and few draws must not narrow the next.
 fn fitted(draws: &[Draw]) -> Option<Proposal> {
@@ -321,13 +337,8 @@ fn fitted(draws: &[Draw]) -> Option<Proposal> {
     }
     let tempered = (0..16).map(|halvings| weights(draws, 0.5f64.powi(halvings)));
     let weights = tempered.into_iter().find(|weights| effective_size(weights) >= enough)?;
-    let mut mean = DVector::zeros(d);
-    draws.iter().zip(&weights).for_each(|(draw, w)| mean += &draw.x * *w);
-    let mut covariance = DMatrix::identity(d, d) * 1e-8;
-    for (draw, w) in draws.iter().zip(&weights) {
-        let off = &draw.x - &mean;
-        covariance += &off * off.transpose() * *w;
-    }
+    let (mean, covariance) =
+        mean_and_covariance(d, draws.iter().map(|draw| &draw.x).zip(weights.iter().copied()), 1e-8);
     Proposal::new(mean, covariance * WIDER)
 }
 

@@ -181,39 +181,21 @@ impl ObservedLineage {
         let in_minutes = self.time == TimeUnit::Minutes;
         let [birth, division] =
             if in_minutes { ["birth_min", "division_min"] } else { ["birth_frame", "division_frame"] };
-        let own: Vec<Option<String>> =
-            self.cells.iter().map(|cell| founder(cell).map(|founder| founders[founder].to_owned())).collect();
+        let own: Vec<Option<&str>> = self.cells.iter().map(|cell| Some(founders[founder(cell)?])).collect();
+        let cells = &self.cells;
         let number = |name, of: fn(&ObservedCell) -> Option<f64>| {
-            self.column(name, Kind::Number, true, move |cell| Some(of(cell)?.to_string()))
+            column(name, Kind::Number, true, move |cell| Some(of(&cells[cell])?.to_string()))
         };
         let columns = vec![
-            self.column("mother", Kind::Text, false, |cell| Some(self.cells[cell.mother?].name.clone())),
-            SheetColumn {
-                name: "founder",
-                kind: Kind::Text,
-                note: true,
-                may_miss: true,
-                of: Box::new(move |cell| own.get(cell)?.clone()),
-            },
-            self.column("generation", Kind::Count, true, |cell| Some(cell.generation.to_string())),
+            column("mother", Kind::Text, false, |cell| Some(cells[cells[cell].mother?].name.clone())),
+            column("founder", Kind::Text, true, move |cell| own[cell].map(str::to_owned)),
+            column("generation", Kind::Count, true, |cell| Some(cells[cell].generation.to_string())),
             number("volume", |cell| cell.volume),
-            SheetColumn {
-                name: "chi",
-                kind: Kind::Number,
-                note: true,
-                may_miss: true,
-                of: Box::new(|cell| Some(self.chi_signed(cell)?.abs().to_string())),
-            },
-            SheetColumn {
-                name: "chi_signed",
-                kind: Kind::Number,
-                note: true,
-                may_miss: true,
-                of: Box::new(|cell| Some(self.chi_signed(cell)?.to_string())),
-            },
+            column("chi", Kind::Number, true, |cell| Some(self.chi_signed(cell)?.abs().to_string())),
+            column("chi_signed", Kind::Number, true, |cell| Some(self.chi_signed(cell)?.to_string())),
             number(birth, |cell| cell.birth),
             number(division, |cell| cell.division),
-            self.column("tracked", Kind::Text, true, |cell| cell.tracked.clone()),
+            column("tracked", Kind::Text, true, |cell| cells[cell].tracked.clone()),
         ];
         Sheet {
             name: &self.name,
@@ -227,23 +209,22 @@ impl ObservedLineage {
         }
     }
 
-    fn column<'a>(
-        &'a self,
-        name: &'static str,
-        kind: Kind,
-        note: bool,
-        of: impl Fn(&'a ObservedCell) -> Option<String> + 'a,
-    ) -> SheetColumn<'a> {
-        let may_miss = kind != Kind::Count;
-        SheetColumn { name, kind, note, may_miss, of: Box::new(move |cell| of(&self.cells[cell])) }
-    }
-
     /// (V₁ − V₂)/(V₁ + V₂) of a cell's daughters, the first-named one first.
     fn chi_signed(&self, cell: usize) -> Option<f64> {
         let [first, second] = self.cells[cell].daughters;
         let [first, second] = [self.cells[first?].volume?, self.cells[second?].volume?];
         Some((first - second) / (first + second))
     }
+}
+
+/// A column of values that may be missing, except for counts.
+fn column<'a>(
+    name: &'static str,
+    kind: Kind,
+    note: bool,
+    of: impl Fn(usize) -> Option<String> + 'a,
+) -> SheetColumn<'a> {
+    SheetColumn { name, kind, note, may_miss: kind != Kind::Count, of: Box::new(of) }
 }
 
 /// Whether a cell is named before its sister.

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use rand_mt::Mt64;
 use rayon::prelude::*;
 
-use crate::ensemble::{normal, uniform};
+use crate::ensemble::{mean_and_covariance, normal, uniform};
 use crate::sample::{halton, seed_of};
 
 /// The share of the effective sample size that a step of β keeps.
@@ -224,12 +224,9 @@ impl<T: Clone + Send + Sync> Sample<T> {
     fn root(&self) -> DMatrix<f64> {
         let dimensions = self.particles.first().map_or(0, |particle| particle.place.len());
         let share = (self.particles.len() as f64).recip();
-        let places = || self.particles.iter().map(|particle| DVector::from_column_slice(&particle.place));
-        let mean = places().fold(DVector::zeros(dimensions), |sum, place| sum + place * share);
-        let covariance = places().fold(DMatrix::identity(dimensions, dimensions) * FLOOR, |sum, place| {
-            let off = place - &mean;
-            sum + &off * off.transpose() * share
-        });
+        let places: Vec<DVector<f64>> =
+            self.particles.iter().map(|particle| DVector::from_column_slice(&particle.place)).collect();
+        let (_, covariance) = mean_and_covariance(dimensions, places.iter().map(|place| (place, share)), FLOOR);
         let spread = DMatrix::from_diagonal(&covariance.diagonal().map(f64::sqrt));
         covariance.cholesky().map_or(spread, |factors| factors.l())
     }

@@ -131,6 +131,12 @@ impl Rows {
         })
     }
 
+    /// A value of the cells of known embryos.
+    fn in_embryos(&self, value: impl Fn(&Lifetime) -> Option<f64>) -> InEmbryos<'_> {
+        let of = |row: &'_ RowOfEmbryo| Some((row.embryo?, value(&row.lifetime)?));
+        self.rows.iter().filter_map(|row| of(row).map(|(e, value)| (e, row.lifetime.cell.as_str(), value))).collect()
+    }
+
     /// Finds the pace of each embryo. Births are counted from the origin of the first embryo; where embryos have a common pace, the
     /// times of each are divided by its factor.
     fn align(&mut self, common_pace: bool) {
@@ -140,14 +146,8 @@ impl Rows {
         if self.embryos.len() < 2 {
             return;
         }
-        let of_embryos = |value: fn(&Lifetime) -> Option<f64>| -> InEmbryos<'_> {
-            let of = |row: &'_ RowOfEmbryo| Some((row.embryo?, value(&row.lifetime)?));
-            self.rows
-                .iter()
-                .filter_map(|row| of(row).map(|(e, value)| (e, row.lifetime.cell.as_str(), value)))
-                .collect()
-        };
-        let Shares { of, scatter, shared } = shares(&of_embryos(|row| Some(row.mean.ln())), self.embryos.len());
+        let lives = self.in_embryos(|lifetime| Some(lifetime.mean.ln()));
+        let Shares { of, scatter, shared } = shares(&lives, self.embryos.len());
         for (embryo, ((share, scatter), shared)) in self.embryos.iter_mut().zip(of.into_iter().zip(scatter).zip(shared))
         {
             (embryo.time_factor, embryo.scatter, embryo.shared) = (share.map(f64::exp), scatter, shared);
@@ -159,12 +159,7 @@ impl Rows {
                 lifetime.birth = lifetime.birth.map(|birth| birth / factor);
             }
         }
-        let births: InEmbryos<'_> = self
-            .rows
-            .iter()
-            .filter_map(|row| Some((row.embryo?, row.lifetime.cell.as_str(), row.lifetime.birth?)))
-            .collect();
-        let Shares { of: shifts, .. } = shares(&births, self.embryos.len());
+        let Shares { of: shifts, .. } = shares(&self.in_embryos(|lifetime| lifetime.birth), self.embryos.len());
         let first = shifts.iter().find_map(|shift| *shift).unwrap_or(0.0);
         for (embryo, shift) in self.embryos.iter_mut().zip(shifts) {
             embryo.shift_min = shift.map(|shift| shift - first);

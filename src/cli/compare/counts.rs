@@ -6,7 +6,7 @@ use super::skipped_text;
 use crate::cli::context::Context;
 use crate::cli::embryos::MatchArgs;
 use crate::cli::error::CliError;
-use crate::cli::output::print_as;
+use crate::cli::output::{or_dash, print_as};
 use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts, counts_of_embryo};
@@ -122,6 +122,6 @@ fn counts_text(found: &Counts) -> String {
 fn count_text(reading: &str, count: Option<&Count>) -> String {
     let Some(Count { model, observed, within_one }) = count else { return String::new() };
     let digits = if reading == "mean" { 2 } else { 0 };
-    let model = model.map_or("-".to_owned(), |model| format!("{model:.digits$}"));
+    let model = or_dash(*model, digits);
     format!("{model}, {observed:.digits$}{}", if *within_one { '*' } else { ' ' })
 }

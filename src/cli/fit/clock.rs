@@ -7,7 +7,7 @@ use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
 use crate::cli::error::CliError;
-use crate::cli::output::{merged, print_as, writable_file};
+use crate::cli::output::{merged, or_dash, print_as, writable_file};
 use furrow_analysis::fit::{FittedClock, FittedLaw, Unused, fit_clock};
 use furrow_formats::write_atomically;
 use furrow_input::listed;
@@ -106,8 +106,7 @@ fn clock_text(found: &FittedClock) -> String {
     for FittedLaw { founder, exponent, se, n, lifetime_min, at_volume, r_squared, .. } in
         found.exponents.iter().chain([&found.all])
     {
-        let known = |number: Option<f64>, digits: usize| number.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
-        let (se, r_squared) = (known(*se, 4), known(*r_squared, 3));
+        let (se, r_squared) = (or_dash(*se, 4), or_dash(*r_squared, 3));
         let _ = writeln!(
             out,
             "{founder:<8} {n:>5}   {exponent:>8.4} {se:>8} {r_squared:>6} {lifetime_min:>9.2}   {at_volume:>9.5}"

@@ -178,7 +178,7 @@ impl<'a> Objective<'a> {
         Ok(found.unwrap_or((place, least)))
     }
 
-    /// The place of the least misfit from what a search found and from another place.
+    /// The better of the place that a search found and the minimum near another place.
     ///
     /// # Errors
     /// The search was cancelled.

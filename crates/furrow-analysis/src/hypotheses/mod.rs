@@ -82,7 +82,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// For a hypothesis with so many free numbers.
+    /// The budget of a hypothesis with this number of free numbers.
     fn budget(self, numbers: usize) -> SearchBudget {
         let numbers = numbers.max(1);
         SearchBudget {

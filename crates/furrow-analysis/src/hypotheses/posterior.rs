@@ -20,7 +20,7 @@ use super::scores::residuals;
 use crate::fit::chain::Model;
 use crate::fit::error::check_cancelled;
 use crate::fit::{FitError, FitProgress};
-use crate::ranges::Range;
+use crate::ranges::{Range, correlation};
 use crate::table::csv_of;
 use crate::tempering::{Particle, Sample, Sampling, sample};
 
@@ -168,15 +168,9 @@ fn number(name: &str, points: &[Vec<f64>], k: usize) -> Option<SampledNumber> {
 
 fn ridges(names: &[String], points: &[Vec<f64>]) -> Vec<Ridge> {
     let column = |k: usize| points.iter().map(|point| point[k]).collect::<Vec<f64>>();
-    let off = |values: &[f64]| {
-        let mean = mean(values);
-        values.iter().map(|value| value - mean).collect::<Vec<f64>>()
-    };
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let pairs = (0..names.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
     let of = |(a, b): (usize, usize)| {
-        let [x, y] = [off(&column(a)), off(&column(b))];
-        let correlation = product(&x, &y) / (product(&x, &x) * product(&y, &y)).sqrt();
+        let correlation = correlation(&column(a), &column(b))?;
         (correlation.abs() > RIDGE).then(|| Ridge { numbers: [names[a].clone(), names[b].clone()], correlation })
     };
     pairs.filter_map(of).collect()

@@ -87,19 +87,14 @@ impl CanonicalBytes {
         let Shell { aspect, p0, w, flattening } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
         self.choice(usize::from(rigidity_gradient == RigidityGradient::Dropped));
-        // A round shell keeps the key it had before there were others; no cue has as many terms as the mark.
-        if flattening != 1.0 {
-            self.choice(FLATTENED);
-            self.reals([flattening]);
-        }
-        // Nor does a cell without a spontaneous curvature write it.
-        if spontaneous_curvature != 0.0 {
-            self.choice(CURLED);
-            self.reals([spontaneous_curvature]);
-        }
-        if normal_friction != 0.0 {
-            self.choice(DRAGGED);
-            self.reals([normal_friction]);
+        // Usual values are not written, so that cells keep the keys they had before there were others; no cue has as many terms as a mark.
+        let added =
+            [(FLATTENED, flattening, 1.0), (CURLED, spontaneous_curvature, 0.0), (DRAGGED, normal_friction, 0.0)];
+        for (mark, value, usual) in added {
+            if value != usual {
+                self.choice(mark);
+                self.reals([value]);
+            }
         }
         self.cue(&cell.simplified_cue());
         // Without a law nothing is written, so that cells with the paper's keep their keys.
