@@ -21,6 +21,7 @@ band = {"amplitude": 0, "u0": 0.5, "omega": 1}
 if cell["cue"] != "none":
     band = {key: float(value) for key, value in (entry.split("=") for entry in cell["cue"].split(",")[1:])}
 kappa0, eta_b, eta_s, friction, gamma = (material[name] for name in ["kappa", "eta_b", "eta_s", "friction", "tension"])
+preferred = material.get("spontaneous_curvature", 0)
 xi_s = material["gain"] * cell["xi_s"]
 xi_b = xi_s * material["xi_ratio"]
 p0, w = shell_of["p0"], shell_of["w"]
@@ -41,18 +42,19 @@ def flow(u, y, length):
     r, z, psi, m, q, v, t, _ = y
     kappa, kappa_u = rigidity(u)
     c2 = np.sin(psi) / r
-    mean = m / kappa
+    mean = m / kappa + preferred
+    bent = mean - preferred
     c1 = mean - c2
     cot = np.cos(psi) / r
     s_pp = cot * v
     s_uu = (t - xi_s * (c1 - c2) / 2 - xi_b * mean - (eta_b - eta_s) * s_pp) / (eta_b + eta_s)
     t_pp = eta_b * (s_uu + s_pp) - eta_s * (s_uu - s_pp) - xi_s * (c1 - c2) / 2 + xi_b * mean
-    h_uu = gamma + kappa * (c2**2 - c1**2) / 2
-    h_pp = gamma - kappa * (c2**2 - c1**2) / 2
+    h_uu = gamma + kappa * bent**2 / 2 - kappa * bent * c1
+    h_pp = gamma + kappa * bent**2 / 2 - kappa * bent * c2
     shell = -2 * p0 / w**2 * np.exp((z**2 / a**2 + r**2 / b**2 - 1) / w**2)
     shell = shell * (r * np.sin(psi) / b**2 + z * np.cos(psi) / a**2)
     push = c1 * (h_uu + t) + c2 * (h_pp + t_pp) - shell
-    return c1, cot, s_uu, t_pp, push, mean**2 * kappa_u / length / 2
+    return c1, cot, s_uu, t_pp, push, bent**2 * kappa_u / length / 2
 
 
 def equations(u, y, unknown):
@@ -71,7 +73,7 @@ def pole(u, y, unknown):
     length, pressure = unknown
     s = CUT * length
     r, _, psi, m, q, v, t, filled = y
-    c = m / rigidity(u)[0] / 2
+    c = (m / rigidity(u)[0] + preferred) / 2
     push = flow(u, y, length)[4]
     rate = (t - 2 * xi_b * c) / (2 * eta_b)
     return [r - s + c**2 * s**3 / 6, psi - c * s, q - (push - pressure) * s / 2, v - rate * s, filled - np.pi * c * s**4 / 4]
