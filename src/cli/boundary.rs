@@ -124,8 +124,8 @@ fn text(found: &BoundaryStudy, units: &Units) -> String {
     };
     let pitchfork = Curve { ended: CurveEnd::Reached, ..found.pitchfork.clone() };
     let folds = found.folds.iter().enumerate().map(|(k, fold)| ends(&format!("fold {k}"), fold));
-    let events =
-        found.named().into_iter().filter(|(name, _)| ["degenerate", "cusp", "critical"].contains(&name.as_str()));
+    let listed = ["degenerate", "bent degenerate", "cusp", "critical"];
+    let events = found.named().into_iter().filter(|(name, _)| listed.contains(&name.as_str()));
     let events = events.map(|(name, point)| line(&name, &point, units));
     let azimuthal = found.azimuthal.iter().flatten().map(|(m, curve)| ends(&format!("m = {m}"), curve));
     let bent = found.bent.iter().flatten().map(|(name, curve)| ends(&format!("bent {name}"), curve));

@@ -119,7 +119,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
 
 /// Where the bent states begin, and their odd pitchfork and fold.
 fn bent_text(bent: &BentBranch) -> String {
-    let NormalForm { xi_s, coefficient } = bent.threshold;
+    let NormalForm { xi_s, coefficient, .. } = bent.threshold;
     let criticality = Criticality::of(coefficient);
     let mut out = format!("the bent branch begins at ξ_s = {xi_s:.6}: {criticality}\n");
     for (name, point) in [("odd pitchfork", &bent.pitchfork), ("fold", &bent.fold)] {

@@ -8,6 +8,12 @@ use furrow_mechanics::equilibria::curves::{Curve, CurvePoint};
 use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StepBudget};
 use furrow_surface::bent::{self, BentBranch, BentError};
 use furrow_surface::bent_curves;
+use rayon::prelude::*;
+
+/// Name of the curve where bent states begin.
+const THRESHOLD: &str = "threshold";
+/// Steps of that curve.
+const POINTS: u32 = 24;
 
 /// [`diagram`], with the bent branch among its branches if the numerics have azimuthal modes, and the bent states; they are `None`
 /// if they cannot be followed, with a warning.
@@ -32,7 +38,7 @@ pub fn diagram_with_bent(
     Ok((all, found))
 }
 
-/// [`boundary`], with the curves that end stable bent states if the numerics have azimuthal modes.
+/// [`boundary`], with the curves where bent states begin and where they end if the numerics have azimuthal modes.
 ///
 /// # Errors
 /// As of [`boundary`], and of the critical radius of bent states; where no bent states are stable at the first value of the range, a
@@ -48,11 +54,17 @@ pub fn boundary_with_bent(
     if numerics.modes == 0 {
         return Ok(found);
     }
-    let curves = curves(cell, numerics, parameter, range, &mut found.warnings);
-    found.bent = Some(curves.unwrap_or_else(|error| {
-        found.warnings.push(format!("no curves of bent states: {error}"));
+    let [from, to] = range;
+    let values: Vec<f64> = (0..=POINTS).map(|k| from + (to - from) * f64::from(k) / f64::from(POINTS)).collect();
+    let threshold = |value| bent_curves::threshold(cell, numerics, parameter, value);
+    let all = values.into_par_iter().map(threshold).collect();
+    let (begin, missing) = bent_curves::threshold_curve(all, threshold);
+    found.warnings.extend(missing.into_iter().map(|error| format!("a threshold of bent states is missing: {error}")));
+    let ends = curves(cell, numerics, parameter, range, &mut found.warnings).unwrap_or_else(|error| {
+        found.warnings.push(format!("no curves that end bent states: {error}"));
         Vec::new()
-    }));
+    });
+    found.bent = Some(std::iter::once((THRESHOLD, begin)).chain(ends).collect());
     if options.critical && parameter == Parameter::R0 {
         let critical = bent_curves::critical_radius(cell, numerics, &StepBudget::unlimited())?;
         found.warnings.extend(trials(cell, numerics, (critical.kind, critical.r0), &bent_curves::WITHOUT_AXIS));

@@ -30,9 +30,9 @@ pub struct BoundaryStudy {
     pub critical: Option<CurvePoint>,
     /// Thresholds of disturbances that are not axisymmetric, by azimuthal number; `None` if they were not asked for.
     pub azimuthal: Option<Vec<(usize, Curve)>>,
-    /// Without axial symmetry, the curves that end stable bent states, by name; `None` if they were not asked for.
+    /// Without axial symmetry, the curves where bent states begin and where the stable ones end, by name; `None` if they were not asked for.
     pub bent: Option<Vec<(&'static str, Curve)>>,
-    /// Where the first of them passes the cell's activity, over R0.
+    /// Where stable bent states end at the cell's activity, over R0.
     pub bent_critical: Option<CurvePoint>,
     /// What could not be followed or found.
     pub warnings: Vec<String>,
@@ -242,7 +242,7 @@ impl BoundaryStudy {
             "vary": self.parameter.to_string(),
             "cue": self.cell.cue,
             "pitchfork": points(&self.pitchfork.points),
-            "degenerate": points(&self.degenerate()),
+            "degenerate": points(&degenerate(&self.pitchfork)),
             "folds": of_folds.collect::<Vec<_>>(),
             "ends": folds().map(end).collect::<Vec<_>>(),
             "cusps": points(&self.cusps),
@@ -259,27 +259,37 @@ impl BoundaryStudy {
         if let Some(curves) = &self.bent {
             let of = |(name, curve): &(&'static str, Curve)| ((*name).to_owned(), points(&curve.points).into());
             let mut bent: serde_json::Map<String, Value> = curves.iter().map(of).collect();
+            bent.insert("degenerate".to_owned(), points(&self.bent_degenerate()).into());
             bent.insert("critical".to_owned(), self.bent_critical.map(|point| point.value).into());
             document["bent"] = filled(Value::Object(bent));
         }
         document
     }
 
-    /// Where criticality changes; such points are neither sub- nor supercritical.
-    fn degenerate(&self) -> Vec<CurvePoint> {
-        self.pitchfork.degenerate.iter().map(|p| CurvePoint { coefficient: None, ..*p }).collect()
+    fn bent_degenerate(&self) -> Vec<CurvePoint> {
+        self.bent.iter().flatten().flat_map(|(_, curve)| degenerate(curve)).collect()
     }
 
     /// All points with the names of their curves.
     pub fn named(&self) -> Vec<(String, CurvePoint)> {
         let folds = self.folds.iter().enumerate().map(|(k, fold)| (format!("fold {k}"), fold.points.clone()));
-        let before =
-            [("pitchfork".to_owned(), self.pitchfork.points.clone()), ("degenerate".to_owned(), self.degenerate())];
+        let before = [
+            ("pitchfork".to_owned(), self.pitchfork.points.clone()),
+            ("degenerate".to_owned(), degenerate(&self.pitchfork)),
+        ];
         let after = [("cusp".to_owned(), self.cusps.clone()), ("critical".to_owned(), Vec::from_iter(self.critical))];
         let azimuthal = self.azimuthal.iter().flatten().map(|(m, curve)| (format!("m = {m}"), curve.points.clone()));
         let bent = self.bent.iter().flatten().map(|(name, curve)| (format!("bent {name}"), curve.points.clone()));
-        let bent_critical = self.bent_critical.map(|point| ("bent critical".to_owned(), vec![point]));
-        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(bent).chain(after).chain(bent_critical);
+        let bent_after = [
+            ("bent degenerate".to_owned(), self.bent_degenerate()),
+            ("bent critical".to_owned(), Vec::from_iter(self.bent_critical)),
+        ];
+        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(bent).chain(after).chain(bent_after);
         curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
     }
+}
+
+/// Where criticality changes along a curve; such points are neither sub- nor supercritical.
+fn degenerate(curve: &Curve) -> Vec<CurvePoint> {
+    curve.degenerate.iter().map(|p| CurvePoint { coefficient: None, ..*p }).collect()
 }

@@ -74,6 +74,19 @@ pub struct NormalForm {
     pub xi_s: f64,
     /// c, in κ0/L_h: bent states lie above the threshold, and are stable there, if it is positive.
     pub coefficient: f64,
+    /// Distance of the poles over R0 at the threshold.
+    pub elongation: f64,
+}
+
+impl NormalForm {
+    /// The normal form of a cell, from two states near its threshold.
+    ///
+    /// # Errors
+    /// [`BentError`].
+    pub fn of(cell: &Cell, numerics: &Numerics) -> Result<NormalForm, BentError> {
+        check(cell)?;
+        Ok(begin(cell, numerics, &mut Work::default())?.0)
+    }
 }
 
 /// The bent states of a cell.
@@ -435,11 +448,7 @@ impl BentEvent {
 pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranch, BentError> {
     check(cell)?;
     let mut work = Work::default();
-    let mut bent = Bent::at_threshold(cell, numerics)?;
-    bent.advance(0.5 * SMALL, &mut work)?;
-    let near = bent.clone();
-    bent.advance(SMALL, &mut work)?;
-    let threshold = normal_form(&near, &bent);
+    let (threshold, [near, mut bent]) = begin(cell, numerics, &mut work)?;
     let mut before = bent.point()?;
     let points = vec![near.point()?, before];
     let mut found = BentBranch { threshold, points, work, pitchfork: None, fold: None, ended: BranchEnd::Enough };
@@ -519,11 +528,17 @@ fn check(cell: &Cell) -> Result<(), BentError> {
     }
 }
 
-/// From the slopes at two bends of ξ_s = ξ₁ + c bend² + d bend⁴.
-fn normal_form(near: &Bent, far: &Bent) -> NormalForm {
+/// The normal form, and the two states from whose slopes it follows by ξ_s = ξ₁ + c bend² + d bend⁴.
+fn begin(cell: &Cell, numerics: &Numerics, work: &mut Work) -> Result<(NormalForm, [Bent; 2]), BentError> {
+    let mut far = Bent::at_threshold(cell, numerics)?;
+    let elongation = far.elongation();
+    far.advance(0.5 * SMALL, work)?;
+    let near = far.clone();
+    far.advance(SMALL, work)?;
     let [b, b_far] = [near.bend(), far.bend()];
     let [s, s_far] = [near.slope / b, far.slope / b_far];
     let d = (s_far - s) / (4.0 * (b_far * b_far - b * b));
-    let c = 0.5 * s - 2.0 * d * b * b;
-    NormalForm { xi_s: near.cell.xi_s - (c + d * b * b) * b * b, coefficient: c }
+    let coefficient = 0.5 * s - 2.0 * d * b * b;
+    let xi_s = near.cell.xi_s - (coefficient + d * b * b) * b * b;
+    Ok((NormalForm { xi_s, coefficient, elongation }, [near, far]))
 }

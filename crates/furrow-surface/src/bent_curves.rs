@@ -1,4 +1,5 @@
-//! Curves of the pitchforks and folds that end stable bent states, over R0 or ε, and the critical radius.
+//! Curves of the thresholds at which bent states begin and of the pitchforks and folds that end them, over R0 or ε, and the critical
+//! radius.
 
 use furrow_bvp::Work;
 use furrow_cell::{Cell, Numerics, Parameter};
@@ -8,7 +9,7 @@ use furrow_mechanics::equilibria::curves::{Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::error::CellName;
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 
-use crate::bent::{Bent, BentError, BentEvent, can_follow, events};
+use crate::bent::{Bent, BentError, BentEvent, NormalForm, can_follow, events};
 use crate::division::divide;
 
 /// Number of steps over a range, unless one fails.
@@ -21,8 +22,10 @@ const STARTS: [f64; 3] = [1.4, 2.2, 0.9];
 const LARGEST: f64 = 0.12;
 /// Relative accuracy of the critical radius.
 const CLOSE: f64 = 1e-7;
-/// Most steps of the search from one start.
+/// Most steps of a search: for the critical radius from one start, or for a change of criticality.
 const SEARCH: usize = 30;
+/// Accuracy of a change of criticality, relative to the distance of the two values around it.
+const CRITICALITY: f64 = 1e-4;
 
 /// Critical radii of cells without axial symmetry: where the stable bent states end at the cell's activity.
 pub const WITHOUT_AXIS: Method = Method {
@@ -142,6 +145,80 @@ fn follow(
         first.slope = second.slope;
     }
     Ok(())
+}
+
+/// The threshold at which bent states begin at a value of R0 or ε, with the coefficient of the normal form; its slope is unknown.
+///
+/// # Errors
+/// [`ShapeError`].
+pub fn threshold(cell: &Cell, numerics: &Numerics, parameter: Parameter, value: f64) -> Result<CurvePoint, ShapeError> {
+    let mut cell = cell.clone();
+    parameter.set(&mut cell, value);
+    let found = NormalForm::of(&cell, numerics).map_err(|error| error.of(&cell))?;
+    let Cell { r0, epsilon, .. } = cell;
+    let NormalForm { xi_s, coefficient, elongation } = found;
+    Ok(CurvePoint { r0, epsilon, value, xi_s, slope: f64::NAN, elongation, coefficient: Some(coefficient) })
+}
+
+/// The curve through thresholds in the order of their values, and where their coefficient changes its sign; `at` computes the
+/// threshold at another value. Beside the curve, why values are missing.
+pub fn threshold_curve(
+    found: Vec<Result<CurvePoint, ShapeError>>,
+    at: impl Fn(f64) -> Result<CurvePoint, ShapeError>,
+) -> (Curve, Vec<ShapeError>) {
+    let (mut curve, mut missing) = (Curve::default(), Vec::new());
+    let mut last: Option<CurvePoint> = None;
+    for point in found {
+        match point {
+            Ok(mut point) => {
+                if let Some(last) = last {
+                    point.slope = (point.xi_s - last.xi_s) / (point.value - last.value);
+                    match change_of_criticality([last, point], &at) {
+                        Ok(found) => curve.degenerate.extend(found),
+                        Err(error) => missing.push(error),
+                    }
+                }
+                curve.points.push(point);
+                last = Some(point);
+            }
+            Err(error) => {
+                missing.push(error);
+                last = None;
+            }
+        }
+    }
+    (curve, missing)
+}
+
+/// Where the coefficient vanishes between two points of a curve, by the secant that keeps both signs. `None` if it has one sign, and
+/// where it changes the sign through infinity.
+fn change_of_criticality(
+    [mut left, mut right]: [CurvePoint; 2],
+    at: &impl Fn(f64) -> Result<CurvePoint, ShapeError>,
+) -> Result<Option<CurvePoint>, ShapeError> {
+    let of = |point: &CurvePoint| point.coefficient.unwrap_or(f64::NAN);
+    let (mut low, mut high) = (of(&left), of(&right));
+    if low * high >= 0.0 {
+        return Ok(None);
+    }
+    let smaller = low.abs().min(high.abs());
+    let accuracy = CRITICALITY * (right.value - left.value).abs();
+    let mut last = left.value;
+    for _ in 0..SEARCH {
+        let next = at(left.value + (right.value - left.value) * low / (low - high))?;
+        let value = of(&next);
+        if value == 0.0 || (next.value - last).abs() < accuracy {
+            return Ok((value.abs() < smaller).then_some(next));
+        }
+        last = next.value;
+        // The end that stays weighs half, so that it moves too.
+        if value * low > 0.0 {
+            (left, low, high) = (next, value, 0.5 * high);
+        } else {
+            (right, high, low) = (next, value, 0.5 * low);
+        }
+    }
+    Ok(None)
 }
 
 /// The radius below which cells like `cell`, for any radius of `cell`, come to rest bent.

@@ -34,7 +34,11 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
         chart.line(curve.points.iter().map(place), Stroke::solid(style::azimuthal(*m), style::CURVE));
     }
     for (name, curve) in of.bent.iter().flatten() {
-        chart.line(curve.points.iter().map(place), Stroke::dashed(bent_colour(name), style::CURVE, BENT_DASHES));
+        for (kind, piece) in by_criticality(curve) {
+            let dash = if kind == Some(Criticality::Subcritical) { style::DOTTED } else { BENT_DASHES };
+            chart.line(piece.iter().map(place), Stroke::dashed(bent_colour(name), style::CURVE, dash));
+        }
+        chart.points(curve.degenerate.iter().map(place), 6.5, Marker::Ring, bent_colour(name));
     }
     for (kind, piece) in by_criticality(&of.pitchfork) {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
@@ -64,7 +68,11 @@ pub(super) const BENT_DASHES: [f64; 2] = [9.0, 4.0];
 
 /// The colour of a curve of bent states: of the same event with axial symmetry.
 pub(super) fn bent_colour(name: &str) -> style::Colour {
-    if name == "fold" { FOLD } else { PITCHFORK }
+    match name {
+        "fold" => FOLD,
+        "threshold" => style::azimuthal(1),
+        _ => PITCHFORK,
+    }
 }
 
 impl Legend {
@@ -80,10 +88,12 @@ impl Legend {
 fn legend(of: &BoundaryStudy) -> Legend {
     let is = |kind: Criticality| of.pitchfork.points.iter().any(|point| point.criticality() == Some(kind));
     let critical = Key::Point(style::ASYMMETRIC, Marker::Triangle);
+    let bent = of.bent.iter().flatten().map(|(_, curve)| curve);
+    let changes = bent.chain([&of.pitchfork]).any(|curve| !curve.degenerate.is_empty());
     Legend::default()
         .with_if(is(Criticality::Supercritical), Key::Line(PITCHFORK), "pitchfork, supercritical")
         .with_if(is(Criticality::Subcritical), Key::Dashes(PITCHFORK, style::DOTTED), "subcritical")
-        .with_if(!of.pitchfork.degenerate.is_empty(), Key::Point(PITCHFORK, Marker::Ring), "criticality changes")
+        .with_if(changes, Key::Point(PITCHFORK, Marker::Ring), "criticality changes")
         .with_if(!of.folds.is_empty(), Key::Line(FOLD), "fold")
         .with_if(!of.cusps.is_empty(), Key::Point(FOLD, Marker::Diamond), "cusp")
         .with_if(of.critical.is_some(), critical, "critical value")

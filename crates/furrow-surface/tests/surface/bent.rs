@@ -5,7 +5,7 @@ use furrow_mechanics::critical::BoundaryKind;
 use furrow_mechanics::division::{DivisionInput, Outcome};
 use furrow_mechanics::equilibria::StepBudget;
 use furrow_surface::bent::{BentEvent, branch};
-use furrow_surface::bent_curves::{critical_radius, curves};
+use furrow_surface::bent_curves::{critical_radius, curves, threshold, threshold_curve};
 use furrow_surface::division::divide;
 
 use crate::states::within;
@@ -51,6 +51,23 @@ fn curves_of_bent_events_pass_through_those_of_each_branch() {
             within(event.name(), (point.xi_s - expected).abs(), 1e-5);
             assert!((point.r0 - r0).abs() < 1e-12 && point.slope < 0.0);
         }
+    }
+}
+
+/// At R0 = 2 bent states begin supercritically for ε from 0.647 to 0.942. The branch on either side says so too.
+#[test]
+fn bent_states_begin_on_another_side_in_loose_shells() {
+    let (cell, numerics) = (Cell::new(2.0), Numerics { modes: 2, ..coarse() });
+    let at = |epsilon| threshold(&cell, &numerics, Parameter::Epsilon, epsilon);
+    let (found, missing) = threshold_curve(vec![at(0.64), at(0.66)], at);
+    let ([change], true) = (&found.degenerate[..], missing.is_empty()) else { panic!("{found:?} {missing:?}") };
+    within("ε", (change.epsilon - 0.6473).abs(), 5e-4);
+    for (point, below) in found.points.iter().zip([true, false]) {
+        let of = branch(&Cell { epsilon: point.epsilon, ..cell.clone() }, &numerics, 8.0).unwrap();
+        assert_eq!(of.threshold.coefficient, point.coefficient.unwrap());
+        let quadratic = of.threshold.xi_s + of.threshold.coefficient * of.points[1].bend.powi(2);
+        within("ξ_s", (of.points[1].xi_s - quadratic).abs(), 2e-3);
+        assert_eq!(of.points[1].xi_s < of.threshold.xi_s, below);
     }
 }
 
