@@ -18,6 +18,7 @@ use furrow_input::InputError;
 use furrow_lineage::Units;
 use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
+use furrow_lineage::batch::scheduler::solve_all;
 use furrow_lineage::batch::{self, Failure, Filming, Memo, replicates, replicates_by};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
@@ -345,6 +346,9 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
 /// The replicates, with the effects of the noise and of the mesh on the first.
 fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Divisions, CliError> {
     let memo = context.memo()?;
+    if args.replicates == 1 {
+        solve_ahead(input, &memo, context)?;
+    }
     // The second tells whether the noise matters.
     let mut found = solve(args, context, (input, args.replicates.max(2) as usize), &memo, batch::solve)?;
     let Replicate { seed, division, .. } = &found.replicates[0];
@@ -353,6 +357,22 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
     // With one replicate asked for, the second is there for the noise alone.
     found.replicates.truncate(args.replicates as usize);
     Ok(found)
+}
+
+/// Solves into the memo what one replicate needs, at once: the division on twice the mesh, which takes longest, the replicate and
+/// the division of the next seed. What fails is reported where it is asked for.
+fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<(), CliError> {
+    let next = DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() };
+    let all = input.on_twice_the_mesh().into_iter().chain([input.clone(), next]);
+    let unknown: Vec<DivisionInput> = all.filter(|one| memo.known(one).is_none()).collect();
+    if unknown.is_empty() {
+        return Ok(());
+    }
+    interrupt::listen();
+    interrupt::finish();
+    let found = solve_all(unknown, memo, &context.scheduling(&|_| ()), batch::solve)?;
+    messages::warn_of(&found.summary.warnings);
+    Ok(())
 }
 
 /// Solves `count` replicates. At least one of those asked for must succeed; the others may fail without a word.
