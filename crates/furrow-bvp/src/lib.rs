@@ -13,6 +13,7 @@
 //! | [`auto`] | problems from equations, closures and vector fields, with automatic differentiation |
 //! | [`linear`] | residuals, factors and solves of the linearised system |
 //! | [`newton`] | damped Newton, and the adaptive driver [`solve`] |
+//! | `two_point` (private) | [`solve_bvp`]: conditions at both ends, in one call |
 //! | [`continuation`] | branches by pseudo-arclength |
 //! | [`bifurcation`] | folds, pitchforks and branch points as roots, normal forms, switching |
 //! | [`codim2`] | curves of folds and pitchforks in two parameters |
@@ -34,6 +35,7 @@ pub mod metric;
 pub mod newton;
 pub mod problem;
 pub mod solution;
+mod two_point;
 #[cfg(feature = "auto")]
 #[doc = include_str!("tutorial.md")]
 pub mod tutorial {}
@@ -45,7 +47,7 @@ extern crate self as furrow_bvp;
 mod tests;
 
 #[cfg(feature = "auto")]
-pub use auto::{Auto, DualNum, Equations, Number, PeriodicOrbit, SimpleProblem, VectorField};
+pub use auto::{Auto, DualNum, Equations, Jet, Number, PeriodicOrbit, SimpleProblem, VectorField};
 pub use bifurcation::{
     AugmentedReport, BranchPoint, BranchPointKind, Fold, MinimallyAugmented, SingularError, Singularity,
     SymmetryBreaking, locate, normal_form,
@@ -67,3 +69,6 @@ pub use problem::{
     check_derivatives, check_directional,
 };
 pub use solution::{Solution, Transfer};
+#[cfg(feature = "auto")]
+pub use two_point::solve_bvp;
+pub use two_point::{TwoPoint, TwoPointJacobian, solve_two_point};

@@ -27,6 +27,10 @@ mod orbits;
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;
 
+#[cfg(feature = "auto")]
+#[path = "textbook/two_point.rs"]
+mod two_point;
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -1,0 +1,87 @@
+//! Problems in one call, with conditions that involve both ends.
+
+use furrow_bvp::{DualNum, InvalidInput, Jet, Settings, SolveError, mesh, solve_bvp};
+use std::f64::consts::{LN_2, PI, TAU};
+
+fn fine() -> Settings {
+    Settings { tolerance: 1e-9, ..Settings::default() }
+}
+
+/// u″ = u + cos x has the one periodic solution −cos(x)/2.
+#[test]
+fn a_forced_oscillation_is_periodic() {
+    let grid = mesh::uniform(0.0, TAU, 8);
+    let zeros = [0.0; 9];
+    let solved = solve_bvp(
+        |x, y: &[Jet], _, f: &mut [Jet]| {
+            f[0] = y[1];
+            f[1] = y[0] + x.cos();
+        },
+        |ya, yb, _, r| {
+            r[0] = ya[0] - yb[0];
+            r[1] = ya[1] - yb[1];
+        },
+        &grid,
+        &[&zeros, &zeros],
+        &[],
+        &fine(),
+    )
+    .unwrap();
+    let found = solved.solution;
+    assert!(found.scalars.is_empty());
+    for (i, x) in found.mesh.iter().enumerate() {
+        assert!((found.node(i)[0] + x.cos() / 2.0).abs() < 1e-9);
+    }
+}
+
+/// y′ = p y with y(0) = 1 and y(0) y(1) = 2: p = ln 2. The guess is 0 at the right end, where the product does not depend on y(0).
+#[test]
+fn a_product_of_both_ends_is_a_condition() {
+    let solved = solve_bvp(
+        |_, y: &[Jet], p, f: &mut [Jet]| f[0] = p[0] * y[0],
+        |ya, yb, _, r| {
+            r[0] = ya[0] - 1.0;
+            r[1] = ya[0] * yb[0] - 2.0;
+        },
+        &mesh::uniform(0.0, 1.0, 4),
+        &[&[1.0, 1.0, 1.0, 1.0, 0.0]],
+        &[0.3],
+        &fine(),
+    )
+    .unwrap();
+    assert!((solved.solution.scalars[0] - LN_2).abs() < 1e-10);
+    assert!((solved.solution.node(solved.solution.intervals())[0] - 2.0).abs() < 1e-10);
+}
+
+/// u″ + k² u = 0 with u(0) = u(1) = 0 and u′(0) = k from a guess with one full wave: k = 2π.
+#[test]
+fn an_eigenvalue_is_a_scalar_unknown() {
+    let grid = mesh::uniform(0.0, 1.0, 8);
+    let wave: Vec<f64> = grid.iter().map(|x| (TAU * x).sin()).collect();
+    let slope: Vec<f64> = grid.iter().map(|x| 6.0 * (TAU * x).cos()).collect();
+    let solved = solve_bvp(
+        |_, y: &[Jet], p, f: &mut [Jet]| {
+            f[0] = y[1];
+            f[1] = -p[0].powi(2) * y[0];
+        },
+        |ya, yb, p, r| {
+            r[0] = ya[0];
+            r[1] = yb[0];
+            r[2] = ya[1] - p[0];
+        },
+        &grid,
+        &[&wave, &slope],
+        &[6.0],
+        &fine(),
+    )
+    .unwrap();
+    assert!((solved.solution.scalars[0] - 2.0 * PI).abs() < 1e-9);
+}
+
+#[test]
+fn a_guess_that_does_not_fit_the_mesh_is_refused() {
+    let grid = mesh::uniform(0.0, 1.0, 4);
+    let refused = solve_bvp(|_, _, _, _| (), |_, _, _, _| (), &grid, &[&[0.0; 4]], &[], &fine());
+    let expected = InvalidInput::Length { name: "values in a row of the guess", length: 4, expected: 5 };
+    assert_eq!(refused.unwrap_err(), SolveError::Invalid(expected));
+}
