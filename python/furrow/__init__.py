@@ -13,7 +13,7 @@ and share cached ones.
 
 from __future__ import annotations
 
-from . import cache, compare, fit
+from . import bvp, cache, compare, fit
 from ._branches import Branch, Crossing, Curve, Event, Pitchfork, Steady
 from ._cell import Cell, Value
 from ._errors import InputError, Interrupted, NoOutcome
@@ -75,6 +75,7 @@ __all__ = [
     "TreeCell",
     "Value",
     "__version__",
+    "bvp",
     "cache",
     "calibrate",
     "compare",

@@ -8,6 +8,7 @@
 //! | `supervise` | work without the interpreter's lock, stopped by Ctrl-C |
 //! | `inputs` | a cell and its numerics, checked |
 //! | `memo` | solved divisions |
+//! | `bvp` | boundary-value problems of Python functions |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
 //! | `shapes` | where division begins: boundaries, phase diagrams, critical radii, PAR polarity |
 //! | `surfaces` | one cell without axial symmetry: its shapes, its state at rest |
@@ -23,6 +24,7 @@
 //! | `comparisons` | the model beside counts, volumes and outlines of measured embryos |
 //! | `measurements` | the model beside measured lifetimes and doses, the clock fitted to lifetimes |
 
+mod bvp;
 mod cells;
 mod comparisons;
 mod document;
@@ -50,6 +52,7 @@ mod _furrow {
 
     #[pymodule_export]
     use crate::{
+        bvp::{Collocation, solve_bvp},
         cells::{branch, divide, film, pitchfork, steady},
         comparisons::{compare_contours, compare_counts, compare_volumes},
         drawings::{Drawing, draw_division, write_movie, write_shapes},

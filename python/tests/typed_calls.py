@@ -99,6 +99,9 @@ def many(folder: Path) -> None:
     assert_type(furrow.cache.clear(folder), dict[str, Any])
     assert_type(furrow.presets(), list[str])
     assert_type(furrow.parameter_names(), list[tuple[str, str]])
+    solved = furrow.bvp.solve_bvp(lambda x, y, p: p[0] * y, lambda ya, yb, p: ya - 1, [0, 1], [[1, 1]], p=[1], tol=1e-9)
+    assert_type(solved, furrow.bvp.Solution)
+    assert_type(solved.sol([0.5], nu=1), Floats)
 
 
 def observed(table: pd.DataFrame, tree: furrow.Tree, outlines: list[Floats]) -> None:

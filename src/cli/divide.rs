@@ -359,8 +359,8 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
     Ok(found)
 }
 
-/// Solves into the memo what one replicate needs, at once: the division on twice the mesh, which takes longest, the replicate and
-/// the division of the next seed. What fails is reported where it is asked for.
+/// Solves the divisions of one replicate at once and keeps them in the memo: the one on twice the mesh, which takes longest, the
+/// replicate and the one of the next seed. An error is reported where its division is asked for.
 fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<(), CliError> {
     let next = DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() };
     let all = input.on_twice_the_mesh().into_iter().chain([input.clone(), next]);

@@ -528,7 +528,7 @@ fn check(cell: &Cell) -> Result<(), BentError> {
     }
 }
 
-/// The normal form, and the two states from whose slopes it follows by ξ_s = ξ₁ + c bend² + d bend⁴.
+/// The normal form, from ξ_s = ξ₁ + c bend² + d bend⁴ with the slopes of two states, and these states.
 fn begin(cell: &Cell, numerics: &Numerics, work: &mut Work) -> Result<(NormalForm, [Bent; 2]), BentError> {
     let mut far = Bent::at_threshold(cell, numerics)?;
     let elongation = far.elongation();

@@ -13,7 +13,7 @@ struct Closures<F, G> {
     conditions: G,
 }
 
-/// Jets of values, of which up to three that begin at `first` are varied.
+/// Jets of `values`; the three unknowns from `first` on are varied.
 fn jets(values: &[f64], first: usize, offset: usize) -> Vec<Jet> {
     let varied = |k: usize, which: usize| if k + offset == first + which { 1.0 } else { 0.0 };
     let jet =

@@ -1,4 +1,4 @@
-//! Problems whose conditions may involve both ends at once.
+//! Problems with conditions that may involve both ends.
 
 #[cfg(feature = "auto")]
 mod closures;
@@ -44,7 +44,7 @@ pub trait TwoPoint {
 /// The conditions that a problem has at each end, once it is stated with separated ones.
 #[derive(Clone, Debug, PartialEq)]
 enum Separation {
-    /// Every condition involves one end: those of the left, and those of the right end.
+    /// Every condition involves one end: the rows at the left end and at the right end.
     Separated([Vec<usize>; 2]),
     /// A copy c = y(a) among the scalar unknowns takes the values of the left end to the right one.
     Copied,
@@ -102,7 +102,7 @@ impl Separation {
 }
 
 impl<T: TwoPoint> Separated<'_, T> {
-    /// Of a condition's derivatives by y and p, those of the rows at one end.
+    /// Writes the conditions at one end and their derivatives by y and p.
     fn at_end(&self, end: usize, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
         let [n, np] = self.problem.sizes();
         let columns = out.rp.len() / out.r.len().max(1);
