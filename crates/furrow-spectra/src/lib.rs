@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod arnoldi;
+pub mod floquet;
 pub mod svd;
 
 pub use arnoldi::{Arnoldi, EigenError, Krylov, NoEigenvalues, RitzValue};

@@ -3,6 +3,8 @@
 use crate::dimensions::Dimensions;
 use crate::gauss::Gauss;
 use crate::invalid::InvalidInput;
+use crate::linear::{FactorisationError, System};
+use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
 use super::numbers::Number;
@@ -99,6 +101,20 @@ impl<V: VectorField> PeriodicOrbit<V> {
     /// The period T of an orbit; NaN for a solution of another problem.
     pub fn period(orbit: &Solution) -> f64 {
         orbit.scalars.get(orbit.components).copied().unwrap_or(f64::NAN)
+    }
+}
+
+impl<V: VectorField> Auto<PeriodicOrbit<V>> {
+    /// The monodromy matrix of an orbit, n × n, row-major: how a disturbance at its start has changed after a period. Its eigenvalues are
+    /// the Floquet multipliers, one of which is 1.
+    ///
+    /// # Errors
+    /// [`FactorisationError`] if the orbit has other sizes, or a stage matrix is singular.
+    pub fn monodromy(&mut self, orbit: &Solution) -> Result<Vec<f64>, FactorisationError> {
+        let mut system = System::new(self.dimensions(), orbit.m);
+        system.evaluate(self, orbit, &[], true)?;
+        system.condense()?;
+        system.transition()
     }
 }
 

@@ -272,6 +272,27 @@ impl System {
         Ok(())
     }
 
+    /// ∂y(b)/∂y(a) of the linearised differential equations with fixed scalar unknowns, n × n, row-major, after
+    /// [`condense`](Self::condense). For a periodic orbit this is the monodromy matrix.
+    ///
+    /// # Errors
+    /// If the intervals are not condensed.
+    pub fn transition(&self) -> Result<Vec<f64>, FactorisationError> {
+        self.require(Progress::Condensed)?;
+        let (n, outputs) = (self.dimensions().components, self.condensed.output_lanes());
+        let mut product: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        for i in 0..self.condensed.intervals() {
+            let mut next = vec![0.0; n * n];
+            for (k, column) in self.condensed.transition(i).chunks_exact(outputs).take(n).enumerate() {
+                for (row, entry) in column.as_flattened()[..n].iter().enumerate() {
+                    (0..n).for_each(|c| next[row * n + c] += entry * product[k * n + c]);
+                }
+            }
+            product = next;
+        }
+        Ok(product)
+    }
+
     /// Factorises the block system of the problem with the linear conditions, after [`condense`](Self::condense).
     ///
     /// # Errors
