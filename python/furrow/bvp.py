@@ -77,8 +77,8 @@ def solve_bvp(
     as many numbers as there are components and scalar unknowns. ``fun_jac`` and ``bc_jac`` give their derivatives in the shapes
     that SciPy takes; without them derivatives are differences. ``tol`` bounds the defect. Singular terms are not offered.
 
-    Raises :class:`furrow.NoOutcome` if no solution is found, :class:`furrow.InputError` for arguments that do not fit, and what the
-    functions raise.
+    Raises :class:`furrow.NoOutcome` if no solution is found, :class:`furrow.InputError` for arguments that do not fit, and the
+    exceptions of the functions.
     """
     nodes = np.ascontiguousarray(x, dtype=np.float64)
     guess = np.ascontiguousarray(y, dtype=np.float64)
@@ -95,5 +95,3 @@ def solve_bvp(
 
     found = None if unknown is None else scalars
     return Solution(mesh, at(False), at(True), found, defect, condition, iterations, collocation)
-
-

@@ -58,7 +58,7 @@ def test_conditions_may_involve_both_ends():
 
 def test_what_does_not_fit_is_refused_and_what_a_function_raises_is_raised():
     x, zeros = np.linspace(0, 1, 5), np.zeros((2, 5))
-    with pytest.raises(furrow.InputError, match=r"bc = an array of shape \[1\]: must be a function that returns an array of shape \[2\]"):
+    with pytest.raises(furrow.InputError, match=r"bc = an array of shape \[1\]: must be a function .* of shape \[2\]"):
         solve_bvp(bratu, lambda ya, yb: ya[:1], x, zeros)
     with pytest.raises(furrow.InputError, match="must be x of shape"):
         solve_bvp(bratu, ends, x, np.zeros((2, 4)))
