@@ -6,6 +6,7 @@
 //! | module | content |
 //! |---|---|
 //! | [`law`] | balance of forces by virtual power, for any type of number: S.1–S.6 |
+//! | [`own`] | laws of active stress of the cell's own: S.9 |
 //! | [`splines`], [`space`] | functions on the surface, regular at the poles |
 //! | [`problem`], [`newton`], [`linear`] | the discrete equations and their solution |
 //! | [`mesh`] | how rings are spread along the surface |
@@ -31,6 +32,7 @@ pub mod neck;
 pub mod newton;
 pub mod noise;
 pub mod number;
+pub mod own;
 pub mod plane;
 pub mod problem;
 pub mod rates;

@@ -159,6 +159,7 @@ impl Surface {
             sin: from_fn(|k| -z_u[k] / speed[k]),
             v: [from_fn(|k| along[k] * angle(k).sin()), even([0.5, -0.3, 0.6])],
             pressure: 1.7,
+            along: [0.0; 2],
             noise: even([1.1, 0.2, 0.1]),
             local,
             cell,
@@ -248,6 +249,7 @@ impl Surface {
                 local: self.local[k],
                 shell,
                 inverse_axes2: [shell.inverse_b2, shell.inverse_b2, shell.inverse_a2],
+                along: [0.0; 2],
                 noise: self.noise[k],
                 rate: 1.7,
                 past: [0.3, -0.2, 0.5],
@@ -288,7 +290,7 @@ fn the_power_of_a_general_surface_is_that_of_the_axisymmetric_balance() {
             let moved = surface.field(&along, &around, &out).skew();
             let power = |k: usize| {
                 let (place, x, v) = &told[k];
-                let balance = balance(place, x, v, surface.pressure, [0.4, -0.3]);
+                let balance = balance(place, x, v, surface.pressure, [0.4, -0.3], None);
                 weights[k] * (0..6).map(|row| dot(&balance[row], &moved[k][row])).sum::<f64>()
             };
             let expected: f64 = (0..PLACES).map(|k| -area[k] * (tangential[k] * along[k] + normal[k] * out[k])).sum();
@@ -306,7 +308,7 @@ fn the_mesh_moves_with_the_normal_velocity_alone() {
     let centre = [0.4, -0.3];
     let mut worst: f64 = 0.0;
     for (k, (place, x, v)) in surface.told().iter().enumerate() {
-        let balance = balance(place, x, v, surface.pressure, centre);
+        let balance = balance(place, x, v, surface.pressure, centre, None);
         let (sin, cos) = (LINE + TWIST * angle(k).cos()).sin_cos();
         let normal = [surface.sin[k] * cos, surface.sin[k] * sin, surface.cos[k]];
         let area = surface.r[k] * surface.speed[k];
