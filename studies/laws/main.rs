@@ -190,6 +190,10 @@ pub struct Kept {
 }
 
 impl Kept {
+    /// Reads the file, if there is one.
+    ///
+    /// # Errors
+    /// Of a line that is no division.
     pub fn open(path: &Path) -> Result<Kept, Fault> {
         let mut rows = HashMap::new();
         for (k, line) in std::fs::read_to_string(path).unwrap_or_default().lines().enumerate() {
@@ -205,6 +209,7 @@ impl Kept {
         Ok(Kept { file: std::fs::OpenOptions::new().create(true).append(true).open(path)?, rows })
     }
 
+    /// A division, read or computed and written.
     pub fn row(&mut self, input: &DivisionInput) -> Result<Row, Fault> {
         let key: String = Key::new(input).as_bytes().iter().map(|byte| format!("{byte:02x}")).collect();
         if let Some(row) = self.rows.get(&key) {
