@@ -1,7 +1,7 @@
 //! A dividing cell's cortex as a surface without axial symmetry.
 //!
 //! The surface and its flow are splines of degree 4 along the contour times Fourier modes around it. The book numbers the
-//! equations S.1 to S.6.
+//! equations S.1 to S.9.
 //!
 //! | module | content |
 //! |---|---|

@@ -1,12 +1,11 @@
 //! A law of active stress of the cell's own, on a surface without axial symmetry.
 //!
-//! With the mean curvature m = ½C and the deviator D_ij = C_ij − m g_ij, whose size is δ = √(½ D^ij D_ij), the principal curvatures are
-//! m ± δ. A law gives the stresses T₊ and T₋ along the two principal directions:
+//! With the mean curvature m = ½C the deviator D_ij = C_ij − m g_ij and its size δ = √(½ D^ij D_ij), the principal curvatures are m ± δ. A law gives the stresses T₊ and T₋ along the two principal directions:
 //!
 //! * \[S.9 own law\] T^ij = ½(T₊ + T₋) g^ij + (T₊ − T₋)/(2δ) D^ij.
 //!
 //! A law that does not tell c1 from c2 gives the same tensor whichever direction is first, smooth where δ = 0. There the quotient is
-//! evaluated at a small δ, of which T^ij has an error of second order. The moment M^a adds to κ(C − C0) in what multiplies the rate of C, as in
+//! evaluated at a small δ; the error of T^ij is of second order in it. The moment M^a adds to κ(C − C0), the factor of the rate of C, as in
 //! M.28 and M.29, and the normal force to the shell's.
 
 use furrow_cell::law::{Algebra, Function, LawValues, VARIABLES, Variable};

@@ -92,8 +92,8 @@ impl Law {
         })
     }
 
-    /// Why a surface without axial symmetry cannot have it: a surface has two principal directions, neither of which goes around an
-    /// axis, and no regulator.
+    /// Why a surface without axial symmetry cannot have it: a surface has two principal directions, no direction around an axis, and no
+    /// regulator.
     pub fn needs_axis(&self, cell: &Cell) -> Option<String> {
         if self.names(Variable::Phi) {
             return Some("it uses phi, and a regulator has equations with axial symmetry alone".to_owned());
