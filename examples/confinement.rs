@@ -128,6 +128,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ("pitchfork".to_owned(), [pitchfork.xi_s / PECLET, pitchfork.elongation]),
         ],
         shapes,
+        ..Curves::default()
     };
     let format = Format::of(file.as_ref()).ok_or(Format::ALLOWED)?;
     std::fs::write(file, curves::draw(&picture).bytes(format)?)?;

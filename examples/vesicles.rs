@@ -183,6 +183,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             (format!("v = {:.4}", begin.reduced_volume), [begin.reduced_volume, begin.bending_energy / SPHERE]),
         ],
         shapes,
+        ..Curves::default()
     };
     let format = Format::of(file.as_ref()).ok_or(Format::ALLOWED)?;
     std::fs::write(file, curves::draw(&picture).bytes(format)?)?;

@@ -42,5 +42,13 @@ def test_wrong_laws_are_refused() -> None:
         furrow.Cell(2.0, law=PAPER.replace("a*gain*(xi_s", "b*gain*(xi_s"))
     with pytest.raises(furrow.InputError, match=r"law\.b"):
         furrow.Cell(2.0, law=PAPER, **{"law.b": 1.1})
-    with pytest.raises(furrow.InputError, match="without axial symmetry"):
-        furrow.Cell(2.0, law=PAPER, modes=4)
+    ring = PAPER.replace("a*gain*(xi_s", "phi*gain*(xi_s").replace("a*gain*(xi_b", "phi*gain*(xi_b")
+    with pytest.raises(furrow.InputError, match="it uses phi"):
+        furrow.Cell(2.0, law=ring, modes=4)
+
+
+def test_the_papers_law_as_text_bends_a_cell() -> None:
+    built_in = furrow.Cell(2.0, modes=2).divide()
+    own = furrow.Cell(2.0, law=PAPER, modes=2).divide()
+    assert own.chi == pytest.approx(built_in.chi, abs=1e-8)
+    assert own.t_end == pytest.approx(built_in.t_end, rel=1e-8)

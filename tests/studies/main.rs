@@ -8,6 +8,7 @@ mod contours;
 mod ensemble;
 mod fit;
 mod fit_clock;
+mod laws;
 mod reproduction;
 mod solve;
 mod sweep;

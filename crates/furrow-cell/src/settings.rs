@@ -337,12 +337,13 @@ impl Settings {
         self.check_shell(source_name)
     }
 
-    /// Refuses a law of the cell's own without axial symmetry.
+    /// Refuses a law that needs an axis without axial symmetry.
     fn check_law(&self, source_name: &str) -> Result<(), InputError> {
-        let (modes, own) = (self.numerics.modes, self.cell.law.is_some());
-        let allowed =
-            "0 with a law of the cell's own: without axial symmetry there are equations for the paper's law alone";
-        InputError::require(modes == 0 || !own, source_name, "modes", modes, allowed)
+        let modes = self.numerics.modes;
+        let Some(law) = self.cell.law.as_ref().filter(|_| modes > 0) else { return Ok(()) };
+        let Some(reason) = law.needs_axis(&self.cell) else { return Ok(()) };
+        let allowed = format!("0 with the law {}: {reason}", shown(law.name()));
+        Err(InputError::not_allowed(source_name, "modes", modes, allowed))
     }
 
     /// Refuses a law of the cell's own, for computations with the paper's law alone.

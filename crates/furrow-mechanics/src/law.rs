@@ -28,6 +28,14 @@ pub enum LawError {
         /// The law's name.
         law: String,
     },
+    /// A surface without axial symmetry cannot have the law.
+    #[error("the law {law:?} needs axial symmetry: {reason}")]
+    NeedsAxis {
+        /// The law's name.
+        law: String,
+        /// Why.
+        reason: String,
+    },
     /// The shortest waves grow fastest: no mesh is fine enough.
     #[error(
         "the law {law:?} cannot hold at u = {u:.3}: {modulus} there is {share:.3} of its value without the law and must stay above 0, else waves grow the faster the shorter they are, down to the mesh's own wavelength"
@@ -52,6 +60,17 @@ pub fn check(cell: &Cell) -> Result<(), LawError> {
     let Some(law) = &cell.law else { return Ok(()) };
     let refuse = |reason| LawError::Cue { law: law.name().to_owned(), cue: cell.cue.to_string(), reason };
     law.misfit(&cell.cue).map_or(Ok(()), |reason| Err(refuse(reason)))
+}
+
+/// Checks whether a surface without axial symmetry can have the law of a cell.
+///
+/// # Errors
+/// [`LawError::NeedsAxis`], and the errors of [`check`].
+pub fn check_without_axis(cell: &Cell) -> Result<(), LawError> {
+    check(cell)?;
+    let Some(law) = &cell.law else { return Ok(()) };
+    let refuse = |reason| LawError::NeedsAxis { law: law.name().to_owned(), reason };
+    law.needs_axis(cell).map_or(Ok(()), |reason| Err(refuse(reason)))
 }
 
 /// Whether the law cannot hold in the cell without activity, looked at on a spheroid without flow.

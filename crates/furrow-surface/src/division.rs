@@ -7,7 +7,7 @@ use furrow_mechanics::cortex::observables::PINCH_OFF;
 use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending};
 use furrow_mechanics::equilibria::error::CellName;
-use furrow_mechanics::{equilibria, polarity};
+use furrow_mechanics::{equilibria, law, polarity};
 
 use crate::embed::{ContourPoint, embed};
 use crate::neck::{Neck, asymmetry, neck};
@@ -172,12 +172,7 @@ fn check(cell: &Cell, numerics: &Numerics) -> Result<(), DivisionError> {
             "paint the cue, or leave out --three-dimensional",
         );
     }
-    if cell.law.is_some() {
-        return unsupported(
-            "a law of active stress of the cell's own has no equations without axial symmetry",
-            "leave out --law, or --three-dimensional",
-        );
-    }
+    law::check_without_axis(cell).map_err(|source| DivisionError::Law { r0: cell.r0, source })?;
     if numerics.scheme == Scheme::Published {
         return unsupported("the published scheme has axial symmetry alone", "set scheme = converged");
     }

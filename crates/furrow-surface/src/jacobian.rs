@@ -6,6 +6,7 @@ use multiversion::multiversion;
 use crate::law::{BALANCES, Balance, Flow, Geometry, Place, Shape, Vector, balance, by_centre, by_flow, by_pressure};
 use crate::linear::Bordered;
 use crate::number::Gradient;
+use crate::own::Own;
 use crate::problem::{MESH_ROW, Problem, State, mesh_entries};
 use crate::space::{Meridian, Space, Station};
 use crate::splines::LOCAL;
@@ -31,14 +32,22 @@ type Dual = Gradient<SHAPE>;
 type Local = [[f64; OUTPUTS]; INPUTS];
 
 #[inline(always)]
-fn local(place: &Place, x: &Shape<f64>, v: &Flow<f64>, pressure: f64, centre: [f64; 2], out: &mut Local) {
+fn local(
+    place: &Place,
+    x: &Shape<f64>,
+    v: &Flow<f64>,
+    pressure: f64,
+    centre: [f64; 2],
+    own: Option<&mut Own<Dual>>,
+    out: &mut Local,
+) {
     let mut carried: Shape<Dual> = [[Dual::from(0.0); 3]; 6];
     for (k, (to, from)) in carried.as_flattened_mut().iter_mut().zip(x.as_flattened()).enumerate() {
         *to = Dual::variable(*from, k);
     }
     let constant = |v: &Vector<f64>| -> Vector<Dual> { [Dual::from(v[0]), Dual::from(v[1]), Dual::from(v[2])] };
     let flow: Flow<Dual> = [constant(&v[0]), constant(&v[1]), constant(&v[2])];
-    let balance = balance(place, &carried, &flow, Dual::from(pressure), centre.map(Dual::from));
+    let balance = balance(place, &carried, &flow, Dual::from(pressure), centre.map(Dual::from), own);
     for (k, value) in balance.as_flattened().iter().enumerate() {
         for input in 0..SHAPE {
             out[input][k] = value.by[input];
@@ -224,10 +233,11 @@ fn assemble(problem: &Problem, state: &State, out: &mut Bordered) {
     let count = space.harmonics.len();
     let (mut ring, mut element) = (Ring::new(count), Element::new(count));
     let mut derivatives = [[0.0; OUTPUTS]; INPUTS];
+    let mut own = Own::of(&problem.constants);
     let last = space.meridians.len() - 1;
     problem.for_each_point(state, |q, j, place, x, v, centre| {
         let station = &space.stations[q];
-        local(place, x, v, state.pressure, centre, &mut derivatives);
+        local(place, x, v, state.pressure, centre, own.as_mut(), &mut derivatives);
         ring.add(space, &space.meridians[j], &derivatives, station.weight * space.meridian_weight());
         if j == last {
             element.add(station, &ring.tested);

@@ -15,6 +15,8 @@
 //! leave the poles free to move along the surface; near them the centres of the rings are drawn to the axis.
 
 use crate::number::Number;
+use crate::own::Own;
+use furrow_cell::law::Algebra;
 use furrow_mechanics::cortex::equations::{LocalCoefficients, ShellCoefficients};
 
 /// A vector (x, y, z).
@@ -42,6 +44,8 @@ pub struct Place {
     pub shell: ShellCoefficients<f64>,
     /// 1/x², 1/y², 1/z² of its half axes.
     pub inverse_axes2: Vector<f64>,
+    /// u and s where an own law reads them, on the mean meridian.
+    pub along: [f64; 2],
     /// Factor of the activity: noise.
     pub noise: f64,
     /// 1/Δt of the implicit step, its leading coefficient.
@@ -91,11 +95,11 @@ fn add<D: Number>(to: &mut Vector<D>, s: D, a: &Vector<D>) {
 }
 
 /// A symmetric tensor by its components uu, uφ, φφ.
-type Symmetric<D> = [D; 3];
+pub type Symmetric<D> = [D; 3];
 
 /// a·s + b·t.
 #[inline(always)]
-fn mix<D: Number>(a: Symmetric<D>, b: Symmetric<D>, s: D, t: D) -> Symmetric<D> {
+pub(crate) fn mix<D: Number>(a: Symmetric<D>, b: Symmetric<D>, s: D, t: D) -> Symmetric<D> {
     [a[0] * s + b[0] * t, a[1] * s + b[1] * t, a[2] * s + b[2] * t]
 }
 
@@ -107,7 +111,7 @@ fn trace<D: Number>(a: &Symmetric<D>, b: &Symmetric<D>) -> D {
 
 /// g^ik g^jl a_kl.
 #[inline(always)]
-fn raise<D: Number>(g: &Symmetric<D>, a: &Symmetric<D>) -> Symmetric<D> {
+pub(crate) fn raise<D: Number>(g: &Symmetric<D>, a: &Symmetric<D>) -> Symmetric<D> {
     let [g_uu, g_up, g_pp] = *g;
     let [uu, up, pp] = *a;
     // a^i_l with the first index raised.
@@ -197,19 +201,36 @@ fn add_tension<D: Number>(out: &mut Balance<D>, tension: &Symmetric<D>, x: &Shap
     }
 }
 
-/// The balance at a point: see [`Balance`]. `centre` is x₀ and z₀ of the ring's centre.
+/// The balance at a point: see [`Balance`]. `centre` is x₀ and z₀ of the ring's centre, `own` the cell's own law in place of S.2.
 #[inline(always)]
-pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D, centre: [D; 2]) -> Balance<D> {
+pub fn balance<D: Number + Algebra>(
+    place: &Place,
+    x: &Shape<D>,
+    v: &Flow<D>,
+    pressure: D,
+    centre: [D; 2],
+    own: Option<&mut Own<D>>,
+) -> Balance<D> {
     let geometry = Geometry::new(x);
     let Geometry { area, normal, inverse_metric: g, curvature, mean } = &geometry;
     let local = &place.local;
     let mut out = by_flow(place, &geometry, x, v);
     let bent = *mean - local.spontaneous;
-    let moment = bent * local.kappa;
+    let mut moment = bent * local.kappa;
     let energy = moment * bent * 0.5 + local.tension;
+    let mut force = wall_force(place, normal, &x[0]);
+    let active = match own {
+        None => active_stress(place, &geometry),
+        Some(own) => {
+            let own = own.at(place, &geometry, &x[0]);
+            moment += own.moment;
+            force += own.normal_force;
+            own.stress
+        }
+    };
     // Tension along the surface: active, and the share of the bending energy.
     let elastic = mix(*g, raise(g, curvature), energy, moment * -2.0);
-    add_tension(&mut out, &mix(active_stress(place, &geometry), elastic, *area, *area), x);
+    add_tension(&mut out, &mix(active, elastic, *area, *area), x);
     let bending = moment * *area;
     for (k, christoffel) in geometry.christoffel(x).iter().enumerate() {
         add(&mut out[1 + k], trace(g, christoffel) * bending, normal);
@@ -217,7 +238,7 @@ pub fn balance<D: Number>(place: &Place, x: &Shape<D>, v: &Flow<D>, pressure: D,
     for (ij, factor) in [1.0, 2.0, 1.0].into_iter().enumerate() {
         add(&mut out[3 + ij], -bending * g[ij] * factor, normal);
     }
-    add(&mut out[0], -*area * (pressure + wall_force(place, normal, &x[0])), normal);
+    add(&mut out[0], -*area * (pressure + force), normal);
     if !place.shell.rigidity_gradient {
         // The paper's reading lacks ½(C − C0)²∇κ, which the energy brings.
         let slope = bent * bent * *area * (0.5 * local.kappa_u);

@@ -1,11 +1,12 @@
 //! A dividing cell's cortex as a surface without axial symmetry.
 //!
 //! The surface and its flow are splines of degree 4 along the contour times Fourier modes around it. The book numbers the
-//! equations S.1 to S.6.
+//! equations S.1 to S.9.
 //!
 //! | module | content |
 //! |---|---|
 //! | [`law`] | balance of forces by virtual power, for any type of number: S.1–S.6 |
+//! | [`own`] | laws of active stress of the cell's own: S.9 |
 //! | [`splines`], [`space`] | functions on the surface, regular at the poles |
 //! | [`problem`], [`newton`], [`linear`] | the discrete equations and their solution |
 //! | [`mesh`] | how rings are spread along the surface |
@@ -31,6 +32,7 @@ pub mod neck;
 pub mod newton;
 pub mod noise;
 pub mod number;
+pub mod own;
 pub mod plane;
 pub mod problem;
 pub mod rates;

@@ -3,6 +3,8 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
+use furrow_cell::law::{Algebra, Function};
+
 /// The arithmetic of the balance.
 pub trait Number:
     Copy
@@ -175,5 +177,21 @@ impl<const N: usize> Number for Gradient<N> {
     fn recip(self) -> Gradient<N> {
         let value = 1.0 / self.value;
         self.chain(value, -value * value)
+    }
+}
+
+impl<const N: usize> Algebra for Gradient<N> {
+    fn real(self) -> f64 {
+        self.value
+    }
+
+    fn call(self, function: Function) -> Gradient<N> {
+        let value = self.value.call(function);
+        self.chain(value, function.slope(self.value, value))
+    }
+
+    fn whole_power(self, exponent: i32) -> Gradient<N> {
+        let slope = if exponent == 0 { 0.0 } else { f64::from(exponent) * self.value.powi(exponent - 1) };
+        self.chain(self.value.powi(exponent), slope)
     }
 }

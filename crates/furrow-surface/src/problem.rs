@@ -6,6 +6,7 @@ use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients, ShellCoe
 
 use crate::law::{Balance, Contact, Flow, Place, Shape, Vector, balance};
 use crate::mesh::Mesh;
+use crate::own::Own;
 use crate::plane::Plates;
 use crate::space::{Entries, Meridian, POINTS, Space, Station};
 
@@ -113,6 +114,7 @@ impl Problem {
             local: self.constants.at(share, length),
             shell: self.constants.shell,
             inverse_axes2: self.inverse_axes2(),
+            along: self.constants.law.as_ref().map_or([0.0; 2], |law| law.along(share, length)),
             noise: 1.0,
             rate: 0.0,
             past: [0.0; 3],
@@ -182,13 +184,27 @@ impl Problem {
         self.shares(&speeds, length).into_iter().zip(speeds).map(at).collect()
     }
 
-    fn place(&self, q: usize, j: usize, local: LocalCoefficients<f64>, past: &[[f64; 3]]) -> Place {
+    /// u and s at every station where an own law reads them; empty if it does not.
+    fn along(&self, surface: &[f64]) -> Vec<[f64; 2]> {
+        let Some(law) = self.constants.law.as_ref().filter(|law| law.placed) else { return Vec::new() };
+        let (speeds, length) = self.speeds(surface);
+        self.shares(&speeds, length).into_iter().map(|share| law.along(share, length)).collect()
+    }
+
+    fn place(
+        &self,
+        q: usize,
+        j: usize,
+        (local, along): (LocalCoefficients<f64>, [f64; 2]),
+        past: &[[f64; 3]],
+    ) -> Place {
         let index = q * self.space.meridians.len() + j;
         let past = if past.is_empty() { [0.0; 3] } else { self.space.shape(past, &self.space.meridians[j])[0] };
         Place {
             local,
             shell: self.constants.shell,
             inverse_axes2: self.inverse_axes2(),
+            along,
             noise: self.noise.get(index).copied().unwrap_or(1.0),
             rate: self.motion.rate,
             past,
@@ -209,6 +225,7 @@ impl Problem {
         let space = &self.space;
         let coefficients = self.coefficients(&state.surface);
         let around = coefficients.len() / space.stations.len();
+        let along = self.along(&state.surface);
         let [mut surface, mut flow, mut past] = [const { Vec::new() }; 3];
         for (q, station) in space.stations.iter().enumerate() {
             space.functions(&state.surface, station, &mut surface);
@@ -221,7 +238,8 @@ impl Problem {
                 let x = space.shape(&surface, meridian);
                 let [v, v_u, v_p, ..] = space.shape(&flow, meridian);
                 let local = coefficients[q * around + if around > 1 { j } else { 0 }];
-                each(q, j, &self.place(q, j, local, &past), &x, &[v, v_u, v_p], centre);
+                let along = along.get(q).copied().unwrap_or_default();
+                each(q, j, &self.place(q, j, (local, along), &past), &x, &[v, v_u, v_p], centre);
             }
         }
     }
@@ -234,10 +252,11 @@ impl Problem {
         // Tests at a station: by f, f′, f″ of the flow's, and by f of the mesh's.
         let mut tested = vec![0.0; 4 * count];
         let last = space.meridians.len() - 1;
+        let mut own = Own::of(&self.constants);
         self.for_each_point(state, |q, j, place, x, v, centre| {
             let station = &space.stations[q];
             let weight = station.weight * space.meridian_weight();
-            let balance = balance(place, x, v, state.pressure, centre);
+            let balance = balance(place, x, v, state.pressure, centre, own.as_mut());
             out.volume += weight * volume_density(x);
             test(space, &space.meridians[j], &balance, weight, &mut tested);
             if j == last {

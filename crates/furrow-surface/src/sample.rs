@@ -1,6 +1,7 @@
 //! A surface sampled for pictures and files.
 
 use crate::law::{Geometry, Vector, active_stress};
+use crate::own::Own;
 use crate::problem::{Problem, State};
 use crate::space::Space;
 
@@ -25,6 +26,7 @@ pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> 
     let meridians: Vec<_> = (0..columns).map(place).collect();
     let mean = problem.mean_meridian(&state.surface);
     let mut functions = Vec::new();
+    let mut own = Own::of(&problem.constants);
     let mut out = Vec::with_capacity(rows * columns);
     for row in 0..rows {
         // A pole takes its normal from a ring close to it.
@@ -35,7 +37,10 @@ pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> 
         for meridian in &meridians {
             let shape = space.shape(&functions, meridian);
             let geometry = Geometry::new(&shape);
-            let stress = active_stress(&place, &geometry);
+            let stress = match &mut own {
+                None => active_stress(&place, &geometry),
+                Some(own) => own.at(&place, &geometry, &shape[0]).stress,
+            };
             let metric = [(1, 1), (1, 2), (2, 2)].map(|(a, b)| (0..3).map(|k| shape[a][k] * shape[b][k]).sum::<f64>());
             let tension = 0.5 * (stress[0] * metric[0] + 2.0 * stress[1] * metric[1] + stress[2] * metric[2]);
             out.push(Sample { share, x: shape[0], normal: geometry.normal, tension });

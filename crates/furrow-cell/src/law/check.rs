@@ -92,6 +92,38 @@ impl Law {
         })
     }
 
+    /// Why a surface without axial symmetry cannot have it: a surface has two principal directions, no direction around an axis, and no
+    /// regulator.
+    pub fn needs_axis(&self, cell: &Cell) -> Option<String> {
+        if self.names(Variable::Phi) {
+            return Some("it uses phi, and a regulator has equations with axial symmetry alone".to_owned());
+        }
+        if let Some(rate) = [Variable::Suu, Variable::Sphiphi].into_iter().find(|rate| self.names(*rate)) {
+            let name = rate.name();
+            return Some(format!("it uses {name}, which leaves out the shear of directions that are not principal"));
+        }
+        let (values, mut memory) = (LawValues::new(self, cell, |_, v| v), Vec::new());
+        for k in 0..PLACES {
+            let here = self.sample(cell, &values, k, 0.5 * (1.0 + 0.98 * spread(k, 6)));
+            let [c1, c2] = [Variable::C1, Variable::C2].map(|variable| here[variable as usize]);
+            let mut turned = here;
+            (turned[Variable::C1 as usize], turned[Variable::C2 as usize]) = (c2, c1);
+            let [a, b] = [here, turned].map(|place| values.at(&place, &mut memory));
+            let pairs = [
+                (a.stress[0], b.stress[1]),
+                (a.stress[1], b.stress[0]),
+                (a.moment, b.moment),
+                (a.normal_force, b.normal_force),
+            ];
+            if let Some((found, other)) = pairs.into_iter().find(|(a, b)| differ(*a, *b)) {
+                return Some(format!(
+                    "it tells the direction around the axis from the other: at c1 = {c1:.3}, c2 = {c2:.3} it gives {found:.6}, and {other:.6} for the same principal direction with c1 and c2 exchanged"
+                ));
+            }
+        }
+        None
+    }
+
     /// Why a cue does not go with the law: it paints an activity that no expression names, or something that the moment uses,
     /// whose slope along the contour the equations would need.
     pub fn misfit(&self, cue: &Cue) -> Option<String> {

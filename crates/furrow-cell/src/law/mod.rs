@@ -175,6 +175,8 @@ pub struct LawValues<D> {
     pub viscous: bool,
     /// Whether there is a moment.
     pub bends: bool,
+    /// Whether u or s is used.
+    pub placed: bool,
     /// Whether the moment depends on c1 or C, and whether on any quantity along the contour.
     pub moment: [bool; 2],
 }
@@ -207,6 +209,7 @@ impl<D: Number> LawValues<D> {
             reversed: law.reversed,
             viscous: law.names(Variable::Suu) || law.names(Variable::Sphiphi),
             bends: law.program.results[0].is_some(),
+            placed: law.names(Variable::U) || law.names(Variable::S),
             moment: {
                 let of =
                     |variables: &[Variable]| variables.iter().any(|variable| law.uses(Expression::Moment, *variable));
@@ -220,13 +223,14 @@ impl<D: Number> LawValues<D> {
 impl<D: Algebra> LawValues<D> {
     /// The same with numbers of another kind.
     pub fn map<E>(&self, number: impl Fn(D) -> E) -> LawValues<E> {
-        let LawValues { reversed, viscous, bends, moment, .. } = *self;
+        let LawValues { reversed, viscous, bends, placed, moment, .. } = *self;
         LawValues {
             program: self.program.clone(),
             uniform: self.uniform.iter().map(|value| number(*value)).collect(),
             reversed,
             viscous,
             bends,
+            placed,
             moment,
         }
     }

@@ -5,6 +5,7 @@ mod crossing;
 mod derivatives;
 mod divisions;
 mod invariance;
+mod own_law;
 mod plane;
 mod power;
 mod states;

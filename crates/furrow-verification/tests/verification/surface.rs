@@ -8,11 +8,12 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use furrow_cell::{Cell, Cue, Numerics, RigidityGradient};
+use furrow_cell::{Cell, Cue, Law, Numerics, RigidityGradient};
 use furrow_mechanics::cortex::equations::{Constants, LocalCoefficients};
 use furrow_surface::division::start;
 use furrow_surface::embed::project;
 use furrow_surface::law::{Contact, Flow, Place, Shape, Vector, balance, wall_force};
+use furrow_surface::own::Own;
 use furrow_surface::plane::Plates;
 use furrow_surface::problem::Problem;
 use furrow_surface::space::{Harmonic, Space};
@@ -115,6 +116,8 @@ struct Surface {
     /// Tangential and normal velocity.
     v: [Values; 2],
     pressure: f64,
+    /// Whether [`OWN`] gives the stress.
+    own: bool,
     noise: Values,
     local: Vec<LocalCoefficients<f64>>,
 }
@@ -124,7 +127,36 @@ fn even([size, first, second]: [f64; 3]) -> Values {
     from_fn(|k| size * (1.0 + first * angle(k).cos() + second * (2.0 * angle(k)).cos()))
 }
 
+/// A law with all that a surface may have, as text; [`Surface::own_law`] states it again.
+const OWN: &str = r#"Law(
+    name: "own",
+    stress_uu: "gain*(xi_s*(c1 - c2)/2/(1 + (c1 - c2)^2/9) + xi_b*C) + 0.3*eta_b*cos(r)",
+    stress_phiphi: "gain*(xi_b*C - xi_s*(c1 - c2)/2/(1 + (c1 - c2)^2/9)) + 0.3*eta_b*cos(r)",
+    moment: "0.2*tanh(C) - 0.1*c1*c2",
+    normal_force: "0.3*friction*cos(r) + 0.1*C",
+)"#;
+
+/// T_uu, T_φφ, moment and normal force of a law at a place.
+struct Active {
+    stress: [f64; 2],
+    moment: f64,
+    force: f64,
+}
+
 impl Surface {
+    /// [`OWN`] at a place with these curvatures, without its noise.
+    fn own_law(&self, k: usize, [c1, c2]: [f64; 2]) -> Active {
+        let LocalCoefficients { eta_sum, eta_difference, xi_s, xi_b, friction, .. } = self.local[k];
+        let d = c1 - c2;
+        let (shear, even) = (0.5 * xi_s * d / (1.0 + d * d / 9.0), xi_b * (c1 + c2));
+        let passive = 0.15 * (eta_sum + eta_difference) * self.r[k].cos();
+        Active {
+            stress: [even + shear + passive, even - shear + passive],
+            moment: 0.2 * (c1 + c2).tanh() - 0.1 * c1 * c2,
+            force: 0.3 * friction * self.r[k].cos() + 0.1 * (c1 + c2),
+        }
+    }
+
     fn new(full: bool) -> Surface {
         let mut cell = Cell::new(1.9);
         (cell.material.spontaneous_curvature, cell.material.normal_friction) = (0.3, 0.8);
@@ -159,6 +191,7 @@ impl Surface {
             sin: from_fn(|k| -z_u[k] / speed[k]),
             v: [from_fn(|k| along[k] * angle(k).sin()), even([0.5, -0.3, 0.6])],
             pressure: 1.7,
+            own: false,
             noise: even([1.1, 0.2, 0.1]),
             local,
             cell,
@@ -202,16 +235,23 @@ impl Surface {
         let v_s = self.along(v, Kind::Odd);
         let tension = |k: usize| {
             let LocalCoefficients { eta_sum, eta_difference, xi_s, xi_b, .. } = self.local[k];
+            let own = if self.own { self.own_law(k, [c1[k], c2[k]]).stress } else { [0.0; 2] };
+            let built_in = if self.own { 0.0 } else { 1.0 };
             let law = [
                 0.5 * (eta_sum + eta_difference),
                 0.5 * (eta_sum - eta_difference),
-                xi_s * self.noise[k],
-                xi_b * self.noise[k],
+                xi_s * self.noise[k] * built_in,
+                xi_b * self.noise[k] * built_in,
             ];
-            stress(law, [v_s[k] + c1[k] * v_n[k], cot[k] * v[k] + c2[k] * v_n[k]], [c1[k], c2[k]])
+            let rates = [v_s[k] + c1[k] * v_n[k], cot[k] * v[k] + c2[k] * v_n[k]];
+            let rest = stress(law, rates, [c1[k], c2[k]]);
+            [0, 1].map(|direction| rest[direction] + own[direction] * self.noise[k])
         };
         let [t_uu, t_pp]: [Values; 2] = [0, 1].map(|component| from_fn(|k| tension(k)[component]));
-        let q = self.along(&from_fn(|k| self.local[k].kappa * (c1[k] + c2[k] - self.local[k].spontaneous)), Kind::Even);
+        let moment = |k: usize| if self.own { self.own_law(k, [c1[k], c2[k]]).moment } else { 0.0 };
+        let bending = |k: usize| self.local[k].kappa * (c1[k] + c2[k] - self.local[k].spontaneous) + moment(k);
+        let q = self.along(&from_fn(bending), Kind::Even);
+        let mean_s = self.along(&from_fn(|k| c1[k] + c2[k]), Kind::Even);
         let q_s = self.along(&q, Kind::Odd);
         let t_s = self.along(&t_uu, Kind::Even);
         let [kappa_s, tension_s] = [
@@ -222,17 +262,19 @@ impl Surface {
         let tangential = |k: usize| {
             let here = &self.local[k];
             let bending = gradient * (c1[k] + c2[k] - here.spontaneous).powi(2) * kappa_s[k];
-            t_s[k] + cot[k] * (t_uu[k] - t_pp[k]) + bending + tension_s[k] - here.friction * v[k]
+            let own = moment(k) * mean_s[k];
+            t_s[k] + cot[k] * (t_uu[k] - t_pp[k]) + bending - own + tension_s[k] - here.friction * v[k]
         };
         let normal = |k: usize| {
             let here = &self.local[k];
             let bent = c1[k] + c2[k] - here.spontaneous;
             let energy = 0.5 * here.kappa * bent * bent + here.tension;
-            let elastic = |c: f64| energy - here.kappa * bent * c;
+            let elastic = |c: f64| energy - (here.kappa * bent + moment(k)) * c;
             let along = c1[k] * (elastic(c1[k]) + t_uu[k]) + c2[k] * (elastic(c2[k]) + t_pp[k]);
             let outside =
                 shell_force(&self.cell, self.r[k], self.z[k], self.sin[k].atan2(self.cos[k])) - self.wall(k).1;
-            q_s[k] + cot[k] * q[k] - along + self.pressure + outside - self.cell.material.normal_friction * v_n[k]
+            let own = if self.own { self.own_law(k, [c1[k], c2[k]]).force * self.noise[k] } else { 0.0 };
+            q_s[k] + cot[k] * q[k] - along + self.pressure + outside + own - self.cell.material.normal_friction * v_n[k]
         };
         [from_fn(tangential), from_fn(normal)]
     }
@@ -248,6 +290,7 @@ impl Surface {
                 local: self.local[k],
                 shell,
                 inverse_axes2: [shell.inverse_b2, shell.inverse_b2, shell.inverse_a2],
+                along: [0.0; 2],
                 noise: self.noise[k],
                 rate: 1.7,
                 past: [0.3, -0.2, 0.5],
@@ -277,26 +320,40 @@ fn motions() -> Vec<[Values; 3]> {
 #[test]
 fn the_power_of_a_general_surface_is_that_of_the_axisymmetric_balance() {
     for full in [true, false] {
-        let surface = Surface::new(full);
-        let [tangential, normal] = surface.unbalanced();
-        let weights = weights();
-        let area: Values = from_fn(|k| weights[k] * surface.r[k] * surface.speed[k]);
-        let told = surface.told();
-        let size = (0..PLACES).map(|k| area[k] * tangential[k].hypot(normal[k])).sum::<f64>();
-        let mut worst: f64 = 0.0;
-        for [along, around, out] in motions() {
-            let moved = surface.field(&along, &around, &out).skew();
-            let power = |k: usize| {
-                let (place, x, v) = &told[k];
-                let balance = balance(place, x, v, surface.pressure, [0.4, -0.3]);
-                weights[k] * (0..6).map(|row| dot(&balance[row], &moved[k][row])).sum::<f64>()
-            };
-            let expected: f64 = (0..PLACES).map(|k| -area[k] * (tangential[k] * along[k] + normal[k] * out[k])).sum();
-            let found: f64 = (0..PLACES).map(power).sum();
-            worst = worst.max((found - expected).abs() / size);
-        }
-        within("power", worst, 1e-9);
+        within("power", power_off(&Surface::new(full), None), 1e-9);
     }
+}
+
+/// With a law of the cell's own in place of the built-in stress, S.9.
+#[test]
+fn the_power_of_a_law_is_that_of_the_axisymmetric_balance() {
+    let surface = Surface { own: true, ..Surface::new(true) };
+    let cell = surface.cell.clone().with_law(Law::parse(OWN, "own").unwrap());
+    let own = Own::of(&Constants::new(&cell, |_, value| value));
+    assert!(own.is_some());
+    within("power", power_off(&surface, own), 1e-9);
+}
+
+/// The largest difference of the powers of both statements.
+fn power_off(surface: &Surface, own: Option<Own<f64>>) -> f64 {
+    let [tangential, normal] = surface.unbalanced();
+    let weights = weights();
+    let area: Values = from_fn(|k| weights[k] * surface.r[k] * surface.speed[k]);
+    let told = surface.told();
+    let size = (0..PLACES).map(|k| area[k] * tangential[k].hypot(normal[k])).sum::<f64>();
+    let mut worst: f64 = 0.0;
+    for [along, around, out] in motions() {
+        let moved = surface.field(&along, &around, &out).skew();
+        let power = |k: usize| {
+            let (place, x, v) = &told[k];
+            let balance = balance(place, x, v, surface.pressure, [0.4, -0.3], own.clone().as_mut());
+            weights[k] * (0..6).map(|row| dot(&balance[row], &moved[k][row])).sum::<f64>()
+        };
+        let expected: f64 = (0..PLACES).map(|k| -area[k] * (tangential[k] * along[k] + normal[k] * out[k])).sum();
+        let found: f64 = (0..PLACES).map(power).sum();
+        worst = worst.max((found - expected).abs() / size);
+    }
+    worst
 }
 
 /// S.4 and S.5: the normal part of the mesh's balance is (∂_tX − v)·n, the tangential part spreads the mesh.
@@ -306,7 +363,7 @@ fn the_mesh_moves_with_the_normal_velocity_alone() {
     let centre = [0.4, -0.3];
     let mut worst: f64 = 0.0;
     for (k, (place, x, v)) in surface.told().iter().enumerate() {
-        let balance = balance(place, x, v, surface.pressure, centre);
+        let balance = balance(place, x, v, surface.pressure, centre, None);
         let (sin, cos) = (LINE + TWIST * angle(k).cos()).sin_cos();
         let normal = [surface.sin[k] * cos, surface.sin[k] * sin, surface.cos[k]];
         let area = surface.r[k] * surface.speed[k];
