@@ -219,7 +219,8 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
             f"--{name}": f"furrow.test({name})"
             for name in ("free", "noise", "cells", "population", "voxel", "unit", "lineage", "particles", "moves", "seed")
         }
-        | {f"--{name}": f"furrow.test({name})" for name in ("names", "root")},
+        | {f"--{name}": f"furrow.test({name})" for name in ("names", "root", "hypotheses", "rounds", "lifetimes")}
+        | {"--lifetime-sd": "furrow.test(lifetime_sd)"},
     ),
     "compare": ("furrow.compare", {}),
     "compare counts": (

@@ -363,6 +363,7 @@ mod tests {
             logarithmic: false,
             sign: 1.0,
             founders: Some((founder.to_owned(), vec![lineage.founder_named(founder).unwrap()])),
+            except: Vec::new(),
         };
         let unknowns = vec![epsilon("P0"), epsilon("P1")];
         let names = ["P0", "P1"];

@@ -6,6 +6,7 @@
 //! | [`free`] | hypotheses, and the numbers that are fitted |
 //! | [`noise`] | the errors of χ, and the likelihood |
 //! | `scores` | the fit of each hypothesis, and how it predicts embryos that were left out |
+//! | [`others`] | what was observed beside χ: rounds and lifetimes |
 //! | [`pairs`] | whether two hypotheses are distinguishable |
 //! | [`posterior`] | the numbers as a sample of their posterior, and what surprises the hypothesis |
 //! | `text` | the answer as text |
@@ -27,6 +28,7 @@
 pub mod free;
 pub mod noise;
 pub mod observations;
+pub mod others;
 pub mod pairs;
 pub mod posterior;
 mod scores;
@@ -37,6 +39,7 @@ mod text;
 pub use free::{Hypothesis, Named};
 pub use noise::{Noise, NoiseKind};
 pub use observations::Observations;
+pub use others::{OtherScore, Others, OthersScore, Quantity};
 pub use pairs::Pair;
 pub use posterior::{Posterior, samples_csv};
 pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};

@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::Question;
 use super::noise::{Noise, NoiseKind, UNDIVIDED, common_sd, log_likelihood};
 use super::observations::{Observation, Observations};
+use super::others::{self, Others};
 use super::scores::residuals;
 use crate::fit::chain::Model;
 use crate::fit::error::check_cancelled;
@@ -124,6 +125,7 @@ pub(super) fn log_density_of(rows: &[Observation], residuals: &[f64], noise: &No
 pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sampling) -> Result<Posterior, FitError> {
     let Question { observations, noise, .. } = question;
     let Observations { rows, cells, .. } = observations;
+    let of_all: Vec<&Others> = observations.others.iter().collect();
     let (done, usual) = (AtomicUsize::new(0), sampling.particles * USUAL);
     let check = || check_cancelled(model.run.cancel, done.load(Ordering::Relaxed), SAMPLES);
     let likelihood = |place: &[f64]| {
@@ -132,8 +134,10 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
         if let Some(show) = model.run.progress {
             show(FitProgress { done, of: usual.max(done), least: None });
         }
-        let chi = model.chi(&model.values(place), cells);
-        Some((log_density_of(rows, &residuals(rows, &chi), noise), chi))
+        let values = model.values(place);
+        let chi = model.chi(&values, cells);
+        let beside = others::log_likelihood(&of_all, model, &values);
+        Some((log_density_of(rows, &residuals(rows, &chi), noise) + beside, chi))
     };
     let found = sample(model.unknowns.len(), sampling, &likelihood);
     check()?;
