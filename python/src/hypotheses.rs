@@ -129,6 +129,7 @@ pub fn test(
         let (observations, hypotheses, noise, memo) = (&observations, &hypotheses, &noise, &memo);
         let sampling = asked.samples.map(|particles| Sampling { particles, seed });
         let question = Question { observations, hypotheses, noise, effort, sampling, memo };
+        question.check(ARGUMENTS)?;
         let show = |FitProgress { done, of, .. }| watch.set([0, done, of]);
         let run = FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &watch.stop) };
         let found = tested(&run, &question)?;

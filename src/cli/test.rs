@@ -55,7 +55,8 @@ pub struct TestArgs {
     /// Hypotheses(hypotheses: [(name: "a", cue: "germline", free: ["epsilon", "epsilon@somatic"])])
     #[arg(help_heading = "Hypotheses", long, value_name = "FILE.ron")]
     hypotheses: Option<PathBuf>,
-    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; none fits nothing;
+    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; PARAMETER@embryo differs
+    /// between embryos in the posterior; none fits nothing;
     /// default all numbers of each cue
     ///
     /// A hypothesis without such a number does not have it. epsilon,epsilon@P2 frees one number of all cells but P2's and one of these. Numbers of a cue are searched as by furrow fit cue, others over the range of
@@ -134,6 +135,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let sampling = args.samples.map(|samples| Sampling { particles: samples as usize, seed: args.seed });
     let question =
         Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };
+    question.check("--free")?;
     let found = context.shown(|line| {
         let show = |FitProgress { done, of, least }| {
             let least = least.map_or(String::new(), |least| format!(", least misfit {least:.3}"));

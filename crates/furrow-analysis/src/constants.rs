@@ -11,6 +11,8 @@ use furrow_lineage::{FounderPhysics, Lineage, TreeSettings};
 /// daughter; and all others.
 pub(crate) const GERMLINE: &str = "germline";
 pub(crate) const SOMATIC: &str = "somatic";
+/// In place of a class: the standard deviation of a parameter between embryos.
+pub(crate) const EMBRYO: &str = "embryo";
 
 /// A constant of all cells, or of a class of cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +52,8 @@ impl Constants {
     /// # Errors
     /// Names the column.
     pub fn check(&self, lineage: &Lineage, file: &str) -> Result<(), InputError> {
-        for constant in &self.values {
+        // The spread between embryos says nothing of the typical one.
+        for constant in self.values.iter().filter(|constant| constant.class.as_deref() != Some(EMBRYO)) {
             let Constant { parameter, class, .. } = constant;
             let founders = class.as_ref().map(|class| founders_of(class, lineage, file, "column")).transpose()?;
             let (is_known, allowed) = match parameter.is_of_cue() {
@@ -84,7 +87,8 @@ impl Constants {
             None => usize::MAX,
             Some(class) => founders_of(class, &lineage, "", "").map_or(0, |founders| founders.len()),
         };
-        let mut values: Vec<&Constant> = self.values.iter().collect();
+        let of_cells = |constant: &&Constant| constant.class.as_deref() != Some(EMBRYO);
+        let mut values: Vec<&Constant> = self.values.iter().filter(of_cells).collect();
         values.sort_by_key(|constant| std::cmp::Reverse(size(&constant.class)));
         for Constant { parameter, class, value } in values {
             if class.is_none() {

@@ -6,7 +6,7 @@ use furrow_cell::{Cell, CueError, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 use serde::Deserialize;
 
-use crate::constants::founders_of;
+use crate::constants::{EMBRYO, founders_of};
 use furrow_lineage::{Lineage, named_cue};
 
 use crate::fit::unknowns::{Unknown, unknowns};
@@ -20,6 +20,8 @@ pub struct Free {
     class: Option<(String, Vec<usize>)>,
     /// Between which values it is searched; `None` for the usual range.
     range: Option<[f64; 2]>,
+    /// Whether it differs between embryos.
+    by_embryo: bool,
 }
 
 /// A hypothesis as it is asked for.
@@ -52,6 +54,8 @@ pub struct Hypothesis {
     /// Its cue, where the fit starts.
     pub(crate) template: furrow_cell::Cue,
     pub(crate) unknowns: Vec<Unknown>,
+    /// The one of them that differs between embryos, in the posterior.
+    pub(crate) by_embryo: Option<usize>,
 }
 
 /// Written for an empty list.
@@ -75,8 +79,9 @@ impl Free {
             let nearest = did_you_mean(name, all.iter().copied());
             return refused(name, format!("none, or a parameter with or without @CLASS: {}{nearest}", all.join(", ")));
         };
-        let class = class.map(|class| class_of(class, lineage, source)).transpose()?;
-        let Some(written) = range else { return Ok(Free { parameter, class, range: None }) };
+        let by_embryo = class == Some(EMBRYO);
+        let class = class.filter(|_| !by_embryo).map(|class| class_of(class, lineage, source)).transpose()?;
+        let Some(written) = range else { return Ok(Free { parameter, class, range: None, by_embryo }) };
         let ends =
             written.split_once("..").and_then(|(from, to)| Some([from.trim().parse().ok()?, to.trim().parse().ok()?]));
         let Some([from, to]) = ends.filter(|[from, to]: &[f64; 2]| from < to) else {
@@ -84,7 +89,7 @@ impl Free {
         };
         match [from, to].into_iter().find_map(|end| parameter.validate(end).err()) {
             Some(allowed) => refused(written, format!("a range of {parameter} with {allowed}")),
-            None => Ok(Free { parameter, class, range: Some([from, to]) }),
+            None => Ok(Free { parameter, class, range: Some([from, to]), by_embryo }),
         }
     }
 
@@ -100,6 +105,9 @@ impl Free {
             return Ok(Vec::new());
         }
         let all: Vec<Free> = texts.iter().map(|text| Free::read(text, lineage, source)).collect::<Result<_, _>>()?;
+        if let Some((k, _)) = all.iter().enumerate().filter(|(_, free)| free.by_embryo).nth(1) {
+            return Err(refused(source, texts[k].trim(), "one number that differs between embryos".to_owned()));
+        }
         for (k, free) in all.iter().enumerate() {
             if all[..k].iter().any(|other| other.parameter == free.parameter && other.is_of_the_cells_of(free)) {
                 let allowed = "each parameter once for a class of cells";
@@ -214,7 +222,10 @@ impl Hypothesis {
                 let allowed = format!("a number that the hypothesis {name} has");
                 InputError::require(has, sources[0], "free", format!("\"{parameter}\""), allowed)?;
             }
-            all.push(Hypothesis { name: name.clone(), lineage: carrying, template, unknowns });
+            let differs = own.as_deref().or(free).into_iter().flatten().find(|free| free.by_embryo);
+            let by_embryo = differs
+                .and_then(|free| unknowns.iter().position(|u| u.parameter == free.parameter && u.founders.is_none()));
+            all.push(Hypothesis { name: name.clone(), lineage: carrying, template, unknowns, by_embryo });
         }
         for Free { parameter, .. } in free.into_iter().flatten() {
             let used = all.iter().any(|hypothesis| hypothesis.unknowns.iter().any(|u| u.parameter == *parameter));
@@ -222,6 +233,11 @@ impl Hypothesis {
             InputError::require(used, sources[1], "free", format!("\"{parameter}\""), allowed)?;
         }
         Ok(all)
+    }
+
+    /// Whether a number differs between embryos.
+    pub fn is_by_embryo(&self) -> bool {
+        self.by_embryo.is_some()
     }
 
     /// How many numbers are fitted.
@@ -235,7 +251,7 @@ fn free_of(free: Option<&[Free]>, cell: &Cell) -> Vec<Unknown> {
     let of_cue = unknowns(&cell.cue);
     let Some(free) = free else { return of_cue };
     let of = |one: &Free| {
-        let Free { parameter, class, range } = one;
+        let Free { parameter, class, range, .. } = one;
         let usual = of_cue.iter().find(|unknown| unknown.parameter == *parameter);
         let unknown = match (usual, range) {
             (None, _) if parameter.is_of_cue() => return None,

@@ -14,10 +14,12 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Question;
+use super::hierarchy::{self, ByEmbryo, EmbryoNumber};
 use super::noise::{Noise, NoiseKind, UNDIVIDED, common_sd, log_likelihood};
 use super::observations::{Observation, Observations};
 use super::others::{self, Others};
 use super::scores::residuals;
+use crate::constants::{EMBRYO, named};
 use crate::fit::chain::Model;
 use crate::fit::error::check_cancelled;
 use crate::fit::{FitError, FitProgress};
@@ -89,12 +91,24 @@ pub struct Posterior {
     pub ridges: Vec<Ridge>,
     /// The cells, in the order of the lineage.
     pub cells: Vec<PredictedCell>,
+    /// The number that differs between embryos, of each of them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub embryos: Vec<EmbryoNumber>,
     /// The sample: the numbers of each point, in their order.
     #[serde(skip)]
     pub points: Vec<Vec<f64>>,
     /// The place of its most likely point in the unit cube.
     #[serde(skip)]
     pub(super) best: Vec<f64>,
+}
+
+/// What is computed at a point.
+#[derive(Clone)]
+struct Computed {
+    /// χ of the cells, with the number that all embryos share.
+    chi: Vec<Option<f64>>,
+    /// Of each embryo, the mean of its number and of its square.
+    moments: Vec<[f64; 2]>,
 }
 
 impl Posterior {
@@ -122,9 +136,13 @@ pub(super) fn log_density_of(rows: &[Observation], residuals: &[f64], noise: &No
 }
 
 /// Draws the sample of a hypothesis's model.
-pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sampling) -> Result<Posterior, FitError> {
+pub(super) fn posterior(
+    question: &Question<'_>,
+    (model, by_embryo): (&Model<'_>, Option<usize>),
+    sampling: Sampling,
+) -> Result<Posterior, FitError> {
     let Question { observations, noise, .. } = question;
-    let Observations { rows, cells, .. } = observations;
+    let Observations { rows, cells, units, .. } = observations;
     let of_all: Vec<&Others> = observations.others.iter().collect();
     let (done, usual) = (AtomicUsize::new(0), sampling.particles * USUAL);
     let check = || check_cancelled(model.run.cancel, done.load(Ordering::Relaxed), SAMPLES);
@@ -137,9 +155,18 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
         let values = model.values(place);
         let chi = model.chi(&values, cells);
         let beside = others::log_likelihood(&of_all, model, &values);
-        Some((log_density_of(rows, &residuals(rows, &chi), noise) + beside, chi))
+        Some(match by_embryo {
+            None => {
+                (log_density_of(rows, &residuals(rows, &chi), noise) + beside, Computed { chi, moments: Vec::new() })
+            }
+            Some(k) => {
+                let ByEmbryo { log_likelihood, moments } = hierarchy::by_embryo(model, k, place, (observations, noise));
+                (log_likelihood + beside, Computed { chi, moments })
+            }
+        })
     };
-    let found = sample(model.unknowns.len(), sampling, &likelihood);
+    let dimensions = model.unknowns.len() + usize::from(by_embryo.is_some());
+    let found = sample(dimensions, sampling, &likelihood);
     check()?;
     let tried = done.load(Ordering::Relaxed);
     let interrupted = FitError::Interrupted { tried, what: SAMPLES };
@@ -147,8 +174,11 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
     if log_evidence == f64::NEG_INFINITY {
         return Err(FitError::Nothing { tried, what: SAMPLES, advice: "give other ranges" });
     }
-    let points: Vec<Vec<f64>> = particles.iter().map(|particle| model.values(&particle.place)).collect();
-    let names: Vec<String> = model.unknowns.iter().map(|unknown| unknown.name()).collect();
+    let spread = |place: &[f64]| Some(hierarchy::spread(model, by_embryo?, *place.last()?));
+    let point = |place: &Vec<f64>| model.values(place).into_iter().chain(spread(place)).collect();
+    let points: Vec<Vec<f64>> = particles.iter().map(|particle| point(&particle.place)).collect();
+    let of_spread = by_embryo.map(|k| named(model.unknowns[k].parameter, Some(EMBRYO)));
+    let names: Vec<String> = model.unknowns.iter().map(|unknown| unknown.name()).chain(of_spread).collect();
     let best = particles.iter().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
     Ok(Posterior {
         samples: points.len(),
@@ -159,7 +189,11 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
         parameters: names.iter().enumerate().filter_map(|(k, name)| number(name, &points, k)).collect(),
         ridges: ridges(&names, &points),
         cells: (0..cells.len()).map(|cell| predicted(question, &particles, cell)).collect(),
-        best: best.map_or(Vec::new(), |particle| particle.place.clone()),
+        embryos: match by_embryo {
+            Some(_) => hierarchy::numbers(units, particles.iter().map(|particle| &particle.computed.moments)),
+            None => Vec::new(),
+        },
+        best: best.map_or(Vec::new(), |particle| particle.place[..model.unknowns.len()].to_vec()),
         points,
     })
 }
@@ -181,19 +215,19 @@ fn ridges(names: &[String], points: &[Vec<f64>]) -> Vec<Ridge> {
 }
 
 /// A cell over the sample. Where it rests, its χ is as wrong as in the likelihood.
-fn predicted(question: &Question<'_>, particles: &[Particle<Vec<Option<f64>>>], cell: usize) -> PredictedCell {
+fn predicted(question: &Question<'_>, particles: &[Particle<Computed>], cell: usize) -> PredictedCell {
     let Question { observations, noise, .. } = question;
     let rows = &observations.rows;
     let measured = observations.chi_of(cell);
     let middle = mean(&measured);
-    let chi: Vec<f64> = particles.iter().filter_map(|particle| particle.computed[cell]).collect();
+    let chi: Vec<f64> = particles.iter().filter_map(|particle| particle.computed.chi[cell]).collect();
     // The probability of a smaller mean under each point.
-    let below = |particle: &Particle<Vec<Option<f64>>>| {
-        let sds = noise.fitted(rows, &residuals(rows, &particle.computed));
+    let below = |particle: &Particle<Computed>| {
+        let sds = noise.fitted(rows, &residuals(rows, &particle.computed.chi));
         let own = rows.iter().zip(&sds).filter(|(row, _)| row.cell == cell);
         let variance: f64 = own.map(|(_, sd)| sd * sd).sum();
         let error = variance.sqrt() / measured.len() as f64;
-        let off = particle.computed[cell].map_or(UNDIVIDED, |chi| middle - chi);
+        let off = particle.computed.chi[cell].map_or(UNDIVIDED, |chi| middle - chi);
         normal_tail(off / error)
     };
     let above = mean(&particles.iter().map(below).collect::<Vec<f64>>());

@@ -199,7 +199,10 @@ pub(super) fn tested(
     let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
     let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).with(beside);
     let found = objective.search(effort)?;
-    let posterior = question.sampling.map(|sampling| posterior(question, &objective.model, sampling)).transpose()?;
+    let posterior = question
+        .sampling
+        .map(|sampling| posterior(question, (&objective.model, hypothesis.by_embryo), sampling))
+        .transpose()?;
     let place = match &posterior {
         // A sample may pass ridges and valleys in which the search stays.
         Some(posterior) if !found.0.is_empty() => objective.refined(found, &posterior.best)?,

@@ -116,10 +116,10 @@ fn likelihoods_and_tests_are_those_of_scipy() {
 }
 
 /// Number of synthetic tables.
-const SETS: usize = 200;
+pub(super) const SETS: usize = 200;
 
 /// A synthetic table of cells in embryos about true χ, with errors of one size.
-fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Observations {
+pub(super) fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Observations {
     let row = |k: usize, random: &mut Mt64| {
         let (unit, cell) = (k / truth.len(), k % truth.len());
         Observation { cell, unit, chi: truth[cell] + sd * normal(random), sd: Some(sd), volume: None }
@@ -139,7 +139,7 @@ fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Obser
 }
 
 /// Whether a count of `SETS` agrees with a probability, within three standard deviations.
-fn agrees(count: usize, p: f64) -> bool {
+pub(super) fn agrees(count: usize, p: f64) -> bool {
     let sets = SETS as f64;
     (count as f64 - p * sets).abs() <= 3.0 * (p * (1.0 - p) * sets).sqrt()
 }
@@ -408,7 +408,7 @@ fn sampled(
 
 const EFFORT: SearchBudget = SearchBudget { particles: 4, moves: 3, seed: 1 };
 
-fn coarse() -> TreeSettings {
+pub(super) fn coarse() -> TreeSettings {
     TreeSettings { numerics: Numerics { intervals: 32, ..Numerics::default() }, ..TreeSettings::default() }
 }
 

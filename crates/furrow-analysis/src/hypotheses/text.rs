@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
+use super::hierarchy::EmbryoNumber;
 use super::noise::{Noise, NoiseKind};
 use super::observations::Unused;
 use super::others::{OtherScore, OthersScore, Quantity};
@@ -148,6 +149,9 @@ impl Display for Posterior {
         for number in parameters {
             let Range { p5, p50, p95 } = number.range;
             writeln!(f, "    {:<22} {p50:>9.4} from {p5:.4} to {p95:.4} (90 %)", number.name)?;
+        }
+        for EmbryoNumber { embryo, mean, sd } in &self.embryos {
+            writeln!(f, "      {embryo:<20} {mean:>9.4} ± {sd:.4}")?;
         }
         for Ridge { numbers: [a, b], correlation } in ridges {
             writeln!(f, "    {a} and {b} are open along a line: correlation {correlation:+.3}")?;
