@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use furrow_analysis::Shard;
 use furrow_analysis::fit::{FitProgress, FitRun};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
@@ -111,6 +112,9 @@ pub struct TestArgs {
     /// Writes the samples as a table (CSV): a column for each number, a row for each point
     #[arg(help_heading = "Posterior", long, value_name = "FILE.csv", requires = "samples")]
     posterior: Option<PathBuf>,
+    /// Draws part K of N of a sample, each of --samples points; furrow merge puts the parts together
+    #[arg(help_heading = "Posterior", long, value_name = "K/N", requires = "posterior")]
+    shard: Option<Shard>,
     #[command(flatten)]
     plot: PlotArgs,
 }
@@ -132,7 +136,8 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     interrupt::finish();
     let (particles, moves) = (args.particles.map(|count| count as usize), args.moves.map(u64::from));
     let effort = Effort { particles, moves, seed: args.seed };
-    let sampling = args.samples.map(|samples| Sampling { particles: samples as usize, seed: args.seed });
+    let seed = args.shard.map_or(args.seed, |shard| shard.seed(args.seed));
+    let sampling = args.samples.map(|samples| Sampling { particles: samples as usize, seed });
     let question =
         Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };
     question.check("--free")?;
@@ -149,7 +154,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     if let Some(file) = &args.posterior {
         let sampled =
             found.hypotheses.iter().filter_map(|tested| Some((tested.name.as_str(), tested.posterior.as_ref()?)));
-        write_atomically(file, samples_csv(sampled).as_bytes())?;
+        write_atomically(file, samples_csv(sampled, args.shard).as_bytes())?;
     }
     let elapsed_s = start.elapsed().as_secs_f64();
     let document = merged(json!(found), json!({ "seed": args.seed, "elapsed_s": elapsed_s }));

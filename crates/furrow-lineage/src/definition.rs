@@ -75,6 +75,9 @@ pub struct Founder {
     /// Most rounds of division of it and its descendants up to the next founder, as of a ganglion mother cell, which divides once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most_rounds: Option<u32>,
+    /// Volume at division divided by volume at birth, of it and its descendants up to the next founder; 1 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth: Option<f64>,
     /// Observed rounds; `sulston` is an older word for them.
     #[serde(default, alias = "sulston", skip_serializing_if = "Option::is_none")]
     pub observed: Option<ObservedRounds>,
@@ -273,6 +276,11 @@ impl Lineage {
     /// The founder of this name.
     pub fn founder_named(&self, name: &str) -> Option<usize> {
         self.founders.iter().position(|founder| founder.name == name)
+    }
+
+    /// Volume at division divided by volume at birth, of a founder and its descendants.
+    pub fn growth(&self, founder: usize) -> f64 {
+        self.founders[founder].growth.unwrap_or(1.0)
     }
 
     /// Whether a cell dies in place of dividing.

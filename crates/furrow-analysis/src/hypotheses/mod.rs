@@ -9,6 +9,7 @@
 //! | `scores` | the fit of each hypothesis, and how it predicts embryos that were left out |
 //! | [`others`] | what was observed beside χ: rounds and lifetimes |
 //! | [`pairs`] | whether two hypotheses are distinguishable |
+//! | [`parts`] | samples of a posterior drawn on several machines |
 //! | [`posterior`] | the numbers as a sample of their posterior, and what surprises the hypothesis |
 //! | `text` | the answer as text |
 //!
@@ -34,6 +35,7 @@ pub mod noise;
 pub mod observations;
 pub mod others;
 pub mod pairs;
+pub mod parts;
 pub mod posterior;
 mod scores;
 #[cfg(test)]
@@ -46,6 +48,7 @@ pub use noise::{Noise, NoiseKind};
 pub use observations::Observations;
 pub use others::{OtherScore, Others, OthersScore, Quantity};
 pub use pairs::Pair;
+pub use parts::{MergedSample, merge_parts};
 pub use posterior::{Posterior, samples_csv};
 pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};
 

@@ -18,12 +18,14 @@ use super::hierarchy::{self, ByEmbryo, EmbryoNumber};
 use super::noise::{Noise, NoiseKind, UNDIVIDED, common_sd, log_likelihood};
 use super::observations::{Observation, Observations};
 use super::others::{self, Others};
+use super::parts::{HYPOTHESIS, LOG_EVIDENCE, PART};
 use super::scores::residuals;
 use crate::constants::{EMBRYO, named};
 use crate::fit::chain::Model;
 use crate::fit::error::check_cancelled;
 use crate::fit::{FitError, FitProgress};
 use crate::ranges::{Range, correlation};
+use crate::shard::Shard;
 use crate::table::csv_of;
 use crate::tempering::{Particle, Sample, Sampling, sample};
 
@@ -240,8 +242,11 @@ fn predicted(question: &Question<'_>, particles: &[Particle<Computed>], cell: us
 }
 
 /// The samples of hypotheses as a table: a column for each number, and one of the hypotheses' names if there are several. Numbers that
-/// a hypothesis does not have are empty.
-pub fn samples_csv<'a>(hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)> + Clone) -> String {
+/// a hypothesis does not have are empty. A part of a sample also has its log evidence and which part it is.
+pub fn samples_csv<'a>(
+    hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)> + Clone,
+    part: Option<Shard>,
+) -> String {
     let mut names: Vec<&str> = Vec::new();
     for number in hypotheses.clone().flat_map(|(_, posterior)| &posterior.parameters) {
         if !names.contains(&number.name.as_str()) {
@@ -250,13 +255,16 @@ pub fn samples_csv<'a>(hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)
     }
     let is_one = hypotheses.clone().count() == 1;
     let named = |name: &str| if is_one { None } else { Some(name.to_owned()) };
-    let head = named("hypothesis").into_iter().chain(names.iter().map(|name| (*name).to_owned())).collect();
+    let head = named(HYPOTHESIS).into_iter().chain(names.iter().map(|name| (*name).to_owned()));
+    let of_part = part.iter().flat_map(|_| [LOG_EVIDENCE, PART]).map(str::to_owned);
+    let head = head.chain(of_part).collect();
     let rows = hypotheses.flat_map(|(hypothesis, posterior)| {
         let places: Vec<Option<usize>> =
             names.iter().map(|name| posterior.parameters.iter().position(|number| number.name == *name)).collect();
         let row = move |point: &Vec<f64>| {
             let value = |place: &Option<usize>| place.map_or(String::new(), |k| point[k].to_string());
-            named(hypothesis).into_iter().chain(places.iter().map(value)).collect::<Vec<String>>()
+            let of_part = part.iter().flat_map(|part| [posterior.log_evidence.to_string(), part.to_string()]);
+            named(hypothesis).into_iter().chain(places.iter().map(value)).chain(of_part).collect::<Vec<String>>()
         };
         posterior.points.iter().map(row).collect::<Vec<_>>()
     });

@@ -520,7 +520,7 @@ fn a_sample_agrees_with_the_fit_where_that_is_good() {
 fn samples_of(found: &HypothesisTest) -> String {
     let named = |tested: &TestedHypothesis| tested.posterior.clone().map(|posterior| (tested.name.clone(), posterior));
     let all: Vec<(String, Posterior)> = found.hypotheses.iter().filter_map(named).collect();
-    samples_csv(all.iter().map(|(name, posterior)| (name.as_str(), posterior)))
+    samples_csv(all.iter().map(|(name, posterior)| (name.as_str(), posterior)), None)
 }
 
 /// Without a model: a common error leaves ½Γ(n/2)(πΣr²)^(−n/2) of the likelihood.
