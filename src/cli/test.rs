@@ -52,11 +52,11 @@ pub struct TestArgs {
     /// names the hypothesis
     #[arg(help_heading = "Hypotheses", long, value_name = "CUE", required_unless_present = "hypotheses")]
     cue: Vec<String>,
-    /// More hypotheses (RON), each with a cue and, if it has them, free numbers of its own:
+    /// A file of hypotheses (RON), each with a cue and optionally its own list of free numbers:
     /// Hypotheses(hypotheses: [(name: "a", cue: "germline", free: ["epsilon", "epsilon@somatic"])])
     #[arg(help_heading = "Hypotheses", long, value_name = "FILE.ron")]
     hypotheses: Option<PathBuf>,
-    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; PARAMETER@embryo differs
+    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; PARAMETER@embryo varies
     /// between embryos in the posterior; none fits nothing;
     /// default all numbers of each cue
     ///
@@ -80,12 +80,12 @@ pub struct TestArgs {
     /// Edge of a voxel in µm, which converts voxels to µm³; of one embryo with its name
     #[arg(help_heading = "Measurements", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo)]
     voxel: Vec<OfEmbryo>,
-    /// Also the mean rounds of founders that the lineage has as observed, with this standard deviation, in rounds
+    /// The observed mean rounds of the lineage's founders as further measurements, with this standard deviation in rounds
     #[arg(help_heading = "Measurements", long, value_name = "SD", num_args = 0..=1, require_equals = true,
         default_missing_value = "1")]
     rounds: Option<f64>,
-    /// Also lifetimes of cells, tables (CSV) as of furrow compare lifetimes, beside those of the lineage's clock; published for the
-    /// means of 28 embryos of C. elegans
+    /// Lifetimes of cells as further measurements, compared with the lineage's clock: tables as for furrow compare lifetimes, or
+    /// published for the means of 28 embryos of C. elegans
     #[arg(help_heading = "Measurements", long, value_name = "TABLE")]
     lifetimes: Vec<PathBuf>,
     /// Standard deviation of ln lifetime of the cells of a generation about the clock

@@ -179,7 +179,7 @@ fn a_wrong_cue_is_rejected_and_the_right_one_kept_at_the_rates_of_p_with_divisio
     });
 }
 
-/// Embryos whose confinement scatters: the sample finds the common value and the scatter, and tells the embryos apart.
+/// ε varies between embryos: the sample finds the mean, the standard deviation and ε of each embryo.
 #[test]
 #[ignore = "takes minutes"]
 fn a_number_that_differs_between_embryos_is_found() {

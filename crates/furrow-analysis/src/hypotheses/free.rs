@@ -96,8 +96,7 @@ impl Free {
     /// Reads a list of free numbers; `none` is the empty list.
     ///
     /// # Errors
-    /// As [`Free::read`], and a number that two entries free in the same cells. Of two classes one of which is a part of the other, the
-    /// part has a number of its own.
+    /// As [`Free::read`]; two entries with the same parameter and class; a class whose founders all have smaller classes.
     pub fn list(texts: &[String], lineage: &Lineage, source: &str) -> Result<Vec<Free>, InputError> {
         if let [only] = texts
             && only.trim() == NOTHING
@@ -132,7 +131,7 @@ impl Free {
         }
     }
 
-    /// The founders that have a number of their own in place of this one: those of smaller classes.
+    /// The founders of smaller classes, which replace this number by a separate one.
     fn except(&self, all: &[Free]) -> Vec<usize> {
         let is_part = |founders: &Vec<usize>| {
             self.class.as_ref().is_none_or(|(_, own)| founders.len() < own.len() && own.contains(&founders[0]))

@@ -16,7 +16,7 @@ use crate::fit::chain::Model;
 
 /// The largest standard deviation, as a share of the range.
 const WIDEST: f64 = 0.25;
-/// Values beyond so many standard deviations do not count.
+/// The integral ends at this number of standard deviations.
 const REACH: f64 = 3.0;
 /// Values at which χ is computed, and between two of them steps of the integral.
 const NODES: usize = 9;
@@ -33,7 +33,7 @@ pub struct EmbryoNumber {
     pub sd: f64,
 }
 
-/// The log likelihood at a point, and the mean number of each embryo with that of its square.
+/// The log likelihood at a point, and for each embryo the mean of the number and the mean of its square.
 pub(super) struct ByEmbryo {
     pub log_likelihood: f64,
     pub moments: Vec<[f64; 2]>,
@@ -44,7 +44,7 @@ pub(super) fn spread(model: &Model<'_>, k: usize, share: f64) -> f64 {
     WIDEST * share * model.unknowns[k].length()
 }
 
-/// The likelihood of χ where the number `k` differs between embryos; the last coordinate of `place` is that of its standard deviation.
+/// The likelihood of χ if the number `k` differs between embryos. The last coordinate of `place` is the place of its standard deviation.
 pub(super) fn by_embryo(
     model: &Model<'_>,
     k: usize,

@@ -1,7 +1,7 @@
 //! What was observed beside χ: rounds of founders and lifetimes of cells, from the tree that a hypothesis grows.
 //!
 //! * \[F.15 rounds\] ln L = −½ Σ_f ((N_f − N(f, θ))²/σ² + ln 2πσ²) over founders f below whom the lineage lists no founder, with their mean
-//!   rounds N; a founder that is never born has none.
+//!   rounds N; a founder that is never born has N = 0.
 //! * \[F.16 lifetimes\] ln L = −½ Σ_g (d_g²/σ² + ln 2πσ²) over the generations g of each founder, where d_g is the mean of
 //!   ln(measured/model) over measured cells. A cell that does not divide in the model counts as 1.
 //!
@@ -83,7 +83,7 @@ pub struct OtherScore {
     pub model: Option<f64>,
     /// Measured cells that do not divide in the model.
     pub resting: usize,
-    /// What it adds to the log likelihood.
+    /// Its log density.
     pub log_likelihood: f64,
 }
 
@@ -161,7 +161,7 @@ impl Others {
         self.rows.len()
     }
 
-    /// Whether there is none; the constructors refuse this.
+    /// Whether there are no observations. The constructors refuse an empty list.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -257,7 +257,7 @@ pub(super) fn grown(model: &Model<'_>, values: &[f64]) -> Option<Tree> {
     grow_alone(&lineage, settings, EndRule::Dynamics, model.memo?, model.run.cancel).ok().map(|(tree, _)| tree)
 }
 
-/// What observations beside χ add to the misfit of a model.
+/// The part of χ² from observations beside χ.
 pub(super) fn misfit(others: &[&Others], model: &Model<'_>, values: &[f64]) -> f64 {
     if others.is_empty() {
         return 0.0;
@@ -266,7 +266,7 @@ pub(super) fn misfit(others: &[&Others], model: &Model<'_>, values: &[f64]) -> f
     others.iter().map(|others| others.misfit(tree.as_ref())).sum()
 }
 
-/// What they add to its log likelihood.
+/// The log likelihood of observations beside χ.
 pub(super) fn log_likelihood(others: &[&Others], model: &Model<'_>, values: &[f64]) -> f64 {
     if others.is_empty() {
         return 0.0;

@@ -104,7 +104,7 @@ pub struct Posterior {
     pub(super) best: Vec<f64>,
 }
 
-/// What is computed at a point.
+/// The results at one point of the sample.
 #[derive(Clone)]
 struct Computed {
     /// χ of the cells, with the number that all embryos share.

@@ -308,7 +308,7 @@ impl Fitted<'_> {
         Ok(held_out(observations, kind, unit, &predicted))
     }
 
-    /// Each kind of observation beside χ, with its log density fitted without it; `values` are those of the fit to all data.
+    /// The scores of rounds and lifetimes, each also predicted by a fit without it. `values` are from the fit to all data.
     fn others<'m>(&self, values: &[f64], model: impl Fn() -> Model<'m> + Sync) -> Result<Vec<OthersScore>, FitError> {
         let all = &self.question.observations.others;
         if all.is_empty() {

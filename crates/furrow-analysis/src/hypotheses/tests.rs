@@ -277,7 +277,7 @@ fn free_numbers_have_classes_that_do_not_overlap() {
     assert!(refusal.to_string().contains("names that differ"), "{refusal}");
 }
 
-/// A class with a number of its own no longer has that of a larger one; its order in the list does not count.
+/// The number of a smaller class replaces the number of a larger class, in any order of the list.
 #[test]
 fn a_smaller_class_has_a_number_of_its_own() {
     let lineage = Lineage::c_elegans().unwrap();

@@ -205,7 +205,7 @@ impl Display for CellsTable<'_> {
     }
 }
 
-/// Observations of one kind with those of each hypothesis, and its log likelihoods.
+/// Rounds or lifetimes as observed and in each hypothesis, with the log likelihoods of each hypothesis.
 struct OthersTable<'a> {
     hypotheses: &'a [TestedHypothesis],
     k: usize,

@@ -55,7 +55,7 @@ pub fn draw(found: &HypothesisTest) -> Canvas {
     canvas
 }
 
-/// Observations of one kind, and those of each hypothesis.
+/// A chart of rounds or lifetimes, observed and in each hypothesis.
 fn below<'a>(
     canvas: &mut Canvas,
     (place, width): ([f64; 2], f64),
