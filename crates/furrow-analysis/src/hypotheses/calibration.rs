@@ -26,9 +26,9 @@ const EMBRYOS: usize = 3;
 const POINTS: usize = 199;
 
 /// χ of a hypothesis's cells at a place of the unit cube.
-fn chi_at(model: &Model<'_>, place: &[f64]) -> Vec<f64> {
+fn chi_at(model: &Model<'_>, place: &[f64]) -> Vec<Option<f64>> {
     let cells = CELLS.map(str::to_owned);
-    model.chi(&model.values(place), &cells).into_iter().map(|chi| chi.expect("the cells divide")).collect()
+    model.chi(&model.values(place), &cells)
 }
 
 fn observed(random: &mut Mt64, truth: &[f64]) -> Observations {
@@ -67,7 +67,7 @@ fn with_hypotheses(cues: &[&str], free: &[&str], then: impl FnOnce(&[Hypothesis]
 /// for χ a million times.
 struct Tabulated {
     nodes: usize,
-    chi: Vec<Vec<f64>>,
+    chi: Vec<Vec<Option<f64>>>,
 }
 
 impl Tabulated {
@@ -82,20 +82,30 @@ impl Tabulated {
         }
     }
 
-    /// χ of each cell.
-    fn at(&self, place: &[f64]) -> Vec<f64> {
+    /// χ of each cell. Where a cell rests at one of the places around, the nearest place decides.
+    fn at(&self, place: &[f64]) -> Vec<Option<f64>> {
         let last = self.nodes - 1;
         let (mut corners, mut stride) = (vec![(0, 1.0)], 1);
         for x in place {
             let low = ((x * last as f64) as usize).min(last - 1);
             let share = x * last as f64 - low as f64;
-            let both = |(at, weight): &(usize, f64)| {
-                [(at + low * stride, weight * (1.0 - share)), (at + (low + 1) * stride, weight * share)]
-            };
+            let (below, above) = (low * stride, (low + 1) * stride);
+            let both =
+                |&(at, weight): &(usize, f64)| [(at + below, weight * (1.0 - share)), (at + above, weight * share)];
             corners = corners.iter().flat_map(both).collect();
             stride *= self.nodes;
         }
-        (0..CELLS.len()).map(|cell| corners.iter().map(|(at, weight)| weight * self.chi[*at][cell]).sum()).collect()
+        let of = |cell: usize| {
+            let all = corners.iter().map(|(at, weight)| Some(weight * self.chi[*at][cell]?));
+            let nearest = || self.chi[corners.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0][cell];
+            all.sum::<Option<f64>>().or_else(nearest)
+        };
+        (0..CELLS.len()).map(of).collect()
+    }
+
+    /// χ at a place where all cells divide.
+    fn divided(&self, place: &[f64]) -> Option<Vec<f64>> {
+        self.at(place).into_iter().collect()
     }
 }
 
@@ -108,11 +118,17 @@ fn ranks_of_true_numbers_are_even_with_divisions() {
         let (mut bins, mut covered) = ([[0usize; 10]; 2], [0usize; 2]);
         for set in 0..SETS as u64 {
             let mut random = Mt64::new(seed_of(b"true numbers", 11, set));
-            let truth = [uniform(&mut random), uniform(&mut random)];
-            let observations = observed(&mut random, &tabulated.at(&truth));
+            // Cells that rest have no χ to observe.
+            let (truth, chi) = loop {
+                let place = [uniform(&mut random), uniform(&mut random)];
+                if let Some(chi) = tabulated.divided(&place) {
+                    break (place, chi);
+                }
+            };
+            let observations = observed(&mut random, &chi);
             let noise = Noise::of(&observations, None, ("t.csv", "--noise")).unwrap();
             let likelihood = |place: &[f64]| {
-                let chi: Vec<Option<f64>> = tabulated.at(place).into_iter().map(Some).collect();
+                let chi = tabulated.at(place);
                 Some((log_density_of(&observations.rows, &residuals(&observations.rows, &chi), &noise), ()))
             };
             let found = sample(2, Sampling { particles: POINTS, seed: set }, &likelihood).unwrap();
@@ -140,12 +156,12 @@ fn a_wrong_cue_is_rejected_and_the_right_one_kept_at_the_rates_of_p_with_divisio
     let cues = ["right=germline", "wrong=tension:gradient,amplitude=-0.3"];
     with_hypotheses(&cues, &["cue.amplitude"], |_, models, _, _| {
         let tabulated = [0, 1].map(|k| Tabulated::of(&models[k], 65));
-        let truth = tabulated[0].at(&[0.5]);
+        let truth = tabulated[0].divided(&[0.5]).unwrap();
         // χ² of the best strength, and its degrees of freedom and p.
         let tested = |observations: &Observations, k: usize| {
             let noise = Noise::of(observations, None, ("t.csv", "--noise")).unwrap();
             let fits = (0..=2000).filter_map(|j| {
-                let chi: Vec<Option<f64>> = tabulated[k].at(&[f64::from(j) / 2000.0]).into_iter().map(Some).collect();
+                let chi = tabulated[k].at(&[f64::from(j) / 2000.0]);
                 match fit_test(observations, &noise, &chi, 1)? {
                     FitTest::ChiSquared { statistic, degrees_of_freedom, p } => {
                         Some((statistic, degrees_of_freedom, p?))
@@ -188,7 +204,8 @@ fn a_number_that_differs_between_embryos_is_found() {
         assert!(hypotheses[0].is_by_embryo());
         let (centre, scatter) = (0.5, 0.15);
         let places: Vec<f64> = (0..10).map(|_| centre + scatter * normal(&mut random)).collect();
-        let truth: Vec<Vec<f64>> = places.iter().map(|place| chi_at(model, &[*place])).collect();
+        let truth: Vec<Vec<f64>> =
+            places.iter().map(|place| chi_at(model, &[*place]).into_iter().map(Option::unwrap).collect()).collect();
         let start = synthetic(&mut random, places.len(), &truth[0], 0.005);
         let of = |row: &Observation| Observation {
             chi: row.chi - truth[0][row.cell] + truth[row.unit][row.cell],
