@@ -152,7 +152,7 @@ mod tests {
         let weights: Vec<f64> = sets.iter().map(|set| set.weight).collect();
         assert!(weights.iter().zip([0.375, 0.375, 0.25]).all(|(a, b)| (a - b).abs() < 1e-9), "{weights:?}");
         let refused = |files: &[PathBuf]| merge_parts(files).unwrap_err().to_string();
-        assert!(refused(&[first.clone()]).contains("all 2 parts; 2/2 is missing"));
+        assert!(refused(std::slice::from_ref(&first)).contains("all 2 parts; 2/2 is missing"));
         assert!(refused(&[first.clone(), first.clone(), second]).contains("each part once"));
         let other = write("c.csv", "xi_s,log_evidence,part\n25,-1,2/2\n");
         assert!(refused(&[first.clone(), other]).contains("the columns of"));
