@@ -284,7 +284,7 @@ mod tests {
     use crate::compare::names_of;
     use furrow_lineage::Lineage;
 
-    /// Every cell but the first has a mother that divides when it is born; terminal cells are those of the lineage file.
+    /// The numbers of terminal cells of all founders are those of the lineage file, and births and divisions are those of the table.
     #[test]
     fn the_lineage_of_the_worm_is_whole() {
         let lineage = Lineage::c_elegans().unwrap();

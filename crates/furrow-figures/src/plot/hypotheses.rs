@@ -10,6 +10,8 @@ use crate::drawing::{Canvas, Stroke};
 const CHART: f64 = 488.0;
 /// Height of a chart of rounds or lifetimes.
 const BELOW: f64 = 340.0;
+/// How far from a name the first and the last value of a chart below are, as a share of the distance of names.
+const ASIDE: f64 = 0.3;
 /// Width for each cell, and limits of the width of the picture.
 const CELL: f64 = 56.0;
 const WIDTHS: [f64; 2] = [900.0, 4000.0];
@@ -73,11 +75,14 @@ fn below<'a>(
     let what = if observed.quantity == Quantity::Rounds { "founder" } else { "founder, and generations below it" };
     let (x, y) = (Axis::names(what, names, false), Axis::new(label, [0.0, 1.06 * high]));
     let mut chart = Chart::new(canvas, place, [width, BELOW], x, y);
+    // Side by side, since equal values would hide each other.
+    let step = 2.0 * ASIDE / hypotheses.clone().count().max(1) as f64;
     for (x, row) in observed.rows.iter().enumerate() {
-        chart.point([x as f64, row.observed], 6.0, Marker::Disc, style::OBSERVED);
+        chart.point([x as f64 - ASIDE, row.observed], 6.0, Marker::Disc, style::OBSERVED);
     }
     for (k, of) in hypotheses.enumerate() {
-        let points = of.rows.iter().enumerate().filter_map(|(x, row)| Some([x as f64, row.model?]));
+        let aside = step * (k + 1) as f64 - ASIDE;
+        let points = of.rows.iter().enumerate().filter_map(|(x, row)| Some([x as f64 + aside, row.model?]));
         chart.points(points, 5.0, Marker::Diamond, colour(k));
     }
 }
