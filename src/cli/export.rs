@@ -23,7 +23,6 @@ use std::path::{Path, PathBuf};
 Examples:
   furrow export furrow-out/tree.json --to nexus --out tree.nex
   furrow export furrow-out/tree.json --to itol --out itol
-  furrow export furrow-out/tree.json --to newick --subtree MS
   furrow export sulston1983 --to newick --subtree MS
   furrow export --schema")]
 pub struct ExportArgs {
