@@ -24,6 +24,16 @@ def refused(field: str, value: object, allowed: str) -> InputError:
     return InputError(f"{ARGUMENTS}: {field} = {shown}: must be {allowed}", field, value, allowed, ARGUMENTS)
 
 
+def number_of(field: str, value: object) -> float:
+    """A number."""
+    if isinstance(value, (bool, str)):
+        raise refused(field, value, "a number")
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise refused(field, value, "a number") from None
+
+
 def whole(field: str, value: SupportsIndex, least: int, most: int) -> int:
     """An integer within a range."""
     allowed = f"a whole number from {least} to {most}"

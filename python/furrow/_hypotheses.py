@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, optional_path, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, number_of, optional_path, refused, seed_of, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
@@ -74,10 +74,17 @@ def _tables(table: Table) -> tuple[list[str], str | None]:
     return files, text
 
 
+def _lifetimes(table: Table | None, sd: float) -> tuple[tuple[list[str], str | None], float] | None:
+    if table is None:
+        return None
+    return (([], None) if isinstance(table, str) and table == "published" else _tables(table)), sd
+
+
 def test(
     table: Table,
-    cues: Sequence[str] | Mapping[str, str],
+    cues: Sequence[str] | Mapping[str, str] = (),
     *,
+    hypotheses: str | os.PathLike[str] | None = None,
     free: Sequence[str] | None = None,
     noise: Literal["given", "common", "replicates"] | None = None,
     cells: Sequence[str] | None = None,
@@ -86,6 +93,9 @@ def test(
     names: Table | None = None,
     root: str | Sequence[str] | None = None,
     unit: Literal["um3", "voxels", "relative"] | None = None,
+    rounds: float | None = None,
+    lifetimes: Table | Literal["published"] | None = None,
+    lifetime_sd: float = 0.2,
     lineage: str | os.PathLike[str] | None = None,
     particles: SupportsIndex | None = None,
     moves: SupportsIndex | None = None,
@@ -108,9 +118,14 @@ def test(
     from, ``cells`` and ``population`` which cells and groups are used. ``names`` and ``root`` match cells with other names than
     the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``samples`` draws so many
     points of each posterior.
+
+    ``hypotheses`` is a file of more hypotheses, which may have free numbers of their own. ``rounds`` also uses the mean rounds of
+    founders that the lineage has as observed, with this standard deviation in rounds. ``lifetimes`` is a table of
+    :func:`furrow.compare.lifetimes`, or ``"published"``; ``lifetime_sd`` is the standard deviation of ln lifetime of the cells of a
+    generation about the lineage's clock.
     """
     named = _cues(cues)
-    if not named:
+    if not named and hypotheses is None:
         raise refused("cues", cues, "at least one cue")
     asked = {
         "table": _tables(table),
@@ -123,6 +138,9 @@ def test(
         "voxel": of_embryos("voxel", voxel),
         "matching": matching_of(names, root),
         "unit": None if unit is None else text_of("unit", unit),
+        "hypotheses": optional_path("hypotheses", hypotheses),
+        "rounds": None if rounds is None else number_of("rounds", rounds),
+        "lifetimes": _lifetimes(lifetimes, number_of("lifetime_sd", lifetime_sd)),
         "search": (
             None if particles is None else whole("particles", particles, 2, 10_000),
             None if moves is None else whole("moves", moves, 1, 100_000),

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, optional_path, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, number_of, optional_path, refused, seed_of, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 
@@ -61,23 +61,14 @@ def solve(
         raise refused(unknown, parameters[unknown], "left out: it is the unknown")
     if unknown not in ("r0", "R0") and not parameters.keys() & {"r0", "R0"}:
         raise refused("r0", None, f"given where {unknown} is the unknown")
-    ends = None if range is None else [_number("range", end) for end in range]
+    ends = None if range is None else [number_of("range", end) for end in range]
     if ends is not None and len(ends) != 2:
         raise refused("range", range, "a first and a last value")
     place = optional_path("lineage", lineage)
     inputs = _furrow.Inputs(given_of(parameters, preset, config, law=law), text_of("cue", cue), place)
     known = shared_memo() if memo is None else memo
-    asked = (name, _number(name, value))
+    asked = (name, number_of(name, value))
     count = whole("points", points, 2, 100_000)
     with shown(progress, "divisions") as tell:
         found = _furrow.solve(inputs, known, seed_of(seed), unknown, asked, ends, count, threads_of(threads), tell)
     return found
-
-
-def _number(field: str, value: object) -> float:
-    if isinstance(value, (bool, str)):
-        raise refused(field, value, "a number")
-    try:
-        return float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        raise refused(field, value, "a number") from None

@@ -4,16 +4,19 @@ use furrow_analysis::fit::{FitProgress, FitRun};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
 use furrow_analysis::hypotheses::{
-    Effort, Hypothesis, Noise, NoiseKind, Observations, Question, TestedHypothesis, test as tested,
+    Effort, Hypothesis, Named, Noise, NoiseKind, Observations, Others, Question, TestedHypothesis, test as tested,
 };
 use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
 use furrow_input::shown;
 use furrow_lineage::Lineage;
+use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
+use furrow_measured::published::jankele2021_lifetimes;
 use furrow_measured::tracked::embryo_files;
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use pyo3::prelude::*;
+use std::path::PathBuf;
 
 use crate::document::Document;
 use crate::drawings::Drawing;
@@ -29,6 +32,8 @@ use crate::trees::one_of;
 pub struct TestAsked {
     table: Tables,
     cues: Vec<String>,
+    /// A file of more hypotheses.
+    hypotheses: Option<PathBuf>,
     free: Option<Vec<String>>,
     lineage: Option<String>,
     noise: Option<String>,
@@ -37,6 +42,10 @@ pub struct TestAsked {
     voxel: OfEmbryos,
     matching: MatchAsked,
     unit: Option<String>,
+    /// The standard deviation of mean rounds, if they are used.
+    rounds: Option<f64>,
+    /// Lifetimes, of no file and no text the published ones, and the standard deviation of their logarithm.
+    lifetimes: Option<(Tables, f64)>,
     /// Particles, moves and seed of each search.
     search: (Option<usize>, Option<u64>, u64),
     /// Points of each sample.
@@ -44,6 +53,33 @@ pub struct TestAsked {
 }
 
 impl TestAsked {
+    fn hypotheses(&self) -> Result<Vec<Named>, Error> {
+        let mut asked = Named::list(&self.cues, ARGUMENTS)?;
+        if let Some(file) = &self.hypotheses {
+            asked.extend(Named::file(file)?);
+        }
+        Ok(asked)
+    }
+
+    /// What was observed beside χ.
+    fn others(&self, lineage: &Lineage) -> Result<Vec<Others>, Error> {
+        let mut all = Vec::new();
+        if let Some(sd) = self.rounds {
+            all.push(Others::rounds(lineage, sd, "rounds")?);
+        }
+        if let Some((table, sd)) = &self.lifetimes {
+            let options =
+                LifetimeOptions { names: matched_names(lineage, &self.matching)?, ..LifetimeOptions::default() };
+            let found = match table {
+                (_, Some(text)) => Lifetimes::read_with(text.as_bytes(), "lifetimes", &options)?,
+                (files, None) if files.is_empty() => jankele2021_lifetimes()?,
+                (files, None) => Lifetimes::read_files(&embryo_files(files)?.0, &options)?,
+            };
+            all.push(Others::lifetimes(&found, lineage, *sd, "lifetimes")?);
+        }
+        Ok(all)
+    }
+
     fn observations(&self, lineage: &Lineage) -> Result<Observations, Error> {
         let voxel = of_embryos("voxel", &self.voxel, "a length in µm above 0")?;
         let names = matched_names(lineage, &self.matching)?;
@@ -83,15 +119,17 @@ pub fn test(
         let lineage = lineage_of(asked.lineage.as_deref())?;
         let settings = tree_settings(given.for_divisions()?, &lineage, 0, memo.quantisation());
         let free = asked.free.as_ref().map(|texts| Free::list(texts, &lineage, ARGUMENTS)).transpose()?;
-        let hypotheses = Hypothesis::all(&asked.cues, free.as_deref(), &lineage, &settings.cell, [ARGUMENTS; 2])?;
+        let hypotheses =
+            Hypothesis::all(&asked.hypotheses()?, free.as_deref(), &lineage, &settings.cell, [ARGUMENTS; 2])?;
         let kind = asked.noise.as_deref().map(|kind| one_of("noise", kind, NoiseKind::NAMED)).transpose()?;
-        let observations = asked.observations(&lineage)?;
+        let observations = Observations { others: asked.others(&lineage)?, ..asked.observations(&lineage)? };
         let noise = Noise::of(&observations, kind, ("table", ARGUMENTS))?;
         let (particles, moves, seed) = asked.search;
         let effort = Effort { particles, moves, seed };
         let (observations, hypotheses, noise, memo) = (&observations, &hypotheses, &noise, &memo);
         let sampling = asked.samples.map(|particles| Sampling { particles, seed });
         let question = Question { observations, hypotheses, noise, effort, sampling, memo };
+        question.check(ARGUMENTS)?;
         let show = |FitProgress { done, of, .. }| watch.set([0, done, of]);
         let run = FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &watch.stop) };
         let found = tested(&run, &question)?;

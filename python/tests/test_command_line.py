@@ -160,7 +160,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         | {"--plot": "furrow.Sweep.to_pandas"}
         | AXIS,
     ),
-    "merge": ("furrow.merge", {"<DIR>": "furrow.merge(parts)", "--out": "furrow.merge(out)"}),
+    "merge": ("furrow.merge", {"<PART>": "furrow.merge(parts)", "--out": "furrow.merge(out)"}),
     "solve": (
         "furrow.solve",
         {f"--{name}": f"furrow.solve({name.replace('-', '_')})" for name in ("chi", "chi-signed", "u", "t", "points", "seed")}
@@ -219,7 +219,8 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
             f"--{name}": f"furrow.test({name})"
             for name in ("free", "noise", "cells", "population", "voxel", "unit", "lineage", "particles", "moves", "seed")
         }
-        | {f"--{name}": f"furrow.test({name})" for name in ("names", "root")},
+        | {f"--{name}": f"furrow.test({name})" for name in ("names", "root", "hypotheses", "rounds", "lifetimes")}
+        | {"--lifetime-sd": "furrow.test(lifetime_sd)", "--shard": "seed=, and weights by exp(log_evidence) of each posterior"},
     ),
     "compare": ("furrow.compare", {}),
     "compare counts": (

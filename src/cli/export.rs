@@ -7,7 +7,7 @@ use super::error::CliError;
 use super::messages;
 use super::output::{number, print, print_as, writable_file, writable_folder};
 use clap::Args;
-use furrow_analysis::observed::{Observed, ObservedLineage, ObservedOptions};
+use furrow_analysis::observed::{Observed, ObservedLineage, ObservedOptions, SULSTON1983};
 use furrow_formats::exchange::{
     BranchLengths, Exported, Format, ITOL_FILES, Sheet, TimedTree, check_sheet, check_tree, export_sheet,
 };
@@ -23,10 +23,11 @@ use std::path::{Path, PathBuf};
 Examples:
   furrow export furrow-out/tree.json --to nexus --out tree.nex
   furrow export furrow-out/tree.json --to itol --out itol
-  furrow export furrow-out/tree.json --to newick --subtree MS
+  furrow export sulston1983 --to newick --subtree MS
   furrow export --schema")]
 pub struct ExportArgs {
-    /// The tree.json that furrow tree wrote, or an observed embryo: one followed by another program, or a table of lifetimes
+    /// The tree.json that furrow tree wrote, or an observed embryo: one followed by another program, or a table of lifetimes;
+    /// sulston1983 is the embryonic lineage of C. elegans
     #[arg(value_name = "TREE.json|EMBRYO", required_unless_present = "schema")]
     tree: Option<PathBuf>,
     /// Format
@@ -97,7 +98,9 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
 /// Whether a file is an observed embryo rather than a tree of the model.
 fn is_observed(file: &Path) -> bool {
     let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    file.is_dir() || extension.is_some_and(|extension| ["csv", "tsv", "txt", "xml", "zip"].contains(&&*extension))
+    file.as_os_str() == SULSTON1983
+        || file.is_dir()
+        || extension.is_some_and(|extension| ["csv", "tsv", "txt", "xml", "zip"].contains(&&*extension))
 }
 
 impl ObservedArgs {

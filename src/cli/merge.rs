@@ -1,11 +1,13 @@
-//! `furrow merge`: the parts of a sweep put together.
+//! `furrow merge`: the parts of a sweep, or of a sample of a posterior, put together.
 
 use super::context::Globals;
 use super::error::CliError;
 use super::messages;
-use super::output::{print_as, writable_folder};
+use super::output::{print_as, writable_file, writable_folder};
 use clap::Args;
+use furrow_analysis::hypotheses::{MergedSample, merge_parts};
 use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
+use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -14,13 +16,14 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   furrow merge part-1 part-2 --out whole
-  furrow merge part-1 part-2 --out whole --json")]
+  furrow merge part-1 part-2 --out whole --json
+  furrow merge part-1.csv part-2.csv --out posterior.csv")]
 pub struct MergeArgs {
-    /// Folders of all parts, written by furrow sweep --shard
-    #[arg(value_name = "DIR", required = true)]
+    /// Folders of all parts, written by furrow sweep --shard, or tables (.csv) of all parts, written by furrow test --shard
+    #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
-    /// Output folder
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    /// Output folder, or table (.csv)
+    #[arg(help_heading = "Output", long, value_name = "OUT")]
     out: PathBuf,
 }
 
@@ -32,6 +35,9 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
         let allowed = "another folder than those of the parts";
         InputError::require(!same(part, &args.out), "--out", "out", format!("{part:?}"), allowed)?;
     }
+    if args.parts.iter().any(|part| part.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))) {
+        return merge_samples(args, globals);
+    }
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let table = merge(&args.parts)?;
     table.write(&args.out)?;
@@ -39,4 +45,19 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     // As of a sweep without anything new to solve.
     let document = json!({ "points": points, "solved": 0, "reused": points, "parts": parts, "out": out });
     print_as(globals.json, &document, || format!("{points} points of {parts} parts; files in {out}\n"))
+}
+
+/// The parts of a sample as one table.
+fn merge_samples(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
+    writable_file("--out", args.out.as_path())?;
+    let MergedSample { csv, points, parts, log_evidence } = merge_parts(&args.parts)?;
+    write_atomically(&args.out, csv.as_bytes())?;
+    let out = args.out.display().to_string();
+    let document = json!({ "points": points, "parts": parts, "log_evidence": log_evidence, "out": out });
+    print_as(globals.json, &document, || {
+        let of = |(name, log): (&String, &f64)| {
+            format!("log evidence {log:.2}{}{name}\n", if name.is_empty() { "" } else { " of " })
+        };
+        format!("{points} points of {parts} parts in {out}\n") + &log_evidence.iter().map(of).collect::<String>()
+    })
 }

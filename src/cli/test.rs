@@ -4,16 +4,21 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use furrow_analysis::Shard;
 use furrow_analysis::fit::{FitProgress, FitRun};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
-use furrow_analysis::hypotheses::{Effort, Hypothesis, Noise, NoiseKind, Observations, Question, samples_csv, test};
+use furrow_analysis::hypotheses::{
+    Effort, Hypothesis, Named, Noise, NoiseKind, Observations, Others, Question, samples_csv, test,
+};
 use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
-use furrow_lineage::Lineage;
 use furrow_lineage::batch::Store;
+use furrow_lineage::{Lineage, TreeSettings};
+use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
+use furrow_measured::published::jankele2021_lifetimes;
 use furrow_measured::tracked::EmbryoFile;
 use furrow_measured::volumes::{ReadOptions, Unit};
 use serde_json::json;
@@ -45,12 +50,17 @@ pub struct TestArgs {
     tables: Vec<PathBuf>,
     /// Hypotheses, one for each --cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +; "NAME=CUE"
     /// names the hypothesis
-    #[arg(help_heading = "Hypotheses", long, value_name = "CUE", required = true)]
+    #[arg(help_heading = "Hypotheses", long, value_name = "CUE", required_unless_present = "hypotheses")]
     cue: Vec<String>,
-    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; none fits nothing;
+    /// A file of hypotheses (RON), each with a cue and optionally its own list of free numbers:
+    /// Hypotheses(hypotheses: [(name: "a", cue: "germline", free: ["epsilon", "epsilon@somatic"])])
+    #[arg(help_heading = "Hypotheses", long, value_name = "FILE.ron")]
+    hypotheses: Option<PathBuf>,
+    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; PARAMETER@embryo varies
+    /// between embryos in the posterior; none fits nothing;
     /// default all numbers of each cue
     ///
-    /// A hypothesis without such a number does not have it. Numbers of a cue are searched as by furrow fit cue, others over the range of
+    /// A hypothesis without such a number does not have it. epsilon,epsilon@P2 frees one number of all cells but P2's and one of these. Numbers of a cue are searched as by furrow fit cue, others over the range of
     /// furrow solve; PARAMETER@CLASS=FROM..TO gives another range.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]
     free: Option<Vec<String>>,
@@ -70,6 +80,17 @@ pub struct TestArgs {
     /// Edge of a voxel in µm, which converts voxels to µm³; of one embryo with its name
     #[arg(help_heading = "Measurements", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo)]
     voxel: Vec<OfEmbryo>,
+    /// The observed mean rounds of the lineage's founders as further measurements, with this standard deviation in rounds
+    #[arg(help_heading = "Measurements", long, value_name = "SD", num_args = 0..=1, require_equals = true,
+        default_missing_value = "1")]
+    rounds: Option<f64>,
+    /// Lifetimes of cells as further measurements, compared with the lineage's clock: tables as for furrow compare lifetimes, or
+    /// published for the means of 28 embryos of C. elegans
+    #[arg(help_heading = "Measurements", long, value_name = "TABLE")]
+    lifetimes: Vec<PathBuf>,
+    /// Standard deviation of ln lifetime of the cells of a generation about the clock
+    #[arg(help_heading = "Measurements", long, value_name = "SD", default_value_t = 0.2, requires = "lifetimes")]
+    lifetime_sd: f64,
     #[command(flatten)]
     matching: MatchArgs,
     /// Unit of a table without one: um3, voxels or relative
@@ -91,6 +112,9 @@ pub struct TestArgs {
     /// Writes the samples as a table (CSV): a column for each number, a row for each point
     #[arg(help_heading = "Posterior", long, value_name = "FILE.csv", requires = "samples")]
     posterior: Option<PathBuf>,
+    /// Draws part K of N of a sample, each of --samples points; furrow merge puts the parts together
+    #[arg(help_heading = "Posterior", long, value_name = "K/N", requires = "posterior")]
+    shard: Option<Shard>,
     #[command(flatten)]
     plot: PlotArgs,
 }
@@ -103,7 +127,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     context.settings.check_activity("settings")?;
     let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
     let free = args.free.as_ref().map(|texts| Free::list(texts, &lineage, "--free")).transpose()?;
-    let hypotheses = Hypothesis::all(&args.cue, free.as_deref(), &lineage, &settings.cell, ["--cue", "--free"])?;
+    let hypotheses = hypotheses(args, free.as_deref(), &lineage, &settings)?;
     let files = files_of(&args.tables)?;
     let observations = observations(args, &files, &lineage)?;
     let table = files.first().map_or(String::new(), |file| file.path.display().to_string());
@@ -112,9 +136,11 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     interrupt::finish();
     let (particles, moves) = (args.particles.map(|count| count as usize), args.moves.map(u64::from));
     let effort = Effort { particles, moves, seed: args.seed };
-    let sampling = args.samples.map(|samples| Sampling { particles: samples as usize, seed: args.seed });
+    let seed = args.shard.map_or(args.seed, |shard| shard.seed(args.seed));
+    let sampling = args.samples.map(|samples| Sampling { particles: samples as usize, seed });
     let question =
         Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };
+    question.check("--free")?;
     let found = context.shown(|line| {
         let show = |FitProgress { done, of, least }| {
             let least = least.map_or(String::new(), |least| format!(", least misfit {least:.3}"));
@@ -128,7 +154,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     if let Some(file) = &args.posterior {
         let sampled =
             found.hypotheses.iter().filter_map(|tested| Some((tested.name.as_str(), tested.posterior.as_ref()?)));
-        write_atomically(file, samples_csv(sampled).as_bytes())?;
+        write_atomically(file, samples_csv(sampled, args.shard).as_bytes())?;
     }
     let elapsed_s = start.elapsed().as_secs_f64();
     let document = merged(json!(found), json!({ "seed": args.seed, "elapsed_s": elapsed_s }));
@@ -137,6 +163,42 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
         sizes + &found.to_string()
     })
 }
+
+/// The hypotheses of the options and of the file.
+fn hypotheses(
+    args: &TestArgs,
+    free: Option<&[Free]>,
+    lineage: &Lineage,
+    settings: &TreeSettings,
+) -> Result<Vec<Hypothesis>, CliError> {
+    let mut asked = Named::list(&args.cue, "--cue")?;
+    if let Some(file) = &args.hypotheses {
+        asked.extend(Named::file(file)?);
+    }
+    let file = args.hypotheses.as_ref().map(|file| file.display().to_string());
+    let source = file.as_deref().filter(|_| args.cue.is_empty()).unwrap_or("--cue");
+    Ok(Hypothesis::all(&asked, free, lineage, &settings.cell, [source, "--free"])?)
+}
+
+/// What was observed beside χ.
+fn others(args: &TestArgs, lineage: &Lineage) -> Result<Vec<Others>, CliError> {
+    let rounds = args.rounds.map(|sd| Others::rounds(lineage, sd, "--rounds"));
+    let lifetimes = |files: &[PathBuf]| {
+        let names = args.matching.names(lineage)?;
+        let found = match files {
+            [one] if one.as_os_str() == PUBLISHED => jankele2021_lifetimes()?,
+            files => {
+                Lifetimes::read_files(&files_of(files)?, &LifetimeOptions { names, ..LifetimeOptions::default() })?
+            }
+        };
+        Ok::<_, CliError>(Others::lifetimes(&found, lineage, args.lifetime_sd, "--lifetimes")?)
+    };
+    let of_lifetimes = (!args.lifetimes.is_empty()).then(|| lifetimes(&args.lifetimes));
+    rounds.map(|found| found.map_err(CliError::from)).into_iter().chain(of_lifetimes).collect()
+}
+
+/// Asks for the published lifetimes.
+const PUBLISHED: &str = "published";
 
 /// The measured χ of the table, or of a file of targets.
 fn observations(args: &TestArgs, files: &[EmbryoFile], lineage: &Lineage) -> Result<Observations, CliError> {
@@ -147,5 +209,5 @@ fn observations(args: &TestArgs, files: &[EmbryoFile], lineage: &Lineage) -> Res
     if observations.of_nuclei {
         messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
     }
-    Ok(observations)
+    Ok(Observations { others: others(args, lineage)?, ..observations })
 }

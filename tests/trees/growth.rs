@@ -94,6 +94,25 @@ fn newick_names_lengths_and_order() {
     assert_eq!(newick(&tree), "('Q_1a','Q_1p')'Q_1':1.5;\n");
 }
 
+/// Cells of a founder double before they divide, so that equal halves keep its size; a given radius is that at division.
+#[test]
+fn cells_of_a_founder_grow_before_they_divide() {
+    let text = r#"(name: "x", limits: (max_depth: 3), founders: [
+        (name: "S", r0: 4.0, growth: 3), (name: "Q", mother: "S", daughter: larger, growth: 2), (name: "G", mother: "S", daughter: smaller, r0: 2.5),
+    ])"#;
+    let lineage = Lineage::parse(text, "x.ron").unwrap();
+    let halves = |input: &DivisionInput| Ok(division(input.cell.r0, Outcome::Symmetric, 0.0));
+    let tree = grow_with(&lineage, 1, halves).0;
+    let r0 = |name: &str| tree.cells().map(|id| tree.cell(id)).find(|cell| cell.name == name).unwrap().r0;
+    for (name, expected) in [("S", 4.0), ("Q", 4.0), ("Qa", 4.0), ("Qap", 4.0), ("G", 2.5), ("Ga", 2.5 * 0.5f64.cbrt())]
+    {
+        assert!((r0(name) - expected).abs() < 1e-12, "{name}: {}", r0(name));
+    }
+    let refusal =
+        Lineage::parse("(name: \"x\", founders: [(name: \"S\", growth: 0)])", "x.ron").unwrap_err().to_string();
+    assert!(refusal.contains("growth = 0: must be a number from 0.01 to 100"), "{refusal}");
+}
+
 #[test]
 fn founders_stop_after_their_rounds_and_named_cells_die() {
     let text = r#"(name: "x", limits: (max_depth: 5), dies: ["Qaa*a", "nobody"], founders: [

@@ -11,6 +11,8 @@ use furrow_lineage::{FounderPhysics, Lineage, TreeSettings};
 /// daughter; and all others.
 pub(crate) const GERMLINE: &str = "germline";
 pub(crate) const SOMATIC: &str = "somatic";
+/// In place of a class: the standard deviation of a parameter between embryos.
+pub(crate) const EMBRYO: &str = "embryo";
 
 /// A constant of all cells, or of a class of cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,14 +52,22 @@ impl Constants {
     /// # Errors
     /// Names the column.
     pub fn check(&self, lineage: &Lineage, file: &str) -> Result<(), InputError> {
-        for constant in &self.values {
+        // The spread between embryos says nothing of the typical one.
+        for constant in self.values.iter().filter(|constant| constant.class.as_deref() != Some(EMBRYO)) {
             let Constant { parameter, class, .. } = constant;
             let founders = class.as_ref().map(|class| founders_of(class, lineage, file, "column")).transpose()?;
             let (is_known, allowed) = match parameter.is_of_cue() {
                 true => {
                     let has = |cue: &Cue| parameter.is_of(&Cell::new(1.0).with_cue(cue.clone()));
-                    let is_known = founders.is_none() && lineage.cues.values().any(has);
-                    (is_known, "a number of a cue of the lineage, for all cells: choose the cue by --cue")
+                    let own = |k: &usize| lineage.founders[*k].cue.as_deref().and_then(|name| lineage.cue(name));
+                    let is_known = match &founders {
+                        None => lineage.cues.values().any(has),
+                        Some(founders) => founders.iter().filter_map(own).any(|cue| has(&cue)),
+                    };
+                    (
+                        is_known,
+                        "a number of a cue of the lineage, of a class of cells one that its founders name: choose the cue by --cue",
+                    )
                 }
                 false => {
                     (founders.is_none() || FounderPhysics::can_have(*parameter), "a parameter that founders can have")
@@ -72,11 +82,25 @@ impl Constants {
     /// value in the lineage file gives way to one of all cells.
     pub fn applied(&self, lineage: &Lineage, settings: &TreeSettings) -> (Lineage, TreeSettings) {
         let (mut lineage, mut settings) = (lineage.clone(), settings.clone());
-        for Constant { parameter, class, value } in &self.values {
+        // A smaller class has the last word.
+        let size = |class: &Option<String>| match class {
+            None => usize::MAX,
+            Some(class) => founders_of(class, &lineage, "", "").map_or(0, |founders| founders.len()),
+        };
+        let of_cells = |constant: &&Constant| constant.class.as_deref() != Some(EMBRYO);
+        let mut values: Vec<&Constant> = self.values.iter().filter(of_cells).collect();
+        values.sort_by_key(|constant| std::cmp::Reverse(size(&constant.class)));
+        for Constant { parameter, class, value } in values {
             if class.is_none() {
                 parameter.set(&mut settings.cell, *value);
             }
             if parameter.is_of_cue() {
+                if let Some(class) = class {
+                    for founder in founders_of(class, &lineage, "", "").unwrap_or_default() {
+                        lineage.set_own_cue(founder, *parameter, *value);
+                    }
+                    continue;
+                }
                 for cue in lineage.cues.values_mut() {
                     let mut cell = Cell::new(1.0).with_cue(cue.clone());
                     parameter.set(&mut cell, *value);
@@ -226,6 +250,19 @@ mod tests {
         let refused = |text: &str| read_constants_of(text, "c.csv", &lineage).unwrap_err().to_string();
         assert!(refused("epsilon@somatc\n0.8\n").ends_with("did you mean somatic?"));
         assert!(refused("cue[3].u0\n0.4\n").contains("a number of a cue of the lineage"));
+        // A smaller class has the last word, in any order; a number of a cue of a class belongs to its founders alone.
+        let text = "epsilon@E,epsilon@somatic,epsilon,cue[0].amplitude@P2,cue[0].amplitude\n0.7,0.8,0.85,0.3,0.2\n";
+        let sets = read_constants_of(text, "c.csv", &lineage).unwrap();
+        let (found, settings) = sets[0].applied(&lineage, &TreeSettings::default());
+        let of = |name: &str| found.founders[found.founder_named(name).unwrap()].clone();
+        assert_eq!(
+            (of("E").physics.epsilon, of("AB").physics.epsilon, settings.cell.epsilon),
+            (Some(0.7), Some(0.8), 0.85)
+        );
+        assert_eq!((of("P2").cue.as_deref(), of("P1").cue.as_deref()), (Some("germline@P2"), Some("germline")));
+        assert!(found.cues["germline@P2"].to_string().contains("amplitude=0.3"));
+        assert!(found.cues["germline"].to_string().contains("amplitude=0.2"));
+        assert!(refused("cue[0].amplitude@AB\n0.4\n").contains("one that its founders name"));
         assert!(refused("r0@AB\n2\n").contains("a parameter that founders can have"));
     }
 

@@ -5,9 +5,11 @@ use std::path::Path;
 
 use furrow_formats::exchange::{Kind, Sheet, SheetCell, SheetColumn};
 use furrow_input::InputError;
+use furrow_input::table::{Table, text};
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes, mean_volumes};
 use furrow_measured::matching::Matched;
 use furrow_measured::names::Names;
+use furrow_measured::published::SULSTON;
 use furrow_measured::tracked::{EmbryoFile, TimeUnit, TrackOptions, TrackedLineage, embryo_files, read_tracked};
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 
@@ -37,6 +39,9 @@ pub struct Observed {
     pub skipped_count: u64,
 }
 
+/// Names the lineage of C. elegans in place of a file.
+pub const SULSTON1983: &str = "sulston1983";
+
 impl Observed {
     /// Reads an embryo that another program followed, or a table of lifetimes with mean volumes.
     ///
@@ -44,6 +49,13 @@ impl Observed {
     /// A file that cannot be read as either; a name of the matching that was not met; volumes beside an embryo that was followed.
     pub fn read(path: &Path, options: &ObservedOptions) -> Result<Observed, InputError> {
         let ObservedOptions { volumes, frame_minutes, voxel, names } = options;
+        if path.as_os_str() == SULSTON1983 {
+            let given = !volumes.is_empty() || frame_minutes.is_some() || voxel.is_some();
+            let allowed = "without volumes, minutes per frame and voxels: it has minutes and no sizes";
+            InputError::require(!given, SULSTON1983, "options", "(given)", allowed)?;
+            let lineage = ObservedLineage::sulston(names)?;
+            return Ok(Observed { lineage, matched: None, skipped: Vec::new(), skipped_count: 0 });
+        }
         if let Some(mut embryo) = read_tracked(path, &TrackOptions { pixel: *voxel, frame_minutes: *frame_minutes })? {
             let allowed = "left out with an embryo that was followed, which has sizes of its own";
             InputError::require(volumes.is_empty(), "--volumes", "volumes", "(given)", allowed)?;
@@ -124,6 +136,40 @@ impl ObservedLineage {
         }
         let volumes = cells.iter().any(|cell| cell.volume.is_some()).then_some(embryo.volumes);
         ObservedLineage { name: embryo.name.clone(), cells, time: embryo.time, volumes }
+    }
+
+    /// The embryonic lineage of C. elegans, in minutes.
+    ///
+    /// # Errors
+    /// None in practice; reading is typed as fallible.
+    pub fn sulston(names: &Names) -> Result<ObservedLineage, InputError> {
+        let mut table = Table::open(SULSTON.as_bytes(), SULSTON1983)?;
+        table.header(|_| false)?;
+        let (mut cells, mut places): (Vec<ObservedCell>, HashMap<String, usize>) = Default::default();
+        while let Some(row) = table.next_row()? {
+            let [name, mother] = [0, 1].map(|column| text(row.text(column)).into_owned());
+            let (place, birth) = (cells.len(), row.numbers.read(row.text(2)).ok());
+            let mother = places.get(&mother).copied();
+            let mut generation = 0;
+            if let Some(mother) = mother {
+                let above: &mut ObservedCell = &mut cells[mother];
+                (above.division, above.last, generation) = (birth, birth, above.generation + 1);
+                let at = usize::from(above.daughters[0].is_some());
+                above.daughters[at] = Some(place);
+            }
+            places.insert(name.clone(), place);
+            let (tracked, daughters, division, last, volume) = (None, [None; 2], None, None, None);
+            cells.push(ObservedCell { name, tracked, mother, daughters, generation, birth, division, last, volume });
+        }
+        let names_of: Vec<String> = cells.iter().map(|cell| cell.name.clone()).collect();
+        for cell in &mut cells {
+            if let [Some(first), Some(second)] = cell.daughters
+                && is_first(names, &names_of[second])
+            {
+                cell.daughters = [Some(second), Some(first)];
+            }
+        }
+        Ok(ObservedLineage { name: SULSTON1983.to_owned(), cells, time: TimeUnit::Minutes, volumes: None })
     }
 
     /// The cells of tables of lifetimes, with mean volumes. A cell's name gives its mother.
@@ -230,4 +276,39 @@ fn column<'a>(
 /// Whether a cell is named before its sister.
 fn is_first(names: &Names, cell: &str) -> bool {
     names.birth(cell).is_some_and(|(_, _, is_first)| is_first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::names_of;
+    use furrow_lineage::Lineage;
+
+    /// The numbers of terminal cells of all founders are those of the lineage file, and births and divisions are those of the table.
+    #[test]
+    fn the_lineage_of_the_worm_is_whole() {
+        let lineage = Lineage::c_elegans().unwrap();
+        let options = ObservedOptions { names: names_of(&lineage), ..ObservedOptions::default() };
+        let ObservedLineage { cells, time, .. } = Observed::read(Path::new(SULSTON1983), &options).unwrap().lineage;
+        assert_eq!((cells.len(), time), (1341, TimeUnit::Minutes));
+        assert!(cells.iter().all(|cell| cell.daughters[0].is_some() == cell.daughters[1].is_some()));
+        let place = |name: &str| cells.iter().position(|cell| cell.name == name).unwrap();
+        let below = |name: &str| {
+            let (mut left, mut ends) = (vec![place(name)], 0);
+            while let Some(cell) = left.pop() {
+                let daughters = cells[cell].daughters.iter().flatten();
+                ends += u32::from(cells[cell].daughters[0].is_none());
+                left.extend(daughters);
+            }
+            ends
+        };
+        for founder in &lineage.founders {
+            assert_eq!(Some(below(&founder.name)), founder.observed.unwrap().terminal, "{}", founder.name);
+        }
+        let ems = &cells[place("EMS")];
+        assert_eq!(ems.daughters.map(|daughter| cells[daughter.unwrap()].name.as_str()), ["MS", "E"]);
+        assert_eq!((cells[0].birth, ems.birth, ems.division), (Some(0.0), Some(62.0), Some(101.0)));
+        let given = ObservedOptions { voxel: Some(0.1), ..options };
+        assert!(Observed::read(Path::new(SULSTON1983), &given).unwrap_err().to_string().contains("without volumes"));
+    }
 }

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use super::points::Point;
+use super::sample::seed_of;
 use furrow_lineage::batch::{Key, Quantisation};
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,11 @@ impl Shard {
             true => Ok(Shard { number, of }),
             false => Err(allowed()),
         }
+    }
+
+    /// The seed of this part of a sample; part 1 has the sample's own.
+    pub fn seed(self, seed: u64) -> u64 {
+        if self.number == 1 { seed } else { seed_of(b"part", seed, self.number) }
     }
 
     /// Whether a point belongs to this part.

@@ -11,6 +11,9 @@ use super::units::{Length, MOST_PLAIN, plain_radius};
 use furrow_cell::{CueError, SIZES};
 use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
 
+/// Factors by which cells may grow between birth and division.
+const GROWTH: RangeInclusive<f64> = 0.01..=100.0;
+
 type Checked = Result<(), InputError>;
 
 /// A lineage with the text it was read from.
@@ -276,6 +279,9 @@ impl Check<'_> {
     }
 
     fn physics(&self, f: &Founder) -> Checked {
+        if let Some(growth) = f.growth {
+            self.require(f, GROWTH.contains(&growth), "growth", growth, "a number from 0.01 to 100")?;
+        }
         if let Some(given) = f.r0 {
             let r0 = given.in_units(&self.lineage.units());
             self.require(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;

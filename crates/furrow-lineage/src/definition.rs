@@ -13,7 +13,7 @@ use super::rules::{PhysicsRule, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
-use furrow_cell::{Cell, Cue, CueError, Numerics};
+use furrow_cell::{Cell, Cue, CueError, Numerics, Parameter};
 use furrow_input::{InputError, did_you_mean, listed, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
@@ -75,6 +75,9 @@ pub struct Founder {
     /// Most rounds of division of it and its descendants up to the next founder, as of a ganglion mother cell, which divides once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most_rounds: Option<u32>,
+    /// Volume at division divided by volume at birth, of it and its descendants up to the next founder; 1 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth: Option<f64>,
     /// Observed rounds; `sulston` is an older word for them.
     #[serde(default, alias = "sulston", skip_serializing_if = "Option::is_none")]
     pub observed: Option<ObservedRounds>,
@@ -275,6 +278,11 @@ impl Lineage {
         self.founders.iter().position(|founder| founder.name == name)
     }
 
+    /// Volume at division divided by volume at birth, of a founder and its descendants.
+    pub fn growth(&self, founder: usize) -> f64 {
+        self.founders[founder].growth.unwrap_or(1.0)
+    }
+
     /// Whether a cell dies in place of dividing.
     pub fn dies(&self, name: &str) -> bool {
         self.dies.iter().any(|pattern| matches(pattern, name))
@@ -371,6 +379,22 @@ impl Lineage {
         let all = of_founders.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue));
         all.filter(|given| given.as_str() != "none").for_each(|given| name.clone_into(given));
         self
+    }
+
+    /// Sets a number of the cue that a founder names, in a copy of this cue that the founder alone has. A founder that names no cue, or
+    /// one without this number, stays as it is.
+    pub fn set_own_cue(&mut self, founder: usize, parameter: Parameter, value: f64) {
+        let Founder { name, cue: Some(called), .. } = &self.founders[founder] else { return };
+        let Some(cue) = self.cues.get(called).filter(|cue| parameter.is_of(&Cell::new(1.0).with_cue((*cue).clone())))
+        else {
+            return;
+        };
+        let mut cell = Cell::new(1.0).with_cue(cue.clone());
+        parameter.set(&mut cell, value);
+        let of = format!("@{name}");
+        let own = if called.ends_with(&of) { called.clone() } else { format!("{called}{of}") };
+        self.cues.insert(own.clone(), cell.cue);
+        self.founders[founder].cue = Some(own);
     }
 
     /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it, `CUE` or `NAME=CUE` (see [`named_cue`]). A cue of

@@ -384,6 +384,7 @@ impl<'a> Growth<'a> {
     fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
         let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
         let first_r0 = self.cells[0].place.r0;
+        let fraction = fraction * lineage.growth(founder.unwrap_or(mother.place.founder));
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {

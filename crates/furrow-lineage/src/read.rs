@@ -246,6 +246,7 @@ fn replace(founder: &mut Founder, with: Founder) {
         clock,
         letters,
         most_rounds,
+        growth,
         observed,
     } = with;
     founder.mother = mother.or(founder.mother.take());
@@ -268,5 +269,6 @@ fn replace(founder: &mut Founder, with: Founder) {
         founder.letters = letters;
     }
     founder.most_rounds = most_rounds.or(founder.most_rounds);
+    founder.growth = growth.or(founder.growth);
     founder.observed = observed.or(founder.observed);
 }

@@ -31,6 +31,9 @@ const LIFETIMES: &str = include_str!("../data/jankele2021_lifetimes.csv");
 /// Divisions of five sea-urchin embryos, by population and generation.
 const VILLOUTREIX: &str = include_str!("../data/villoutreix2016.csv");
 
+/// The cells of Sulston's lineage with their mothers, births and fates.
+pub const SULSTON: &str = include_str!("../data/sulston1983_lineage.csv");
+
 /// The source of the divisions of sea-urchin embryos.
 pub const SEA_URCHIN_SOURCE: &str = "Villoutreix et al. 2016, Sci. Rep. 6:37438";
 

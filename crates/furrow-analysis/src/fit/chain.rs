@@ -253,12 +253,13 @@ impl<'a> Chain<'a> {
             return own.or(Some(settings.cell.r0));
         };
         let [posterior, anterior] = self.daughters(mother)?;
-        Some(match born {
+        let born_with = match born {
             Born::BySize(Daughter::Larger) => anterior.max(posterior),
             Born::BySize(Daughter::Smaller) => anterior.min(posterior),
             Born::Anterior => anterior,
             Born::Posterior => posterior,
-        })
+        };
+        Some(born_with * lineage.growth(cell.founder).cbrt())
     }
 
     /// The radii of a cell's daughters, the posterior one first.
@@ -329,7 +330,8 @@ impl<'a> Chain<'a> {
                     Born::Anterior => anterior > posterior,
                     Born::Posterior => posterior > anterior,
                 };
-                before[mother].as_ref()?.radius(is_larger)
+                let grown = lineage.growth(cell.founder).cbrt();
+                before[mother].as_ref()?.radius(is_larger).into_iter().map(|slope| grown * slope).collect()
             }
             None => vec![0.0; unknowns.len()],
         };
@@ -363,6 +365,7 @@ mod tests {
             logarithmic: false,
             sign: 1.0,
             founders: Some((founder.to_owned(), vec![lineage.founder_named(founder).unwrap()])),
+            except: Vec::new(),
         };
         let unknowns = vec![epsilon("P0"), epsilon("P1")];
         let names = ["P0", "P1"];

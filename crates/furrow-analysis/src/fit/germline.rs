@@ -96,11 +96,15 @@ pub struct FittedCue {
 /// The residual of a cell that does not divide, in standard deviations, from its measured standard deviation.
 type Undivided = fn(sd: f64) -> f64;
 
+/// What other observations add to χ² at values of the unknowns.
+pub(crate) type Beside<'a> = &'a (dyn Fn(&Model<'_>, &[f64]) -> f64 + Sync);
+
 /// The objective of the fit.
 pub(crate) struct Objective<'a> {
     pub model: Model<'a>,
     pub measured: &'a [MeasuredChi],
     undivided: Undivided,
+    beside: Option<Beside<'a>>,
     tried: AtomicUsize,
     /// Most candidates that are tried.
     of: usize,
@@ -113,7 +117,13 @@ impl<'a> Objective<'a> {
     pub fn new(model: Model<'a>, measured: &'a [MeasuredChi], undivided: Undivided, effort: SearchBudget) -> Self {
         // A simplex asks for its corners and, in most steps, for one or two places.
         let of = effort.evaluations() + model.unknowns.len() + 1 + 2 * DESCENT as usize;
-        Objective { model, measured, undivided, tried: AtomicUsize::new(0), of, least: Mutex::new(f64::INFINITY) }
+        let (tried, least) = (AtomicUsize::new(0), Mutex::new(f64::INFINITY));
+        Objective { model, measured, undivided, beside: None, tried, of, least }
+    }
+
+    /// With other observations.
+    pub fn with(self, beside: Option<Beside<'a>>) -> Self {
+        Objective { beside, ..self }
     }
 
     pub fn check_cancelled(&self) -> Result<(), FitError> {
@@ -149,7 +159,9 @@ impl<'a> Objective<'a> {
     /// χ² at a place of the unit cube.
     pub fn misfit(&self, place: &[f64]) -> f64 {
         let of = |r: ChiResidual| r.residual.unwrap_or_else(|| (self.undivided)(r.sd)).powi(2);
-        self.residuals(&self.model.values(place)).into_iter().map(of).sum()
+        let values = self.model.values(place);
+        let of_chi: f64 = self.residuals(&values).into_iter().map(of).sum();
+        self.beside.map_or(of_chi, |beside| of_chi + beside(&self.model, &values))
     }
 
     fn show(&self, tried: usize, misfit: f64) {

@@ -26,12 +26,15 @@ pub(crate) struct Unknown {
     pub sign: f64,
     /// The class of cells that have it: its name and founders; `None` for all cells.
     pub founders: Option<(String, Vec<usize>)>,
+    /// Founders among these that have a number of their own in its place.
+    pub except: Vec<usize>,
 }
 
 impl Unknown {
     /// Whether cells of a founder have it.
     pub fn is_of(&self, founder: usize) -> bool {
-        self.founders.as_ref().is_none_or(|(_, founders)| founders.contains(&founder))
+        !self.except.contains(&founder)
+            && self.founders.as_ref().is_none_or(|(_, founders)| founders.contains(&founder))
     }
 
     /// Its name, as `cue[0].amplitude` or `epsilon@somatic`.
@@ -67,7 +70,7 @@ pub(crate) fn unknowns(cue: &Cue) -> Vec<Unknown> {
         let sign = if logarithmic { value.signum() } else { 1.0 };
         // A turnover of 0 means no turnover.
         let searched = parameter != Parameter::Regulator(RegulatorQuantity::Turnover) || value != 0.0;
-        searched.then_some(Unknown { parameter, limits, logarithmic, sign, founders: None })
+        searched.then_some(Unknown { parameter, limits, logarithmic, sign, founders: None, except: Vec::new() })
     };
     Parameter::of_cue(cue).into_iter().filter_map(of).collect()
 }

@@ -1,9 +1,12 @@
 //! Hypotheses, and the numbers that are fitted.
 
-use furrow_cell::{Cell, CueError, Parameter};
-use furrow_input::{InputError, did_you_mean};
+use std::path::Path;
 
-use crate::constants::founders_of;
+use furrow_cell::{Cell, CueError, Parameter};
+use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
+use serde::Deserialize;
+
+use crate::constants::{EMBRYO, founders_of};
 use furrow_lineage::{Lineage, named_cue};
 
 use crate::fit::unknowns::{Unknown, unknowns};
@@ -17,15 +20,28 @@ pub struct Free {
     class: Option<(String, Vec<usize>)>,
     /// Between which values it is searched; `None` for the usual range.
     range: Option<[f64; 2]>,
+    /// Whether it differs between embryos.
+    by_embryo: bool,
 }
 
-/// A hypothesis as it is named.
-#[derive(Clone, Debug, PartialEq)]
+/// A hypothesis as it is asked for.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Named {
     /// Its name: the one before `=`, else the text of its cue.
     pub name: String,
     /// The cue, without the name.
     pub cue: String,
+    /// Its free numbers; `None` for those that all hypotheses share.
+    #[serde(default)]
+    pub free: Option<Vec<String>>,
+}
+
+/// A file of hypotheses.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Hypotheses")]
+struct File {
+    hypotheses: Vec<Named>,
 }
 
 /// A hypothesis: a cue in place of the lineage's own, and numbers that are fitted.
@@ -38,6 +54,8 @@ pub struct Hypothesis {
     /// Its cue, where the fit starts.
     pub(crate) template: furrow_cell::Cue,
     pub(crate) unknowns: Vec<Unknown>,
+    /// The one of them that differs between embryos, in the posterior.
+    pub(crate) by_embryo: Option<usize>,
 }
 
 /// Written for an empty list.
@@ -61,8 +79,9 @@ impl Free {
             let nearest = did_you_mean(name, all.iter().copied());
             return refused(name, format!("none, or a parameter with or without @CLASS: {}{nearest}", all.join(", ")));
         };
-        let class = class.map(|class| class_of(class, lineage, source)).transpose()?;
-        let Some(written) = range else { return Ok(Free { parameter, class, range: None }) };
+        let by_embryo = class == Some(EMBRYO);
+        let class = class.filter(|_| !by_embryo).map(|class| class_of(class, lineage, source)).transpose()?;
+        let Some(written) = range else { return Ok(Free { parameter, class, range: None, by_embryo }) };
         let ends =
             written.split_once("..").and_then(|(from, to)| Some([from.trim().parse().ok()?, to.trim().parse().ok()?]));
         let Some([from, to]) = ends.filter(|[from, to]: &[f64; 2]| from < to) else {
@@ -70,14 +89,14 @@ impl Free {
         };
         match [from, to].into_iter().find_map(|end| parameter.validate(end).err()) {
             Some(allowed) => refused(written, format!("a range of {parameter} with {allowed}")),
-            None => Ok(Free { parameter, class, range: Some([from, to]) }),
+            None => Ok(Free { parameter, class, range: Some([from, to]), by_embryo }),
         }
     }
 
     /// Reads a list of free numbers; `none` is the empty list.
     ///
     /// # Errors
-    /// As [`Free::read`], and a number that two entries free in the same cell.
+    /// As [`Free::read`]; two entries with the same parameter and class; a class whose founders all have smaller classes.
     pub fn list(texts: &[String], lineage: &Lineage, source: &str) -> Result<Vec<Free>, InputError> {
         if let [only] = texts
             && only.trim() == NOTHING
@@ -85,20 +104,41 @@ impl Free {
             return Ok(Vec::new());
         }
         let all: Vec<Free> = texts.iter().map(|text| Free::read(text, lineage, source)).collect::<Result<_, _>>()?;
+        if let Some((k, _)) = all.iter().enumerate().filter(|(_, free)| free.by_embryo).nth(1) {
+            return Err(refused(source, texts[k].trim(), "one number that differs between embryos".to_owned()));
+        }
         for (k, free) in all.iter().enumerate() {
-            if all[..k].iter().any(|other| other.parameter == free.parameter && other.meets(free)) {
-                let allowed = "each parameter once for a cell: its classes must not overlap";
+            if all[..k].iter().any(|other| other.parameter == free.parameter && other.is_of_the_cells_of(free)) {
+                let allowed = "each parameter once for a class of cells";
+                return Err(refused(source, texts[k].trim(), allowed.to_owned()));
+            }
+            if (0..lineage.founders.len()).all(|founder| !free.is_of(founder) || free.except(&all).contains(&founder)) {
+                let allowed = "a class with cells that have no number of their own";
                 return Err(refused(source, texts[k].trim(), allowed.to_owned()));
             }
         }
         Ok(all)
     }
 
-    fn meets(&self, other: &Free) -> bool {
+    fn is_of(&self, founder: usize) -> bool {
+        self.class.as_ref().is_none_or(|(_, founders)| founders.contains(&founder))
+    }
+
+    fn is_of_the_cells_of(&self, other: &Free) -> bool {
         match (&self.class, &other.class) {
-            (Some((_, a)), Some((_, b))) => a.iter().any(|founder| b.contains(founder)),
-            _ => true,
+            (Some((_, a)), Some((_, b))) => a == b,
+            (a, b) => a.is_none() && b.is_none(),
         }
+    }
+
+    /// The founders of smaller classes, which replace this number by a separate one.
+    fn except(&self, all: &[Free]) -> Vec<usize> {
+        let is_part = |founders: &Vec<usize>| {
+            self.class.as_ref().is_none_or(|(_, own)| founders.len() < own.len() && own.contains(&founders[0]))
+        };
+        let parts =
+            all.iter().filter(|other| other.parameter == self.parameter).filter_map(|other| other.class.as_ref());
+        parts.filter(|(_, founders)| is_part(founders)).flat_map(|(_, founders)| founders.iter().copied()).collect()
     }
 }
 
@@ -119,35 +159,72 @@ impl Named {
     /// As [`named_cue`].
     pub fn read(text: &str) -> Result<Named, CueError> {
         let (name, cue) = named_cue(text)?;
-        Ok(Named { name: name.unwrap_or(cue).to_owned(), cue: cue.to_owned() })
+        Ok(Named { name: name.unwrap_or(cue).to_owned(), cue: cue.to_owned(), free: None })
+    }
+
+    /// Reads several `CUE` or `NAME=CUE`; errors name the option `source`.
+    ///
+    /// # Errors
+    /// As [`named_cue`].
+    pub fn list(texts: &[String], source: &str) -> Result<Vec<Named>, InputError> {
+        texts.iter().map(|text| Named::read(text).map_err(|error| of_cue(error, source, "cue"))).collect()
+    }
+
+    /// Reads a file, `Hypotheses(hypotheses: [(name: "a", cue: "germline", free: ["epsilon"])])`.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has no hypothesis, and a hypothesis without a name.
+    pub fn file(file: &Path) -> Result<Vec<Named>, InputError> {
+        let source = file.display().to_string();
+        let File { hypotheses } = parse_document(&read_text(file)?, &source, "a file of hypotheses", "Hypotheses")?;
+        InputError::require(!hypotheses.is_empty(), &source, "hypotheses", "[]", "at least one hypothesis")?;
+        for (k, Named { name, .. }) in hypotheses.iter().enumerate() {
+            let (field, allowed) = (format!("hypotheses[{k}].name"), "a name");
+            InputError::require(!name.trim().is_empty(), &source, field, shown(name), allowed)?;
+        }
+        Ok(hypotheses)
     }
 }
 
+/// The error for a cue.
+fn of_cue(error: CueError, source: &str, field: &str) -> InputError {
+    let field = if error.field == "cue" { field.to_owned() } else { error.field };
+    InputError::not_allowed(source, field, error.value, error.allowed)
+}
+
 impl Hypothesis {
-    /// The hypotheses of some cues, `CUE` or `NAME=CUE`, with these numbers free, by default all numbers of each cue. `cell` has the
-    /// parameters of the run; errors name the options of `sources`, of cues and of free numbers.
+    /// The hypotheses that are asked for. Those without free numbers of their own have these, by default all numbers of each cue. `cell`
+    /// has the parameters of the run; errors name the options of `sources`, of cues and of free numbers, or a file.
     ///
     /// # Errors
-    /// A cue that cannot be read, two of one name, and a free number that no hypothesis has.
+    /// A cue that cannot be read, two hypotheses of one name, and a free number that no hypothesis has.
     pub fn all(
-        cues: &[String],
+        asked: &[Named],
         free: Option<&[Free]>,
         lineage: &Lineage,
         cell: &Cell,
         sources: [&str; 2],
     ) -> Result<Vec<Hypothesis>, InputError> {
-        let refused = |error: CueError| InputError::not_allowed(sources[0], error.field, error.value, error.allowed);
+        let refused = |error: CueError| of_cue(error, sources[0], "cue");
         let mut all: Vec<Hypothesis> = Vec::new();
-        for text in cues {
-            let Named { name, cue } = Named::read(text).map_err(refused)?;
-            if all.iter().any(|other| other.name == name) {
+        for Named { name, cue, free: own } in asked {
+            if all.iter().any(|other| other.name == *name) {
                 let allowed = "names that differ: write NAME=CUE";
                 return Err(InputError::not_allowed(sources[0], "cue", format!("{name:?}"), allowed));
             }
-            let template = lineage.parse_cue(&cue).map_err(refused)?;
-            let lineage = lineage.carrying(text).map_err(refused)?;
-            let unknowns = free_of(free, &cell.clone().with_cue(template.clone()));
-            all.push(Hypothesis { name, lineage, template, unknowns });
+            let template = lineage.parse_cue(cue).map_err(refused)?;
+            let carrying = lineage.carrying(cue).map_err(refused)?;
+            let own = own.as_ref().map(|texts| Free::list(texts, lineage, sources[0])).transpose()?;
+            let unknowns = free_of(own.as_deref().or(free), &cell.clone().with_cue(template.clone()));
+            for Free { parameter, .. } in own.iter().flatten() {
+                let has = unknowns.iter().any(|unknown| unknown.parameter == *parameter);
+                let allowed = format!("a number that the hypothesis {name} has");
+                InputError::require(has, sources[0], "free", format!("\"{parameter}\""), allowed)?;
+            }
+            let differs = own.as_deref().or(free).into_iter().flatten().find(|free| free.by_embryo);
+            let by_embryo = differs
+                .and_then(|free| unknowns.iter().position(|u| u.parameter == free.parameter && u.founders.is_none()));
+            all.push(Hypothesis { name: name.clone(), lineage: carrying, template, unknowns, by_embryo });
         }
         for Free { parameter, .. } in free.into_iter().flatten() {
             let used = all.iter().any(|hypothesis| hypothesis.unknowns.iter().any(|u| u.parameter == *parameter));
@@ -155,6 +232,11 @@ impl Hypothesis {
             InputError::require(used, sources[1], "free", format!("\"{parameter}\""), allowed)?;
         }
         Ok(all)
+    }
+
+    /// Whether a number differs between embryos.
+    pub fn is_by_embryo(&self) -> bool {
+        self.by_embryo.is_some()
     }
 
     /// How many numbers are fitted.
@@ -167,17 +249,25 @@ impl Hypothesis {
 fn free_of(free: Option<&[Free]>, cell: &Cell) -> Vec<Unknown> {
     let of_cue = unknowns(&cell.cue);
     let Some(free) = free else { return of_cue };
-    let of = |Free { parameter, class, range }: &Free| {
+    let of = |one: &Free| {
+        let Free { parameter, class, range, .. } = one;
         let usual = of_cue.iter().find(|unknown| unknown.parameter == *parameter);
         let unknown = match (usual, range) {
             (None, _) if parameter.is_of_cue() => return None,
             (Some(usual), None) => usual.clone(),
             (_, range) => {
                 let limits = range.unwrap_or_else(|| default_range(*parameter, cell));
-                Unknown { parameter: *parameter, limits, logarithmic: false, sign: 1.0, founders: None }
+                Unknown {
+                    parameter: *parameter,
+                    limits,
+                    logarithmic: false,
+                    sign: 1.0,
+                    founders: None,
+                    except: Vec::new(),
+                }
             }
         };
-        Some(Unknown { founders: class.clone(), ..unknown })
+        Some(Unknown { founders: class.clone(), except: one.except(free), ..unknown })
     };
     free.iter().filter_map(of).collect()
 }

@@ -4,9 +4,12 @@
 //! |---|---|
 //! | [`observations`] | the measured χ, by cell and embryo |
 //! | [`free`] | hypotheses, and the numbers that are fitted |
+//! | `hierarchy` | a number that differs between embryos |
 //! | [`noise`] | the errors of χ, and the likelihood |
 //! | `scores` | the fit of each hypothesis, and how it predicts embryos that were left out |
+//! | [`others`] | what was observed beside χ: rounds and lifetimes |
 //! | [`pairs`] | whether two hypotheses are distinguishable |
+//! | [`parts`] | samples of a posterior drawn on several machines |
 //! | [`posterior`] | the numbers as a sample of their posterior, and what surprises the hypothesis |
 //! | `text` | the answer as text |
 //!
@@ -24,10 +27,15 @@
 //! log densities of left-out data and the standard errors of their differences; Draper & Smith, *Applied Regression Analysis*,
 //! 3rd ed., Wiley 1998, § 2.1, for the test by replicates.
 
+#[cfg(test)]
+mod calibration;
 pub mod free;
+mod hierarchy;
 pub mod noise;
 pub mod observations;
+pub mod others;
 pub mod pairs;
+pub mod parts;
 pub mod posterior;
 mod scores;
 #[cfg(test)]
@@ -35,12 +43,16 @@ mod tests;
 mod text;
 
 pub use free::{Hypothesis, Named};
+pub use hierarchy::EmbryoNumber;
 pub use noise::{Noise, NoiseKind};
 pub use observations::Observations;
+pub use others::{OtherScore, Others, OthersScore, Quantity};
 pub use pairs::Pair;
+pub use parts::{MergedSample, merge_parts};
 pub use posterior::{Posterior, samples_csv};
 pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};
 
+use furrow_input::InputError;
 use furrow_lineage::batch::{Memo, scheduler};
 use furrow_measured::matching::Matched;
 use furrow_measured::volumes::{EmbryoSize, Skipped};
@@ -79,6 +91,26 @@ pub struct Effort {
     pub moves: Option<u64>,
     /// Seed of their positions and moves.
     pub seed: u64,
+}
+
+impl Question<'_> {
+    /// Checks whether numbers that differ between embryos can be told from errors: errors come from the table or from replicates, and
+    /// there are embryos and a sample. Errors name `source`.
+    ///
+    /// # Errors
+    /// As said.
+    pub fn check(&self, source: &str) -> Result<(), InputError> {
+        if !self.hypotheses.iter().any(Hypothesis::is_by_embryo) {
+            return Ok(());
+        }
+        let require = |holds, allowed| InputError::require(holds, source, "free", "@embryo", allowed);
+        require(self.sampling.is_some(), "used with a sample of the posterior: give samples")?;
+        require(
+            self.noise.kind != NoiseKind::Common,
+            "used with errors that the table gives, or with noise from replicates",
+        )?;
+        require(self.observations.left_out == LeftOut::Embryo, "used with a table of two embryos or more")
+    }
 }
 
 impl Effort {

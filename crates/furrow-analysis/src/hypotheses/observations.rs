@@ -10,6 +10,7 @@ use furrow_measured::tracked::EmbryoFile;
 use furrow_measured::volumes::{EmbryoSize, ReadOptions, Skipped, Unit, Volumes};
 use serde::Serialize;
 
+use super::others::Others;
 use crate::fit::Targets;
 use crate::fit::chain::Kin;
 
@@ -72,6 +73,8 @@ pub struct Observations {
     pub left_out: LeftOut,
     /// The divisions, in the order of the table.
     pub rows: Vec<Observation>,
+    /// What was observed beside χ.
+    pub others: Vec<Others>,
     /// Divisions that cannot be used, by cell.
     pub unused: Vec<Unused>,
     /// The first values of the table that could not be read.
@@ -231,6 +234,7 @@ impl Observations {
             units,
             left_out,
             rows,
+            others: Vec::new(),
             unused: unused.into_values().collect(),
             skipped: Vec::new(),
             of_nuclei: false,

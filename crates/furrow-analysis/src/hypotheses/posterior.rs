@@ -14,13 +14,18 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Question;
+use super::hierarchy::{self, ByEmbryo, EmbryoNumber};
 use super::noise::{Noise, NoiseKind, UNDIVIDED, common_sd, log_likelihood};
 use super::observations::{Observation, Observations};
+use super::others::{self, Others};
+use super::parts::{HYPOTHESIS, LOG_EVIDENCE, PART};
 use super::scores::residuals;
+use crate::constants::{EMBRYO, named};
 use crate::fit::chain::Model;
 use crate::fit::error::check_cancelled;
 use crate::fit::{FitError, FitProgress};
 use crate::ranges::{Range, correlation};
+use crate::shard::Shard;
 use crate::table::csv_of;
 use crate::tempering::{Particle, Sample, Sampling, sample};
 
@@ -88,12 +93,24 @@ pub struct Posterior {
     pub ridges: Vec<Ridge>,
     /// The cells, in the order of the lineage.
     pub cells: Vec<PredictedCell>,
+    /// The number that differs between embryos, of each of them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub embryos: Vec<EmbryoNumber>,
     /// The sample: the numbers of each point, in their order.
     #[serde(skip)]
     pub points: Vec<Vec<f64>>,
     /// The place of its most likely point in the unit cube.
     #[serde(skip)]
     pub(super) best: Vec<f64>,
+}
+
+/// The results at one point of the sample.
+#[derive(Clone)]
+struct Computed {
+    /// χ of the cells, with the number that all embryos share.
+    chi: Vec<Option<f64>>,
+    /// Of each embryo, the mean of its number and of its square.
+    moments: Vec<[f64; 2]>,
 }
 
 impl Posterior {
@@ -121,9 +138,14 @@ pub(super) fn log_density_of(rows: &[Observation], residuals: &[f64], noise: &No
 }
 
 /// Draws the sample of a hypothesis's model.
-pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sampling) -> Result<Posterior, FitError> {
+pub(super) fn posterior(
+    question: &Question<'_>,
+    (model, by_embryo): (&Model<'_>, Option<usize>),
+    sampling: Sampling,
+) -> Result<Posterior, FitError> {
     let Question { observations, noise, .. } = question;
-    let Observations { rows, cells, .. } = observations;
+    let Observations { rows, cells, units, .. } = observations;
+    let of_all: Vec<&Others> = observations.others.iter().collect();
     let (done, usual) = (AtomicUsize::new(0), sampling.particles * USUAL);
     let check = || check_cancelled(model.run.cancel, done.load(Ordering::Relaxed), SAMPLES);
     let likelihood = |place: &[f64]| {
@@ -132,10 +154,21 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
         if let Some(show) = model.run.progress {
             show(FitProgress { done, of: usual.max(done), least: None });
         }
-        let chi = model.chi(&model.values(place), cells);
-        Some((log_density_of(rows, &residuals(rows, &chi), noise), chi))
+        let values = model.values(place);
+        let chi = model.chi(&values, cells);
+        let beside = others::log_likelihood(&of_all, model, &values);
+        Some(match by_embryo {
+            None => {
+                (log_density_of(rows, &residuals(rows, &chi), noise) + beside, Computed { chi, moments: Vec::new() })
+            }
+            Some(k) => {
+                let ByEmbryo { log_likelihood, moments } = hierarchy::by_embryo(model, k, place, (observations, noise));
+                (log_likelihood + beside, Computed { chi, moments })
+            }
+        })
     };
-    let found = sample(model.unknowns.len(), sampling, &likelihood);
+    let dimensions = model.unknowns.len() + usize::from(by_embryo.is_some());
+    let found = sample(dimensions, sampling, &likelihood);
     check()?;
     let tried = done.load(Ordering::Relaxed);
     let interrupted = FitError::Interrupted { tried, what: SAMPLES };
@@ -143,8 +176,11 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
     if log_evidence == f64::NEG_INFINITY {
         return Err(FitError::Nothing { tried, what: SAMPLES, advice: "give other ranges" });
     }
-    let points: Vec<Vec<f64>> = particles.iter().map(|particle| model.values(&particle.place)).collect();
-    let names: Vec<String> = model.unknowns.iter().map(|unknown| unknown.name()).collect();
+    let spread = |place: &[f64]| Some(hierarchy::spread(model, by_embryo?, *place.last()?));
+    let point = |place: &Vec<f64>| model.values(place).into_iter().chain(spread(place)).collect();
+    let points: Vec<Vec<f64>> = particles.iter().map(|particle| point(&particle.place)).collect();
+    let of_spread = by_embryo.map(|k| named(model.unknowns[k].parameter, Some(EMBRYO)));
+    let names: Vec<String> = model.unknowns.iter().map(|unknown| unknown.name()).chain(of_spread).collect();
     let best = particles.iter().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
     Ok(Posterior {
         samples: points.len(),
@@ -155,7 +191,11 @@ pub(super) fn posterior(question: &Question<'_>, model: &Model<'_>, sampling: Sa
         parameters: names.iter().enumerate().filter_map(|(k, name)| number(name, &points, k)).collect(),
         ridges: ridges(&names, &points),
         cells: (0..cells.len()).map(|cell| predicted(question, &particles, cell)).collect(),
-        best: best.map_or(Vec::new(), |particle| particle.place.clone()),
+        embryos: match by_embryo {
+            Some(_) => hierarchy::numbers(units, particles.iter().map(|particle| &particle.computed.moments)),
+            None => Vec::new(),
+        },
+        best: best.map_or(Vec::new(), |particle| particle.place[..model.unknowns.len()].to_vec()),
         points,
     })
 }
@@ -177,19 +217,19 @@ fn ridges(names: &[String], points: &[Vec<f64>]) -> Vec<Ridge> {
 }
 
 /// A cell over the sample. Where it rests, its χ is as wrong as in the likelihood.
-fn predicted(question: &Question<'_>, particles: &[Particle<Vec<Option<f64>>>], cell: usize) -> PredictedCell {
+fn predicted(question: &Question<'_>, particles: &[Particle<Computed>], cell: usize) -> PredictedCell {
     let Question { observations, noise, .. } = question;
     let rows = &observations.rows;
     let measured = observations.chi_of(cell);
     let middle = mean(&measured);
-    let chi: Vec<f64> = particles.iter().filter_map(|particle| particle.computed[cell]).collect();
+    let chi: Vec<f64> = particles.iter().filter_map(|particle| particle.computed.chi[cell]).collect();
     // The probability of a smaller mean under each point.
-    let below = |particle: &Particle<Vec<Option<f64>>>| {
-        let sds = noise.fitted(rows, &residuals(rows, &particle.computed));
+    let below = |particle: &Particle<Computed>| {
+        let sds = noise.fitted(rows, &residuals(rows, &particle.computed.chi));
         let own = rows.iter().zip(&sds).filter(|(row, _)| row.cell == cell);
         let variance: f64 = own.map(|(_, sd)| sd * sd).sum();
         let error = variance.sqrt() / measured.len() as f64;
-        let off = particle.computed[cell].map_or(UNDIVIDED, |chi| middle - chi);
+        let off = particle.computed.chi[cell].map_or(UNDIVIDED, |chi| middle - chi);
         normal_tail(off / error)
     };
     let above = mean(&particles.iter().map(below).collect::<Vec<f64>>());
@@ -202,8 +242,11 @@ fn predicted(question: &Question<'_>, particles: &[Particle<Vec<Option<f64>>>], 
 }
 
 /// The samples of hypotheses as a table: a column for each number, and one of the hypotheses' names if there are several. Numbers that
-/// a hypothesis does not have are empty.
-pub fn samples_csv<'a>(hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)> + Clone) -> String {
+/// a hypothesis does not have are empty. A part of a sample also has its log evidence and which part it is.
+pub fn samples_csv<'a>(
+    hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)> + Clone,
+    part: Option<Shard>,
+) -> String {
     let mut names: Vec<&str> = Vec::new();
     for number in hypotheses.clone().flat_map(|(_, posterior)| &posterior.parameters) {
         if !names.contains(&number.name.as_str()) {
@@ -212,13 +255,16 @@ pub fn samples_csv<'a>(hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)
     }
     let is_one = hypotheses.clone().count() == 1;
     let named = |name: &str| if is_one { None } else { Some(name.to_owned()) };
-    let head = named("hypothesis").into_iter().chain(names.iter().map(|name| (*name).to_owned())).collect();
+    let head = named(HYPOTHESIS).into_iter().chain(names.iter().map(|name| (*name).to_owned()));
+    let of_part = part.iter().flat_map(|_| [LOG_EVIDENCE, PART]).map(str::to_owned);
+    let head = head.chain(of_part).collect();
     let rows = hypotheses.flat_map(|(hypothesis, posterior)| {
         let places: Vec<Option<usize>> =
             names.iter().map(|name| posterior.parameters.iter().position(|number| number.name == *name)).collect();
         let row = move |point: &Vec<f64>| {
             let value = |place: &Option<usize>| place.map_or(String::new(), |k| point[k].to_string());
-            named(hypothesis).into_iter().chain(places.iter().map(value)).collect::<Vec<String>>()
+            let of_part = part.iter().flat_map(|part| [posterior.log_evidence.to_string(), part.to_string()]);
+            named(hypothesis).into_iter().chain(places.iter().map(value)).chain(of_part).collect::<Vec<String>>()
         };
         posterior.points.iter().map(row).collect::<Vec<_>>()
     });

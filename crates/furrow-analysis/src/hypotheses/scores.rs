@@ -9,10 +9,11 @@ use std::f64::consts::TAU;
 
 use super::noise::{Noise, NoiseKind, UNDIVIDED, aicc, log_density, log_likelihood};
 use super::observations::{Observation, Observations};
+use super::others::{self, Others, OthersScore};
 use super::posterior::{Posterior, posterior};
 use super::{AtLimit, Hypothesis, Question};
 use crate::fit::chain::{Kin, Model};
-use crate::fit::germline::{CueNumber, Objective, at_limit, held, numbers};
+use crate::fit::germline::{Beside, CueNumber, Objective, at_limit, held, numbers};
 use crate::fit::search::{FitRun, SearchBudget, descend};
 use crate::fit::targets::MeasuredChi;
 use crate::fit::{FitError, Goodness};
@@ -134,6 +135,9 @@ pub struct TestedHypothesis {
     pub cells: Vec<CellScore>,
     /// Measured cells that do not divide in the model.
     pub resting: Vec<String>,
+    /// What was observed beside χ.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<OthersScore>,
     /// Candidates tried in the search with all data.
     pub tried: usize,
     /// The sample of its posterior, if one was asked for.
@@ -190,9 +194,15 @@ pub(super) fn tested(
     };
     let sds = noise.sds(rows);
     let measured = means(rows, &sds, cells);
-    let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort);
+    let of_all: Vec<&Others> = observations.others.iter().collect();
+    let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&of_all, model, values);
+    let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
+    let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).with(beside);
     let found = objective.search(effort)?;
-    let posterior = question.sampling.map(|sampling| posterior(question, &objective.model, sampling)).transpose()?;
+    let posterior = question
+        .sampling
+        .map(|sampling| posterior(question, (&objective.model, hypothesis.by_embryo), sampling))
+        .transpose()?;
     let place = match &posterior {
         // A sample may pass ridges and valleys in which the search stays.
         Some(posterior) if !found.0.is_empty() => objective.refined(found, &posterior.best)?,
@@ -204,12 +214,15 @@ pub(super) fn tested(
     let fit = Fitted { question, objective: &objective, place: &place, slopes: slopes.as_deref() };
     let loo_parts = (0..observations.units.len())
         .into_par_iter()
-        .map(|unit| fit.left_out(unit, &chi, model()))
+        .map(|unit| fit.left_out(unit, &chi, (model(), beside)))
         .collect::<Result<Vec<f64>, FitError>>()?;
+    let others = fit.others(&values, model)?;
     objective.check_cancelled()?;
     let all = residuals(rows, &chi);
     let fitted = noise.fitted(rows, &all);
-    let log_likelihood = log_likelihood(&all, &fitted);
+    let beside_chi = others.iter().fold(0.0, |sum, others| sum + others.log_likelihood);
+    let data = observations.others.iter().fold(rows.len(), |count, others| count + others.len());
+    let log_likelihood = log_likelihood(&all, &fitted) + beside_chi;
     let is_common = noise.kind == NoiseKind::Common;
     let k = place.len() + usize::from(is_common);
     let numbers = fit.numbers(&chi, &sds)?;
@@ -220,18 +233,19 @@ pub(super) fn tested(
         cue: objective.model.cue(&values).to_string(),
         log_likelihood,
         k,
-        aicc: aicc(log_likelihood, k, rows.len()),
+        aicc: aicc(log_likelihood, k, data),
         delta_aicc: None,
         weight: None,
         loo: loo_parts.iter().sum(),
         loo_parts,
-        log_evidence: fit.evidence(log_likelihood).filter(|_| at_limit.is_empty() && !is_common),
+        log_evidence: fit.evidence(log_likelihood).filter(|_| at_limit.is_empty() && !is_common && others.is_empty()),
         sigma: is_common.then(|| fitted[0]),
         fit: fit_test(observations, noise, &chi, place.len()),
         parameters: numbers.into_iter().map(FittedNumber::from).collect(),
         at_limit,
         resting: cells.iter().filter(|cell| cell.chi.is_none()).map(|cell| cell.cell.clone()).collect(),
         cells,
+        others,
         tried: objective.tried(),
         posterior,
     })
@@ -241,6 +255,13 @@ impl From<CueNumber> for FittedNumber {
     fn from(CueNumber { name, value, searched, sd }: CueNumber) -> FittedNumber {
         FittedNumber { name, value, se: sd, searched }
     }
+}
+
+/// The objective of a fit to other data, which starts where all data put it and shows no progress.
+fn beside_all<'a>(model: Model<'a>, measured: &'a [MeasuredChi], beside: Option<Beside<'a>>) -> Objective<'a> {
+    let run = FitRun { progress: None, ..model.run };
+    let one = SearchBudget { particles: 1, moves: 1, seed: 0 };
+    Objective::new(Model { run, ..model }, measured, |sd| UNDIVIDED / sd, one).with(beside)
 }
 
 /// ∂χ/∂(number) by cell, 0 of a cell that does not divide; `None` if an outcome is not smooth, or without numbers.
@@ -264,7 +285,12 @@ struct Fitted<'a> {
 
 impl Fitted<'_> {
     /// The log density of the divisions of a unit, fitted without it; `chi` is the fit to all data.
-    fn left_out(&self, unit: usize, chi: &[Option<f64>], model: Model<'_>) -> Result<f64, FitError> {
+    fn left_out(
+        &self,
+        unit: usize,
+        chi: &[Option<f64>],
+        (model, beside): (Model<'_>, Option<Beside<'_>>),
+    ) -> Result<f64, FitError> {
         self.objective.check_cancelled()?;
         let (observations, kind) = (self.question.observations, self.question.noise.kind);
         let kept = without(&observations.rows, unit);
@@ -273,15 +299,33 @@ impl Fitted<'_> {
             chi.to_vec()
         } else {
             let measured = means(&kept, &noise.sds(&kept), &observations.cells);
-            let run = FitRun { progress: None, ..model.run };
-            let one = SearchBudget { particles: 1, moves: 1, seed: 0 };
-            let objective = Objective::new(Model { run, ..model }, &measured, |sd| UNDIVIDED / sd, one);
+            let objective = beside_all(model, &measured, beside);
             let place = self.refitted(&objective);
             objective.check_cancelled()?;
             // Also of a cell that only this unit has.
             objective.model.chi(&objective.model.values(&place), &observations.cells)
         };
         Ok(held_out(observations, kind, unit, &predicted))
+    }
+
+    /// The scores of rounds and lifetimes, each also predicted by a fit without it. `values` are from the fit to all data.
+    fn others<'m>(&self, values: &[f64], model: impl Fn() -> Model<'m> + Sync) -> Result<Vec<OthersScore>, FitError> {
+        let all = &self.question.observations.others;
+        if all.is_empty() {
+            return Ok(Vec::new());
+        }
+        let tree = others::grown(&self.objective.model, values);
+        let one = |(k, own): (usize, &Others)| {
+            let kept: Vec<&Others> =
+                all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, others)| others).collect();
+            let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&kept, model, values);
+            let objective = beside_all(model(), self.objective.measured, Some(&beside));
+            let place = if self.place.is_empty() { Vec::new() } else { self.refitted(&objective) };
+            objective.check_cancelled()?;
+            let without = others::grown(&objective.model, &objective.model.values(&place));
+            Ok(own.scored(tree.as_ref(), own.log_likelihood(without.as_ref())))
+        };
+        all.par_iter().enumerate().map(one).collect()
     }
 
     /// The place of the least misfit of other data near the one of all data: by steps with the slopes there, as Gauss and Newton make

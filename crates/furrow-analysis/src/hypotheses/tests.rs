@@ -116,10 +116,10 @@ fn likelihoods_and_tests_are_those_of_scipy() {
 }
 
 /// Number of synthetic tables.
-const SETS: usize = 200;
+pub(super) const SETS: usize = 200;
 
 /// A synthetic table of cells in embryos about true χ, with errors of one size.
-fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Observations {
+pub(super) fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Observations {
     let row = |k: usize, random: &mut Mt64| {
         let (unit, cell) = (k / truth.len(), k % truth.len());
         Observation { cell, unit, chi: truth[cell] + sd * normal(random), sd: Some(sd), volume: None }
@@ -129,6 +129,7 @@ fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Obser
         units: (0..embryos).map(|unit| unit.to_string()).collect(),
         left_out: LeftOut::Embryo,
         rows: (0..embryos * truth.len()).map(|k| row(k, random)).collect(),
+        others: Vec::new(),
         unused: Vec::new(),
         skipped: Vec::new(),
         of_nuclei: false,
@@ -138,7 +139,7 @@ fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f64) -> Obser
 }
 
 /// Whether a count of `SETS` agrees with a probability, within three standard deviations.
-fn agrees(count: usize, p: f64) -> bool {
+pub(super) fn agrees(count: usize, p: f64) -> bool {
     let sets = SETS as f64;
     (count as f64 - p * sets).abs() <= 3.0 * (p * (1.0 - p) * sets).sqrt()
 }
@@ -248,8 +249,9 @@ fn free_numbers_have_classes_that_do_not_overlap() {
     assert_eq!(list("none").unwrap(), []);
     assert_eq!(list("epsilon@somatic, epsilon@P1,cue.amplitude").unwrap().len(), 3);
     for (text, reason) in [
-        ("epsilon@germline,epsilon@P1", "each parameter once for a cell"),
-        ("epsilon,epsilon@P1", "each parameter once for a cell"),
+        ("epsilon@P1,epsilon@P1", "each parameter once for a class"),
+        ("epsilon,epsilon", "each parameter once for a class"),
+        ("epsilon,epsilon@somatic,epsilon@germline", "a class with cells that have no number of their own"),
         ("epsilon@germlin", "did you mean germline?"),
         ("epsilom", "did you mean epsilon?"),
         ("r0", "none, or a parameter"),
@@ -261,16 +263,114 @@ fn free_numbers_have_classes_that_do_not_overlap() {
     }
     let free = list("epsilon@somatic=0.4..0.9,cue.amplitude,cue.u0").unwrap();
     let cell = furrow_cell::Cell::new(5.4);
-    let cues = ["none", "gradient=tension:gradient,amplitude=-0.3", "germline"].map(str::to_owned);
+    let named =
+        |cues: &[&str]| Named::list(&cues.iter().map(|cue| (*cue).to_owned()).collect::<Vec<_>>(), "--cue").unwrap();
+    let cues = named(&["none", "gradient=tension:gradient,amplitude=-0.3", "germline"]);
     let all = Hypothesis::all(&cues, Some(&free), &lineage, &cell, ["--cue", "--free"]).unwrap();
     assert_eq!(all.iter().map(Hypothesis::free).collect::<Vec<_>>(), [1, 2, 3]);
     let epsilon = &all[1].unknowns[0];
     assert_eq!((epsilon.name().as_str(), epsilon.limits, epsilon.value(0.5)), ("epsilon@somatic", [0.4, 0.9], 0.65));
     let refusal = Hypothesis::all(&cues[..1], Some(&free[1..]), &lineage, &cell, ["--cue", "--free"]).unwrap_err();
     assert!(refusal.to_string().contains("a number that at least one of the hypotheses has"), "{refusal}");
-    let twice = ["none", "none"].map(str::to_owned);
+    let twice = named(&["none", "none"]);
     let refusal = Hypothesis::all(&twice, None, &lineage, &cell, ["--cue", "--free"]).unwrap_err();
     assert!(refusal.to_string().contains("names that differ"), "{refusal}");
+}
+
+/// The number of a smaller class replaces the number of a larger class, in any order of the list.
+#[test]
+fn a_smaller_class_has_a_number_of_its_own() {
+    let lineage = Lineage::c_elegans().unwrap();
+    let place = |name: &str| lineage.founder_named(name).unwrap();
+    let texts = ["epsilon@P2", "epsilon", "epsilon@somatic", "epsilon@E"].map(str::to_owned);
+    let free = Free::list(&texts, &lineage, "--free").unwrap();
+    let cell = furrow_cell::Cell::new(5.4);
+    let named = Named::list(&["none".to_owned()], "--cue").unwrap();
+    let all = Hypothesis::all(&named, Some(&free), &lineage, &cell, ["--cue", "--free"]).unwrap();
+    let of = |name: &str| -> Vec<String> {
+        all[0].unknowns.iter().filter(|unknown| unknown.is_of(place(name))).map(|unknown| unknown.name()).collect()
+    };
+    assert_eq!(
+        [of("P0"), of("P2"), of("AB"), of("E")],
+        [["epsilon"], ["epsilon@P2"], ["epsilon@somatic"], ["epsilon@E"]]
+    );
+}
+
+/// Each hypothesis of a file has its own free numbers; a fault names the file and the field.
+#[test]
+fn hypotheses_are_read_from_a_file() {
+    let (folder, lineage) = (tempfile::tempdir().unwrap(), Lineage::c_elegans().unwrap());
+    let cell = furrow_cell::Cell::new(5.4);
+    let read = |text: &str| {
+        let file = folder.path().join("h.ron");
+        std::fs::write(&file, text).unwrap();
+        let named = Named::file(&file).map_err(|error| error.to_string())?;
+        let free = Free::list(&["epsilon".to_owned()], &lineage, "--free").unwrap();
+        Hypothesis::all(&named, Some(&free), &lineage, &cell, ["h.ron", "--free"]).map_err(|error| error.to_string())
+    };
+    let found = read(
+        "Hypotheses(hypotheses: [(name: \"a, b\", cue: \"germline\", free: [\"cue.amplitude\", \"cue.amplitude@P2\"]), \
+         (name: \"none\", cue: \"none\")])",
+    )
+    .unwrap();
+    let names = |k: usize| found[k].unknowns.iter().map(|unknown| unknown.name()).collect::<Vec<_>>();
+    assert_eq!(
+        (found[0].name.as_str(), names(0)),
+        ("a, b", vec!["cue[0].amplitude".into(), "cue[0].amplitude@P2".into()])
+    );
+    assert_eq!(names(1), ["epsilon"]);
+    for (text, reason) in [
+        ("Hypotheses(hypotheses: [])", "h.ron: hypotheses = []: must be at least one hypothesis"),
+        ("Hypotheses(hypotheses: [(name: \" \", cue: \"none\")])", "hypotheses[0].name"),
+        ("Hypotheses(hypotheses: [(name: \"a\", cue: \"nine\")])", "h.ron: cue = "),
+        (
+            "Hypotheses(hypotheses: [(name: \"a\", cue: \"none\", free: [\"cue.amplitude\"])])",
+            "that the hypothesis a has",
+        ),
+        ("Hypotheses(hypotheses: [(name: \"a\", kue: \"none\")])", "kue"),
+    ] {
+        let refusal = read(text).unwrap_err();
+        assert!(refusal.contains(reason), "{refusal}");
+    }
+}
+
+/// Rounds and lifetimes add the logarithm of their normal density to the log likelihood.
+#[test]
+fn rounds_and_lifetimes_count_beside_chi() {
+    let lineage = Lineage::c_elegans().unwrap();
+    let given = |observations: Observations, cues: &[&str], free: &str| tested(&observations, None, cues, free, 2);
+    let chi = table("mother,chi,sd\nP0,0.08,0.05\nP1,0.08,0.05\n", Chosen::default()).unwrap();
+    let alone = given(chi.clone(), &["germline"], "none");
+    let rounds = Others::rounds(&lineage, 1.0, "--rounds").unwrap();
+    assert_eq!(rounds.len(), 6);
+    let life = "cell,lifetime_min\nABa,20\nABp,30\nABal,25\nCaaaaaaaaa,60\nQ9,3\n";
+    let lifetimes = furrow_measured::lifetimes::Lifetimes::read(life.as_bytes(), "l.csv").unwrap();
+    let lifetimes = Others::lifetimes(&lifetimes, &lineage, 0.2, "--lifetimes").unwrap();
+    let with = Observations { others: vec![rounds, lifetimes], ..chi };
+    let beside = given(with, &["germline"], "none");
+    let (alone, beside) = (&alone.hypotheses[0], &beside.hypotheses[0]);
+    let [rounds, lifetimes] = &beside.others[..] else { panic!("{beside:?}") };
+    // Mean rounds of the default tree: AB 6.25 … P4 0, beside 9.047, 6.681, 4.4, 5.667, 4.4, 1.
+    let of = |name: &str| rounds.rows.iter().find(|row| row.name == name).unwrap();
+    assert_eq!((of("AB").observed, of("P4").model), (9.047, Some(0.0)));
+    let off: Vec<f64> = rounds.rows.iter().map(|row| row.observed - row.model.unwrap()).collect();
+    close(rounds.log_likelihood, log_likelihood(&off, &[1.0; 6]));
+    let names: Vec<(&str, usize, usize)> =
+        lifetimes.rows.iter().map(|row| (row.name.as_str(), row.n, row.resting)).collect();
+    assert_eq!(names, [("AB+1", 2, 0), ("AB+2", 1, 0), ("C+9", 1, 1)]);
+    close(lifetimes.rows[0].observed, 600.0_f64.sqrt());
+    let off = |k: usize| lifetimes.rows[k].model.map_or(1.0, |model| (lifetimes.rows[k].observed / model).ln());
+    close(lifetimes.log_likelihood, log_likelihood(&[off(0), off(1), off(2)], &[0.2; 3]));
+    close(beside.log_likelihood, alone.log_likelihood + rounds.log_likelihood + lifetimes.log_likelihood);
+    // Nothing is fitted: what was left out is predicted as well.
+    assert_eq!((rounds.left_out, lifetimes.left_out), (rounds.log_likelihood, lifetimes.log_likelihood));
+    let refused = Others::rounds(&lineage, 0.0, "--rounds").unwrap_err().to_string();
+    assert_eq!(refused, "--rounds: sd = 0: must be a finite number above 0");
+    let bare = Lineage { clock: None, founders: vec![lineage.founders[0].clone()], ..lineage };
+    let none = furrow_measured::lifetimes::Lifetimes::default();
+    assert!(
+        Others::lifetimes(&none, &bare, 0.2, "--lifetimes").unwrap_err().to_string().contains("a lineage with a clock")
+    );
 }
 
 /// Tests hypotheses on the worm's lineage with coarse divisions.
@@ -296,6 +396,7 @@ fn sampled(
     let cues: Vec<String> = cues.iter().map(|cue| (*cue).to_owned()).collect();
     let free: Vec<String> = free.split(',').map(str::to_owned).collect();
     let free = Free::list(&free, &lineage, "--free").unwrap();
+    let cues = Named::list(&cues, "--cue").unwrap();
     let hypotheses = Hypothesis::all(&cues, Some(&free), &lineage, &settings.cell, ["--cue", "--free"]).unwrap();
     let noise = Noise::of(observations, kind, ("t.csv", "--noise")).unwrap();
     let memo = Memo::new(Quantisation::EXACT);
@@ -307,7 +408,7 @@ fn sampled(
 
 const EFFORT: SearchBudget = SearchBudget { particles: 4, moves: 3, seed: 1 };
 
-fn coarse() -> TreeSettings {
+pub(super) fn coarse() -> TreeSettings {
     TreeSettings { numerics: Numerics { intervals: 32, ..Numerics::default() }, ..TreeSettings::default() }
 }
 
@@ -419,7 +520,7 @@ fn a_sample_agrees_with_the_fit_where_that_is_good() {
 fn samples_of(found: &HypothesisTest) -> String {
     let named = |tested: &TestedHypothesis| tested.posterior.clone().map(|posterior| (tested.name.clone(), posterior));
     let all: Vec<(String, Posterior)> = found.hypotheses.iter().filter_map(named).collect();
-    samples_csv(all.iter().map(|(name, posterior)| (name.as_str(), posterior)))
+    samples_csv(all.iter().map(|(name, posterior)| (name.as_str(), posterior)), None)
 }
 
 /// Without a model: a common error leaves ½Γ(n/2)(πΣr²)^(−n/2) of the likelihood.

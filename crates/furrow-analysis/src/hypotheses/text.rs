@@ -2,8 +2,10 @@
 
 use std::fmt::{Display, Formatter, Result};
 
+use super::hierarchy::EmbryoNumber;
 use super::noise::{Noise, NoiseKind};
 use super::observations::Unused;
+use super::others::{OtherScore, OthersScore, Quantity};
 use super::posterior::{Posterior, PredictedCell, Ridge};
 use super::scores::{CellScore, FitTest, TestedHypothesis};
 use super::{HypothesisTest, Pair};
@@ -27,7 +29,12 @@ impl Display for HypothesisTest {
         let HypothesisTest { n, left_out, units, noise, hypotheses, pairs, unused, skipped, matched, .. } = self;
         let cells = hypotheses.first().map_or(0, |tested| tested.cells.len());
         let count = units.len();
-        writeln!(f, "{n} divisions of {cells} cells; {count} {} left out in turn", left_out.word(count))?;
+        write!(f, "{n} divisions of {cells} cells; {count} {} left out in turn", left_out.word(count))?;
+        for OthersScore { quantity, sd, rows, .. } in hypotheses.iter().take(1).flat_map(|tested| &tested.others) {
+            let what = if *quantity == Quantity::Rounds { "founders" } else { "generations" };
+            write!(f, "\n{} of {} {what}, ±{sd}{}", quantity.name(), rows.len(), quantity.scale())?;
+        }
+        writeln!(f)?;
         writeln!(f, "{noise}\n")?;
         let wide = hypotheses.iter().map(|tested| tested.name.chars().count()).fold(10, usize::max);
         writeln!(f, "{:<wide$}     log L   k       AICc  weight   left out   evidence  p of the fit", "hypothesis")?;
@@ -45,6 +52,7 @@ impl Display for HypothesisTest {
         }
         if let Some(first) = hypotheses.first() {
             write!(f, "\n{}", CellsTable { hypotheses, cells: &first.cells })?;
+            (0..first.others.len()).try_for_each(|k| write!(f, "\n{}", OthersTable { hypotheses, k }))?;
         }
         for pair in pairs {
             write!(f, "\n{pair}")?;
@@ -142,6 +150,9 @@ impl Display for Posterior {
             let Range { p5, p50, p95 } = number.range;
             writeln!(f, "    {:<22} {p50:>9.4} from {p5:.4} to {p95:.4} (90 %)", number.name)?;
         }
+        for EmbryoNumber { embryo, mean, sd } in &self.embryos {
+            writeln!(f, "      {embryo:<20} {mean:>9.4} ± {sd:.4}")?;
+        }
         for Ridge { numbers: [a, b], correlation } in ridges {
             writeln!(f, "    {a} and {b} are open along a line: correlation {correlation:+.3}")?;
         }
@@ -191,5 +202,42 @@ impl Display for CellsTable<'_> {
             writeln!(f)?;
         }
         Ok(())
+    }
+}
+
+/// Rounds or lifetimes as observed and in each hypothesis, with the log likelihoods of each hypothesis.
+struct OthersTable<'a> {
+    hypotheses: &'a [TestedHypothesis],
+    k: usize,
+}
+
+impl Display for OthersTable<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let of = |tested: &'_ TestedHypothesis| tested.others[self.k].clone();
+        let all: Vec<(usize, OthersScore)> =
+            self.hypotheses.iter().map(|tested| (tested.name.chars().count().max(8), of(tested))).collect();
+        let Some((_, OthersScore { quantity, rows, .. })) = all.first() else { return Ok(()) };
+        write!(f, "{:<10}   n  observed", quantity.name())?;
+        for (tested, (wide, _)) in self.hypotheses.iter().zip(&all) {
+            write!(f, "  {:>wide$}", tested.name)?;
+        }
+        for (row, OtherScore { name, n, observed, .. }) in rows.iter().enumerate() {
+            write!(f, "\n{name:<10} {n:>3}  {observed:>8.2}")?;
+            for (wide, scores) in &all {
+                let OtherScore { model, resting, .. } = &scores.rows[row];
+                let rests = if *resting > 0 { format!("{resting} rest ") } else { String::new() };
+                write!(f, "  {:>wide$}", format!("{rests}{}", or_dash(*model, 2)))?;
+            }
+        }
+        for (what, of) in [
+            ("log L", (|scores| scores.log_likelihood) as fn(&OthersScore) -> f64),
+            ("left out", |scores| scores.left_out),
+        ] {
+            write!(f, "\n{what:<24}")?;
+            for (wide, scores) in &all {
+                write!(f, "  {:>wide$.2}", of(scores))?;
+            }
+        }
+        writeln!(f)
     }
 }

@@ -1,0 +1,120 @@
+//! A number that differs between embryos: their values scatter about a common one with a standard deviation that is sampled too.
+//!
+//! * \[F.17 by embryo\] ln L = Σ_e ln ∫ φ(z) Π_i p(χ_i | x + s z) dz over embryos e and their divisions i, with φ the standard normal
+//!   density, x the place of the common value in its range, and s the standard deviation, both as shares of the range.
+//!
+//! χ is computed at some values and interpolated between them, so that all embryos share the divisions.
+
+use std::f64::consts::TAU;
+
+use furrow_measured::statistics::mean;
+use serde::Serialize;
+
+use super::noise::{Noise, UNDIVIDED, log_density};
+use super::observations::Observations;
+use crate::fit::chain::Model;
+
+/// The largest standard deviation, as a share of the range.
+const WIDEST: f64 = 0.25;
+/// The integral ends at this number of standard deviations.
+const REACH: f64 = 3.0;
+/// Values at which χ is computed, and between two of them steps of the integral.
+const NODES: usize = 9;
+const BETWEEN: usize = 8;
+
+/// The number of an embryo over the sample.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EmbryoNumber {
+    /// The embryo.
+    pub embryo: String,
+    /// The mean.
+    pub mean: f64,
+    /// The standard deviation.
+    pub sd: f64,
+}
+
+/// The log likelihood at a point, and for each embryo the mean of the number and the mean of its square.
+pub(super) struct ByEmbryo {
+    pub log_likelihood: f64,
+    pub moments: Vec<[f64; 2]>,
+}
+
+/// The standard deviation at a place of its own unit interval, in the unit of the number, of its logarithm where that is searched.
+pub(super) fn spread(model: &Model<'_>, k: usize, share: f64) -> f64 {
+    WIDEST * share * model.unknowns[k].length()
+}
+
+/// The likelihood of χ if the number `k` differs between embryos. The last coordinate of `place` is the place of its standard deviation.
+pub(super) fn by_embryo(
+    model: &Model<'_>,
+    k: usize,
+    place: &[f64],
+    (observations, noise): (&Observations, &Noise),
+) -> ByEmbryo {
+    let Observations { rows, cells, units, .. } = observations;
+    let Some((share, place)) = place.split_last() else { return ByEmbryo { log_likelihood: 0.0, moments: Vec::new() } };
+    let at = |z: f64| {
+        let mut place = place.to_vec();
+        place[k] = (place[k] + WIDEST * share * z).clamp(0.0, 1.0);
+        model.values(&place)
+    };
+    let step = 2.0 * REACH / (NODES - 1) as f64;
+    let node = |j: usize| -REACH + step * j as f64;
+    let nodes: Vec<Vec<Option<f64>>> = (0..NODES).map(|j| model.chi(&at(node(j)), cells)).collect();
+    let fine = (NODES - 1) * BETWEEN;
+    let points: Vec<(f64, usize, f64)> = (0..=fine)
+        .map(|i| {
+            let (j, share) = ((i / BETWEEN).min(NODES - 2), i as f64 / BETWEEN as f64);
+            (-REACH + step * share, j, share - j as f64)
+        })
+        .collect();
+    let chi = |cell: usize, j: usize, share: f64| match (nodes[j][cell], nodes[j + 1][cell]) {
+        (Some(a), Some(b)) => Some(a + share * (b - a)),
+        // One of the two comes to rest: the nearer one decides.
+        (a, b) => {
+            if share < 0.5 {
+                a
+            } else {
+                b
+            }
+        }
+    };
+    let sds = noise.sds(rows);
+    let density = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt();
+    let all: f64 = points.iter().map(|(z, ..)| density(*z)).sum();
+    let of = |unit: usize| {
+        let own = || rows.iter().zip(&sds).filter(move |(row, _)| row.unit == unit);
+        let logs: Vec<f64> = points
+            .iter()
+            .map(|&(z, j, share)| {
+                let off = |cell: usize, own: f64| chi(cell, j, share).map_or(UNDIVIDED, |chi| own - chi);
+                let data: f64 = own().map(|(row, sd)| log_density(off(row.cell, row.chi), *sd)).sum();
+                data + (density(z) / all).ln()
+            })
+            .collect();
+        let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
+        let sum: f64 = weights.iter().sum();
+        let values: Vec<f64> = points.iter().map(|(z, ..)| at(*z)[k]).collect();
+        let moment = |power: i32| weights.iter().zip(&values).map(|(w, x)| w * x.powi(power)).sum::<f64>() / sum;
+        (most + sum.ln(), [moment(1), moment(2)])
+    };
+    let found: Vec<(f64, [f64; 2])> = (0..units.len()).map(of).collect();
+    ByEmbryo {
+        log_likelihood: found.iter().map(|(log, _)| log).sum(),
+        moments: found.into_iter().map(|(_, moments)| moments).collect(),
+    }
+}
+
+/// The number of each embryo over the points of a sample.
+pub(super) fn numbers<'a>(
+    units: &[String],
+    points: impl Iterator<Item = &'a Vec<[f64; 2]>> + Clone,
+) -> Vec<EmbryoNumber> {
+    let of = |(unit, embryo): (usize, &String)| {
+        let over = |power: usize| mean(&points.clone().map(|moments| moments[unit][power]).collect::<Vec<_>>());
+        let (mean, squares) = (over(0), over(1));
+        EmbryoNumber { embryo: embryo.clone(), mean, sd: (squares - mean * mean).max(0.0).sqrt() }
+    };
+    units.iter().enumerate().map(of).collect()
+}
