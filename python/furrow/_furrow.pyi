@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "Collocation",
     "Drawing",
     "GrownTree",
     "Inputs",
@@ -50,6 +51,7 @@ __all__ = [
     "reproduce",
     "scenarios_files",
     "solve",
+    "solve_bvp",
     "solver_version",
     "steady",
     "steady_surface",

@@ -121,8 +121,8 @@ def test(
 
     ``hypotheses`` is a file of more hypotheses, which may have free numbers of their own. ``rounds`` also uses the mean rounds of
     founders that the lineage has as observed, with this standard deviation in rounds. ``lifetimes`` is a table of
-    :func:`furrow.compare.lifetimes`, or ``"published"``; ``lifetime_sd`` is the standard deviation of ln lifetime of the cells of a
-    generation about the lineage's clock.
+    :func:`furrow.compare.lifetimes`, or ``"published"``; ``lifetime_sd`` is the standard deviation of ln lifetime of the cells of
+    a generation about the lineage's clock.
     """
     named = _cues(cues)
     if not named and hypotheses is None:

@@ -59,7 +59,13 @@ pub fn boundary_with_bent(
     let threshold = |value| bent_curves::threshold(cell, numerics, parameter, value);
     let all = values.into_par_iter().map(threshold).collect();
     let (begin, missing) = bent_curves::threshold_curve(all, threshold);
-    found.warnings.extend(missing.into_iter().map(|error| format!("a threshold of bent states is missing: {error}")));
+    match (begin.points.is_empty(), missing.first()) {
+        // One reason stands for all, such as a law without equations for bent states.
+        (true, Some(error)) => found.warnings.push(format!("no thresholds of bent states: {error}")),
+        _ => {
+            found.warnings.extend(missing.iter().map(|error| format!("a threshold of bent states is missing: {error}")))
+        }
+    }
     let ends = curves(cell, numerics, parameter, range, &mut found.warnings).unwrap_or_else(|error| {
         found.warnings.push(format!("no curves that end bent states: {error}"));
         Vec::new()
