@@ -229,7 +229,7 @@ impl Collocation {
     }
 }
 
-/// What a solve found: the mesh, p, the polynomials, [defect, condition] and the Newton iterations.
+/// The mesh, p, the polynomials, the defect with the condition, and the number of Newton iterations.
 type Found<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, [f64; 2], usize);
 
 /// Solves a problem of functions as `scipy.integrate.solve_bvp` takes them.
@@ -276,7 +276,7 @@ pub fn solve_bvp<'py>(
     };
     let nodes = PyArray1::from_slice(py, &found.solution.mesh);
     let p = PyArray1::from_slice(py, &found.solution.scalars);
+    let quality = [found.defect, found.condition];
     let gauss = found.solution.gauss();
-    let numbers = ([found.defect, found.condition], found.work.iterations);
-    Ok((nodes, p, Collocation { solution: found.solution, gauss }, numbers.0, numbers.1))
+    Ok((nodes, p, Collocation { solution: found.solution, gauss }, quality, found.work.iterations))
 }

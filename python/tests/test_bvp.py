@@ -21,7 +21,7 @@ def test_bratu_has_the_published_slope_at_its_end():
     theta = 1.517164598978
     assert found.sol(0.0)[1] == pytest.approx(theta * np.tanh(theta / 4), abs=1e-8)
     assert found.p is None and found.defect < 1e-9 and found.y.shape == found.yp.shape == (2, len(found.x))
-    # Slopes are those of the function.
+    # The polynomial satisfies the equations at the nodes.
     assert np.abs(found.sol(found.x, 1) - bratu(found.x, found.y)).max() < 1e-6
     assert found.sol(np.array([[0.1, 0.2], [0.3, 0.4]])).shape == (2, 2, 2) and found.sol(0.3).shape == (2,)
 

@@ -360,7 +360,10 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
 }
 
 /// Solves the divisions of one replicate at once and keeps them in the memo: the one on twice the mesh, which takes longest, the
-/// replicate and the one of the next seed. An error is reported where its division is asked for.
+/// replicate and the one of the next seed.
+///
+/// # Errors
+/// Of the replicate; the others may fail.
 fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<(), CliError> {
     let next = DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() };
     let all = input.on_twice_the_mesh().into_iter().chain([input.clone(), next]);
@@ -370,9 +373,11 @@ fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<
     }
     interrupt::listen();
     interrupt::finish();
+    let replicate = unknown.iter().position(|one| one == input);
     let found = solve_all(unknown, memo, &context.scheduling(&|_| ()), batch::solve)?;
     messages::warn_of(&found.summary.warnings);
-    Ok(())
+    let failed = found.unsolved.into_iter().find(|job| Some(job.id) == replicate);
+    failed.map_or(Ok(()), |job| Err(reason(job.failure)))
 }
 
 /// Solves `count` replicates. At least one of those asked for must succeed; the others may fail without a word.

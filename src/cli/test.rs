@@ -52,15 +52,15 @@ pub struct TestArgs {
     /// names the hypothesis
     #[arg(help_heading = "Hypotheses", long, value_name = "CUE", required_unless_present = "hypotheses")]
     cue: Vec<String>,
-    /// A file of hypotheses (RON), each with a cue and optionally its own list of free numbers:
+    /// A file of hypotheses (RON), each with a cue and, if it differs from --free, a list of free numbers:
     /// Hypotheses(hypotheses: [(name: "a", cue: "germline", free: ["epsilon", "epsilon@somatic"])])
     #[arg(help_heading = "Hypotheses", long, value_name = "FILE.ron")]
     hypotheses: Option<PathBuf>,
-    /// Numbers that are fitted: PARAMETER, or PARAMETER@CLASS for a class of cells, germline, somatic or a founder; PARAMETER@embryo varies
-    /// between embryos in the posterior; none fits nothing;
-    /// default all numbers of each cue
+    /// Numbers to fit: PARAMETER, PARAMETER@CLASS for a class of cells (germline, somatic or a founder), or PARAMETER@embryo, which varies
+    /// between embryos in the posterior; default all numbers of each cue; none for no number
     ///
-    /// A hypothesis without such a number does not have it. epsilon,epsilon@P2 frees one number of all cells but P2's and one of these. Numbers of a cue are searched as by furrow fit cue, others over the range of
+    /// A hypothesis without such a number does not have it. With epsilon,epsilon@P2 the cells of P2 have a number of their own and all
+    /// other cells share one. Numbers of a cue are searched as by furrow fit cue, others over the range of
     /// furrow solve; PARAMETER@CLASS=FROM..TO gives another range.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]
     free: Option<Vec<String>>,

@@ -14,6 +14,7 @@ use std::path::Path;
 use furrow::{Cell, Law, Numerics, Parameter};
 use furrow_figures::drawing::Format;
 use furrow_lineage::batch::Key;
+use furrow_measured::statistics::line;
 use furrow_mechanics::cortex::observables::equator_radius;
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
 use furrow_mechanics::equilibria::{BranchOptions, Criticality, PointKind, primary};
@@ -238,10 +239,7 @@ impl Curve {
     fn exponent(&self, time: impl Fn(&Row) -> f64) -> f64 {
         let divided = SIZES.iter().zip(&self.rows).filter(|(_, row)| row.divided);
         let points: Vec<[f64; 2]> = divided.map(|(r0, row)| [r0.ln(), time(row).ln()]).collect();
-        let mean = |k: usize| points.iter().map(|at| at[k]).sum::<f64>() / points.len() as f64;
-        let [x, y] = [mean(0), mean(1)];
-        let sum = |other: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(|at| (at[0] - x) * other(at)).sum::<f64>();
-        sum(&|at| at[1] - y) / sum(&|at| at[0] - x)
+        line(&points).map_or(f64::NAN, |line| line.slope)
     }
 }
 

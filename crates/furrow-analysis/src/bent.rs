@@ -54,18 +54,7 @@ pub fn boundary_with_bent(
     if numerics.modes == 0 {
         return Ok(found);
     }
-    let [from, to] = range;
-    let values: Vec<f64> = (0..=POINTS).map(|k| from + (to - from) * f64::from(k) / f64::from(POINTS)).collect();
-    let threshold = |value| bent_curves::threshold(cell, numerics, parameter, value);
-    let all = values.into_par_iter().map(threshold).collect();
-    let (begin, missing) = bent_curves::threshold_curve(all, threshold);
-    match (begin.points.is_empty(), missing.first()) {
-        // One reason stands for all, such as a law without equations for bent states.
-        (true, Some(error)) => found.warnings.push(format!("no thresholds of bent states: {error}")),
-        _ => {
-            found.warnings.extend(missing.iter().map(|error| format!("a threshold of bent states is missing: {error}")))
-        }
-    }
+    let begin = thresholds(cell, numerics, parameter, range, &mut found.warnings);
     let ends = curves(cell, numerics, parameter, range, &mut found.warnings).unwrap_or_else(|error| {
         found.warnings.push(format!("no curves that end bent states: {error}"));
         Vec::new()
@@ -104,6 +93,24 @@ pub fn bent_edges(plane: &PhasePlane, warnings: &mut Vec<String>) -> Vec<(&'stat
 /// Whether curves of bent states can be followed over a parameter.
 pub fn can_vary(parameter: Parameter) -> bool {
     matches!(parameter, Parameter::R0 | Parameter::Epsilon)
+}
+
+fn thresholds(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+    warnings: &mut Vec<String>,
+) -> Curve {
+    let values: Vec<f64> = (0..=POINTS).map(|k| from + (to - from) * f64::from(k) / f64::from(POINTS)).collect();
+    let at = |value| bent_curves::threshold(cell, numerics, parameter, value);
+    let (curve, missing) = bent_curves::threshold_curve(values.into_par_iter().map(at).collect(), at);
+    match (curve.points.is_empty(), missing.first()) {
+        // Without a single threshold the reasons agree, such as a law without equations for bent states.
+        (true, Some(error)) => warnings.push(format!("no thresholds of bent states: {error}")),
+        _ => warnings.extend(missing.iter().map(|error| format!("a threshold of bent states is missing: {error}"))),
+    }
+    curve
 }
 
 fn curves(

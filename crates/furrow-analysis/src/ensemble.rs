@@ -296,12 +296,17 @@ impl<'a> ConstantsSearch<'a> {
     }
 }
 
+/// Powers of weights over the largest, from logarithms, and the logarithm of the largest. A weight of 0 stays 0.
+pub(crate) fn relative_weights(logs: impl Iterator<Item = f64> + Clone, power: f64) -> (Vec<f64>, f64) {
+    let largest = logs.clone().fold(f64::NEG_INFINITY, f64::max);
+    let of = |log: f64| if log == f64::NEG_INFINITY { 0.0 } else { (power * (log - largest)).exp() };
+    (logs.map(of).collect(), power * largest)
+}
+
 /// Normalised weights of draws to a power, 0 for excluded draws.
 fn weights(draws: &[Draw], power: f64) -> Vec<f64> {
     let ln = |draw: &Draw| if draw.check.is_admissible() { draw.ln_weight } else { f64::NEG_INFINITY };
-    let largest = draws.iter().map(ln).fold(f64::NEG_INFINITY, f64::max);
-    let raw = |draw: &Draw| if draw.check.is_admissible() { (power * (draw.ln_weight - largest)).exp() } else { 0.0 };
-    let raw: Vec<f64> = draws.iter().map(raw).collect();
+    let (raw, _) = relative_weights(draws.iter().map(ln), power);
     let total: f64 = raw.iter().sum();
     raw.into_iter().map(|w| if total > 0.0 { w / total } else { 0.0 }).collect()
 }

@@ -284,7 +284,7 @@ mod tests {
     use crate::compare::names_of;
     use furrow_lineage::Lineage;
 
-    /// The numbers of terminal cells of all founders are those of the lineage file, and births and divisions are those of the table.
+    /// The lineage file has the same numbers of terminal cells by founder, and the table the same births and divisions.
     #[test]
     fn the_lineage_of_the_worm_is_whole() {
         let lineage = Lineage::c_elegans().unwrap();

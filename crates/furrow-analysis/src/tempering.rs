@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use rand_mt::Mt64;
 use rayon::prelude::*;
 
-use crate::ensemble::{mean_and_covariance, normal, uniform};
+use crate::ensemble::{mean_and_covariance, normal, relative_weights, uniform};
 use crate::sample::{halton, seed_of};
 
 /// The share of the effective sample size that a step of β keeps.
@@ -125,13 +125,6 @@ fn finite(log: f64) -> f64 {
     if log.is_nan() { f64::NEG_INFINITY } else { log }
 }
 
-/// Weights L^Δβ over the largest, and the logarithm of the largest.
-fn weights(logs: impl Iterator<Item = f64> + Clone, step: f64) -> (Vec<f64>, f64) {
-    let largest = logs.clone().fold(f64::NEG_INFINITY, f64::max);
-    let of = |log: f64| if log == f64::NEG_INFINITY { 0.0 } else { (step * (log - largest)).exp() };
-    (logs.map(of).collect(), step * largest)
-}
-
 impl<T: Clone + Send + Sync> Sample<T> {
     fn logs(&self) -> impl Iterator<Item = f64> + Clone + '_ {
         self.particles.iter().map(|particle| particle.log_likelihood)
@@ -142,7 +135,7 @@ impl<T: Clone + Send + Sync> Sample<T> {
         // Places where L vanishes leave the sample whatever the step.
         let possible = self.logs().filter(|log| *log > f64::NEG_INFINITY).count() as f64;
         let keeps = |step: f64| {
-            let (weights, _) = weights(self.logs(), step);
+            let (weights, _) = relative_weights(self.logs(), step);
             let [sum, squares] = weights.iter().fold([0.0, 0.0], |[a, b], w| [a + w, b + w * w]);
             sum * sum / squares >= KEPT * possible
         };
@@ -160,7 +153,7 @@ impl<T: Clone + Send + Sync> Sample<T> {
 
     /// Weighs the particles and draws them again by their weights; the logarithm of the mean weight.
     fn raise(&mut self, step: f64, seed: u64) -> f64 {
-        let (weights, largest) = weights(self.logs(), step);
+        let (weights, largest) = relative_weights(self.logs(), step);
         let sum: f64 = weights.iter().sum();
         if sum == 0.0 {
             return f64::NEG_INFINITY;

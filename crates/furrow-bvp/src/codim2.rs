@@ -6,6 +6,7 @@
 //! parameter.
 
 use crate::bifurcation::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
+use crate::bracket::Bracket;
 use crate::continuation::predictor::History;
 use crate::continuation::{MeshMonitor, SHORTER};
 use crate::direction::{Direction, LinearCondition};
@@ -357,25 +358,19 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         invalid::index("scalar unknown", index, self.tangent.scalars.len()).and_then(|()| self.check()).ok()?;
         let (before, _) = self.history.back(1)?;
         let (_, at_start) = self.turning_at(index, before)?;
-        let mut ends = [[before, at_start], [self.arclength, self.tangent.scalars[index]]];
+        let mut bracket = Bracket::new([[before, at_start], [self.arclength, self.tangent.scalars[index]]]);
         let mut last = f64::INFINITY;
-        let mut last_side = None;
         for _ in 0..MOST_TURNS {
-            let [[a, at_a], [b, at_b]] = ends;
+            let [[a, at_a], [b, at_b]] = bracket.ends;
             // Without a change of sign, which an inexact tangent at the first point can hide, the middle.
-            let share = if at_a * at_b < 0.0 { at_a / (at_a - at_b) } else { 0.5 };
-            let here = a + share * (b - a);
+            let here = if at_a * at_b < 0.0 { bracket.secant() } else { a + 0.5 * (b - a) };
             let (y, slope) = self.turning_at(index, here)?;
             // Both parameters are quadratic about a cusp: half the digits of arclength give all digits of theirs.
             if (here - last).abs() <= TURN * (1.0 + here.abs()) || slope == 0.0 {
                 return Some(y);
             }
             last = here;
-            let side = usize::from(slope * ends[1][1] > 0.0);
-            ends[side] = [here, slope];
-            if last_side.replace(side) == Some(side) {
-                ends[1 - side][1] *= 0.5;
-            }
+            bracket.keep([here, slope]);
         }
         None
     }

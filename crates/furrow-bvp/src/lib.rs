@@ -6,6 +6,7 @@
 //! | module | contents |
 //! |---|---|
 //! | `dense`, `dimensions`, `invalid` (private) | small dense blocks; sizes and limits; why input is refused |
+//! | [`Bracket`] | roots between two values |
 //! | [`gauss`] | coefficients of Gauss collocation |
 //! | [`solution`], [`direction`], [`metric`] | solutions and their changes |
 //! | `kernels` (private) | `stages`, `condense`, `operator`, `block`, `table`: inner loops in O(N) |
@@ -21,6 +22,7 @@
 #[cfg(feature = "auto")]
 pub mod auto;
 pub mod bifurcation;
+mod bracket;
 pub mod codim2;
 pub mod continuation;
 mod dense;
@@ -52,6 +54,7 @@ pub use bifurcation::{
     AugmentedReport, BranchPoint, BranchPointKind, Fold, MinimallyAugmented, SingularError, Singularity,
     SymmetryBreaking, locate, normal_form,
 };
+pub use bracket::Bracket;
 pub use codim2::{Codim2Curve, CurveError, CurveSettings};
 pub use continuation::{Continuation, ContinuationError, ContinuationSettings, StepFailure, Termination, predictor};
 pub use dense::{Determinant, PivotFailure};

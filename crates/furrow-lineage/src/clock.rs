@@ -260,6 +260,13 @@ pub struct CellTimes {
     pub lifetime_extrapolated: bool,
 }
 
+impl CellTimes {
+    /// The lifetime of a cell that divides, in minutes.
+    pub fn lifetime_min(&self) -> Option<f64> {
+        Some(self.division_min? - self.birth_min)
+    }
+}
+
 impl Tree {
     /// When each cell is born and divides, in the order of the cells; `None` if the lineage has no clock.
     pub fn times(&self) -> Option<Vec<CellTimes>> {

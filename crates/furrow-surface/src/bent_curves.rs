@@ -1,7 +1,7 @@
 //! Curves of the thresholds at which bent states begin and of the pitchforks and folds that end them, over R0 or ε, and the critical
 //! radius.
 
-use furrow_bvp::Work;
+use furrow_bvp::{Bracket, Work};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::critical::{BoundaryKind, CriticalRadius, Method};
 use furrow_mechanics::equilibria::at_rest::{Edge, RestShapes};
@@ -190,33 +190,28 @@ pub fn threshold_curve(
     (curve, missing)
 }
 
-/// Where the coefficient vanishes between two points of a curve, by the secant that keeps both signs. `None` if it has one sign, and
-/// where it changes the sign through infinity.
+/// Where the coefficient vanishes between two points of a curve, by the Illinois method. `None` if it has one sign, and where it changes
+/// the sign through infinity.
 fn change_of_criticality(
-    [mut left, mut right]: [CurvePoint; 2],
+    points: [CurvePoint; 2],
     at: &impl Fn(f64) -> Result<CurvePoint, ShapeError>,
 ) -> Result<Option<CurvePoint>, ShapeError> {
     let of = |point: &CurvePoint| point.coefficient.unwrap_or(f64::NAN);
-    let (mut low, mut high) = (of(&left), of(&right));
-    if low * high >= 0.0 {
+    let ends = points.each_ref().map(|point| [point.value, of(point)]);
+    if ends[0][1] * ends[1][1] >= 0.0 {
         return Ok(None);
     }
-    let smaller = low.abs().min(high.abs());
-    let accuracy = CRITICALITY * (right.value - left.value).abs();
-    let mut last = left.value;
+    let smaller = ends[0][1].abs().min(ends[1][1].abs());
+    let accuracy = CRITICALITY * (ends[1][0] - ends[0][0]).abs();
+    let (mut bracket, mut last) = (Bracket::new(ends), ends[0][0]);
     for _ in 0..SEARCH {
-        let next = at(left.value + (right.value - left.value) * low / (low - high))?;
+        let next = at(bracket.secant())?;
         let value = of(&next);
         if value == 0.0 || (next.value - last).abs() < accuracy {
             return Ok((value.abs() < smaller).then_some(next));
         }
         last = next.value;
-        // The end that stays weighs half, so that it moves too.
-        if value * low > 0.0 {
-            (left, low, high) = (next, value, 0.5 * high);
-        } else {
-            (right, high, low) = (next, value, 0.5 * low);
-        }
+        bracket.keep([next.value, value]);
     }
     Ok(None)
 }

@@ -191,7 +191,6 @@ impl<const N: usize> Algebra for Gradient<N> {
     }
 
     fn whole_power(self, exponent: i32) -> Gradient<N> {
-        let slope = if exponent == 0 { 0.0 } else { f64::from(exponent) * self.value.powi(exponent - 1) };
-        self.chain(self.value.powi(exponent), slope)
+        self.chain(self.value.powi(exponent), self.value.power_slope(exponent))
     }
 }

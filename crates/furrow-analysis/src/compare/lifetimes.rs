@@ -179,12 +179,6 @@ pub fn document(
     document
 }
 
-/// The lifetime of a cell that divides.
-fn lifetime(times: &[CellTimes], id: CellId) -> Option<f64> {
-    let CellTimes { birth_min, division_min, .. } = times[id.index()];
-    Some(division_min? - birth_min)
-}
-
 fn cell_beside(
     measured: &Lifetime,
     tree: &Tree,
@@ -194,7 +188,7 @@ fn cell_beside(
     let id = modelled.get(measured.cell.as_str()).copied();
     CellComparison {
         volume: volumes.get(&measured.cell).copied(),
-        model: id.zip(times).and_then(|(id, times)| lifetime(times, id)),
+        model: id.zip(times).and_then(|(id, times)| times[id.index()].lifetime_min()),
         model_divides: id.map(|id| tree.daughter_count(id) > 0),
         model_volume: id.map(|id| tree.cell(id).volume_fraction),
         measured: measured.clone(),
@@ -203,10 +197,9 @@ fn cell_beside(
 
 /// ln lifetime over ln volume of all cells of a tree that divide.
 fn model_slopes(tree: &Tree, times: &[CellTimes]) -> Slopes {
-    slopes(
-        tree.cells()
-            .filter_map(|id| Some((tree.founder_name(id), tree.cell(id).volume_fraction, lifetime(times, id)?))),
-    )
+    slopes(tree.cells().filter_map(|id| {
+        Some((tree.founder_name(id), tree.cell(id).volume_fraction, times[id.index()].lifetime_min()?))
+    }))
 }
 
 fn founders_beside(cells: &[CellComparison], measured: &Slopes, model: Option<&Slopes>) -> Vec<FounderComparison> {

@@ -96,7 +96,7 @@ impl Free {
     /// Reads a list of free numbers; `none` is the empty list.
     ///
     /// # Errors
-    /// As [`Free::read`]; two entries with the same parameter and class; a class whose founders all have smaller classes.
+    /// As [`Free::read`], and for two entries with the same parameter and class, or a class in which every founder has a smaller class.
     pub fn list(texts: &[String], lineage: &Lineage, source: &str) -> Result<Vec<Free>, InputError> {
         if let [only] = texts
             && only.trim() == NOTHING

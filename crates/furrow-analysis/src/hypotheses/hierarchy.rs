@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::noise::{Noise, UNDIVIDED, log_density};
 use super::observations::Observations;
+use crate::ensemble::relative_weights;
 use crate::fit::chain::Model;
 
 /// The largest standard deviation, as a share of the range.
@@ -21,6 +22,8 @@ const REACH: f64 = 3.0;
 /// Values at which χ is computed, and between two of them steps of the integral.
 const NODES: usize = 9;
 const BETWEEN: usize = 8;
+/// Distance of two nodes, in standard deviations.
+const WIDTH: f64 = 2.0 * REACH / (NODES - 1) as f64;
 
 /// The number of an embryo over the sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,6 +47,43 @@ pub(super) fn spread(model: &Model<'_>, k: usize, share: f64) -> f64 {
     WIDEST * share * model.unknowns[k].length()
 }
 
+/// A point of the integral.
+struct Step {
+    /// Distance from the common value, in standard deviations.
+    z: f64,
+    /// ln of its weight.
+    log_weight: f64,
+    /// The node before it, and its distance from that node as a share of the interval.
+    node: usize,
+    share: f64,
+}
+
+/// Distance of a node from the common value, in standard deviations.
+fn node(j: usize) -> f64 {
+    -REACH + WIDTH * j as f64
+}
+
+/// The points of the integral.
+fn steps() -> Vec<Step> {
+    let density = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt();
+    let at = |i: usize| {
+        let (node, share) = ((i / BETWEEN).min(NODES - 2), i as f64 / BETWEEN as f64);
+        (-REACH + WIDTH * share, node, share - node as f64)
+    };
+    let points: Vec<(f64, usize, f64)> = (0..=(NODES - 1) * BETWEEN).map(at).collect();
+    let all: f64 = points.iter().map(|(z, ..)| density(*z)).sum();
+    let step = |(z, node, share)| Step { z, log_weight: (density(z) / all).ln(), node, share };
+    points.into_iter().map(step).collect()
+}
+
+/// χ between two nodes. Where one of the two comes to rest, the nearer one decides.
+fn between(pair: [Option<f64>; 2], share: f64) -> Option<f64> {
+    match pair {
+        [Some(a), Some(b)] => Some(a + share * (b - a)),
+        pair => pair[usize::from(share >= 0.5)],
+    }
+}
+
 /// The likelihood of χ if the number `k` differs between embryos. The last coordinate of `place` is the place of its standard deviation.
 pub(super) fn by_embryo(
     model: &Model<'_>,
@@ -58,44 +98,21 @@ pub(super) fn by_embryo(
         place[k] = (place[k] + WIDEST * share * z).clamp(0.0, 1.0);
         model.values(&place)
     };
-    let step = 2.0 * REACH / (NODES - 1) as f64;
-    let node = |j: usize| -REACH + step * j as f64;
     let nodes: Vec<Vec<Option<f64>>> = (0..NODES).map(|j| model.chi(&at(node(j)), cells)).collect();
-    let fine = (NODES - 1) * BETWEEN;
-    let points: Vec<(f64, usize, f64)> = (0..=fine)
-        .map(|i| {
-            let (j, share) = ((i / BETWEEN).min(NODES - 2), i as f64 / BETWEEN as f64);
-            (-REACH + step * share, j, share - j as f64)
-        })
-        .collect();
-    let chi = |cell: usize, j: usize, share: f64| match (nodes[j][cell], nodes[j + 1][cell]) {
-        (Some(a), Some(b)) => Some(a + share * (b - a)),
-        // One of the two comes to rest: the nearer one decides.
-        (a, b) => {
-            if share < 0.5 {
-                a
-            } else {
-                b
-            }
-        }
-    };
+    let steps = steps();
+    let values: Vec<f64> = steps.iter().map(|step| at(step.z)[k]).collect();
     let sds = noise.sds(rows);
-    let density = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt();
-    let all: f64 = points.iter().map(|(z, ..)| density(*z)).sum();
     let of = |unit: usize| {
         let own = || rows.iter().zip(&sds).filter(move |(row, _)| row.unit == unit);
-        let logs: Vec<f64> = points
-            .iter()
-            .map(|&(z, j, share)| {
-                let off = |cell: usize, own: f64| chi(cell, j, share).map_or(UNDIVIDED, |chi| own - chi);
-                let data: f64 = own().map(|(row, sd)| log_density(off(row.cell, row.chi), *sd)).sum();
-                data + (density(z) / all).ln()
-            })
-            .collect();
-        let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
+        let log = |Step { log_weight, node, share, .. }: &Step| {
+            let off = |cell: usize, own: f64| {
+                between([nodes[*node][cell], nodes[node + 1][cell]], *share).map_or(UNDIVIDED, |chi| own - chi)
+            };
+            own().map(|(row, sd)| log_density(off(row.cell, row.chi), *sd)).sum::<f64>() + log_weight
+        };
+        let logs: Vec<f64> = steps.iter().map(log).collect();
+        let (weights, most) = relative_weights(logs.into_iter(), 1.0);
         let sum: f64 = weights.iter().sum();
-        let values: Vec<f64> = points.iter().map(|(z, ..)| at(*z)[k]).collect();
         let moment = |power: i32| weights.iter().zip(&values).map(|(w, x)| w * x.powi(power)).sum::<f64>() / sum;
         (most + sum.ln(), [moment(1), moment(2)])
     };

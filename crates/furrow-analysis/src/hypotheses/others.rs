@@ -10,7 +10,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use furrow_input::InputError;
-use furrow_lineage::{CellId, EndRule, Lineage, Tree, founder_rounds};
+use furrow_lineage::{CellId, CellTimes, EndRule, Founder, Lineage, Tree, founder_rounds};
 use furrow_measured::lifetimes::Lifetimes;
 use furrow_measured::statistics::mean;
 use serde::Serialize;
@@ -19,6 +19,7 @@ use super::noise::{UNDIVIDED, log_density};
 use crate::compare::names_of;
 use crate::constants::{Constant, Constants};
 use crate::fit::chain::Model;
+use crate::fit::unknowns::Unknown;
 use crate::ranges::grow_alone;
 
 /// A kind of observation.
@@ -117,7 +118,7 @@ impl Others {
     pub fn rounds(lineage: &Lineage, sd: f64, source: &str) -> Result<Others, InputError> {
         positive(sd, source)?;
         let below = lineage.daughters();
-        let of = |(founder, below): (&furrow_lineage::Founder, &Option<(usize, usize)>)| {
+        let of = |(founder, below): (&Founder, &Option<(usize, usize)>)| {
             let observed = founder.observed?.mean.filter(|_| below.is_none())?;
             Some(Row { name: founder.name.clone(), observed, cells: Vec::new() })
         };
@@ -238,15 +239,13 @@ fn positive(sd: f64, source: &str) -> Result<(), InputError> {
 /// How long each cell that divides lives, in minutes.
 fn lives(tree: &Tree) -> HashMap<&str, f64> {
     let times = tree.times().unwrap_or_default();
-    let of = |(id, times): (CellId, &furrow_lineage::CellTimes)| {
-        Some((tree.cell(id).name.as_str(), times.division_min? - times.birth_min))
-    };
+    let of = |(id, times): (CellId, &CellTimes)| Some((tree.cell(id).name.as_str(), times.lifetime_min()?));
     tree.cells().zip(&times).filter_map(of).collect()
 }
 
 /// The tree of a model at values of its unknowns; `None` if it cannot be grown.
 pub(super) fn grown(model: &Model<'_>, values: &[f64]) -> Option<Tree> {
-    let constant = |(unknown, value): (&crate::fit::unknowns::Unknown, &f64)| Constant {
+    let constant = |(unknown, value): (&Unknown, &f64)| Constant {
         parameter: unknown.parameter,
         class: unknown.founders.as_ref().map(|(class, _)| class.clone()),
         value: *value,

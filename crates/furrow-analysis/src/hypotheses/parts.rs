@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use furrow_input::table::{Table, text as text_of};
 use furrow_input::{InputError, open_file, shown};
 
+use crate::ensemble::relative_weights;
 use crate::shard::Shard;
 use crate::table::csv_of;
 
@@ -110,8 +111,8 @@ fn weighed(head: Vec<String>, rows: &[Row], parts: usize) -> MergedSample {
     let sums: BTreeMap<&str, (f64, f64)> = found
         .iter()
         .map(|(name, of)| {
-            let most = of.values().map(|(log, _)| *log).fold(f64::NEG_INFINITY, f64::max);
-            (*name, (most, of.values().map(|(log, _)| (log - most).exp()).sum()))
+            let (weights, most) = relative_weights(of.values().map(|(log, _)| *log), 1.0);
+            (*name, (most, weights.into_iter().sum()))
         })
         .collect();
     let weight = |row: &Row| {

@@ -105,8 +105,8 @@ impl<V: VectorField> PeriodicOrbit<V> {
 }
 
 impl<V: VectorField> Auto<PeriodicOrbit<V>> {
-    /// The monodromy matrix of an orbit, n × n, row-major: how a disturbance at its start has changed after a period. Its eigenvalues are
-    /// the Floquet multipliers, one of which is 1.
+    /// The monodromy matrix of an orbit, n × n, row-major: how a disturbance at its start has changed after a period. Its eigenvalues,
+    /// the Floquet multipliers, include 1.
     ///
     /// # Errors
     /// [`FactorisationError`] if the orbit has other sizes, or a stage matrix is singular.

@@ -89,6 +89,10 @@ pub trait Algebra:
     fn call(self, function: Function) -> Self;
     /// A whole power.
     fn whole_power(self, exponent: i32) -> Self;
+    /// The derivative n xⁿ⁻¹ of a whole power.
+    fn power_slope(self, exponent: i32) -> Self {
+        if exponent == 0 { Self::from(0.0) } else { self.whole_power(exponent - 1) * f64::from(exponent) }
+    }
 }
 
 impl<D: Number> Algebra for D {

@@ -126,11 +126,6 @@ impl<const N: usize> Arithmetic for Gradient<N> {
     }
 }
 
-/// n xⁿ⁻¹.
-fn power_slope<A: Algebra>(x: A, exponent: i32) -> A {
-    if exponent == 0 { A::from(0.0) } else { x.whole_power(exponent - 1) * f64::from(exponent) }
-}
-
 impl<const N: usize> Algebra for Gradient<N> {
     fn real(self) -> f64 {
         self.value
@@ -142,7 +137,7 @@ impl<const N: usize> Algebra for Gradient<N> {
     }
 
     fn whole_power(self, exponent: i32) -> Gradient<N> {
-        self.chained(self.value.powi(exponent), power_slope(self.value, exponent))
+        self.chained(self.value.powi(exponent), self.value.power_slope(exponent))
     }
 }
 
@@ -171,6 +166,6 @@ impl<T: Arithmetic + Algebra> Algebra for Jet<T> {
     }
 
     fn whole_power(self, exponent: i32) -> Jet<T> {
-        Jet { value: self.value.whole_power(exponent), slope: self.slope * power_slope(self.value, exponent) }
+        Jet { value: self.value.whole_power(exponent), slope: self.slope * self.value.power_slope(exponent) }
     }
 }

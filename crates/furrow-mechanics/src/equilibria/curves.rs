@@ -2,8 +2,8 @@
 
 use furrow_bvp::normal_form::pitchfork_normal_form;
 use furrow_bvp::{
-    AugmentedReport, Codim2Curve, CurveError, CurveSettings, Direction, Fold, SingularError, Singularity, Solution,
-    SymmetryBreaking,
+    AugmentedReport, Bracket, Codim2Curve, CurveError, CurveSettings, Direction, Fold, SingularError, Singularity,
+    Solution, SymmetryBreaking,
 };
 
 use super::branch::{Branch, BranchOptions, Criticality, FoldPoint, Pitchfork, mesh_monitor, metric};
@@ -300,10 +300,10 @@ fn follow_pitchfork(
 }
 
 /// The point between two values of the parameter where the coefficient vanishes, by the Illinois method.
-fn degenerate(curve: &mut PitchforkCurve, mut ends: [[f64; 2]; 2]) -> Option<CurvePoint> {
-    let mut last_side = None;
+fn degenerate(curve: &mut PitchforkCurve, ends: [[f64; 2]; 2]) -> Option<CurvePoint> {
+    let mut bracket = Bracket::new(ends);
     for _ in 0..40 {
-        let [low, high] = ends;
+        let [low, high] = bracket.ends;
         let value = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1]);
         let (y, report) = curve.at(SECOND, value).ok()?;
         let c = coefficient(curve, &y, &report).ok()?;
@@ -313,11 +313,7 @@ fn degenerate(curve: &mut PitchforkCurve, mut ends: [[f64; 2]; 2]) -> Option<Cur
             found.solution = y;
             return Some(curve_point(&found, Some(c)));
         }
-        let side = if c * low[1] > 0.0 { 0 } else { 1 };
-        ends[side] = [value, c];
-        if last_side.replace(side) == Some(side) {
-            ends[1 - side][1] *= 0.5;
-        }
+        bracket.keep([value, c]);
     }
     None
 }
