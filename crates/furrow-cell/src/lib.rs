@@ -5,6 +5,7 @@
 //! | [`Cell`] | one cell: R0, ε, ξ_s and a [`Cue`], in a [`Material`] and a [`Shell`] |
 //! | [`Material`] | the constants of the cortex: rigidity, viscosities, friction, tension, what activity does |
 //! | [`Shell`] | the constants of the ellipsoidal shell that confines it |
+//! | [`ShellProfile`] | a shell of any profile in place of the ellipsoid, from a table of r over z |
 //! | [`Cue`] | a polarity cue: a sum of [`cue::Term`]s, each a field, a profile and an amplitude, and a [`cue::Regulator`] that flow carries |
 //! | [`Law`] | a law of active stress of the user's own, in place of the equations' |
 //! | [`Parameter`] | a scalar of a cell by its name, to be read, set, continued in or fitted |
@@ -15,6 +16,7 @@ pub mod law;
 pub mod material;
 pub mod numerics;
 pub mod parameter;
+pub mod profile;
 pub mod settings;
 mod value;
 
@@ -23,6 +25,7 @@ pub use law::Law;
 pub use material::{Material, RigidityGradient, Shell};
 pub use numerics::{Numerics, Scheme};
 pub use parameter::Parameter;
+pub use profile::ShellProfile;
 pub use settings::Settings;
 
 use num_dual::DualNum;
@@ -70,19 +73,22 @@ pub struct Cell {
     /// The law of active stress; `None` is the paper's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<Box<Law>>,
+    /// The profile of the shell; `None` is an ellipsoid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shell_profile: Option<Box<ShellProfile>>,
 }
 
 impl Cell {
     /// A cell of radius `r0` without a cue, with the preset's confinement ε = 0.87, activity ξ_s = 25, material and shell.
     pub const fn new(r0: f64) -> Cell {
         let (material, shell) = (Material::GAO2026, Shell::GAO2026);
-        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None }
+        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None, shell_profile: None }
     }
 
     /// The same of the preset `gao2026-thresholds`.
     pub const fn gao2026_thresholds(r0: f64) -> Cell {
         let (material, shell) = (Material::GAO2026_THRESHOLDS, Shell::GAO2026_THRESHOLDS);
-        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None }
+        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None, shell_profile: None }
     }
 
     /// The same cell with a cue.
@@ -90,9 +96,23 @@ impl Cell {
         Cell { cue, ..self }
     }
 
-    /// Whether nothing tells one pole from the other: its cue and its law, if any, are even about u = ½.
+    /// The same cell in a shell of another profile, with the aspect ratio of its table.
+    pub fn with_shell_profile(mut self, profile: ShellProfile) -> Cell {
+        self.shell.aspect = profile.aspect();
+        Cell { shell_profile: Some(Box::new(profile)), ..self }
+    }
+
+    /// Whether nothing tells one pole from the other: its shell is its own mirror image, and its cue and its law, if any, are even
+    /// about u = ½.
     pub fn is_mirror_symmetric(&self) -> bool {
-        self.law.as_ref().is_none_or(|law| law.is_mirror_symmetric(self)) && self.cue.is_even_for(self.law_names_phi())
+        self.has_even_shell()
+            && self.law.as_ref().is_none_or(|law| law.is_mirror_symmetric(self))
+            && self.cue.is_even_for(self.law_names_phi())
+    }
+
+    /// Whether its shell is its own mirror image. If not, nor is the passive cell.
+    pub fn has_even_shell(&self) -> bool {
+        self.shell_profile.as_ref().is_none_or(|profile| profile.is_mirror_symmetric())
     }
 
     /// Whether its shell and its cue are round about the axis of division.
@@ -103,7 +123,8 @@ impl Cell {
     /// The mirror image of the cell under u → 1 − u.
     pub fn mirrored(&self) -> Cell {
         let law = self.law.as_ref().map(|law| Box::new(law.mirrored()));
-        Cell { cue: self.cue.mirrored(), law, ..self.clone() }
+        let shell_profile = self.shell_profile.as_ref().map(|profile| Box::new(profile.mirrored()));
+        Cell { cue: self.cue.mirrored(), law, shell_profile, ..self.clone() }
     }
 
     /// The same cell without activity and without a cue: every division starts from it.

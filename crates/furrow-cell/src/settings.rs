@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::law::{ConstantName, Law};
 use crate::value::Kind;
 pub use crate::value::Value;
-use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ZYGOTE};
+use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ShellProfile, ZYGOTE};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 
 /// Parameters of a run, checked.
@@ -165,6 +165,7 @@ fields! {
 #[derive(Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
 struct Config {
+    shell_profile: Option<String>,
     physics: PhysicsOverrides,
     numerics: NumericsOverrides,
 }
@@ -225,6 +226,10 @@ impl Settings {
     /// Applies and checks the text of a configuration file.
     pub fn apply_config(&mut self, text: &str, file: &str) -> Result<(), InputError> {
         let config: Config = parse_document(text, file, "a configuration", "Config")?;
+        if let Some(table) = config.shell_profile {
+            // Beside the file that names it.
+            self.set_shell_profile(&Path::new(file).with_file_name(table).to_string_lossy())?;
+        }
         config.physics.apply(self);
         config.numerics.apply(self);
         self.check(file)
@@ -257,7 +262,9 @@ impl Settings {
         let mut xi_b = None;
         for (name, value) in pairs {
             let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
-            if *name == XI_B {
+            if *name == SHELL_PROFILE {
+                self.set_shell_profile(&value.text())?;
+            } else if *name == XI_B {
                 let read = value.number().filter(|v| v.is_finite());
                 xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
             } else if let Some(field) = Field::named(name) {
@@ -274,6 +281,21 @@ impl Settings {
             }
             self.cell.material.xi_ratio = ratio;
         }
+        Ok(())
+    }
+
+    /// Gives the shell the profile of a table, with its aspect ratio, or makes it the ellipsoid.
+    ///
+    /// # Errors
+    /// As [`ShellProfile::read`].
+    fn set_shell_profile(&mut self, given: &str) -> Result<(), InputError> {
+        if given == ELLIPSOID {
+            self.cell.shell_profile = None;
+            return Ok(());
+        }
+        let profile = ShellProfile::read(Path::new(given))?;
+        self.cell.shell.aspect = profile.aspect();
+        self.cell.shell_profile = Some(Box::new(profile));
         Ok(())
     }
 
@@ -485,6 +507,12 @@ pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static st
 /// Sets `xi_ratio` from the ξ_s in force.
 const XI_B: &str = "xi_b";
 
+/// Sets the shell's profile from a table, and `aspect` with it.
+const SHELL_PROFILE: &str = "shell_profile";
+
+/// The profile of a shell without a table.
+const ELLIPSOID: &str = "ellipsoid";
+
 /// The name of the field that a key of `--set` means: an alias's own, and without the section before it. A constant of a law
 /// keeps its `law.`; whether the law has it is known when it is set.
 ///
@@ -507,9 +535,8 @@ pub fn canonical_name(key: &str) -> Result<&'static str, String> {
     };
     // The section that the key names, if it names one, must be the one the parameter is in.
     let misplaced = |right: &str| section.is_some_and(|section| section != right);
-    if plain == XI_B {
-        let allowed = "physics.xi_b or xi_b alone".to_owned();
-        return if misplaced("physics") { Err(allowed) } else { Ok(XI_B) };
+    if let Some(name) = [XI_B, SHELL_PROFILE].into_iter().find(|name| *name == plain) {
+        return if misplaced("physics") { Err(format!("physics.{name} or {name} alone")) } else { Ok(name) };
     }
     match FIELDS.iter().find(|field| field.name == plain || field.aliases.contains(&plain)) {
         Some(field) if misplaced(field.section) => Err(format!("{}.{plain} or {plain} alone", field.section)),
@@ -523,7 +550,7 @@ pub fn canonical_name(key: &str) -> Result<&'static str, String> {
 
 /// The canonical names of all keys.
 pub fn names() -> impl Iterator<Item = &'static str> + Clone {
-    FIELDS.iter().map(|field| field.name).chain([XI_B])
+    FIELDS.iter().map(|field| field.name).chain([XI_B, SHELL_PROFILE])
 }
 
 /// Intervals of the whole contour for a wall of width w = 1.

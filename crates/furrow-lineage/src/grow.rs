@@ -250,14 +250,14 @@ fn completed(run: scheduler::Result<Summary>, mut undecided: impl FnMut(usize, S
 
 /// A cell's division with its smaller daughter on the side where it is in a tree of this seed.
 ///
-/// Where the poles are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
+/// Where the poles of `cell` are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
 /// so that one record serves many cells and the tree is reproducible.
-pub fn oriented(division: &Division, cue: &Cue, name: &str, seed: u64) -> Division {
+pub fn oriented(division: &Division, cell: &Cell, name: &str, seed: u64) -> Division {
     let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
     // Whether the smaller daughter is the posterior one: a fair coin for every seed and name.
     let drawn = [&seed.to_le_bytes(), name.as_bytes()].concat();
     let is_posterior = || blake3::hash(&drawn).as_bytes()[0] & 1 == 0;
-    let turned = cue.is_mirror_symmetric() && smaller_posterior != is_posterior();
+    let turned = cell.is_mirror_symmetric() && smaller_posterior != is_posterior();
     if turned { division.clone().mirrored() } else { division.clone() }
 }
 
@@ -321,7 +321,8 @@ impl<'a> Growth<'a> {
     /// matters.
     fn settled<'d>(&mut self, index: usize, division: &'d Division) -> Option<Cow<'d, Division>> {
         let (own, asked) = (self.grower.settings.seed, self.seed(index));
-        let cell = &self.cells[index];
+        let Grower { lineage, settings, .. } = self.grower;
+        let alike = self.cells[index].cell(lineage, &settings.cell).is_mirror_symmetric();
         let Some(Sharing { waiting, .. }) = self.sharing.as_mut().filter(|sharing| sharing.first != own) else {
             return Some(Cow::Borrowed(division));
         };
@@ -329,7 +330,7 @@ impl<'a> Growth<'a> {
             waiting.insert(index, (division.clone(), false));
             return None;
         };
-        if !*differs && shared.agrees_with(division, cell.cue.is_mirror_symmetric()) {
+        if !*differs && shared.agrees_with(division, alike) {
             return waiting.remove(&index).map(|(shared, _)| Cow::Owned(shared));
         }
         *differs = true;
@@ -342,8 +343,10 @@ impl<'a> Growth<'a> {
 
     /// Sets a cell's fate and adds its daughters.
     fn divide(&mut self, index: usize, division: &Division) -> Option<[usize; 2]> {
-        let GrowingCell { cue, name, .. } = &self.cells[index];
-        let fate = Fate::from(oriented(division, cue, name, self.grower.settings.seed));
+        let Grower { lineage, settings, .. } = self.grower;
+        let growing = &self.cells[index];
+        let cell = growing.cell(lineage, &settings.cell);
+        let fate = Fate::from(oriented(division, &cell, &growing.name, settings.seed));
         let pair = self.offspring(index, &fate);
         self.cells[index].fate = Some(fate);
         let anterior = self.cells.len();

@@ -4,7 +4,6 @@ use furrow_bvp::{Gauss, Work};
 use furrow_cell::{Cell, Numerics, Scheme};
 use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, R, Z};
 use furrow_mechanics::cortex::observables::PINCH_OFF;
-use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending};
 use furrow_mechanics::equilibria::error::CellName;
 use furrow_mechanics::{equilibria, law, polarity};
@@ -193,9 +192,8 @@ fn stalled(r0: f64, [t, dt, neck]: [f64; 3], reason: String) -> DivisionError {
 /// [`DivisionError`].
 pub fn start(cell: &Cell, plates: Plates, numerics: &Numerics) -> Result<(Problem, State), DivisionError> {
     let name = CellName::of(cell);
-    let (half, _) =
-        equilibria::passive(cell, numerics).map_err(|source| DivisionError::NoPassiveShape { cell: name, source })?;
-    let full = unfold(&half);
+    let (full, _) = equilibria::passive_whole(cell, numerics)
+        .map_err(|source| DivisionError::NoPassiveShape { cell: name, source })?;
     let gauss = Gauss::new(numerics.stages).unwrap_or_default();
     let round = cell.shell.flattening == 1.0;
     let space = Space::new(numerics.elements, if round { numerics.modes.min(FIRST_MODES) } else { numerics.modes });

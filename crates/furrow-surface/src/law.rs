@@ -17,6 +17,7 @@
 use crate::number::Number;
 use crate::own::Own;
 use furrow_cell::law::Algebra;
+use furrow_cell::profile::Factor;
 use furrow_mechanics::cortex::equations::{LocalCoefficients, ShellCoefficients};
 
 /// A vector (x, y, z).
@@ -177,13 +178,24 @@ pub fn viscous_stress<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shap
     mix(raise(g, &strain), *g, D::from(shear), trace(g, &strain) * local.eta_difference)
 }
 
-/// The normal force f_c of the shell, M.9 with the half axes of S.7, and of a wall that the point touches.
+/// The normal force f_c of the shell, M.9 with the half axes of S.7 or M.31 of its profile, and of a wall that the point touches.
 #[inline(always)]
-pub fn wall_force<D: Number>(place: &Place, normal: &Vector<D>, x: &Vector<D>) -> D {
+pub fn wall_force<D: Number + Algebra>(
+    place: &Place,
+    normal: &Vector<D>,
+    x: &Vector<D>,
+    profile: Option<&Factor>,
+) -> D {
     let ShellCoefficients { shell_force, inverse_w2, .. } = place.shell;
-    let scaled: Vector<D> = std::array::from_fn(|k| x[k] * place.inverse_axes2[k]);
-    let reach = ((dot(&scaled, x) - 1.0) * inverse_w2).exp();
-    let shell = -(reach * dot(&scaled, normal)) * shell_force;
+    let (level, slope) = match profile {
+        Some(profile) => profile.level(*x, place.inverse_axes2.map(D::from)),
+        None => {
+            let scaled: Vector<D> = std::array::from_fn(|k| x[k] * place.inverse_axes2[k]);
+            (dot(&scaled, x), scaled)
+        }
+    };
+    let reach = ((level - 1.0) * inverse_w2).exp();
+    let shell = -(reach * dot(&slope, normal)) * shell_force;
     let Contact { pressure, decay, origin, normal, distance } = place.contact;
     if pressure == 0.0 {
         return shell;
@@ -201,7 +213,7 @@ fn add_tension<D: Number>(out: &mut Balance<D>, tension: &Symmetric<D>, x: &Shap
     }
 }
 
-/// The balance at a point: see [`Balance`]. `centre` is x₀ and z₀ of the ring's centre, `own` the cell's own law in place of S.2.
+/// The balance at a point: see [`Balance`]. `centre` is x₀ and z₀ of the ring's centre, `own` the cell's own law in place of S.2, and its shell's profile.
 #[inline(always)]
 pub fn balance<D: Number + Algebra>(
     place: &Place,
@@ -218,11 +230,11 @@ pub fn balance<D: Number + Algebra>(
     let bent = *mean - local.spontaneous;
     let mut moment = bent * local.kappa;
     let energy = moment * bent * 0.5 + local.tension;
-    let mut force = wall_force(place, normal, &x[0]);
-    let active = match own {
+    let profile = own.as_deref().and_then(Own::profile);
+    let mut force = wall_force(place, normal, &x[0], profile);
+    let active = match own.and_then(|own| own.at(place, &geometry, &x[0])) {
         None => active_stress(place, &geometry),
         Some(own) => {
-            let own = own.at(place, &geometry, &x[0]);
             moment += own.moment;
             force += own.normal_force;
             own.stress

@@ -1,4 +1,4 @@
-//! A law of active stress of the cell's own, on a surface without axial symmetry.
+//! A law of active stress or a shell of the cell's own, on a surface without axial symmetry.
 //!
 //! With the mean curvature m = ½C the deviator D_ij = C_ij − m g_ij and its size δ = √(½ D^ij D_ij), the principal curvatures are m ± δ. A law gives the stresses T₊ and T₋ along the two principal directions:
 //!
@@ -9,6 +9,7 @@
 //! M.28 and M.29, and the normal force to the shell's.
 
 use furrow_cell::law::{Algebra, Function, LawValues, VARIABLES, Variable};
+use furrow_cell::profile::Factor;
 use furrow_mechanics::cortex::equations::Constants;
 
 use crate::law::{Geometry, Place, Symmetric, Vector, mix, raise};
@@ -17,10 +18,11 @@ use crate::number::Number;
 /// The least δ, relative to 1/R0.
 const LEAST: f64 = 1e-5;
 
-/// A law, and working memory.
+/// A law, a shell's profile, or both, and working memory.
 #[derive(Clone, Debug)]
 pub struct Own<D> {
-    law: LawValues<D>,
+    law: Option<LawValues<D>>,
+    profile: Option<Factor>,
     /// The square of the least δ.
     least: f64,
     memory: Vec<D>,
@@ -38,15 +40,22 @@ pub struct Active<D> {
 }
 
 impl<D: Number + Algebra> Own<D> {
-    /// The law of a cell's constants; `None` if it is the paper's.
+    /// The law and the shell's profile of a cell's constants; `None` if they are the paper's.
     pub fn of(constants: &Constants<f64>) -> Option<Own<D>> {
         let radius = (constants.volume * 0.75 / std::f64::consts::PI).cbrt();
-        let law = constants.law.as_ref()?.map(|value| D::from(value));
-        Some(Own { law, least: (LEAST / radius).powi(2), memory: Vec::new() })
+        let law = constants.law.as_ref().map(|law| law.map(|value| D::from(value)));
+        let profile = constants.shell_factor.clone();
+        constants.is_own().then(|| Own { law, profile, least: (LEAST / radius).powi(2), memory: Vec::new() })
     }
 
-    /// The law at a point x of a surface.
-    pub fn at(&mut self, place: &Place, geometry: &Geometry<D>, x: &Vector<D>) -> Active<D> {
+    /// The shell's profile, unless it is an ellipse.
+    pub fn profile(&self) -> Option<&Factor> {
+        self.profile.as_ref()
+    }
+
+    /// The law at a point x of a surface; `None` if it is the paper's.
+    pub fn at(&mut self, place: &Place, geometry: &Geometry<D>, x: &Vector<D>) -> Option<Active<D>> {
+        let law = self.law.as_ref()?;
         let Geometry { area, inverse_metric: g, curvature, mean, .. } = geometry;
         let half = *mean * 0.5;
         let square = *area * *area;
@@ -54,19 +63,25 @@ impl<D: Number + Algebra> Own<D> {
         let deviator = mix(*curvature, metric, D::from(1.0), -half);
         let size = (deviator[1] * deviator[1] - deviator[0] * deviator[2]) / square;
         let delta = (size + self.least).call(Function::Sqrt);
-        let at = self.quantities(place, [half + delta, half - delta], x);
-        let active = self.law.at(&at, &mut self.memory);
+        let at = quantities(law, place, [half + delta, half - delta], x);
+        let active = law.at(&at, &mut self.memory);
         let [along, across] = active.stress.map(|stress| stress * place.noise);
         let difference = (along - across) / (delta * 2.0);
-        Active {
+        Some(Active {
             stress: mix(*g, raise(g, &deviator), (along + across) * 0.5, difference),
             moment: active.moment,
             normal_force: active.normal_force * place.noise,
-        }
+        })
     }
+}
 
     /// The quantities of a place with these principal curvatures.
-    fn quantities(&self, place: &Place, [c1, c2]: [D; 2], x: &Vector<D>) -> [D; VARIABLES] {
+    fn quantities<D: Number + Algebra>(
+    law: &LawValues<D>,
+    place: &Place,
+    [c1, c2]: [D; 2],
+    x: &Vector<D>,
+) -> [D; VARIABLES] {
         let local = &place.local;
         let mut out = [D::from(0.0); VARIABLES];
         let mut set = |variable: Variable, value: D| out[variable as usize] = value;
@@ -83,9 +98,8 @@ impl<D: Number + Algebra> Own<D> {
         set(Variable::EtaS, half(local.eta_sum - local.eta_difference));
         set(Variable::Friction, D::from(local.friction));
         set(Variable::Tension, D::from(local.tension));
-        let gain = self.law.gain();
+        let gain = law.gain();
         set(Variable::XiS, D::from(local.xi_s) / gain);
         set(Variable::XiB, D::from(local.xi_b) / gain);
         out
     }
-}

@@ -37,10 +37,8 @@ pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> 
         for meridian in &meridians {
             let shape = space.shape(&functions, meridian);
             let geometry = Geometry::new(&shape);
-            let stress = match &mut own {
-                None => active_stress(&place, &geometry),
-                Some(own) => own.at(&place, &geometry, &shape[0]).stress,
-            };
+            let active = own.as_mut().and_then(|own| own.at(&place, &geometry, &shape[0]));
+            let stress = active.map_or_else(|| active_stress(&place, &geometry), |active| active.stress);
             let metric = [(1, 1), (1, 2), (2, 2)].map(|(a, b)| (0..3).map(|k| shape[a][k] * shape[b][k]).sum::<f64>());
             let tension = 0.5 * (stress[0] * metric[0] + 2.0 * stress[1] * metric[1] + stress[2] * metric[2]);
             out.push(Sample { share, x: shape[0], normal: geometry.normal, tension });

@@ -266,8 +266,8 @@ impl<'a> Chain<'a> {
     fn daughters(&self, k: usize) -> Option<[f64; 2]> {
         let division = self.divisions[k].as_ref()?;
         let cell = &self.model.kin.cells[k];
-        let cue = self.input(k, self.radii[k]?)?.cell.cue;
-        oriented(division, &cue, &cell.name, self.model.run.settings.seed).daughters()
+        let parameters = self.input(k, self.radii[k]?)?.cell;
+        oriented(division, &parameters, &cell.name, self.model.run.settings.seed).daughters()
     }
 
     /// The division of a cell of that radius; `None` if rules give it a value that is not allowed.

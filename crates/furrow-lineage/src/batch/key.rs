@@ -71,7 +71,7 @@ impl CanonicalBytes {
     }
 
     fn cell(&mut self, cell: &Cell) {
-        let Cell { r0, epsilon, xi_s, cue: _, material, shell, law } = cell;
+        let Cell { r0, epsilon, xi_s, cue: _, material, shell, law, shell_profile } = cell;
         let Material {
             kappa,
             eta_b,
@@ -100,6 +100,13 @@ impl CanonicalBytes {
         // Without a law nothing is written, so that cells with the paper's keep their keys.
         if let Some(law) = law {
             self.law(law);
+        }
+        // The content of a table alone: its aspect ratio is the shell's.
+        if let Some(profile) = shell_profile {
+            let series = profile.factor().series();
+            self.choice(PROFILED);
+            self.count(series.len() as u64);
+            self.reals(series.iter().copied());
         }
     }
 
@@ -187,6 +194,9 @@ impl CanonicalBytes {
 
 /// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
 const SURFACE_VERSION: u64 = 3;
+
+/// Marks a shell of another profile than an ellipse.
+const PROFILED: usize = 249;
 
 /// Marks a normal friction.
 const DRAGGED: usize = 250;

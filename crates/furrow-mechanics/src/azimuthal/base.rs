@@ -5,8 +5,10 @@ use num_dual::Dual64;
 use crate::cortex::Cortex;
 use crate::cortex::equations::{
     BdfTerm, COMPONENTS, Constants, J, LENGTH, LocalCoefficients, PHI, PRESSURE, PSI, Q, R, T, Transport, V, Z,
-    balances, carried,
+    carried,
 };
+use crate::cortex::own::Spot;
+use crate::cortex::own::shell::{Balances, force};
 
 /// The shape at one place; the names follow the equations.
 #[derive(Clone, Debug)]
@@ -92,7 +94,9 @@ impl<'a> BaseConstants<'a> {
         let (c, length) = (self.constants, scalars[LENGTH]);
         let shape: [f64; COMPONENTS] = std::array::from_fn(|k| y[k]);
         let here = c.of_state(u, y, length);
-        let found = balances(&c.shell, &here, motion, 1.0, &shape, length, scalars[PRESSURE]);
+        let spot = Spot { u, carried: [0.0; 2], noise: 1.0 };
+        let mut balances = Balances::of(None, c.shell_factor.as_ref(), 0);
+        let found = balances.at(&c.shell, &here, &spot, motion, &shape, length, scalars[PRESSURE]);
         let place = found.place;
         let mut base = Base {
             length,
@@ -136,10 +140,15 @@ impl<'a> BaseConstants<'a> {
         base
     }
 
-    /// e_s·∇U and n·∇∇U·n of U = P0 exp\[(z²/a² + r²/b² − 1)/w²\], A.10.
+    /// e_s·∇U and n·∇∇U·n of U = P0 exp\[(z²/a² + r²/b² − 1)/w²\], A.10, or of the U of a shell's profile, M.30.
     fn shell(&self, y: &[f64]) -> (f64, f64) {
         let shell = &self.constants.shell;
         let (sin, cos) = y[PSI].sin_cos();
+        if let Some(factor) = &self.constants.shell_factor {
+            let ([r, z], lifted) = ([(y[R], sin), (y[Z], cos)].map(|(x, by)| Dual64::new(x, by)), shell.map(Dual64::from));
+            let outwards = force(factor, &lifted, [r, z], [sin, cos].map(Dual64::from));
+            return (-force(factor, shell, [y[R], y[Z]], [cos, -sin]), -outwards.eps);
+        }
         let (by_r, by_z) = (y[R] * shell.inverse_b2, y[Z] * shell.inverse_a2);
         let inside = (y[Z] * by_z + y[R] * by_r - 1.0) * shell.inverse_w2;
         let force = shell.shell_force * inside.exp();

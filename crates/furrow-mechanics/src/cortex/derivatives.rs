@@ -53,7 +53,7 @@ impl Directional for Cortex {
         let lifted = self.second_order(p, along[0].p, along[1].p);
         if self.components() == REGULATED {
             second::<REGULATED>(&lifted, points, along, out);
-        } else if self.is_uniform() && self.cell.law.is_none() {
+        } else if self.is_uniform() && !self.constants().is_own() {
             jets::second_many(&lifted.shared(), points, along, out);
         } else {
             second::<COMPONENTS>(&lifted, points, along, out);
@@ -70,7 +70,7 @@ impl Directional for Cortex {
         let lifted = self.third_order(p, along.p);
         if self.components() == REGULATED {
             third::<REGULATED>(&lifted, points, along, out);
-        } else if self.is_uniform() && self.cell.law.is_none() {
+        } else if self.is_uniform() && !self.constants().is_own() {
             jets::third_many(&lifted.shared(), points, along, out);
         } else {
             third::<COMPONENTS>(&lifted, points, along, out);

@@ -40,6 +40,7 @@ use super::lanes::{Arithmetic, sin_cos};
 use super::own;
 use furrow_cell::cue::{Field, Regulator, Source, Term};
 use furrow_cell::law::LawValues;
+use furrow_cell::profile::Factor;
 use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
 
 /// Radius r.
@@ -197,6 +198,8 @@ pub struct Constants<D> {
     pub shell: ShellCoefficients<D>,
     /// The law of active stress, unless it is the equations' own.
     pub law: Option<LawValues<D>>,
+    /// The departure of the shell from its ellipsoid, unless it is the ellipsoid.
+    pub shell_factor: Option<Factor>,
     /// Volume of the whole cell, 4πR0³/3.
     pub volume: D,
 }
@@ -240,6 +243,7 @@ impl<D: Number> Constants<D> {
                 rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
             },
             law: cell.law.as_ref().map(|law| LawValues::new(law, cell, &vary)),
+            shell_factor: cell.shell_profile.as_ref().map(|profile| profile.factor().clone()),
             volume: r0.powi(3) * (4.0 * PI / 3.0),
         }
     }
@@ -394,8 +398,8 @@ pub fn equations<D: Number, const N: usize>(
     pressure: D,
 ) -> ([D; N], D) {
     let (motion, noise) = (motion.map(D::from), D::from(noise));
-    if let Some(law) = &c.law {
-        return own::points::equations(c, law, u, motion, noise, y, [length, pressure]);
+    if c.is_own() {
+        return own::points::equations(c, u, motion, noise, y, [length, pressure]);
     }
     let shape: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
     let here = c.of_state(u, y, length);

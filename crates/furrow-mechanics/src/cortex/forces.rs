@@ -18,6 +18,7 @@
 use furrow_bvp::{Gauss, Solution};
 
 use super::Cortex;
+use super::own;
 use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, Z};
 use furrow_cell::cue::Field;
 use furrow_cell::law::Active;
@@ -257,7 +258,7 @@ fn place(cortex: &Cortex, gauss: &Gauss, shape: &Solution, at: (usize, f64)) -> 
             viscous: -(c_uu * viscous_uu + c_pp * viscous_pp) - constants.shell.normal_friction * v_n,
             elastic: bending - here.tension * mean + 0.5 * here.kappa * difference * difference * mean - curled,
             pressure: shape.scalars[PRESSURE],
-            shell: shell(cortex, y),
+            shell: own::shell::force_at(constants, y),
         },
         phi: (shape.components == REGULATED).then_some(y[PHI]),
     }
@@ -301,15 +302,6 @@ impl Own<'_> {
         let bent = self.at((i, theta)).map_or(0.0, |(Active { moment, .. }, [_, mean_s])| moment * mean_s);
         (after - before) / (2.0 * NUDGE * width * self.shape.scalars[LENGTH]) + round - bent
     }
-}
-
-/// f_c, the normal force of the shell.
-fn shell(cortex: &Cortex, y: &[f64]) -> f64 {
-    let c = cortex.constants();
-    let (sin, cos) = y[PSI].sin_cos();
-    let (a, b) = (c.shell.inverse_a2, c.shell.inverse_b2);
-    let inside = ((y[Z] * y[Z] * a + y[R] * y[R] * b - 1.0) * c.shell.inverse_w2).exp();
-    -(c.shell.shell_force * inside * (y[R] * sin * b + y[Z] * cos * a))
 }
 
 /// ∂_s Tᵃ_uu + (cosψ/r)(Tᵃ_uu − Tᵃ_φφ) off the axis. The slope of the noise is neglected.

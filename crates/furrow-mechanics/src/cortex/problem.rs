@@ -148,8 +148,8 @@ impl Cortex {
         let sourced =
             matches!(self.constants.source().and_then(|source| source.profile.width()), Some(Width::Length(_)));
         let by_length = sourced || self.cell.cue.terms().iter().any(by_length);
-        // A cell with its own law has no hand-written derivatives by the length.
-        let by_any = by_length || self.cell.law.is_some();
+        // A cell with its own law or shell has no hand-written derivatives by the length.
+        let by_any = by_length || self.constants.is_own();
         self.along_length = by_any.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
         if (&before.cue, before.source()) != (&self.constants.cue, self.constants.source()) {
             self.coefficients = CoefficientCache::default();
@@ -340,10 +340,10 @@ impl BoundaryValueProblem for Cortex {
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
         let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
         let sweep = self.sweep(&coefficients, profiles);
-        if let Some(law) = &self.constants.law {
+        if self.constants.is_own() {
             return match self.is_regulated() {
-                true => own::points::rhs_many::<REGULATED>(&sweep, law, points, p, f, g),
-                false => own::points::rhs_many::<COMPONENTS>(&sweep, law, points, p, f, g),
+                true => own::points::rhs_many::<REGULATED>(&sweep, points, p, f, g),
+                false => own::points::rhs_many::<COMPONENTS>(&sweep, points, p, f, g),
             };
         }
         if self.is_regulated() {
@@ -356,11 +356,11 @@ impl BoundaryValueProblem for Cortex {
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
         let (coefficients, profiles) = self.coefficients.at_points(&self.constants, points, p[LENGTH]);
         let (sweep, columns) = (self.sweep(&coefficients, profiles), self.columns(p[LENGTH]));
-        if let Some((law, along_length)) = self.constants.law.as_ref().zip(self.along_length.as_ref()) {
+        if let Some(along_length) = self.along_length.as_ref().filter(|_| self.constants.is_own()) {
             let columns = (along_length, self.sensitivities.as_slice());
             return match self.is_regulated() {
-                true => own::points::jacobian_many::<REGULATED>(&sweep, law, points, p, columns, out),
-                false => own::points::jacobian_many::<COMPONENTS>(&sweep, law, points, p, columns, out),
+                true => own::points::jacobian_many::<REGULATED>(&sweep, points, p, columns, out),
+                false => own::points::jacobian_many::<COMPONENTS>(&sweep, points, p, columns, out),
             };
         }
         if self.is_regulated() {

@@ -6,10 +6,9 @@ use furrow_bvp::{Newton, NewtonReport, Solution};
 use super::outcome::DivisionError;
 use super::stepper::Stepper;
 use crate::cortex::observables::with_components;
-use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::equilibria::error::CellName;
-use crate::equilibria::passive;
+use crate::equilibria::passive_whole;
 use crate::law;
 use furrow_cell::{Cell, Numerics};
 
@@ -53,11 +52,11 @@ impl Start<'_> {
         let cortex = Cortex::new(&active, Domain::Full, &[]);
         let (shape, report) = match self {
             Start::Passive => {
-                let (half, report) = passive(cell, numerics).map_err(|source| match law::cannot_rest(cell) {
+                let (whole, report) = passive_whole(cell, numerics).map_err(|source| match law::cannot_rest(cell) {
                     Some(source) => DivisionError::Law { r0: cell.r0, source },
                     None => DivisionError::NoPassiveShape { cell: CellName::of(cell), source },
                 })?;
-                (with_components(&unfold(&half), cortex.components()), report)
+                (with_components(&whole, cortex.components()), report)
             }
             Start::Stationary { shape, .. } => ((*shape).clone(), NewtonReport::default()),
         };

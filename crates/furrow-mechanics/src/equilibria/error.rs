@@ -83,7 +83,7 @@ pub enum ShapeError {
     /// The cell's own law of active stress is refused, or cannot hold.
     #[error("{cell}: {source}")]
     Law { cell: CellName, source: LawError },
-    /// The cell's cue, or its law, distinguishes the poles: its branch has folds but no pitchfork.
+    /// The cell's cue, its law, or its shell, distinguishes the poles: its branch has folds but no pitchfork.
     #[error("{cell}: {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold")]
     NoPitchfork { cell: CellName, cue: String },
     /// A curve of singular points does not reach the requested value.

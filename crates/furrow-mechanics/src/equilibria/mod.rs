@@ -41,6 +41,6 @@ pub use at_rest::{RestShapes, rest_shapes};
 pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork};
 pub use budget::StepBudget;
 pub use error::{PointKind, Result, ShapeError};
-pub use passive::passive;
+pub use passive::{passive, passive_whole};
 pub use point::ShapePoint;
 pub use stationary::{StationaryError, StationaryShape, stationary};

@@ -8,6 +8,7 @@ use furrow_bvp::{Gauss, InvalidInput, Newton, NewtonError, NewtonReport, Solutio
 
 use crate::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
 use crate::cortex::observables::positions;
+use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Numerics};
 
@@ -97,7 +98,7 @@ type Found = Result<(Solution, NewtonReport), NewtonError>;
 /// Newton's tolerance for passive shapes, on which everything else is based.
 const TOLERANCE: f64 = 1e-11;
 
-/// The passive (ξ = 0) shape of a cell without its cue, on the mirror-symmetric half domain; R0 > 0 and ε ∈ [0.3, 0.95].
+/// The passive (ξ = 0) shape of a cell without its cue in a mirror-symmetric shell, on the half domain; R0 > 0 and ε ∈ [0.3, 0.95].
 ///
 /// Newton's method from a spheroid; if this fails, implicit steps of increasing size lead to the shape, which is an
 /// attractor without activity.
@@ -115,15 +116,32 @@ const TOLERANCE: f64 = 1e-11;
 /// # Errors
 /// The last error of Newton's method.
 pub fn passive(cell: &Cell, numerics: &Numerics) -> Found {
+    passive_on(Domain::Half, cell, numerics)
+}
+
+/// The whole [`passive`] shape: twice its half, unless the shell tells one pole from the other.
+///
+/// # Errors
+/// As [`passive`].
+pub fn passive_whole(cell: &Cell, numerics: &Numerics) -> Found {
+    if cell.has_even_shell() {
+        let (half, report) = passive(cell, numerics)?;
+        return Ok((unfold(&half), report));
+    }
+    passive_on(Domain::Full, cell, numerics)
+}
+
+fn passive_on(domain: Domain, cell: &Cell, numerics: &Numerics) -> Found {
     let cell = cell.passive();
-    let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
+    let mut cortex = Cortex::new(&cell, domain, &[]);
     let mut system = System::new(Cortex::dimensions_for(&cell, 0), numerics.stages);
     let newton = Newton { tolerance: TOLERANCE, ..Newton::default() };
-    let grid = mesh::uniform(0.0, Domain::Half.end(), (numerics.intervals / 2).max(2));
+    let intervals = if domain == Domain::Half { numerics.intervals / 2 } else { numerics.intervals };
+    let grid = mesh::uniform(0.0, domain.end(), intervals.max(2));
     let guess = spheroid(&system.gauss, &cell, &grid)?;
     let mut y = guess.clone();
     match newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false) {
-        Ok(report) if is_convex_half(&y) => Ok((y, report)),
+        Ok(report) if is_convex(&y, domain) => Ok((y, report)),
         _ => relax(cortex, system, newton, guess),
     }
 }
@@ -140,7 +158,7 @@ fn relax(mut cortex: Cortex, mut system: System, newton: Newton, mut y: Solution
         cortex.rate = 1.0 / dt;
         let before = y.clone();
         match newton.solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false) {
-            Ok(report) if is_convex_half(&y) => {
+            Ok(report) if is_convex(&y, cortex.domain) => {
                 total.iterations += report.iterations;
                 total.factorisations += report.factorisations;
                 dt *= 3.0;
@@ -165,10 +183,11 @@ fn relax(mut cortex: Cortex, mut system: System, newton: Newton, mut y: Solution
     Ok((y, total))
 }
 
-/// A half contour that rises monotonically to the equator with positive radius, as every passive shape does.
-fn is_convex_half(y: &Solution) -> bool {
+/// A contour with positive radius that runs downwards, its half as far as the equator, as every passive shape does.
+fn is_convex(y: &Solution, domain: Domain) -> bool {
+    let (lowest, end) = if domain == Domain::Half { (-1e-6, 0.5 * PI) } else { (f64::NEG_INFINITY, PI) };
     y.scalars[0] > 0.0
         && y.stages
             .chunks_exact(COMPONENTS)
-            .all(|s| s[R] > 0.0 && s[Z] > -1e-6 && s[PSI] > -0.5 && s[PSI] < 0.5 * PI + 0.5)
+            .all(|s| s[R] > 0.0 && s[Z] > lowest && s[PSI] > -0.5 && s[PSI] < end + 0.5)
 }

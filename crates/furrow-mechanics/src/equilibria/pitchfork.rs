@@ -56,7 +56,12 @@ pub fn first_within(
     let name = CellName::of(cell);
     if !cell.is_mirror_symmetric() {
         let law = cell.law.as_ref().filter(|law| !law.is_mirror_symmetric(cell));
-        let cue = law.map_or_else(|| format!("the cue {}", cell.cue), |law| format!("the law {:?}", law.name()));
+        let shell = cell.shell_profile.as_ref().filter(|profile| !profile.is_mirror_symmetric());
+        let cue = match (law, shell) {
+            (Some(law), _) => format!("the law {:?}", law.name()),
+            (None, Some(shell)) => format!("the shell {:?}", shell.name()),
+            (None, None) => format!("the cue {}", cell.cue),
+        };
         return Err(ShapeError::NoPitchfork { cell: name, cue });
     }
     let mut unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;

@@ -13,11 +13,10 @@ use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NA
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError, resolved, with_paper_law};
 use super::locate::{course, deflated, end_at_width, folds_near, not_located, pitchfork_near};
-use super::passive::passive;
+use super::passive::{passive, passive_whole};
 use super::point::ShapePoint;
 use super::rates::{self, with_rates};
 use crate::cortex::observables::{PINCH_OFF, with_components};
-use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::law;
 use crate::stability::Stability;
@@ -34,12 +33,12 @@ const SMALLEST_PART: f64 = 1e-3;
 /// [`ShapeError::Passive`], [`ShapeError::Cue`].
 pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
     let name = CellName::of(cell);
-    let (half, _) = passive(cell, numerics).map_err(|source| match law::cannot_rest(cell) {
+    let domain = Domain::of(cell);
+    let found = if domain == Domain::Half { passive(cell, numerics) } else { passive_whole(cell, numerics) };
+    let (mut y, _) = found.map_err(|source| match law::cannot_rest(cell) {
         Some(source) => ShapeError::Law { cell: name, source },
         None => ShapeError::Passive { cell: name, source },
     })?;
-    let domain = Domain::of(cell);
-    let mut y = if domain == Domain::Half { half } else { unfold(&half) };
     if cell.cue.is_none() && cell.cue.regulator().is_none() {
         return Ok(y);
     }

@@ -6,14 +6,16 @@ use furrow_bvp::{Gauss, NewtonError, Solution};
 
 use super::constants::{ParConstants, SurfaceToVolume};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R};
-use crate::equilibria::passive;
+use crate::equilibria::{passive, passive_whole};
 use furrow_cell::{Cell, Numerics};
 
 /// The surface of a cell at rest.
 #[derive(Clone, Debug)]
 pub struct Membrane {
-    /// Half of the passive shape, up to its mirror.
-    half: Solution,
+    /// The passive shape: up to its mirror, in a mirror-symmetric shell.
+    shape: Solution,
+    /// Whether it is half of the contour.
+    is_half: bool,
     gauss: Gauss,
     /// ∫ r du over the whole contour, in L_h.
     mean_radius: f64,
@@ -31,16 +33,18 @@ impl Membrane {
     /// # Errors
     /// The cell has no passive shape.
     pub fn of(cell: &Cell, numerics: &Numerics, length_um: f64) -> Result<Membrane, NewtonError> {
-        let (half, _) = passive(cell, numerics)?;
-        let gauss = half.gauss();
+        let is_half = cell.has_even_shell();
+        let (shape, _) = if is_half { passive(cell, numerics) } else { passive_whole(cell, numerics) }?;
+        let parts = if is_half { 2.0 } else { 1.0 };
+        let gauss = shape.gauss();
         let mut mean_radius = 0.0;
-        for i in 0..half.intervals() {
-            let h = half.mesh[i + 1] - half.mesh[i];
-            mean_radius += (0..half.m).map(|j| 2.0 * h * gauss.b[j] * half.stage(i, j)[R]).sum::<f64>();
+        for i in 0..shape.intervals() {
+            let h = shape.mesh[i + 1] - shape.mesh[i];
+            mean_radius += (0..shape.m).map(|j| parts * h * gauss.b[j] * shape.stage(i, j)[R]).sum::<f64>();
         }
-        let length = half.scalars[LENGTH];
+        let length = shape.scalars[LENGTH];
         let surface_to_volume = 2.0 * PI * length * mean_radius / cell.volume() / length_um;
-        Ok(Membrane { half, gauss, mean_radius, r0: cell.r0, length: length * length_um, surface_to_volume })
+        Ok(Membrane { shape, is_half, gauss, mean_radius, r0: cell.r0, length: length * length_um, surface_to_volume })
     }
 
     /// ψ of the chemistry, in 1/µm, for a cell `scale` times as large.
@@ -53,10 +57,10 @@ impl Membrane {
 
     /// (1/r) ∂r/∂u and r/∫ r du, between the poles.
     pub fn at(&self, u: f64) -> [f64; 2] {
-        let mut shape = [0.0; COMPONENTS];
-        let mirrored = u > 0.5;
-        self.half.eval(&self.gauss, if mirrored { 1.0 - u } else { u }, &mut shape);
-        let widening = self.half.scalars[LENGTH] * shape[PSI].cos() / shape[R];
-        [if mirrored { -widening } else { widening }, shape[R] / self.mean_radius]
+        let mut at = [0.0; COMPONENTS];
+        let mirrored = self.is_half && u > 0.5;
+        self.shape.eval(&self.gauss, if mirrored { 1.0 - u } else { u }, &mut at);
+        let widening = self.shape.scalars[LENGTH] * at[PSI].cos() / at[R];
+        [if mirrored { -widening } else { widening }, at[R] / self.mean_radius]
     }
 }

@@ -501,7 +501,7 @@ fn the_force_of_a_flattened_shell_is_the_slope_of_its_wall() {
     let (at, normal) = ([0.7 * x, 0.5 * y, 0.4 * z], [0.6, 0.64, 0.48]);
     let moved = |h: f64| wall([0, 1, 2].map(|k| at[k] + h * normal[k]));
     let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-    within("force", (wall_force(&place, &normal, &at) / -slope - 1.0).abs(), 1e-7);
+    within("force", (wall_force(&place, &normal, &at, None) / -slope - 1.0).abs(), 1e-7);
     let [[x, y, z], turned] = [Plates::Beside, Plates::Across].map(|plates| plates.factors(0.8));
     assert_eq!(turned, [y, x, z]);
 }

@@ -24,7 +24,7 @@ const OUTCOME: usize = 33;
 pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division) -> Vec<Value> {
     // Taken apart without `..`: a new field does not compile until it has its column.
     let DivisionInput { cell, numerics, seed } = input;
-    let Cell { r0, epsilon, xi_s, cue: _, material, shell, law } = cell;
+    let Cell { r0, epsilon, xi_s, cue: _, material, shell, law, shell_profile } = cell;
     let Material {
         kappa,
         eta_b,
@@ -58,11 +58,12 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let mut row = Vec::with_capacity(WIDTH);
     row.extend([Value::Blob(key.as_bytes().to_vec()), Value::Integer(solver.into())]);
     row.extend([*r0, *epsilon, *xi_s].map(Value::Real));
-    // The law, spontaneous curvature and normal friction follow the cue in its column: a new column would discard existing tables.
+    // The law, the shell's profile, spontaneous curvature and normal friction follow the cue in its column: a new column would discard existing tables.
     let added = [("spontaneous_curvature", spontaneous_curvature), ("normal_friction", normal_friction)];
     let added = added.iter().filter(|(_, value)| *value != 0.0).map(|(name, value)| format!(", {name} {value}"));
     let law = law.iter().map(|law| format!(", law {}", law.described()));
-    let cue = [cell.simplified_cue().to_string()].into_iter().chain(added).chain(law).collect();
+    let profile = shell_profile.iter().map(|profile| format!(", shell_profile {}", profile.described()));
+    let cue = [cell.simplified_cue().to_string()].into_iter().chain(added).chain(law).chain(profile).collect();
     row.extend([Value::Text(cue), Value::Integer(*seed as i64)]);
     row.extend([kappa, eta_b, eta_s, friction, tension, xi_ratio, gain].map(Value::Real));
     row.push(Value::Text(rigidity_gradient.to_string()));

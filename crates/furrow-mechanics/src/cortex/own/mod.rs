@@ -13,6 +13,7 @@
 //! place, by Newton's method in numbers that carry the derivatives asked for.
 
 pub(crate) mod points;
+pub(crate) mod shell;
 
 use furrow_cell::law::{Active, Algebra, LawValues, VARIABLES, Variable};
 

@@ -1,9 +1,10 @@
-//! Cells with a law of their own at many places: right-hand sides, Jacobian, response to motion, and the law's parts for listings.
+//! Cells with a law or a shell of their own at many places: right-hand sides, Jacobian, response to motion, and the law's parts for listings.
 
 use furrow_bvp::{CollocationPoints, PointJacobian};
 use furrow_cell::law::{Active, LawValues};
 use num_dual::Dual64;
 
+use super::shell::Balances;
 use super::{Lawful, Prepared, Spot};
 use crate::cortex::equations::{
     Balance, BdfTerm, COMPONENTS, Carried, Constants, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
@@ -15,7 +16,7 @@ use crate::cortex::sweep::Sweep;
 
 /// Right-hand sides at one place, with the regulator.
 fn sides<D: Lawful, const N: usize>(
-    prepared: &mut Prepared<D>,
+    balances: &mut Balances<D>,
     (c, transport): (&ShellCoefficients<D>, &Transport<D>),
     here: &LocalCoefficients<D>,
     spot: &Spot<D>,
@@ -24,7 +25,7 @@ fn sides<D: Lawful, const N: usize>(
     [length, pressure]: [D; 2],
 ) -> ([D; N], D) {
     let shape: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
-    let Balance { f, volume, place } = prepared.balances(c, here, spot, motion, &shape, length, pressure);
+    let Balance { f, volume, place } = balances.at(c, here, spot, motion, &shape, length, pressure);
     let mut out = [D::from(0.0); N];
     out[..COMPONENTS].copy_from_slice(&f);
     if N == REGULATED {
@@ -39,10 +40,9 @@ fn carried_of<D: Lawful, const N: usize>(y: &[D; N]) -> [D; 2] {
     if N == REGULATED { [y[J], y[PHI]] } else { [D::from(0.0); 2] }
 }
 
-/// [`equations`](crate::cortex::equations::equations) of a cell with a law of its own.
+/// [`equations`](crate::cortex::equations::equations) of a cell with a law or a shell of its own.
 pub(in crate::cortex) fn equations<D: furrow_cell::Number, const N: usize>(
     c: &Constants<D>,
-    law: &LawValues<D>,
     u: f64,
     motion: BdfTerm<D>,
     noise: D,
@@ -52,7 +52,8 @@ pub(in crate::cortex) fn equations<D: furrow_cell::Number, const N: usize>(
     let here = c.of_state(u, y, of_contour[0]);
     let transport = c.regulator.as_ref().map_or_else(|| Transport::default().map(|x: f64| D::from(x)), Transport::of);
     let spot = Spot { u, carried: carried_of(y), noise };
-    sides(&mut Prepared::of(law, 3), (&c.shell, &transport), &here, &spot, motion, y, of_contour)
+    let mut balances = Balances::of(c.law.clone(), c.shell_factor.as_ref(), 3);
+    sides(&mut balances, (&c.shell, &transport), &here, &spot, motion, y, of_contour)
 }
 
 /// The motion at a collocation point of a sweep.
@@ -88,14 +89,14 @@ fn point_of<'a>(sweep: &Sweep<'_>, points: CollocationPoints<'a>, k: usize, n: u
 /// f and the integrand of the volume at all points.
 pub(in crate::cortex) fn rhs_many<const N: usize>(
     sweep: &Sweep<'_>,
-    law: &LawValues<f64>,
     points: CollocationPoints<'_>,
     p: &[f64],
     f: &mut [f64],
     g: &mut [f64],
 ) {
     let constants = sweep.constants;
-    let mut prepared = Prepared::of(&law.map(Lane), 0);
+    let law = constants.law.as_ref().map(|law| law.map(Lane));
+    let mut balances = Balances::of(law, constants.shell_factor.as_ref(), 0);
     let shell = constants.shell.map(Lane);
     let transport = constants.regulator.as_ref().map(Transport::of).unwrap_or_default().map(Lane);
     let length = p[LENGTH];
@@ -106,7 +107,7 @@ pub(in crate::cortex) fn rhs_many<const N: usize>(
         let spot = Spot { u, carried: carried_of(&state), noise: Lane(noise) };
         let of_contour = [length, p[PRESSURE]].map(Lane);
         let (sides, volume) =
-            sides(&mut prepared, (&shell, &transport), &here.map(Lane), &spot, motion.map(Lane), &state, of_contour);
+            sides(&mut balances, (&shell, &transport), &here.map(Lane), &spot, motion.map(Lane), &state, of_contour);
         for k in 0..N {
             f[k] = sides[k].0;
         }
@@ -142,14 +143,14 @@ fn local_gradient<const N: usize>(
 /// `along_length` those without any.
 pub(in crate::cortex) fn jacobian_many<const N: usize>(
     sweep: &Sweep<'_>,
-    law: &LawValues<f64>,
     points: CollocationPoints<'_>,
     p: &[f64],
     (along_length, columns): (&Constants<Dual64>, &[Constants<Dual64>]),
     out: &mut PointJacobian<'_>,
 ) {
     let constants = sweep.constants;
-    let mut prepared = Prepared::of(&law.map(Gradient::<N>::from), 1);
+    let law = constants.law.as_ref().map(|law| law.map(Gradient::<N>::from));
+    let mut balances = Balances::of(law, constants.shell_factor.as_ref(), 1);
     let shell = constants.shell.map(Gradient::<N>::from);
     let transport = constants.regulator.as_ref().map(Transport::of).unwrap_or_default().map(Gradient::from);
     let length = p[LENGTH];
@@ -162,7 +163,7 @@ pub(in crate::cortex) fn jacobian_many<const N: usize>(
         let spot = Spot { u: point.u, carried: carried_of(&state), noise: point.noise.into() };
         let of_contour = [length, p[PRESSURE]].map(Gradient::from);
         let motion = point.motion.map(Gradient::from);
-        let (sides, volume) = sides(&mut prepared, (&shell, &transport), &here, &spot, motion, &state, of_contour);
+        let (sides, volume) = sides(&mut balances, (&shell, &transport), &here, &spot, motion, &state, of_contour);
         let out = out.at(k, N, scalars, 1);
         for k in 0..N {
             out.f[k] = sides[k].value;
@@ -175,8 +176,8 @@ pub(in crate::cortex) fn jacobian_many<const N: usize>(
     }
 }
 
-/// A scalar unknown: its index, the constants, the length, the law and the transport.
-type Unknown<'a> = (usize, &'a Constants<Dual64>, Dual64, Option<Prepared<Dual64>>, Transport<Dual64>);
+/// A scalar unknown: its index, the constants, the length, the balances and the transport.
+type Unknown<'a> = (usize, &'a Constants<Dual64>, Dual64, Balances<Dual64>, Transport<Dual64>);
 
 /// The columns of the scalar unknowns.
 struct Columns<'a> {
@@ -189,8 +190,8 @@ impl<'a> Columns<'a> {
         let others = columns.iter().enumerate().map(|(k, constants)| (PRESSURE + 1 + k, constants, length.into()));
         let each = [first].into_iter().chain(others).map(|(scalar, constants, length)| {
             let transport = constants.regulator.as_ref().map(Transport::of);
-            let law = constants.law.as_ref().map(|law| Prepared::of(law, 1));
-            (scalar, constants, length, law, transport.unwrap_or_else(|| Transport::default().map(|x: f64| x.into())))
+            let balances = Balances::of(constants.law.clone(), constants.shell_factor.as_ref(), 1);
+            (scalar, constants, length, balances, transport.unwrap_or_else(|| Transport::default().map(|x: f64| x.into())))
         });
         Columns { each: each.collect() }
     }
@@ -206,11 +207,10 @@ impl<'a> Columns<'a> {
         let state: [Dual64; N] = std::array::from_fn(|k| Dual64::from(point.y[k]));
         let spot = Spot { u: point.u, carried: carried_of(&state), noise: Dual64::from(point.noise) };
         let motion = point.motion.map(Dual64::from);
-        for (scalar, constants, length, law, transport) in &mut self.each {
-            let Some(law) = law else { continue };
+        for (scalar, constants, length, balances, transport) in &mut self.each {
             let here = constants.of_state(point.u, &state, *length);
             let of_contour = [*length, pressure.into()];
-            let (sides, volume) = sides(law, (&constants.shell, transport), &here, &spot, motion, &state, of_contour);
+            let (sides, volume) = sides(balances, (&constants.shell, transport), &here, &spot, motion, &state, of_contour);
             for k in 0..N {
                 fp[k * scalars + *scalar] = sides[k].eps;
             }
