@@ -140,11 +140,12 @@ class Cell:
 
     def replace(self, *, cue: str | None = None, **parameters: Value) -> Cell:
         """A copy with different values of some parameters."""
-        now = self.parameters()
-        carried = now.pop("cue")
-        if "xi_b" in parameters:
-            now.pop("xi_ratio")
-        return Cell(**{**now, **parameters}, cue=carried if cue is None else cue)
+        try:
+            return Cell._of(self._inputs.replaced(parameters, None if cue is None else text_of("cue", cue)))
+        except InputError as error:
+            if error.field in parameters:
+                error.value = parameters[error.field]
+            raise
 
     def mirrored(self) -> Cell:
         """The mirror image under u → 1 − u."""
@@ -159,6 +160,11 @@ class Cell:
     def law(self) -> str | None:
         """The law of active stress in one line; None for the paper's."""
         return self._inputs.law
+
+    @property
+    def shell_profile(self) -> str | None:
+        """The profile of the shell in one line; None for an ellipsoid."""
+        return self._inputs.shell_profile
 
     @property
     def cue(self) -> str:

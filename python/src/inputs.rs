@@ -259,6 +259,21 @@ impl Inputs {
         Ok(Inputs { cell, numerics: settings.numerics })
     }
 
+    /// The same with other values of some parameters, and another cue if one is given.
+    fn replaced(&self, parameters: Named, cue: Option<&str>) -> Result<Inputs, Error> {
+        let mut given = Given { parameters, preset: settings::presets().next().unwrap_or_default().to_owned(), config: None, law: None };
+        let lineage = lineage_of(None)?;
+        given.scale_radius(&lineage)?;
+        let mut settings = self.settings();
+        settings.assign(ARGUMENTS, &given.overrides()?.pairs)?;
+        settings.check(ARGUMENTS)?;
+        let cue = cue.map_or_else(|| Ok(self.cell.cue.clone()), |cue| lineage.parse_cue(cue)).map_err(bad_cue)?;
+        settings.check_cue(ARGUMENTS, &cue)?;
+        let cell = settings.cell.with_cue(cue);
+        cell.check_law(ARGUMENTS)?;
+        Ok(Inputs { cell, numerics: settings.numerics })
+    }
+
     /// Every parameter by its name, and the cue.
     fn parameters(&self) -> Result<Document, Error> {
         let mut map = serde_json::Map::new();
@@ -278,6 +293,12 @@ impl Inputs {
     #[getter]
     fn law(&self) -> Option<String> {
         self.cell.law.as_ref().map(|law| law.described())
+    }
+
+    /// The profile of the shell, in one line; None for an ellipsoid.
+    #[getter]
+    fn shell_profile(&self) -> Option<String> {
+        self.cell.shell_profile.as_ref().map(|profile| profile.described())
     }
 
     /// The cue as users write it.
@@ -331,7 +352,7 @@ impl Inputs {
 #[pyfunction]
 pub fn parameter_names() -> Vec<(&'static str, &'static str)> {
     let listed = settings::listing(&Settings::default()).into_iter();
-    listed.map(|(section, name, _)| (name, section)).chain([("xi_b", "physics")]).collect()
+    listed.map(|(section, name, _)| (name, section)).chain([("xi_b", "physics"), ("shell_profile", "physics")]).collect()
 }
 
 /// The names of the presets.

@@ -133,6 +133,7 @@ impl Context {
     pub fn of_paper_law(globals: &Globals, what: &str) -> Result<Context, CliError> {
         let context = Context::axisymmetric(globals)?;
         context.settings.check_paper_law(what)?;
+        context.settings.check_ellipsoid(what)?;
         Ok(context)
     }
 

@@ -228,7 +228,8 @@ impl Settings {
         let config: Config = parse_document(text, file, "a configuration", "Config")?;
         if let Some(table) = config.shell_profile {
             // Beside the file that names it.
-            self.set_shell_profile(&Path::new(file).with_file_name(table).to_string_lossy())?;
+            let table = Path::new(file).with_file_name(table).to_string_lossy().into_owned();
+            self.set_shell_profile(file, &Value::Text(table))?;
         }
         config.physics.apply(self);
         config.numerics.apply(self);
@@ -263,7 +264,7 @@ impl Settings {
         for (name, value) in pairs {
             let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
             if *name == SHELL_PROFILE {
-                self.set_shell_profile(&value.text())?;
+                self.set_shell_profile(source_name, value)?;
             } else if *name == XI_B {
                 let read = value.number().filter(|v| v.is_finite());
                 xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
@@ -287,13 +288,20 @@ impl Settings {
     /// Gives the shell the profile of a table, with its aspect ratio, or makes it the ellipsoid.
     ///
     /// # Errors
-    /// As [`ShellProfile::read`].
-    fn set_shell_profile(&mut self, given: &str) -> Result<(), InputError> {
-        if given == ELLIPSOID {
+    /// As [`ShellProfile::read`], and of a value that is no file. Errors say it came from `source_name`.
+    fn set_shell_profile(&mut self, source_name: &str, given: &Value) -> Result<(), InputError> {
+        let path = given.text();
+        let name = Path::new(&*path).file_name().unwrap_or_default();
+        if name == ELLIPSOID {
             self.cell.shell_profile = None;
             return Ok(());
         }
-        let profile = ShellProfile::read(Path::new(given))?;
+        // A word without a folder or an ending was meant as a name.
+        if !path.contains(['.', '/', '\\']) || matches!(given, Value::Number(_)) {
+            let allowed = format!("the file of a table of r over z, or {ELLIPSOID}");
+            return Err(InputError::not_allowed(source_name, SHELL_PROFILE, shown(&path), allowed));
+        }
+        let profile = ShellProfile::read(Path::new(&*path))?;
         self.cell.shell.aspect = profile.aspect();
         self.cell.shell_profile = Some(Box::new(profile));
         Ok(())
@@ -376,6 +384,16 @@ impl Settings {
         let Some(law) = &self.cell.law else { return Ok(()) };
         let allowed = format!("paper, the built-in law, for {what}");
         Err(InputError::not_allowed("--law", "law", shown(law.name()), allowed))
+    }
+
+    /// Refuses a shell with a profile, for computations with ellipsoidal shells alone.
+    ///
+    /// # Errors
+    /// Names the profile; errors say that `what` was asked for.
+    pub fn check_ellipsoid(&self, what: &str) -> Result<(), InputError> {
+        let Some(profile) = &self.cell.shell_profile else { return Ok(()) };
+        let allowed = format!("{ELLIPSOID}, the shell without a table, for {what}");
+        Err(InputError::not_allowed("settings", SHELL_PROFILE, shown(profile.name()), allowed))
     }
 
     /// Refuses a cue at one side of the axis, for cells with axial symmetry.

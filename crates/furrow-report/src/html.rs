@@ -176,6 +176,9 @@ pub(super) fn listed(settings: Settings, more: &str) -> String {
     if let Some(law) = &settings.cell.law {
         let _ = writeln!(text, "law = {}", law.described());
     }
+    if let Some(profile) = &settings.cell.shell_profile {
+        let _ = writeln!(text, "shell_profile = {}", profile.described());
+    }
     let Provenance { furrow, git_commit, .. } = Provenance::current();
     let commit = git_commit.map_or(String::new(), |commit| format!(", commit {commit}"));
     let text = escape(&format!("{}furrow {furrow}{commit}", rounded(&(text + more))));

@@ -120,12 +120,33 @@ pub fn shell_axes(cell: &Cell) -> [f64; 2] {
     [cell.shell.aspect * b, b]
 }
 
-/// The outward normal force f_c of the shell at a point (r, z) with tangent angle ψ: −n·∇U with
-/// U = P0 exp[(z²/a² + r²/b² − 1)/w²].
+/// ∂_rU and ∂_zU of the shell's potential U = P0 exp[(E − 1)/w²] at a point: E = z²/a² + r²/b² = ρ², times Σ c_l P_l(cosθ) in a
+/// shell with a profile, in polar coordinates ρ, θ of the plane (z/a, r/b).
+pub fn shell_gradient<D: Number>(cell: &Cell, r: D, z: D) -> [D; 2] {
+    let ([a, b], w2) = (shell_axes(cell), cell.shell.w * cell.shell.w);
+    let (along, across) = (z / a, r / b);
+    let square = along * along + across * across;
+    let series = cell.shell_profile.as_ref().map_or(&[1.0][..], |profile| profile.factor().series());
+    let (rho, cos) = (square.sqrt(), along / square.sqrt());
+    let sin = across / rho;
+    // h, and sin²θ h′ by (1 − x²) P_l′ = l (P_{l−1} − x P_l).
+    let (mut h, mut turned) = (D::from(0.0), D::from(0.0));
+    let (mut before, mut here) = (D::from(0.0), D::from(1.0));
+    for (l, c) in series.iter().enumerate() {
+        h += here * *c;
+        turned += (before - cos * here) * (l as f64 * c);
+        let next = (cos * here * (2.0 * l as f64 + 1.0) - before * l as f64) / (l as f64 + 1.0);
+        (before, here) = (here, next);
+    }
+    let potential = ((square * h - 1.0) / w2).exp() * (cell.shell.p0 / w2);
+    let (outwards, around) = (rho * h * 2.0, -(rho * turned / sin));
+    let by_across = sin * outwards + cos * around;
+    let by_along = cos * outwards - sin * around;
+    [potential * by_across / b, potential * by_along / a]
+}
+
+/// The outward normal force f_c = −n·∇U of the shell at a point (r, z) with tangent angle ψ.
 pub fn shell_force<D: Number>(cell: &Cell, r: D, z: D, psi: D) -> D {
-    let [a, b] = shell_axes(cell);
-    let w2 = cell.shell.w * cell.shell.w;
-    let potential = ((z * z / (a * a) + r * r / (b * b) - 1.0) / w2).exp() * cell.shell.p0;
-    let [by_r, by_z] = [r * (2.0 / (b * b * w2)), z * (2.0 / (a * a * w2))].map(|slope| slope * potential);
+    let [by_r, by_z] = shell_gradient(cell, r, z);
     -(by_r * psi.sin() + by_z * psi.cos())
 }

@@ -14,7 +14,7 @@ use furrow_mechanics::azimuthal::mode::Mode;
 use furrow_mechanics::cortex::equations as base;
 use num_dual::{Dual64, DualNum, HyperDual64};
 
-use crate::coefficients::{coefficients, shell_axes};
+use crate::coefficients::{coefficients, shell_gradient};
 use crate::contour::Computed;
 
 /// A number and its derivative by ε.
@@ -408,14 +408,13 @@ impl Forces<'_> {
     /// n·∇U at the displaced point.
     fn shell(&self, of: &Displaced<'_>, point: &Point, cos_m: f64) -> D {
         let cell = &of.state.cell;
-        let ([a, b], w2) = (shell_axes(cell), cell.shell.w * cell.shell.w);
         let (sin, cos) = point.shape[base::PSI].sin_cos();
         let moved = point.mode[W] * cos_m;
         let r = D::new(point.shape[base::R], moved * sin);
         let z = D::new(point.shape[base::Z], moved * cos);
-        let potential = ((z * z / (a * a) + r * r / (b * b) - 1.0) / w2).exp() * cell.shell.p0;
+        let [by_r, by_z] = shell_gradient(cell, r, z);
         let [outwards, _, up] = self.surface.normal;
-        potential * 2.0 / w2 * (r * outwards / (b * b) + z * up / (a * a))
+        by_r * outwards + by_z * up
     }
 
     /// Per area, weighed by δn: rate, flow, strain, turnover, diffusion.

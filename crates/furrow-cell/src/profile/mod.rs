@@ -12,6 +12,8 @@
 
 mod file;
 mod fit;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
@@ -85,6 +87,11 @@ impl Factor {
     /// The coefficients of the Legendre polynomials P_0, P_1, …
     pub fn series(&self) -> &[f64] {
         &self.0
+    }
+
+    /// The distance of the wall from the origin at μ, where the ellipsoid is the unit sphere.
+    pub fn radius(&self, mu: f64) -> f64 {
+        self.derivatives(mu)[0].powf(-0.5)
     }
 
     /// h and its derivatives at μ, up to the fourth.

@@ -32,15 +32,17 @@ fn outline(contour: &[[f64; 2]], site: &Site) -> Vec<[f64; 2]> {
     above.chain(below).collect()
 }
 
-/// The shell, given by its half axes along z and across, as a dashed line.
-pub fn shell(canvas: &mut Canvas, [along, across]: [f64; 2], site: &Site) {
-    let points: Vec<[f64; 2]> = (0..=96)
-        .map(|k| {
-            let (sin, cos) = (k as f64 / 48.0 * std::f64::consts::PI).sin_cos();
-            site.point([across * sin, along * cos])
-        })
-        .collect();
+/// The shell, given by its contour (r, z), as a dashed line.
+pub fn shell(canvas: &mut Canvas, contour: &[[f64; 2]], site: &Site) {
+    let above = contour.iter().map(|place| site.point(*place));
+    let below = contour.iter().rev().skip(1).map(|[r, z]| site.point([-r, *z]));
+    let points: Vec<[f64; 2]> = above.chain(below).collect();
     canvas.polyline(&points, Stroke::dashed(SHELL, 1.4, [5.0, 4.0]));
+}
+
+/// How far a shell's contour reaches along the axis and across.
+pub fn extent(contour: &[[f64; 2]]) -> [f64; 2] {
+    [1, 0].map(|k| contour.iter().map(|place| place[k].abs()).fold(0.0, f64::max))
 }
 
 /// The inside of a cell and its contour.

@@ -2,13 +2,13 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use crate::drawing::cell::{Site, shell};
+use crate::drawing::cell::{Site, extent, shell};
 use crate::drawing::legend::{Key, Legend, titled};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_mechanics::azimuthal::mode::{Displacement, Mode};
 use furrow_mechanics::cortex::Cortex;
-use furrow_mechanics::cortex::forces::shell_axes;
+use furrow_mechanics::cortex::forces::shell_contour;
 
 const WIDTH: f64 = 1000.0;
 /// Height of the row of one mode.
@@ -40,7 +40,8 @@ pub fn draw(cortex: &Cortex, modes: &[Mode]) -> Canvas {
         .with(Key::Area(OUT.map(|c| c as u8)), "moved outwards")
         .with(Key::Area(IN.map(|c| c as u8)), "moved inwards");
     let (mut canvas, top) = titled(WIDTH, ROW * modes.len() as f64 + 10.0, &title, &legend);
-    let axes = shell_axes(cortex);
+    let wall = shell_contour(cortex);
+    let axes = extent(&wall);
     let scale = (0.40 * 0.5 * WIDTH / axes[0]).min(0.36 * ROW / axes[1]);
     for (k, mode) in modes.iter().enumerate() {
         let middle = top + ROW * (k as f64 + 0.5);
@@ -49,7 +50,7 @@ pub fn draw(cortex: &Cortex, modes: &[Mode]) -> Canvas {
         canvas.text([24.0, middle + 16.0], &format!("{:.4}", mode.rate), text::TICK, Anchor::Start, style::MUTED);
         let site = Site { centre: [0.32 * WIDTH, middle], scale };
         outlines(&mut canvas, mode, AMPLITUDE * cell.r0, &site);
-        shell(&mut canvas, axes, &site);
+        shell(&mut canvas, &wall, &site);
         surface(&mut canvas, mode, AMPLITUDE * cell.r0, &Site { centre: [0.76 * WIDTH, middle], scale });
     }
     canvas

@@ -3,14 +3,14 @@
 
 use std::collections::BTreeSet;
 
-use crate::drawing::cell::{ANTERIOR, POSTERIOR, Site, body, shell};
+use crate::drawing::cell::{ANTERIOR, POSTERIOR, Site, body, extent, shell};
 use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::{Cell, Parameter};
-use furrow_mechanics::cortex::forces::shell_axes;
+use furrow_mechanics::cortex::forces::shell_contour;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::equilibria::{Branch, Criticality, PointKind, ShapePoint};
 
@@ -113,13 +113,14 @@ fn chosen<'a>(branches: &'a [Named]) -> Vec<Shape<'a>> {
 }
 
 fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f64) {
-    let axes = shell_axes(&Cortex::new(cell, Domain::Full, &[]));
+    let wall = shell_contour(&Cortex::new(cell, Domain::Full, &[]));
+    let axes = extent(&wall);
     let width = (WIDTH - 40.0) / shapes.len().max(1) as f64;
     let scale = (0.44 * width / axes[0]).min(0.40 * SHAPES / axes[1]);
     for (k, (letter, _, contour)) in shapes.iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 6.0 + 0.5 * SHAPES], scale };
         body(canvas, contour, &site, 1.8);
-        shell(canvas, axes, &site);
+        shell(canvas, &wall, &site);
         let corner = [site.centre[0] - scale * axes[0], site.centre[1] - 0.36 * SHAPES];
         canvas.label(Label::new(corner, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK).bold());
     }

@@ -31,7 +31,7 @@ pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
     let legend = drawn::cue_legend(&film.cell().cue, film.step(film.times().len().saturating_sub(1)).length, phi);
     let carried = if phi.is_some() { CARRIED } else { 0.0 };
     let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0] + carried, &title, &legend);
-    contours(&mut canvas, film.cell(), (film.shell(), &stills), phi, top);
+    contours(&mut canvas, film.cell(), (&film.shell_contour(), &stills), phi, top);
     let top = top + CELLS + 22.0;
     over_time(&mut canvas, cell, film, top);
     balance(&mut canvas, &half_way(film), top);
@@ -105,18 +105,19 @@ pub(super) fn evenly_passed(times: &[f64], progress: &[f64], count: usize) -> Ve
 fn contours(
     canvas: &mut Canvas,
     cell: &Cell,
-    (shell, stills): ([f64; 2], &[Snapshot]),
+    (shell, stills): (&[[f64; 2]], &[Snapshot]),
     phi: Option<PhiRange>,
     top: f64,
 ) {
-    let longest = stills.iter().flat_map(|s| &s.places).map(|p| p.z.abs()).fold(shell[0], f64::max);
+    let [along, across] = drawn::extent(shell);
+    let longest = stills.iter().flat_map(|s| &s.places).map(|p| p.z.abs()).fold(along, f64::max);
     let width = (WIDTH - 40.0) / stills.len().max(1) as f64;
-    let scale = (0.46 * width / longest).min(0.42 * (CELLS - 30.0) / shell[1]);
+    let scale = (0.46 * width / longest).min(0.42 * (CELLS - 30.0) / across);
     for (k, still) in stills.iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
         drawn::shell(canvas, shell, &site);
         if k == 0 {
-            drawn::poles(canvas, &site, [0.46 * width / scale, shell[1]]);
+            drawn::poles(canvas, &site, [0.46 * width / scale, across]);
         } else {
             drawn::cue(canvas, (&cell.cue, phi), still, &site, STRIP);
         }

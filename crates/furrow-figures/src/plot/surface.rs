@@ -7,6 +7,7 @@ use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
+use furrow_mechanics::cortex::forces::wall_contour;
 use furrow_surface::film::{Film, Observables, Step};
 
 use super::division::{ending, evenly_passed};
@@ -23,7 +24,7 @@ const STILLS: usize = 6;
 pub fn draw(cell: &Cell, film: &Film) -> Canvas {
     let title = format!("{}, without axial symmetry: {}", style::described(cell, &[]), ending(&film.found.division));
     let (mut canvas, top) = titled(WIDTH, CELLS + 46.0 + CHART, &title, &Legend::default());
-    sections(&mut canvas, film, top);
+    sections(&mut canvas, cell, film, top);
     let what = "sections by the plane in which the neck moves";
     canvas.text([0.5 * WIDTH, top + CELLS + 18.0], what, text::TICK, Anchor::Middle, style::MUTED);
     over_time(&mut canvas, cell, film, top + CELLS + 46.0);
@@ -46,17 +47,19 @@ fn times(film: &Film) -> Vec<f64> {
     stills
 }
 
-fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
+fn sections(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
     let width = (WIDTH - 40.0) / STILLS as f64;
-    let shell = [film.shell[2], film.shell[0]];
-    let scale = (0.46 * width / shell[0]).min(0.42 * (CELLS - 30.0) / shell[1]);
+    let profile = cell.shell_profile.as_ref().map(|profile| profile.factor());
+    let shell = wall_contour([film.shell[2], film.shell[0]], profile);
+    let [along, across] = drawn::extent(&shell);
+    let scale = (0.46 * width / along).min(0.42 * (CELLS - 30.0) / across);
     // The side of the axis on which the neck ends is drawn below.
     let side = film.steps.iter().rev().find_map(|step| step.shape.neck).map_or(1.0, |neck| -neck.offset.signum());
     for (k, t) in times(film).into_iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
-        drawn::shell(canvas, shell, &site);
+        drawn::shell(canvas, &shell, &site);
         if k == 0 {
-            drawn::poles(canvas, &site, [0.46 * width / scale, shell[1]]);
+            drawn::poles(canvas, &site, [0.46 * width / scale, across]);
         }
         let outline: Vec<[f64; 2]> = film.at(t).section().iter().map(|[x, z]| site.point([side * x, *z])).collect();
         canvas.polygon(&outline, style::CYTOPLASM, 1.0, Some(Stroke::solid(style::INK, 2.0)));

@@ -125,7 +125,12 @@ impl Trajectory {
         &self.cortex.cell
     }
 
-    /// The half axes of the shell along z and across, in L_h.
+    /// The wall of the shell as (r, z) from the pole u = 0 to the other, in L_h.
+    pub fn shell_contour(&self) -> Vec<[f64; 2]> {
+        forces::shell_contour(&self.cortex)
+    }
+
+    /// The half axes of the shell along z and across, in L_h; of a profile, those of the ellipsoid with its volume and second moments.
     pub fn shell(&self) -> [f64; 2] {
         forces::shell_axes(&self.cortex)
     }

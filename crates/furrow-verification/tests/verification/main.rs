@@ -8,6 +8,7 @@ mod own_laws;
 mod peer;
 mod random_cells;
 mod regulator;
+mod shell_profiles;
 mod strong_regulators;
 mod surface;
 mod time;
