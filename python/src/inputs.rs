@@ -261,7 +261,12 @@ impl Inputs {
 
     /// The same with other values of some parameters, and another cue if one is given.
     fn replaced(&self, parameters: Named, cue: Option<&str>) -> Result<Inputs, Error> {
-        let mut given = Given { parameters, preset: settings::presets().next().unwrap_or_default().to_owned(), config: None, law: None };
+        let mut given = Given {
+            parameters,
+            preset: settings::presets().next().unwrap_or_default().to_owned(),
+            config: None,
+            law: None,
+        };
         let lineage = lineage_of(None)?;
         given.scale_radius(&lineage)?;
         let mut settings = self.settings();
@@ -352,7 +357,10 @@ impl Inputs {
 #[pyfunction]
 pub fn parameter_names() -> Vec<(&'static str, &'static str)> {
     let listed = settings::listing(&Settings::default()).into_iter();
-    listed.map(|(section, name, _)| (name, section)).chain([("xi_b", "physics"), ("shell_profile", "physics")]).collect()
+    listed
+        .map(|(section, name, _)| (name, section))
+        .chain([("xi_b", "physics"), ("shell_profile", "physics")])
+        .collect()
 }
 
 /// The names of the presets.

@@ -21,6 +21,7 @@ mod reference_steady;
 mod regulators;
 mod search_effort;
 mod sensitivities;
+mod shell_profiles;
 mod slow_cells;
 mod solver_version;
 mod stationary;

@@ -9,6 +9,11 @@ fn tables() {
 }
 
 #[test]
+fn shells() {
+    check_session("command/sessions/shells.txt");
+}
+
+#[test]
 fn laws() {
     check_session("command/sessions/laws.txt");
 }

@@ -75,31 +75,31 @@ impl<D: Number + Algebra> Own<D> {
     }
 }
 
-    /// The quantities of a place with these principal curvatures.
-    fn quantities<D: Number + Algebra>(
+/// The quantities of a place with these principal curvatures.
+fn quantities<D: Number + Algebra>(
     law: &LawValues<D>,
     place: &Place,
     [c1, c2]: [D; 2],
     x: &Vector<D>,
 ) -> [D; VARIABLES] {
-        let local = &place.local;
-        let mut out = [D::from(0.0); VARIABLES];
-        let mut set = |variable: Variable, value: D| out[variable as usize] = value;
-        set(Variable::C1, c1);
-        set(Variable::C2, c2);
-        set(Variable::C, c1 + c2);
-        let [u, s] = place.along.map(D::from);
-        set(Variable::U, u);
-        set(Variable::S, s);
-        set(Variable::R, (x[0] * x[0] + x[1] * x[1]).call(Function::Sqrt));
-        let half = |a: f64| D::from(0.5 * a);
-        set(Variable::Kappa, D::from(local.kappa));
-        set(Variable::EtaB, half(local.eta_sum + local.eta_difference));
-        set(Variable::EtaS, half(local.eta_sum - local.eta_difference));
-        set(Variable::Friction, D::from(local.friction));
-        set(Variable::Tension, D::from(local.tension));
-        let gain = law.gain();
-        set(Variable::XiS, D::from(local.xi_s) / gain);
-        set(Variable::XiB, D::from(local.xi_b) / gain);
-        out
-    }
+    let local = &place.local;
+    let mut out = [D::from(0.0); VARIABLES];
+    let mut set = |variable: Variable, value: D| out[variable as usize] = value;
+    set(Variable::C1, c1);
+    set(Variable::C2, c2);
+    set(Variable::C, c1 + c2);
+    let [u, s] = place.along.map(D::from);
+    set(Variable::U, u);
+    set(Variable::S, s);
+    set(Variable::R, (x[0] * x[0] + x[1] * x[1]).call(Function::Sqrt));
+    let half = |a: f64| D::from(0.5 * a);
+    set(Variable::Kappa, D::from(local.kappa));
+    set(Variable::EtaB, half(local.eta_sum + local.eta_difference));
+    set(Variable::EtaS, half(local.eta_sum - local.eta_difference));
+    set(Variable::Friction, D::from(local.friction));
+    set(Variable::Tension, D::from(local.tension));
+    let gain = law.gain();
+    set(Variable::XiS, D::from(local.xi_s) / gain);
+    set(Variable::XiB, D::from(local.xi_b) / gain);
+    out
+}

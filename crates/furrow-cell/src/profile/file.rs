@@ -1,7 +1,7 @@
 //! Tables of profiles, and profiles in JSON.
 //!
 //! A table has the columns `z` and `r` in one unit, whichever it is, since the size of a shell follows from the cell: the distance
-//! from the axis at places along it, from pole to pole, with r = 0 at both. The pole u = 0, the posterior one, is that of the larger z.
+//! from the axis at places along it, from pole to pole, with r = 0 at both. At the larger z is the pole u = 0, the posterior one.
 
 use std::io::Read;
 use std::path::Path;
@@ -30,7 +30,7 @@ impl ShellProfile {
     /// Reads a table.
     ///
     /// # Errors
-    /// Names file, line, field, value, and what is allowed: rows that cannot be read, columns in two units, a negative r, a profile that is
+    /// Names file, line, field, value and the allowed ones: rows that cannot be read, columns in two units, a negative r, a profile that is
     /// not closed or cannot be seen as a whole from a place on its axis, and too few points.
     pub fn read(path: &Path) -> Result<ShellProfile, InputError> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -75,7 +75,11 @@ fn rows(table: impl Read, file: &str) -> Result<Vec<Row>, InputError> {
         let named = |heading: &&String| split_unit(heading).0.eq_ignore_ascii_case(name);
         let (at, heading) = header.iter().enumerate().find(|(_, heading)| named(heading)).ok_or_else(|| {
             let known = furrow_input::table::columns_listed(&header);
-            malformed(file, line, format!("no column {name:?}: a profile has the columns z and r; this table has {known}"))
+            malformed(
+                file,
+                line,
+                format!("no column {name:?}: a profile has the columns z and r; this table has {known}"),
+            )
         })?;
         Ok((at, split_unit(heading).1.map(unit_word)))
     };
@@ -103,7 +107,11 @@ fn rows(table: impl Read, file: &str) -> Result<Vec<Row>, InputError> {
 fn check(rows: &[Row], file: &str) -> Result<(), InputError> {
     let last_line = rows.iter().map(|row| row.line).max().unwrap_or(1);
     if rows.len() < FEWEST {
-        return Err(malformed(file, last_line, format!("the profile has {} rows; at least {FEWEST} are needed", rows.len())));
+        return Err(malformed(
+            file,
+            last_line,
+            format!("the profile has {} rows; at least {FEWEST} are needed", rows.len()),
+        ));
     }
     if let Some(Row { line, r, .. }) = rows.iter().find(|row| row.r < 0.0) {
         return Err(malformed(file, *line, format!("r = {r}: a distance from the axis is 0 or above")));
@@ -118,7 +126,10 @@ fn check(rows: &[Row], file: &str) -> Result<(), InputError> {
     for pair in rows.windows(2) {
         let (earlier, later) = if pair[0].line < pair[1].line { (&pair[0], &pair[1]) } else { (&pair[1], &pair[0]) };
         if pair[0].z <= pair[1].z {
-            let why = format!("z = {} after z = {}: z must rise from row to row, or fall from row to row", later.z, earlier.z);
+            let why = format!(
+                "z = {} after z = {}: z must rise from row to row, or fall from row to row",
+                later.z, earlier.z
+            );
             return Err(malformed(file, later.line, why));
         }
     }

@@ -1,6 +1,6 @@
 //! The smooth closed profile through the points of a table.
 //!
-//! 1 = ρ² h(μ) holds on the profile, with (ρ, μ) the polar coordinates of a point whose z is divided by a/b: linear in the terms of h. Least
+//! On the profile 1 = ρ² h(μ), with (ρ, μ) the polar coordinates of a point after its z is divided by a/b. This is linear in the terms of h. Least
 //! squares of the relative error give them for each number of terms, and generalised cross-validation the number. Origin and a/b follow
 //! from the moments of the profile, which is then fitted again.
 
@@ -59,7 +59,7 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<Fitted, Unfit> {
         }
     }
     let (factor, moments, error, worst) = found.ok_or(Unfit::Open)?;
-    // The volume is that of the ellipsoid.
+    // Profile and ellipsoid have the same volume.
     let size = moments.volume.powf(2.0 / 3.0);
     let clean = |(l, c): (usize, &f64)| if l % 2 == 1 && c.abs() * size < ROUNDING { 0.0 } else { c * size };
     let factor = Factor(factor.0.iter().enumerate().map(clean).collect());
@@ -74,7 +74,8 @@ fn centre(points: &[[f64; 2]]) -> f64 {
         let part = (z - to) * (r * r + r * end + end * end);
         volume += part;
         // A frustum's centre lies nearer its wider end.
-        let share = (r * r + 2.0 * r * end + 3.0 * end * end) / (4.0 * (r * r + r * end + end * end)).max(f64::MIN_POSITIVE);
+        let share =
+            (r * r + 2.0 * r * end + 3.0 * end * end) / (4.0 * (r * r + r * end + end * end)).max(f64::MIN_POSITIVE);
         moment += part * (z + share * (to - z));
     }
     moment / volume
@@ -172,7 +173,7 @@ fn orthogonal(columns: &[Vec<f64>]) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
     (basis, triangle)
 }
 
-/// What the volume inside ρ = h^(−½) says.
+/// Moments of the volume inside ρ = h^(−½).
 pub(super) struct Moments {
     /// ½ ∫ ρ³ dμ: the volume, divided by 4π/3.
     pub volume: f64,

@@ -31,7 +31,7 @@ const DERIVATIVES: usize = 5;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "file::Document", into = "file::Document")]
 pub struct ShellProfile {
-    /// Its name: that of its table.
+    /// Its name, the table's.
     name: String,
     /// a/b of the ellipsoid with the same second moments.
     aspect: f64,
@@ -118,10 +118,7 @@ impl Factor {
         // The Taylor series about the number itself ends, since the rest carries nothing but derivatives.
         let rest = mu - D::from(mu.real());
         let series = |t: [f64; 4]| t.into_iter().rev().fold(D::from(0.0), |sum, t| sum * rest + D::from(t));
-        [
-            series([h, first, 0.5 * second, third / 6.0]),
-            series([first, second, 0.5 * third, fourth / 6.0]),
-        ]
+        [series([h, first, 0.5 * second, third / 6.0]), series([first, second, 0.5 * third, fourth / 6.0])]
     }
 
     /// E = Q h(μ) at a place and half of its gradient; the last of the coordinates is z, and `inverse` are the inverse squares of

@@ -42,7 +42,7 @@ fn an_egg_converges_with_the_rows_of_its_table() {
     let distances = [12, 24, 48].map(distance);
     println!("{distances:?}");
     assert!(distances[0] < 1e-2 && distances[1] < 1e-4 && distances[2] < 1e-7, "{distances:?}");
-    // The volume is that of the ellipsoid: ½ ∫ ρ³ dμ = 1, by the trapezoidal rule.
+    // Profile and ellipsoid have the same volume: ½ ∫ ρ³ dμ = 1, by the trapezoidal rule.
     let n = 20_000;
     let sum: f64 = (0..=n)
         .map(|k| fine.factor().radius(-1.0 + 2.0 * k as f64 / n as f64).powi(3) * if k % n == 0 { 0.5 } else { 1.0 })
@@ -120,9 +120,14 @@ fn tables_that_are_no_shell_are_refused_with_their_line() {
     }
     // A bulb behind the neck of a larger one, a gap, and points beside the profile.
     let hidden = "z,r\n5,0\n4.8,1\n4,2\n2,2.5\n0,2\n-0.5,1.2\n-1,0.4\n-2,0.4\n-3,1.5\n-4,1\n-5,0\n";
-    assert!(read(hidden).unwrap_err().starts_with("egg.csv:10:1: z = -3, r = 1.5 is hidden from z = "), "{}", read(hidden).unwrap_err());
+    assert!(
+        read(hidden).unwrap_err().starts_with("egg.csv:10:1: z = -3, r = 1.5 is hidden from z = "),
+        "{}",
+        read(hidden).unwrap_err()
+    );
     let all = table(40, 0.0);
-    let gap: String = all.lines().enumerate().filter(|(k, _)| !(12..30).contains(k)).map(|(_, l)| format!("{l}\n")).collect();
+    let gap: String =
+        all.lines().enumerate().filter(|(k, _)| !(12..30).contains(k)).map(|(_, l)| format!("{l}\n")).collect();
     let error = read(&gap).unwrap_err();
     assert!(error.starts_with("egg.csv:13:1: ") && error.contains("degrees without a point"), "{error}");
     let error = read(&with(8, "7,0.8")).unwrap_err();
@@ -134,7 +139,9 @@ fn profiles_in_json_are_read_back_and_checked() {
     let profile = read(&table(40, 0.2)).unwrap();
     let text = serde_json::to_string(&profile).unwrap();
     assert_eq!(serde_json::from_str::<ShellProfile>(&text).unwrap(), profile);
-    for wrong in [r#"{"name":"a","aspect":1.5,"error":0,"series":[]}"#, r#"{"name":"a","aspect":1.5,"error":0,"series":[1,2]}"#] {
+    for wrong in
+        [r#"{"name":"a","aspect":1.5,"error":0,"series":[]}"#, r#"{"name":"a","aspect":1.5,"error":0,"series":[1,2]}"#]
+    {
         let error = serde_json::from_str::<ShellProfile>(wrong).unwrap_err().to_string();
         assert!(error.starts_with("shell_profile.series has "), "{error}");
     }

@@ -382,6 +382,18 @@ mod tests {
         keys.sort();
         keys.dedup();
         assert_eq!(keys.len(), 8);
+        // The content of a shell's table, not its name.
+        let table = |name: &str, wide: f64| {
+            let rows = (0..=20).map(|k| {
+                let (sin, cos) = (f64::from(k) * std::f64::consts::PI / 20.0).sin_cos();
+                format!("{},{}\n", 1.505 * cos, if k % 20 == 0 { 0.0 } else { sin * (1.0 + wide * cos * cos) })
+            });
+            let text = format!("z,r\n{}", rows.collect::<String>());
+            let profile = furrow_cell::ShellProfile::from_table(text.as_bytes(), name, name).unwrap();
+            Key::new(&DivisionInput { cell: base.cell.clone().with_shell_profile(profile), ..base.clone() })
+        };
+        assert_eq!(table("a", 0.1), table("b", 0.1));
+        assert!(table("a", 0.1) != table("a", 0.2) && table("a", 0.1) != Key::new(&base));
         // Every number of a regulator, what kind of number it is, and whether it has a source.
         let cues = [
             "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",

@@ -4,8 +4,7 @@ use num_dual::Dual64;
 
 use crate::cortex::Cortex;
 use crate::cortex::equations::{
-    BdfTerm, COMPONENTS, Constants, J, LENGTH, LocalCoefficients, PHI, PRESSURE, PSI, Q, R, T, Transport, V, Z,
-    carried,
+    BdfTerm, COMPONENTS, Constants, J, LENGTH, LocalCoefficients, PHI, PRESSURE, PSI, Q, R, T, Transport, V, Z, carried,
 };
 use crate::cortex::own::Spot;
 use crate::cortex::own::shell::{Balances, force};
@@ -145,7 +144,8 @@ impl<'a> BaseConstants<'a> {
         let shell = &self.constants.shell;
         let (sin, cos) = y[PSI].sin_cos();
         if let Some(factor) = &self.constants.shell_factor {
-            let ([r, z], lifted) = ([(y[R], sin), (y[Z], cos)].map(|(x, by)| Dual64::new(x, by)), shell.map(Dual64::from));
+            let ([r, z], lifted) =
+                ([(y[R], sin), (y[Z], cos)].map(|(x, by)| Dual64::new(x, by)), shell.map(Dual64::from));
             let outwards = force(factor, &lifted, [r, z], [sin, cos].map(Dual64::from));
             return (-force(factor, shell, [y[R], y[Z]], [cos, -sin]), -outwards.eps);
         }

@@ -18,8 +18,8 @@
 use furrow_bvp::{Gauss, Solution};
 
 use super::Cortex;
-use super::own;
 use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, Z};
+use super::own;
 use furrow_cell::cue::Field;
 use furrow_cell::law::Active;
 use furrow_cell::profile::Factor;

@@ -130,7 +130,8 @@ impl Trajectory {
         forces::shell_contour(&self.cortex)
     }
 
-    /// The half axes of the shell along z and across, in L_h; of a profile, those of the ellipsoid with its volume and second moments.
+    /// The half axes of the shell along z and across, in L_h. A profile has the half axes of the ellipsoid with the same
+    /// volume and second moments.
     pub fn shell(&self) -> [f64; 2] {
         forces::shell_axes(&self.cortex)
     }

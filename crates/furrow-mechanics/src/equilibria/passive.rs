@@ -187,7 +187,5 @@ fn relax(mut cortex: Cortex, mut system: System, newton: Newton, mut y: Solution
 fn is_convex(y: &Solution, domain: Domain) -> bool {
     let (lowest, end) = if domain == Domain::Half { (-1e-6, 0.5 * PI) } else { (f64::NEG_INFINITY, PI) };
     y.scalars[0] > 0.0
-        && y.stages
-            .chunks_exact(COMPONENTS)
-            .all(|s| s[R] > 0.0 && s[Z] > lowest && s[PSI] > -0.5 && s[PSI] < end + 0.5)
+        && y.stages.chunks_exact(COMPONENTS).all(|s| s[R] > 0.0 && s[Z] > lowest && s[PSI] > -0.5 && s[PSI] < end + 0.5)
 }

@@ -86,7 +86,11 @@ fn jacobians_are_differences() {
                 };
                 let mut at = |step: f64| {
                     let (mut y, mut p) = (y, p.clone());
-                    if k < n { y[k] += step } else { p[k - n] += step }
+                    if k < n {
+                        y[k] += step
+                    } else {
+                        p[k - n] += step
+                    }
                     values(&mut cortex, &y, &p)
                 };
                 let step = 5e-5;

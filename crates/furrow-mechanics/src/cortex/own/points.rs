@@ -191,7 +191,13 @@ impl<'a> Columns<'a> {
         let each = [first].into_iter().chain(others).map(|(scalar, constants, length)| {
             let transport = constants.regulator.as_ref().map(Transport::of);
             let balances = Balances::of(constants.law.clone(), constants.shell_factor.as_ref(), 1);
-            (scalar, constants, length, balances, transport.unwrap_or_else(|| Transport::default().map(|x: f64| x.into())))
+            (
+                scalar,
+                constants,
+                length,
+                balances,
+                transport.unwrap_or_else(|| Transport::default().map(|x: f64| x.into())),
+            )
         });
         Columns { each: each.collect() }
     }
@@ -210,7 +216,8 @@ impl<'a> Columns<'a> {
         for (scalar, constants, length, balances, transport) in &mut self.each {
             let here = constants.of_state(point.u, &state, *length);
             let of_contour = [*length, pressure.into()];
-            let (sides, volume) = sides(balances, (&constants.shell, transport), &here, &spot, motion, &state, of_contour);
+            let (sides, volume) =
+                sides(balances, (&constants.shell, transport), &here, &spot, motion, &state, of_contour);
             for k in 0..N {
                 fp[k * scalars + *scalar] = sides[k].eps;
             }

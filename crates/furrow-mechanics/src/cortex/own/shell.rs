@@ -4,7 +4,7 @@
 //!
 //! * \[M.31 force of a profile\] f_c = −(P0/w²) exp\[(E − 1)/w²\] (sinψ ∂_rE + cosψ ∂_zE),
 //!
-//! M.9 where E is that of the ellipsoid.
+//! which is M.9 in an ellipsoidal shell.
 
 use furrow_cell::law::{Algebra, LawValues};
 use furrow_cell::profile::Factor;

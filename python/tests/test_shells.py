@@ -1,0 +1,48 @@
+"""Shells of any profile."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from pathlib import Path
+
+import pytest
+
+import furrow
+
+
+def table(folder: Path, k: float) -> str:
+    rows = ["z,r"]
+    for i in range(41):
+        t = math.pi * i / 40
+        r = 0 if i in (0, 40) else math.sin(t) * math.sqrt(1 + k * math.cos(t))
+        rows.append(f"{1.505 * math.cos(t)},{r}")
+    path = folder / f"egg{k}.csv"
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return str(path)
+
+
+def test_an_ellipse_as_a_table_is_the_built_in_shell(tmp_path: Path) -> None:
+    built_in, own = furrow.Cell(4.0, cue="germline"), furrow.Cell(4.0, cue="germline", shell_profile=table(tmp_path, 0))
+    assert own.divide().chi == pytest.approx(built_in.divide().chi, rel=1e-8)
+    assert own.aspect == pytest.approx(1.505, rel=1e-9)
+    assert built_in.shell_profile is None
+    assert own.shell_profile is not None and own.shell_profile.startswith('"egg0"')
+
+
+def test_an_egg_divides_unequally(tmp_path: Path) -> None:
+    egg = furrow.Cell(4.0, shell_profile=table(tmp_path, 0.2))
+    assert not egg.is_mirror_symmetric
+    assert egg.divide().chi == pytest.approx(0.41129, abs=1e-4)
+    assert pickle.loads(pickle.dumps(egg)) == egg
+    assert egg.replace(epsilon=0.8).shell_profile == egg.shell_profile
+    assert egg.replace(shell_profile="ellipsoid").shell_profile is None
+
+
+def test_wrong_tables_are_refused(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.csv"
+    bad.write_text("z,r\n1,0\n0,-1\n-1,0\n", encoding="utf-8")
+    with pytest.raises(furrow.InputError, match="at least 9"):
+        furrow.Cell(4.0, shell_profile=str(bad))
+    with pytest.raises(furrow.InputError, match="the file of a table"):
+        furrow.Cell(4.0, shell_profile="egg")
