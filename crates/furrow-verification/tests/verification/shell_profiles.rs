@@ -16,7 +16,7 @@ use furrow_verification::virtual_power::{Power, motions, power};
 pub fn egg(k: f64) -> ShellProfile {
     let place = |i: usize| {
         let (sin, cos) = (f64::from(i as u32) * PI / 40.0).sin_cos();
-        let r = if i % 40 == 0 { 0.0 } else { sin * (1.0 + k * cos).sqrt() };
+        let r = if i.is_multiple_of(40) { 0.0 } else { sin * (1.0 + k * cos).sqrt() };
         format!("{},{r}\n", 1.4 * cos)
     };
     let text = format!("z,r\n{}", (0..=40).map(place).collect::<String>());
