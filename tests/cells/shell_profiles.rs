@@ -66,7 +66,7 @@ fn a_profile_keeps_the_meaning_of_every_parameter_of_the_shell() {
     let mut cell = Cell::new(2.0).with_shell_profile(profile(49, 1.4, 0.2));
     let aspect = Parameter::Aspect.get(&cell);
     assert!((aspect - 1.4).abs() < 0.1, "{aspect}");
-    // A profile stretched along the axis is that of the stretched table.
+    // Stretching a profile along the axis equals reading a stretched table.
     Parameter::Aspect.set(&mut cell, 1.5 * aspect);
     let stretched = Cell::new(2.0).with_shell_profile(profile(49, 1.5 * 1.4, 0.2));
     assert!((Parameter::Aspect.get(&stretched) - 1.5 * aspect).abs() < 1e-6);
