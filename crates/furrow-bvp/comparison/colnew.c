@@ -1,6 +1,7 @@
 /* The test problems of Cash and Mazzia for COLNEW, whose source is not part of this repository; see compare.py.
  *
- * Prints a line for every case: number, epsilon, flag (1: solved), intervals, seconds, and the first component at 201 places.
+ * `colnew TOLERANCE` prints a line for every case: number, epsilon, flag (1: solved), intervals, seconds, and the first component at 201
+ * places. `colnew TOLERANCE FILE` solves the cases in the file once each, and prints the values at the places that it names there.
  */
 #include <math.h>
 #include <stdio.h>
@@ -187,8 +188,31 @@ static int solve(double tolerance) {
     return flag;
 }
 
+/* The cases of a file of lines "number,epsilon,places,values", where places are separated by blanks. */
+static int solve_file(double tolerance, const char *name) {
+    static char line[1 << 16];
+    FILE *file = fopen(name, "r");
+    if (!file) return 1;
+    while (fgets(line, sizeof line, file)) {
+        char *at = line;
+        number = strtol(at, &at, 10), e = strtod(at + 1, &at);
+        set_ends();
+        int flag = solve(tolerance);
+        printf("%d,%g,%d,%d,0,", number, e, flag, integers[0]);
+        while (flag == 1 && (*at == ',' || *at == ' ')) {
+            double z[6], x = strtod(at + 1, &at);
+            appsln_(&x, z, reals, integers);
+            printf("%.12g ", z[0]);
+            if (*at == ',') break;
+        }
+        printf("\n");
+    }
+    return fclose(file);
+}
+
 int main(int count, char **arguments) {
     double tolerance = count > 1 ? strtod(arguments[1], NULL) : 1e-6;
+    if (count > 2) return solve_file(tolerance, arguments[2]);
     for (number = 1; number <= 33; number++) {
         for (int k = 1; k <= 4; k++) {
             e = pow(10, -k);

@@ -53,6 +53,15 @@ impl Residual {
         }
     }
 
+    /// The largest size of an entry, NaN if any is not a number.
+    pub(crate) fn largest(&self) -> f64 {
+        let parts = [&self.stages, &self.nodes, &self.left, &self.right, &self.border];
+        parts
+            .into_iter()
+            .flatten()
+            .fold(0.0, |largest, r| if r.abs() > largest || r.is_nan() { r.abs() } else { largest })
+    }
+
     /// Adds λ times another residual of the same shape.
     pub(crate) fn add(&mut self, lambda: f64, other: &Residual) {
         let to = [&mut self.stages, &mut self.nodes, &mut self.left, &mut self.right, &mut self.border];

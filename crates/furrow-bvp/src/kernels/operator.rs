@@ -42,7 +42,7 @@ impl Responses {
     /// reading.
     #[inline(always)]
     pub fn fill_responses<S: Shape>(&mut self, condensed: &Condensed, gauss: &Gauss, force: &[f64], reading: &[f64]) {
-        let [forces, readings] = if S::STATIC.is_some() { [1, 1] } else { [self.forces, self.readings] };
+        let [forces, readings] = if S::KNOWN { [1, 1] } else { [self.forces, self.readings] };
         self.fill::<S>(condensed, gauss, (force, forces), (reading, readings));
     }
 

@@ -66,8 +66,11 @@ impl Sizes {
 
 /// The source of the sizes of a kernel.
 pub trait Shape {
-    /// Sizes of the problem but for its right conditions, and stages, if they are known at compile time.
+    /// Sizes of the problem but for its right conditions, and stages, if all of them are known at compile time.
     const STATIC: Option<(Dimensions, usize)>;
+
+    /// Whether some sizes are known at compile time.
+    const KNOWN: bool = Self::STATIC.is_some();
 
     /// The sizes of a problem.
     #[inline(always)]
@@ -111,4 +114,17 @@ impl<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT:
         },
         M,
     ));
+}
+
+/// N components of which the first E are quadratures, and M stages. All other sizes are known at run time.
+pub struct Components<const N: usize, const E: usize, const M: usize>;
+
+impl<const N: usize, const E: usize, const M: usize> Shape for Components<N, E, M> {
+    const STATIC: Option<(Dimensions, usize)> = None;
+    const KNOWN: bool = true;
+
+    #[inline(always)]
+    fn sizes(dims: Dimensions, _: usize) -> Sizes {
+        Sizes::of(Dimensions { components: N, quadratures: E, trailing_quadratures: 0, ..dims }, M)
+    }
 }

@@ -14,7 +14,7 @@ use crate::gauss::Gauss;
 use super::block::BlockFactor;
 use super::condense::Condensed;
 use super::operator::Responses;
-use super::shape::{RuntimeSizes, Shape, StaticSizes};
+use super::shape::{Components, RuntimeSizes, Shape, StaticSizes};
 use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
@@ -81,10 +81,28 @@ impl Kernels {
         self.sizes.is_some()
     }
 
-    /// These kernels if they are for these sizes and m stages, the general ones otherwise.
+    /// These kernels if they are sized and for these sizes and m stages, otherwise those for its number of components, or the general ones.
     pub(crate) fn matching(self, dims: Dimensions, m: usize) -> Kernels {
         let sizes = (Dimensions { right: 0, ..dims }, m);
-        if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
+        if self.sizes == Some(sizes) { self } else { Kernels::for_components(dims, m) }
+    }
+
+    /// Kernels for few components and four stages, the general ones for others. A web page has the general ones alone.
+    fn for_components(dims: Dimensions, m: usize) -> Kernels {
+        if cfg!(target_family = "wasm") || m != 4 || dims.trailing_quadratures > 0 {
+            return Kernels::general();
+        }
+        match (dims.components, dims.quadratures) {
+            (1, 0) => Kernels::of::<Components<1, 0, 4>>(),
+            (2, 0) => Kernels::of::<Components<2, 0, 4>>(),
+            (2, 1) => Kernels::of::<Components<2, 1, 4>>(),
+            (3, 0) => Kernels::of::<Components<3, 0, 4>>(),
+            (4, 0) => Kernels::of::<Components<4, 0, 4>>(),
+            (4, 1) => Kernels::of::<Components<4, 1, 4>>(),
+            (6, 0) => Kernels::of::<Components<6, 0, 4>>(),
+            (6, 1) => Kernels::of::<Components<6, 1, 4>>(),
+            _ => Kernels::general(),
+        }
     }
 }
 
@@ -93,7 +111,7 @@ macro_rules! in_shape {
     ($of:ident.$method:ident($($argument:ident),*)) => {
         match_target! {
             "x86_64+avx+avx2" => $of.$method::<S>($($argument),*),
-            _ => if S::STATIC.is_some() && cfg!(target_arch = "x86_64") {
+            _ => if S::KNOWN && cfg!(target_arch = "x86_64") {
                 $method::<RuntimeSizes>($of, $($argument),*)
             } else {
                 $of.$method::<S>($($argument),*)
@@ -158,7 +176,7 @@ fn fill_responses<S: Shape>(
 ) {
     // Only one force with one reading has sized kernels, except in a web page, which they would enlarge by a hundred kilobytes.
     let general = cfg!(target_family = "wasm") || (responses.forces, responses.readings) != (1, 1);
-    if S::STATIC.is_some() && general {
+    if S::KNOWN && general {
         fill_responses::<RuntimeSizes>(responses, condensed, gauss, force, reading)
     } else {
         in_shape!(responses.fill_responses(condensed, gauss, force, reading))

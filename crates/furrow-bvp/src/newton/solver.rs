@@ -220,11 +220,12 @@ pub fn solve<P: BoundaryValueProblem>(
     if dims.missing_conditions() != 0 {
         return Err(InvalidInput::NotSquare { missing: dims.missing_conditions(), allowed: "0" }.into());
     }
+    let limit = WorkLimit::new(settings.budget, settings.max_intervals, &settings.interrupt);
     let mut run = Run {
         problem,
         settings,
         system: System::new(dims, guess.m),
-        scratch: NewtonScratch::limited(WorkLimit::new(settings.budget, settings.max_intervals, &settings.interrupt)),
+        scratch: NewtonScratch::limited(limit).trusting_residuals(),
         work: Work::default(),
         best: None,
         guess,
@@ -256,15 +257,14 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             y = self.solve_with_refinement(y)?;
             let defects = mesh::defect(&self.system.gauss, self.problem, &y);
             let defect = defects.iter().copied().fold(0.0, f64::max);
-            let condition = condition::estimate(&mut self.system, &y);
             let halved = self.best.as_ref().is_some_and(|best| WASTEFUL * best.solution.intervals() <= y.intervals());
             if halved && defect <= ROUNDING && self.best.as_ref().is_some_and(|best| defect >= PROGRESS * best.defect) {
                 return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
-            self.keep_best(&y, defect, condition);
             if defect <= tolerance {
-                return self.accepted(y, &defects, condition);
+                return self.accepted(y, &defects);
             }
+            self.keep_best(&y, defect);
             let Some(intervals) = refinement.next(&defects, y.m) else {
                 return Err(SolveError::MeshLimit { limit, best: self.take_best_or(y, defect) });
             };
@@ -277,7 +277,8 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     }
 
     /// The solution, on a coarser mesh if that is fine enough; an error if the problem is singular.
-    fn accepted(&mut self, mut y: Solution, defects: &[f64], mut condition: f64) -> Result<Solved, SolveError> {
+    fn accepted(&mut self, mut y: Solution, defects: &[f64]) -> Result<Solved, SolveError> {
+        let mut condition = condition::estimate(&mut self.system, &y);
         let mut defect = defects.iter().copied().fold(0.0, f64::max);
         let needed = mesh::intervals_for(defects, y.m, self.settings.tolerance);
         if condition * defect > SUSPECT {
@@ -303,7 +304,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     }
 
     fn stopped(&mut self, reason: Stop, intervals: usize) -> SolveError {
-        SolveError::Stopped { reason, intervals, best: self.best.take() }
+        SolveError::Stopped { reason, intervals, best: self.take_best() }
     }
 
     fn defect(&mut self, y: &Solution) -> f64 {
@@ -355,7 +356,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 if condition > SINGULAR {
                     return Err(SolveError::Singular { condition, intervals });
                 }
-                return Err(SolveError::Newton { intervals, source, best: self.best.take() });
+                return Err(SolveError::Newton { intervals, source, best: self.take_best() });
             }
             start = start.on_mesh(&self.system.gauss, &mesh::halved(&start.mesh));
             self.work.remeshings += 1;
@@ -368,17 +369,28 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         y.on_mesh(&self.system.gauss, &mesh::redistributed(&y.mesh, defects, y.m, intervals))
     }
 
-    fn keep_best(&mut self, y: &Solution, defect: f64, condition: f64) {
+    /// Keeps a solution that has the smallest defect so far. Its condition is estimated if it is asked for.
+    fn keep_best(&mut self, y: &Solution, defect: f64) {
         if self.best.as_ref().is_none_or(|best| defect < best.defect) {
-            self.best = Some(Box::new(Solved { solution: y.clone(), defect, condition, work: self.work }));
+            let (solution, work) = (y.clone(), self.work);
+            self.best = Some(Box::new(Solved { solution, defect, condition: f64::INFINITY, work }));
         }
+    }
+
+    /// The best solution and the condition there.
+    fn take_best(&mut self) -> Option<Box<Solved>> {
+        let mut best = self.best.take()?;
+        if self.system.factorise(self.problem, &best.solution, &[]).is_ok() {
+            best.condition = condition::estimate(&mut self.system, &best.solution);
+        }
+        Some(best)
     }
 
     /// The best solution; without another, the one on this mesh.
     fn take_best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
         let work = self.work;
         let this = || Box::new(Solved { solution, defect, condition: f64::INFINITY, work });
-        let mut best = self.best.take().unwrap_or_else(this);
+        let mut best = self.take_best().unwrap_or_else(this);
         best.work = work;
         best
     }
