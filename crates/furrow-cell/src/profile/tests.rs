@@ -45,7 +45,9 @@ fn an_egg_converges_with_the_rows_of_its_table() {
     // Profile and ellipsoid have the same volume: ½ ∫ ρ³ dμ = 1, by the trapezoidal rule.
     let n = 20_000;
     let sum: f64 = (0..=n)
-        .map(|k| fine.factor().radius(-1.0 + 2.0 * k as f64 / n as f64).powi(3) * if [0, n].contains(&k) { 0.5 } else { 1.0 })
+        .map(|k| {
+            fine.factor().radius(-1.0 + 2.0 * k as f64 / n as f64).powi(3) * if [0, n].contains(&k) { 0.5 } else { 1.0 }
+        })
         .sum();
     assert!((sum / n as f64 - 1.0).abs() < 1e-8);
     // The wall passes through the points of the table, up to a factor of size.
