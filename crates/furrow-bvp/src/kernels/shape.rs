@@ -116,7 +116,7 @@ impl<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT:
     ));
 }
 
-/// N components of which the first E are quadratures, and M stages. All other sizes are known at run time.
+/// N components with the first E as quadratures, and M stages. All other sizes are known at run time.
 pub struct Components<const N: usize, const E: usize, const M: usize>;
 
 impl<const N: usize, const E: usize, const M: usize> Shape for Components<N, E, M> {

@@ -20,11 +20,14 @@ use super::stages::{self, Interval};
 /// The functions that run over all intervals, for any sizes or for given ones.
 ///
 /// A problem requests them in [`BoundaryValueProblem::kernels`](crate::BoundaryValueProblem::kernels). Kernels for other
-/// sizes than the problem has are ignored: the wrong ones cost only speed.
+/// sizes than the problem has are ignored: the wrong ones cost only speed. A problem with 1, 2, 3, 4 or 6 components and four stages needs
+/// no request: it gets kernels for its number of components. With 2, 4 or 6 components the first one may be a quadrature.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
     /// Sizes of the problem but for its right conditions, and stages; `None` for any.
     sizes: Option<(Dimensions, usize)>,
+    #[cfg(test)]
+    known: bool,
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
     pub(crate) complete: fn(&Condensed, &Gauss, &mut Direction),
@@ -64,6 +67,8 @@ impl Kernels {
     fn of<S: Shape>() -> Kernels {
         Kernels {
             sizes: S::STATIC,
+            #[cfg(test)]
+            known: S::KNOWN,
             condense: condense::<S>,
             particular: particular::<S>,
             complete: complete::<S>,
@@ -79,6 +84,12 @@ impl Kernels {
     #[cfg(test)]
     pub(crate) fn is_sized(&self) -> bool {
         self.sizes.is_some()
+    }
+
+    /// Whether some sizes were known when these were compiled.
+    #[cfg(test)]
+    pub(crate) fn has_known_sizes(&self) -> bool {
+        self.known
     }
 
     /// These kernels if they are sized and for these sizes and m stages, otherwise those for its number of components, or the general ones.

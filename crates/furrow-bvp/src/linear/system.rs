@@ -45,7 +45,7 @@ pub struct System {
     pub(crate) condensed: Condensed,
     /// Residual of the last evaluation.
     pub residual: Residual,
-    pub(super) kernels: Kernels,
+    pub(crate) kernels: Kernels,
     pub(super) block: BlockFactor,
     pub(super) ends: EndJacobian,
     /// Collocation points of the last evaluation, and the integrands there.

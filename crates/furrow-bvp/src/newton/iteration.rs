@@ -253,7 +253,7 @@ const LEAST_CONTRACTION: f64 = 0.5;
 /// error is of second order in it.
 const SQUARED: f64 = 0.1;
 
-/// A residual reduced by a step is that of a root if the step reduced likewise is below this part of the tolerance.
+/// A step is not confirmed if the fraction of the residual that it leaves, times its size, is below this part of the tolerance.
 const SETTLED: f64 = 1e-2;
 
 /// A correction below this changes no scaling by more than a hundredth.

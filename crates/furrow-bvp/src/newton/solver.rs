@@ -70,7 +70,8 @@ pub struct Solved {
     /// Its largest defect.
     pub defect: f64,
     /// Estimated condition of the problem there, from a few solves: by how much the solution changes at most, in |δ|/(1 + |value|),
-    /// per change of the right-hand side by 1 + |value| and of the conditions by 1.
+    /// per change of the right-hand side by 1 + |value| and of the conditions by 1. Infinite for the best solution of a solve that was
+    /// stopped, which has no factors to estimate it with.
     pub condition: f64,
     /// Steps are meshes on which Newton converged, those rejected meshes on which it did not.
     pub work: Work,
@@ -164,7 +165,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 
 /// Solves a square problem to a defect below a tolerance, from a guess on any mesh, with the guess's number of stages.
 ///
-/// On every mesh Newton solves the collocation equations. Where the defect is too large, the mesh is redistributed so that
+/// On every mesh Newton solves the collocation equations; a full step that leaves next to no residual ends it, so that a linear problem
+/// takes one solve unless rounding leaves a larger one. Where the defect is too large, the mesh is redistributed so that
 /// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for. Where Newton fails,
 /// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
 /// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end. All of it
@@ -304,7 +306,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     }
 
     fn stopped(&mut self, reason: Stop, intervals: usize) -> SolveError {
-        SolveError::Stopped { reason, intervals, best: self.take_best() }
+        SolveError::Stopped { reason, intervals, best: self.best.take() }
     }
 
     fn defect(&mut self, y: &Solution) -> f64 {
@@ -380,6 +382,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     /// The best solution and the condition there.
     fn take_best(&mut self) -> Option<Box<Solved>> {
         let mut best = self.best.take()?;
+        self.work.factorisations += 1;
         if self.system.factorise(self.problem, &best.solution, &[]).is_ok() {
             best.condition = condition::estimate(&mut self.system, &best.solution);
         }
@@ -388,10 +391,9 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
 
     /// The best solution; without another, the one on this mesh.
     fn take_best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
-        let work = self.work;
-        let this = || Box::new(Solved { solution, defect, condition: f64::INFINITY, work });
+        let this = || Box::new(Solved { solution, defect, condition: f64::INFINITY, work: Work::default() });
         let mut best = self.take_best().unwrap_or_else(this);
-        best.work = work;
+        best.work = self.work;
         best
     }
 }

@@ -180,7 +180,8 @@ pub trait BoundaryValueProblem {
     }
 
     /// The kernels a system with the given number of stages works with: [`Kernels::general`] will always do, and
-    /// [`Kernels::sized`] for the sizes of this problem makes it faster with the same results.
+    /// [`Kernels::sized`] for the sizes of this problem makes it faster with the same results. Few components need no request, see
+    /// [`Kernels`].
     fn kernels(&self, _stages: usize) -> Kernels {
         Kernels::general()
     }

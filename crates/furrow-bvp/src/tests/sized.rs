@@ -42,6 +42,37 @@ fn kernels_for_other_sizes_are_not_used() {
 }
 
 #[test]
+fn kernels_for_few_components_give_the_bits_of_the_general_ones() {
+    let few = [
+        dims(1, 0, 0, 1, 0, 0),
+        dims(2, 0, 1, 0, 3, 0),
+        dims(2, 1, 1, 0, 2, 1),
+        dims(3, 0, 0, 2, 1, 0),
+        dims(4, 0, 2, 3, 3, 0),
+        dims(4, 1, 3, 2, 1, 3),
+        dims(6, 0, 0, 3, 3, 0),
+        dims(6, 1, 1, 3, 3, 1),
+    ];
+    for dims in few {
+        assert!(
+            Kernels::general().matching(dims, 4).has_known_sizes()
+                && !Kernels::general().matching(dims, 3).has_known_sizes()
+        );
+        let mut random = Random(47);
+        let mut case = Case::new(dims, 4, 3, &mut random);
+        let r = random_residual(&case.system.residual, &mut random);
+        let (mut known, mut general) = (Direction::default(), Direction::default());
+        case.system.solve(&r, &mut known).unwrap();
+        let determinant = case.system.determinant();
+        case.system.kernels = Kernels::general();
+        case.system.condense().unwrap();
+        case.system.factor_blocks(&case.conditions).unwrap();
+        case.system.solve(&r, &mut general).unwrap();
+        assert_eq!((known, determinant), (general, case.system.determinant()), "{dims:?}");
+    }
+}
+
+#[test]
 fn eliminating_quadratures_changes_no_solution() {
     for dims in SHAPES.into_iter().filter(|d| d.all_quadratures() > 0) {
         for m in 1..=5 {

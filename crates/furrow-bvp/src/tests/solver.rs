@@ -46,6 +46,23 @@ fn layers_are_resolved_however_thin() {
 }
 
 #[test]
+fn linear_problems_take_one_solve_on_a_mesh() {
+    for number in 1..=18 {
+        let mut problem = cash_mazzia::problem(number, 1e-2).unwrap();
+        let guess = problem.line(4, 10);
+        let Ok(solved) = solve(&mut problem, &guess, &Settings::default()) else {
+            // Problem 17 is singular there.
+            assert_eq!(number, 17);
+            continue;
+        };
+        let work = solved.work;
+        assert_eq!(work.factorisations, work.steps, "{number}");
+        // Problem 9 has values of 100, and rounding leaves a residual on one mesh. A second solve confirms that step.
+        assert_eq!(work.iterations, work.steps + usize::from(number == 9), "{number}");
+    }
+}
+
+#[test]
 fn a_shock_inside_is_found() {
     // ε y″ = y y′ is solved by −tanh((x − ½)/2ε). Thinner shocks are held in place by less than rounding: the condition is
     // of order exp(1/2ε).
@@ -64,6 +81,8 @@ fn a_limit_of_intervals_is_an_error_with_the_best_solution() {
     let outcome = from_line(&mut layer(1e-3, [0.0, 0.0, -1.0], [0.0, 1.0]), 3, 10, &settings);
     let Err(SolveError::MeshLimit { limit: 40, best }) = &outcome else { panic!("{outcome:?}") };
     assert!(best.solution.intervals() <= 40 && best.defect > settings.tolerance && best.work.steps > 1);
+    // The solution moves with the value given at the right end, all along the interval.
+    assert!((1.0..10.0).contains(&best.condition), "{:.1e}", best.condition);
     // The best solution is as accurate as its defect says.
     let exact = |x: f64| 1.0 - (-x * 1e3).exp();
     assert!(error(&best.solution, exact) < 10.0 * best.defect, "{:.1e}", best.defect);
