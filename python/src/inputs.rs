@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use furrow_analysis::compare::names_of;
 use furrow_cell::settings::{self, Overrides, Settings, Value, canonical_name};
-use furrow_cell::{Cell, CueError, Law, Numerics};
+use furrow_cell::{Cell, Cue, CueError, Law, Numerics};
 use furrow_input::{InputError, read_text, shown};
 use furrow_lineage::{Length, Lineage};
 use furrow_measured::matching::Matching;
@@ -96,6 +96,32 @@ impl<'py> FromPyObject<'_, 'py> for Named {
     }
 }
 
+impl Named {
+    /// The parameters by their canonical names.
+    pub fn overrides(&self) -> Result<Overrides, InputError> {
+        let unknown = |name: &str, allowed| InputError::not_allowed(ARGUMENTS, "parameter", shown(name), allowed);
+        let named = |(name, value): &(String, Value)| {
+            Ok((canonical_name(name).map_err(|allowed| unknown(name, allowed))?, value.clone()))
+        };
+        let pairs = self.0.iter().map(named).collect::<Result<_, InputError>>()?;
+        Ok(Overrides { source_name: ARGUMENTS, pairs })
+    }
+
+    /// Turns a radius in µm into one in L_h by the units of a lineage. Whether there is a radius.
+    pub fn scale_radius(&mut self, lineage: &Lineage) -> Result<bool, InputError> {
+        let mut given = self.0.iter_mut();
+        let Some((_, value)) = given.find(|(name, _)| name == "r0" || name == "R0") else {
+            return Ok(false);
+        };
+        if let Value::Text(text) = value {
+            let length = text.parse::<Length>().map_err(|_| "a number of L_h, as 5.4, or of µm, as '17um'".to_owned());
+            let refuse = |allowed| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed);
+            *value = Value::Number(length.map_err(refuse)?.in_units(&lineage.units()));
+        }
+        Ok(true)
+    }
+}
+
 /// A number, which keeps every bit, or a word; True and False are words. InputError for any other value.
 pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(text) = value.cast::<PyString>() {
@@ -155,20 +181,10 @@ impl Given {
         Ok(settings)
     }
 
-    /// The parameters.
-    pub fn overrides(&self) -> Result<Overrides, InputError> {
-        let unknown = |name: &str, allowed| InputError::not_allowed(ARGUMENTS, "parameter", shown(name), allowed);
-        let named = |(name, value): &(String, Value)| {
-            Ok((canonical_name(name).map_err(|allowed| unknown(name, allowed))?, value.clone()))
-        };
-        let pairs = self.parameters.0.iter().map(named).collect::<Result<_, InputError>>()?;
-        Ok(Overrides { source_name: ARGUMENTS, pairs })
-    }
-
     /// The settings, checked.
     pub fn settings(&self) -> Result<Settings, InputError> {
         let mut settings = self.base()?;
-        settings.assign(ARGUMENTS, &self.overrides()?.pairs)?;
+        settings.assign(ARGUMENTS, &self.parameters.overrides()?.pairs)?;
         settings.check(ARGUMENTS)?;
         Ok(settings)
     }
@@ -179,20 +195,6 @@ impl Given {
         settings.check_activity(ARGUMENTS)?;
         settings.check_divisions(ARGUMENTS)?;
         Ok(settings)
-    }
-
-    /// Turns a radius in µm into one in L_h by the units of a lineage. Whether there is a radius.
-    pub fn scale_radius(&mut self, lineage: &Lineage) -> Result<bool, InputError> {
-        let mut given = self.parameters.0.iter_mut();
-        let Some((_, value)) = given.find(|(name, _)| name == "r0" || name == "R0") else {
-            return Ok(false);
-        };
-        if let Value::Text(text) = value {
-            let length = text.parse::<Length>().map_err(|_| "a number of L_h, as 5.4, or of µm, as '17um'".to_owned());
-            let refuse = |allowed| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed);
-            *value = Value::Number(length.map_err(refuse)?.in_units(&lineage.units()));
-        }
-        Ok(true)
     }
 }
 
@@ -237,6 +239,14 @@ impl Inputs {
         Ok(self.clone())
     }
 
+    /// The cell of settings with a cue, checked together.
+    fn checked(settings: Settings, cue: Cue) -> Result<Inputs, InputError> {
+        settings.check_cue(ARGUMENTS, &cue)?;
+        let cell = settings.cell.with_cue(cue);
+        cell.check_law(ARGUMENTS)?;
+        Ok(Inputs { cell, numerics: settings.numerics })
+    }
+
     /// As parameters.
     pub fn settings(&self) -> Settings {
         Settings { cell: self.cell.clone(), numerics: self.numerics }
@@ -250,33 +260,20 @@ impl Inputs {
     #[pyo3(signature = (given, cue="none", lineage=None))]
     fn new(mut given: Given, cue: &str, lineage: Option<&str>) -> Result<Inputs, Error> {
         let lineage = lineage_of(lineage)?;
-        given.scale_radius(&lineage)?;
+        given.parameters.scale_radius(&lineage)?;
         let settings = given.settings()?;
-        let cue = lineage.parse_cue(cue).map_err(bad_cue)?;
-        settings.check_cue(ARGUMENTS, &cue)?;
-        let cell = settings.cell.with_cue(cue);
-        cell.check_law(ARGUMENTS)?;
-        Ok(Inputs { cell, numerics: settings.numerics })
+        Ok(Inputs::checked(settings, lineage.parse_cue(cue).map_err(bad_cue)?)?)
     }
 
     /// The same with other values of some parameters, and another cue if one is given.
-    fn replaced(&self, parameters: Named, cue: Option<&str>) -> Result<Inputs, Error> {
-        let mut given = Given {
-            parameters,
-            preset: settings::presets().next().unwrap_or_default().to_owned(),
-            config: None,
-            law: None,
-        };
+    fn replaced(&self, mut parameters: Named, cue: Option<&str>) -> Result<Inputs, Error> {
         let lineage = lineage_of(None)?;
-        given.scale_radius(&lineage)?;
+        parameters.scale_radius(&lineage)?;
         let mut settings = self.settings();
-        settings.assign(ARGUMENTS, &given.overrides()?.pairs)?;
+        settings.assign(ARGUMENTS, &parameters.overrides()?.pairs)?;
         settings.check(ARGUMENTS)?;
         let cue = cue.map_or_else(|| Ok(self.cell.cue.clone()), |cue| lineage.parse_cue(cue)).map_err(bad_cue)?;
-        settings.check_cue(ARGUMENTS, &cue)?;
-        let cell = settings.cell.with_cue(cue);
-        cell.check_law(ARGUMENTS)?;
-        Ok(Inputs { cell, numerics: settings.numerics })
+        Ok(Inputs::checked(settings, cue)?)
     }
 
     /// Every parameter by its name, and the cue.

@@ -134,7 +134,7 @@ pub fn compare_dose(
         let measured = doses_of(&table, bins.as_deref())?;
         let lineage = lineage_of(lineage.as_deref())?;
         let strongest = lineage.parse_cue(&cue).map_err(bad_cue)?;
-        given.scale_radius(&lineage)?;
+        given.parameters.scale_radius(&lineage)?;
         let settings = given.for_divisions()?;
         let model = watch.scheduled(threads, |options| {
             over_dose(&settings.cell, &strongest, &measured, settings.numerics, &memo, options)

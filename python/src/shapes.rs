@@ -181,7 +181,7 @@ pub fn polarity(
     par.0.iter().try_for_each(|(name, value)| constants.assign(ARGUMENTS, name, value))?;
     let lineage = lineage_of(lineage.as_deref())?;
     let length_um = length_um.or(lineage.units().length_um).unwrap_or(LENGTH_UM);
-    given.scale_radius(&lineage)?;
+    given.parameters.scale_radius(&lineage)?;
     let settings = given.for_divisions()?;
     supervised(py, Interrupt::Abandons, None, move |_| {
         let failed = |error: PolarityStudyError| Error::no_outcome(error);

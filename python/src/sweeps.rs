@@ -51,7 +51,7 @@ impl From<AxisGiven> for AxisValue {
 
 impl Asked {
     fn read(self, given: &Given) -> Result<Sweep, Error> {
-        let (base, set) = (given.base()?, given.overrides()?);
+        let (base, set) = (given.base()?, given.parameters.overrides()?);
         if let Some(file) = &self.file {
             return Ok(Sweep::read(file, &base, &set)?);
         }

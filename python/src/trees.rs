@@ -57,7 +57,7 @@ pub fn scenarios(
     let mut sources = Vec::new();
     for (label, text) in lineages {
         let (mut lineage, mut given) = (lineage_of(text.as_deref())?, given.clone());
-        let first_given = given.scale_radius(&lineage)?;
+        let first_given = given.parameters.scale_radius(&lineage)?;
         let settings = given.for_divisions()?;
         if first_given {
             lineage.forget_first_radius();

@@ -132,8 +132,7 @@ impl Context {
     /// As [`Context::axisymmetric`], and of a law.
     pub fn of_paper_law(globals: &Globals, what: &str) -> Result<Context, CliError> {
         let context = Context::axisymmetric(globals)?;
-        context.settings.check_paper_law(what)?;
-        context.settings.check_ellipsoid(what)?;
+        context.settings.check_paper_model(what)?;
         Ok(context)
     }
 

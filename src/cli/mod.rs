@@ -242,8 +242,7 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
         Command::Export(args) => export::run(&args, globals),
         Command::Reproduce(args) => {
             let context = Context::new(globals)?;
-            context.settings.check_paper_law("the statements of the paper")?;
-            context.settings.check_ellipsoid("the statements of the paper")?;
+            context.settings.check_paper_model("the statements of the paper")?;
             reproduce::run(&args, &context)
         }
         Command::Explore(args) => {

@@ -52,12 +52,12 @@ pub struct TestArgs {
     /// names the hypothesis
     #[arg(help_heading = "Hypotheses", long, value_name = "CUE", required_unless_present = "hypotheses")]
     cue: Vec<String>,
-    /// A file of hypotheses (RON), each with a cue and, if it differs from --free, a list of free numbers:
+    /// A file of hypotheses (RON). Each has a cue and may have its own list of free numbers:
     /// Hypotheses(hypotheses: [(name: "a", cue: "germline", free: ["epsilon", "epsilon@somatic"])])
     #[arg(help_heading = "Hypotheses", long, value_name = "FILE.ron")]
     hypotheses: Option<PathBuf>,
     /// Numbers to fit: PARAMETER, PARAMETER@CLASS for a class of cells (germline, somatic or a founder), or PARAMETER@embryo, which varies
-    /// between embryos in the posterior; default all numbers of each cue; none for no number
+    /// between embryos in the posterior. The default is every number of the cue; "none" fits nothing
     ///
     /// A hypothesis without such a number does not have it. With epsilon,epsilon@P2 the cells of P2 have a number of their own and all
     /// other cells share one. Numbers of a cue are searched as by furrow fit cue, others over the range of

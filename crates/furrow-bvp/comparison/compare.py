@@ -12,7 +12,6 @@ reference. Times are the shortest of several runs.
 """
 
 import csv
-import os
 import statistics
 import subprocess
 import sys
@@ -21,6 +20,7 @@ import time
 import warnings
 
 import numpy as np
+from instructions import build
 from numpy import cosh, exp, pi, sin, sinh, sqrt
 from scipy.integrate import solve_bvp
 from scipy.special import erf
@@ -144,12 +144,7 @@ def by_scipy(number, e):
 
 def by_colnew(folder, source, tolerance):
     """All cases by COLNEW, as `by_scipy`."""
-    objects = [os.path.join(folder, name) for name in ("colnew.o", "problems.o")]
-    subprocess.run(["gfortran", "-O3", "-march=native", "-std=legacy", "-w", "-c", source, "-o", objects[0]], check=True)
-    problems = os.path.join(os.path.dirname(os.path.abspath(__file__)), "colnew.c")
-    subprocess.run(["gcc", "-O3", "-march=native", "-c", problems, "-o", objects[1]], check=True)
-    program = os.path.join(folder, "colnew")
-    subprocess.run(["gfortran", *objects, "-lblas", "-lm", "-o", program], check=True)
+    program = build(folder, source, "native")
     found = {}
     for line in subprocess.run([program, tolerance], check=True, capture_output=True, text=True).stdout.splitlines():
         number, e, flag, _, seconds, values = line.split(",")

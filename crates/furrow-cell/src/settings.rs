@@ -386,11 +386,12 @@ impl Settings {
         Err(InputError::not_allowed("--law", "law", shown(law.name()), allowed))
     }
 
-    /// Refuses a shell with a profile, for computations with ellipsoidal shells alone.
+    /// Refuses a law of the cell's own and a shell with a profile, for computations with the paper's model alone.
     ///
     /// # Errors
-    /// Names the profile; errors say that `what` was asked for.
-    pub fn check_ellipsoid(&self, what: &str) -> Result<(), InputError> {
+    /// Names the law or the profile; errors say that `what` was asked for.
+    pub fn check_paper_model(&self, what: &str) -> Result<(), InputError> {
+        self.check_paper_law(what)?;
         let Some(profile) = &self.cell.shell_profile else { return Ok(()) };
         let allowed = format!("{ELLIPSOID}, the shell without a table, for {what}");
         Err(InputError::not_allowed("settings", SHELL_PROFILE, shown(profile.name()), allowed))

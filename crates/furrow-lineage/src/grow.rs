@@ -322,7 +322,6 @@ impl<'a> Growth<'a> {
     fn settled<'d>(&mut self, index: usize, division: &'d Division) -> Option<Cow<'d, Division>> {
         let (own, asked) = (self.grower.settings.seed, self.seed(index));
         let Grower { lineage, settings, .. } = self.grower;
-        let alike = self.cells[index].cell(lineage, &settings.cell).is_mirror_symmetric();
         let Some(Sharing { waiting, .. }) = self.sharing.as_mut().filter(|sharing| sharing.first != own) else {
             return Some(Cow::Borrowed(division));
         };
@@ -330,7 +329,8 @@ impl<'a> Growth<'a> {
             waiting.insert(index, (division.clone(), false));
             return None;
         };
-        if !*differs && shared.agrees_with(division, alike) {
+        let alike = || self.cells[index].cell(lineage, &settings.cell).is_mirror_symmetric();
+        if !*differs && shared.agrees_with(division, alike()) {
             return waiting.remove(&index).map(|(shared, _)| Cow::Owned(shared));
         }
         *differs = true;

@@ -33,8 +33,7 @@ pub struct ConstantsArgs {
 }
 
 pub fn run(args: &ConstantsArgs, context: &Context) -> Result<(), CliError> {
-    context.settings.check_paper_law("constants fitted with it")?;
-    context.settings.check_ellipsoid("constants fitted with it")?;
+    context.settings.check_paper_model("constants fitted with it")?;
     let fit = Fit::new(&args.lineage, context)?;
     let targets = fit.targets(&args.targets)?;
     let picture = args.plot.file()?;

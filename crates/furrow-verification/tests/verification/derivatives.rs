@@ -17,6 +17,8 @@ use furrow_verification::report::within;
 use furrow_verification::states::{Draws, carried_past, cues, uneven_cell};
 use num_dual::Dual64;
 
+use crate::differences::{AT, difference_column, values};
+
 /// A random state away from the axis, with (L, p).
 fn state(components: usize, draws: &mut Draws) -> (Vec<f64>, [f64; 2]) {
     let mut y: Vec<f64> = (0..components).map(|_| draws.between(-1.0, 1.0)).collect();
@@ -26,23 +28,12 @@ fn state(components: usize, draws: &mut Draws) -> (Vec<f64>, [f64; 2]) {
     (y, [draws.between(6.0, 8.0), draws.between(0.0, 3.0)])
 }
 
-/// One point of a random moving cell.
-const AT: CollocationPoint = CollocationPoint { x: 0.41, index: 0 };
-
 /// A moving cortex with uneven activity.
 fn cortex(cue: &str, free: &[Parameter]) -> Cortex {
     let mut cortex = Cortex::new(&uneven_cell(2.3, 21.0, cue).unwrap(), Domain::Full, free);
     (cortex.rate, cortex.past, cortex.noise) = (3.0, vec![[1.1, -0.2]], vec![1.03]);
     cortex.carried_past = vec![Carried { amount: 8.3, r_u: 5.1, z_u: -2.7 }];
     cortex
-}
-
-/// Right-hand sides and integrand at a state, in one vector.
-fn values(cortex: &Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
-    let (mut f, mut g) = (vec![0.0; y.len()], vec![0.0]);
-    cortex.rhs(AT, y, p, &mut f, &mut g);
-    f.extend(g);
-    f
 }
 
 /// The solved equations agree with the independent statement of the balance of forces.
@@ -104,7 +95,8 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
             }
             for k in 0..n + np {
                 let dual = dual_column(&cortex, &y, &p, k);
-                let difference = difference_column(&mut cortex, &y, &p, k);
+                let step = if k < n { 1e-3 } else { 1e-4 * p[k - n].abs().max(0.1) };
+                let difference = difference_column(&mut cortex, &y, &p, k, step);
                 cortex.prepare(&p);
                 for i in 0..=n {
                     let exact = jacobian[k][i];
@@ -207,24 +199,6 @@ fn dual_column_of<const N: usize>(cortex: &Cortex, y: &[f64], p: &[f64], k: usiz
     let motion = BdfTerm { rate: cortex.rate, r_past, z_past, carried_past: cortex.carried_past[0] };
     let (f, g) = equations(&constants, AT.x, motion, 1.03, &lifted, unit(n, p[0]), unit(n + 1, p[1]));
     f.iter().chain([&g]).map(|f| f.eps).collect()
-}
-
-/// One of them by differences of fourth order.
-fn difference_column(cortex: &mut Cortex, y: &[f64], p: &[f64], k: usize) -> Vec<f64> {
-    let h = 1e-3;
-    let mut at = |steps: f64| {
-        let n = y.len();
-        let (mut y, mut p) = (y.to_vec(), p.to_vec());
-        match k.checked_sub(n) {
-            None => y[k] += steps * h,
-            Some(k) => p[k] += steps * h * p[k].abs().max(0.1) / 10.0,
-        }
-        cortex.prepare(&p);
-        values(cortex, &y, &p)
-    };
-    let h = if k < y.len() { h } else { h * p[k - y.len()].abs().max(0.1) / 10.0 };
-    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(&mut at);
-    (0..a.len()).map(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * h)).collect()
 }
 
 /// Conditions at both ends.

@@ -2,6 +2,7 @@
 
 mod decisions;
 mod derivatives;
+mod differences;
 mod growth_rates;
 mod manufactured;
 mod own_laws;

@@ -1,7 +1,6 @@
 //! Laws of active stress as text: virtual power on computed shapes with the law stated again here, and derivatives against
 //! differences on random states.
 
-use furrow_bvp::{BoundaryValueProblem, CollocationPoint, PointJacobian};
 use furrow_cell::{Cell, Law, Parameter};
 use furrow_mechanics::cortex::equations::{Carried, PHI, PSI, R};
 use furrow_mechanics::cortex::{Cortex, Domain};
@@ -9,6 +8,8 @@ use furrow_verification::contour::{Computed, Place};
 use furrow_verification::report::within;
 use furrow_verification::states::{Draws, moving, resting, uneven_cell};
 use furrow_verification::virtual_power::{Motion, motions, power};
+
+use crate::differences::largest_error;
 
 /// A law as text, and the same in Rust: T_uu and T_φφ at a place, M of C with its integral, and the normal force. Numbers of the
 /// cell are g ξ_s and g ξ_b at the place.
@@ -156,17 +157,6 @@ fn forces_of_own_laws_do_no_work_at_rest_and_in_motion() {
     within("virtual power of own laws", largest, 1e-8);
 }
 
-/// One point of a random moving cell.
-const AT: CollocationPoint = CollocationPoint { x: 0.41, index: 0 };
-
-fn values(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
-    let (mut f, mut g) = (vec![0.0; y.len()], vec![0.0]);
-    cortex.prepare(p);
-    cortex.rhs(AT, y, p, &mut f, &mut g);
-    f.extend(g);
-    f
-}
-
 #[test]
 fn jacobians_of_own_laws_are_their_differences() {
     let (mut draws, mut largest) = (Draws(11), 0.0f64);
@@ -184,31 +174,7 @@ fn jacobians_of_own_laws_are_their_differences() {
             (y[R], y[PSI]) = (draws.between(0.5, 2.0), draws.between(0.1, 3.0));
             let mut p = vec![draws.between(6.0, 8.0), draws.between(0.0, 3.0)];
             p.extend(free.iter().map(|parameter| parameter.get(&cell)));
-            let mut room = [n, n * n, n * p.len(), 1, n, p.len()].map(|size| vec![0.0; size]);
-            let [f, fy, fp, g, gy, gp] = room.each_mut().map(|values| &mut values[..]);
-            cortex.prepare(&p);
-            cortex.rhs_jacobian(AT, &y, &p, &mut PointJacobian { f, fy, fp, g, gy, gp });
-            for k in 0..n + p.len() {
-                let exact: Vec<f64> = match k.checked_sub(n) {
-                    None => (0..n).map(|i| room[1][i * n + k]).chain([room[4][k]]).collect(),
-                    Some(j) => (0..n).map(|i| room[2][i * p.len() + j]).chain([room[5][j]]).collect(),
-                };
-                let mut at = |step: f64| {
-                    let (mut y, mut p) = (y.clone(), p.clone());
-                    if k < n {
-                        y[k] += step
-                    } else {
-                        p[k - n] += step
-                    }
-                    values(&mut cortex, &y, &p)
-                };
-                let step = 1e-4;
-                let [far, before, after, beyond] = [-2.0, -1.0, 1.0, 2.0].map(|steps| at(steps * step));
-                for (k, exact) in exact.into_iter().enumerate() {
-                    let slope = (8.0 * (after[k] - before[k]) - (beyond[k] - far[k])) / (12.0 * step);
-                    largest = largest.max((slope - exact).abs() / (1.0 + exact.abs()));
-                }
-            }
+            largest = largest.max(largest_error(&mut cortex, &y, &p, 1e-4));
         }
     }
     within("own laws by differences", largest, 1e-6);

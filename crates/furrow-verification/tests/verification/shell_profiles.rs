@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use furrow_bvp::{BoundaryValueProblem, CollocationPoint, PointJacobian};
+use furrow_bvp::BoundaryValueProblem;
 use furrow_cell::{Cell, Parameter, ShellProfile};
 use furrow_mechanics::cortex::equations::{COMPONENTS, PSI, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
@@ -11,6 +11,8 @@ use furrow_verification::balance::rates;
 use furrow_verification::report::within;
 use furrow_verification::states::{Draws, moving, resting, uneven_cell};
 use furrow_verification::virtual_power::{Power, motions, power};
+
+use crate::differences::{AT, largest_error, values};
 
 /// r = sin θ √(1 + kx), z = 1.4 x with x = cos θ.
 pub fn egg(k: f64) -> ShellProfile {
@@ -26,16 +28,6 @@ pub fn egg(k: f64) -> ShellProfile {
 fn cells(xi_s: f64) -> Vec<Cell> {
     let of = |cue| uneven_cell(2.0, xi_s, cue).unwrap().with_shell_profile(egg(0.25));
     ["none", "kappa:band,u0=0.44,omega=0.3,amplitude=0.1"].map(of).to_vec()
-}
-
-const AT: CollocationPoint = CollocationPoint { x: 0.41, index: 0 };
-
-fn values(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
-    let (mut f, mut g) = (vec![0.0; y.len()], vec![0.0]);
-    cortex.prepare(p);
-    cortex.rhs(AT, y, p, &mut f, &mut g);
-    f.extend(g);
-    f
 }
 
 fn state(draws: &mut Draws) -> [f64; COMPONENTS] {
@@ -55,7 +47,8 @@ fn the_equations_are_those_of_the_second_statement() {
             let (y, p) = (state(&mut draws), [draws.between(6.0, 8.0), draws.between(0.0, 3.0)]);
             let [r_t, z_t] = [y[R] - 1.1, y[Z] + 0.2].map(|d| 3.0 * d);
             let expected = rates::<_, COMPONENTS>(&cell, AT.x, p[0], p[1], 1.03, &y, [r_t, z_t, 0.0]);
-            for (found, expected) in values(&mut cortex, &y, &p).iter().zip(expected) {
+            cortex.prepare(&p);
+            for (found, expected) in values(&cortex, &y, &p).iter().zip(expected) {
                 largest = largest.max((found / p[0] - expected).abs() / (1.0 + expected.abs()));
             }
         }
@@ -70,36 +63,11 @@ fn jacobians_are_differences() {
     for cell in cells(21.0) {
         let mut cortex = Cortex::new(&cell, Domain::Full, &free);
         (cortex.rate, cortex.past, cortex.noise) = (3.0, vec![[1.1, -0.2]], vec![1.03]);
-        let n = COMPONENTS;
         for _ in 0..5 {
             let y = state(&mut draws);
             let mut p = vec![draws.between(6.0, 8.0), draws.between(0.0, 3.0)];
             p.extend(free.iter().map(|parameter| parameter.get(&cell)));
-            let mut room = [n, n * n, n * p.len(), 1, n, p.len()].map(|size| vec![0.0; size]);
-            let [f, fy, fp, g, gy, gp] = room.each_mut().map(|values| &mut values[..]);
-            cortex.prepare(&p);
-            cortex.rhs_jacobian(AT, &y, &p, &mut PointJacobian { f, fy, fp, g, gy, gp });
-            for k in 0..n + p.len() {
-                let exact: Vec<f64> = match k.checked_sub(n) {
-                    None => (0..n).map(|i| room[1][i * n + k]).collect(),
-                    Some(j) => (0..n).map(|i| room[2][i * p.len() + j]).collect(),
-                };
-                let mut at = |step: f64| {
-                    let (mut y, mut p) = (y, p.clone());
-                    if k < n {
-                        y[k] += step
-                    } else {
-                        p[k - n] += step
-                    }
-                    values(&mut cortex, &y, &p)
-                };
-                let step = 5e-5;
-                let [far, before, after, beyond] = [-2.0, -1.0, 1.0, 2.0].map(|steps| at(steps * step));
-                for (k, exact) in exact.into_iter().enumerate() {
-                    let slope = (8.0 * (after[k] - before[k]) - (beyond[k] - far[k])) / (12.0 * step);
-                    largest = largest.max((slope - exact).abs() / (1.0 + exact.abs()));
-                }
-            }
+            largest = largest.max(largest_error(&mut cortex, &y, &p, 5e-5));
         }
     }
     within("profiles by differences", largest, 1e-6);
