@@ -107,7 +107,8 @@ def tree_schema() -> dict[str, Any]:
 
 def merge(parts: Sequence[str | os.PathLike[str]], *, out: str | os.PathLike[str]) -> int:
     """Merges the folders of a sweep's parts, written by ``furrow.sweep(shard=(k, n), out=…)``, into the files of the whole
-    sweep. Returns the number of points."""
+    sweep, or the tables (``.csv``) of the parts of a sample, written by ``Hypotheses.save_samples`` after
+    ``furrow.test(shard=(k, n))``, into one with weights. Returns the number of points."""
     if isinstance(parts, (str, os.PathLike)):
-        raise refused("parts", parts, "a list of folders")
+        raise refused("parts", parts, "a list of folders or tables")
     return _furrow.merge([path_of("parts", part) for part in parts], path_of("out", out))

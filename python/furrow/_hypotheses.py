@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, number_of, optional_path, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, number_of, optional_path, path_of, refused, seed_of, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
@@ -23,9 +23,17 @@ if TYPE_CHECKING:
 class Hypotheses(Drawn):
     """Hypotheses beside each other: the output of ``furrow test --json``."""
 
-    def __init__(self, found: Mapping[str, Any], drawing: Drawing, points: list[list[list[float]]]) -> None:
+    def __init__(self, found: Mapping[str, Any], drawing: Drawing, samples: tuple[list[list[list[float]]], str]) -> None:
         super().__init__(found, drawing)
-        self._points = points
+        self._points, self._table = samples
+
+    def save_samples(self, path: str | os.PathLike[str]) -> None:
+        """Writes the samples of all hypotheses as a table (CSV), which ``furrow.grow(constants=…)`` reads, or
+        :func:`furrow.merge` the tables of all parts."""
+        if not any(self._points):
+            raise refused("samples", None, "given in the test")
+        with open(path_of("path", path), "w", encoding="utf-8", newline="") as file:
+            file.write(self._table)
 
     def samples_to_pandas(self, hypothesis: str | None = None) -> pd.DataFrame:
         """The sample of a hypothesis, by default of the first: one column per number, one row per point."""
@@ -50,7 +58,7 @@ class Hypotheses(Drawn):
 
     def cells_to_pandas(self) -> pd.DataFrame:
         """One row per cell and hypothesis: what was measured, and χ of the model, missing where the cell does not divide."""
-        names = ("cell", "n", "measured", "sd", "r0", "chi", "log_likelihood")
+        names = ("cell", "n", "measured", "sd", "r0", "chi", "has_cue", "log_likelihood")
         rows = [(tested["name"], *(cell[name] for name in names)) for tested in self["hypotheses"] for cell in tested["cells"]]
         return frame({name: [row[k] for row in rows] for k, name in enumerate(("hypothesis", *names))})
 
@@ -89,6 +97,7 @@ def test(
     noise: Literal["given", "common", "replicates"] | None = None,
     cells: Sequence[str] | None = None,
     population: Sequence[str] | None = None,
+    class_columns: Sequence[str] = (),
     voxel: OfEmbryos | None = None,
     names: Table | None = None,
     root: str | Sequence[str] | None = None,
@@ -101,6 +110,7 @@ def test(
     moves: SupportsIndex | None = None,
     seed: SupportsIndex = 0,
     samples: SupportsIndex | None = None,
+    shard: tuple[SupportsIndex, SupportsIndex] | None = None,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
@@ -116,8 +126,9 @@ def test(
     ``"name=CUE"`` names a hypothesis, or cues by name. ``free`` lists the numbers that are fitted, such as ``cue.amplitude`` or
     ``epsilon@somatic``; by default all numbers of each cue, and none for an empty list. ``noise`` says where the errors of χ come
     from, ``cells`` and ``population`` which cells and groups are used. ``names`` and ``root`` match cells with other names than
-    the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``samples`` draws so many
-    points of each posterior.
+    the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``class_columns``
+    are columns whose texts, joined, name the class of cells of the lineage that each mother is one of. ``samples`` draws so many
+    points of each posterior; ``shard=(k, n)`` draws part k of n, each of so many points, for :func:`furrow.merge`.
 
     ``hypotheses`` is a file of more hypotheses, which may have free numbers of their own. ``rounds`` also uses the mean rounds of
     founders that the lineage has as observed, with this standard deviation in rounds. ``lifetimes`` is a table of
@@ -135,6 +146,7 @@ def test(
         "noise": None if noise is None else text_of("noise", noise),
         "cells": None if cells is None else _texts("cells", cells),
         "population": None if population is None else _texts("population", population),
+        "class": _texts("class_columns", class_columns),
         "voxel": of_embryos("voxel", voxel),
         "matching": matching_of(names, root),
         "unit": None if unit is None else text_of("unit", unit),
@@ -147,8 +159,9 @@ def test(
             seed_of(seed),
         ),
         "samples": None if samples is None else whole("samples", samples, 20, 100_000),
+        "shard": None if shard is None else (whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000)),
     }
     known = shared_memo() if memo is None else memo
     with shown(progress, "candidates") as tell:
-        found, drawing, points = _furrow.test(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
-    return Hypotheses(found, drawing, points)
+        found, drawing, samples_of = _furrow.test(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
+    return Hypotheses(found, drawing, samples_of)

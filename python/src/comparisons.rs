@@ -94,7 +94,7 @@ impl VolumesAsked {
         });
         let (group, names) = (group.clone(), names.clone());
         let voxel = of_embryos("voxel", &self.voxel, "a length in µm above 0")?;
-        let options = ReadOptions { voxel, group, unit: unit.transpose()?, names };
+        let options = ReadOptions { voxel, group, unit: unit.transpose()?, names, class: Vec::new() };
         if let Some(text) = text {
             volumes.read(text.as_bytes(), "volumes", &options)?;
         }

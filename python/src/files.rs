@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use furrow_analysis::hypotheses::{MergedSample, merge_parts};
 use furrow_analysis::reproduce::measured::measured_divisions;
 use furrow_analysis::reproduce::paper::selected;
 use furrow_analysis::reproduce::{Context, ReproduceError, reproduce as reproduced};
@@ -9,6 +10,7 @@ use furrow_analysis::sweep_files::merge as merged;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot;
 use furrow_formats::files::{FileSet, WriteError};
+use furrow_formats::write_atomically;
 use furrow_lineage::TEMPLATE;
 use furrow_lineage::batch::store::maintenance;
 use furrow_report::reproduction::{markdown, stage};
@@ -73,13 +75,18 @@ pub fn cache(py: Python<'_>, folder: PathBuf, action: &str) -> Result<Document, 
     py.detach(|| Document::of(run(&folder)?))
 }
 
-/// Merges the folders of a sweep's parts; returns the number of points.
+/// Merges the folders of a sweep's parts, or the tables (CSV) of the parts of a sample; returns the number of points.
 #[pyfunction]
 pub fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf) -> Result<usize, Error> {
     py.detach(|| {
         let whole = |path: &PathBuf| path.canonicalize().unwrap_or_else(|_| path.clone());
         if parts.is_empty() || parts.iter().any(|part| whole(part) == whole(&out)) {
-            return Err(Error::not_allowed("out", out.display(), "another folder than those of the parts"));
+            return Err(Error::not_allowed("out", out.display(), "another place than those of the parts"));
+        }
+        if parts.iter().any(|part| part.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))) {
+            let MergedSample { csv, points, .. } = merge_parts(&parts)?;
+            write_atomically(&out, csv.as_bytes()).map_err(Error::system)?;
+            return Ok(points);
         }
         let table = merged(&parts)?;
         table.write(&out).map_err(Error::system)?;

@@ -4,7 +4,8 @@ use furrow_analysis::fit::{FitProgress, FitRun};
 use furrow_analysis::hypotheses::free::Free;
 use furrow_analysis::hypotheses::observations::Chosen;
 use furrow_analysis::hypotheses::{
-    Effort, Hypothesis, Named, Noise, NoiseKind, Observations, Others, Question, TestedHypothesis, test as tested,
+    Effort, Hypothesis, Named, Noise, NoiseKind, Observations, Others, Question, TestedHypothesis, samples_csv,
+    test as tested,
 };
 use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
@@ -21,7 +22,7 @@ use std::path::PathBuf;
 use crate::document::Document;
 use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, MatchAsked, OfEmbryos, Tables, lineage_of, matched_names, of_embryos};
+use crate::inputs::{Given, MatchAsked, OfEmbryos, Tables, lineage_of, matched_names, of_embryos, shard_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::one_of;
@@ -39,6 +40,7 @@ pub struct TestAsked {
     noise: Option<String>,
     cells: Option<Vec<String>>,
     population: Option<Vec<String>>,
+    class: Vec<String>,
     voxel: OfEmbryos,
     matching: MatchAsked,
     unit: Option<String>,
@@ -50,6 +52,8 @@ pub struct TestAsked {
     search: (Option<usize>, Option<u64>, u64),
     /// Points of each sample.
     samples: Option<usize>,
+    /// Part and number of parts of a sample.
+    shard: Option<(u64, u64)>,
 }
 
 impl TestAsked {
@@ -86,7 +90,7 @@ impl TestAsked {
         let unit = self.unit.as_deref().map(|unit| {
             unit.parse::<Unit>().map_err(|_| Error::not_allowed("unit", shown(unit), "um3, voxels or relative"))
         });
-        let reading = ReadOptions { voxel, unit: unit.transpose()?, names, ..ReadOptions::default() };
+        let reading = ReadOptions { voxel, unit: unit.transpose()?, names, class: self.class.clone(), group: None };
         let chosen = Chosen { cells: self.cells.as_deref(), groups: self.population.as_deref() };
         let (files, text) = &self.table;
         let Some(text) = text else {
@@ -100,8 +104,8 @@ impl TestAsked {
     }
 }
 
-/// The samples of all hypotheses: the numbers of each point.
-type Samples = Vec<Vec<Vec<f64>>>;
+/// The samples of all hypotheses: the numbers of each point, and all as a table (CSV).
+type Samples = (Vec<Vec<Vec<f64>>>, String);
 
 /// Several cues, each fitted to measured χ, and whether they are distinguishable.
 #[pyfunction]
@@ -127,7 +131,9 @@ pub fn test(
         let (particles, moves, seed) = asked.search;
         let effort = Effort { particles, moves, seed };
         let (observations, hypotheses, noise, memo) = (&observations, &hypotheses, &noise, &memo);
-        let sampling = asked.samples.map(|particles| Sampling { particles, seed });
+        let shard = asked.shard.map(shard_of).transpose()?;
+        let of_part = shard.map_or(seed, |shard| shard.seed(seed));
+        let sampling = asked.samples.map(|particles| Sampling { particles, seed: of_part });
         let question = Question { observations, hypotheses, noise, effort, sampling, memo };
         question.check(ARGUMENTS)?;
         let show = |FitProgress { done, of, .. }| watch.set([0, done, of]);
@@ -135,6 +141,8 @@ pub fn test(
         let found = tested(&run, &question)?;
         let points = |tested: &TestedHypothesis| tested.posterior.as_ref().map_or(Vec::new(), |p| p.points.clone());
         let points = found.hypotheses.iter().map(points).collect();
-        Ok((Document::of(&found)?, Drawing::of(plot::hypotheses::draw(&found)), points))
+        let sampled = found.hypotheses.iter().filter_map(|of| Some((of.name.as_str(), of.posterior.as_ref()?)));
+        let csv = samples_csv(sampled, shard);
+        Ok((Document::of(&found)?, Drawing::of(plot::hypotheses::draw(&found)), (points, csv)))
     })
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use furrow_analysis::Shard;
 use furrow_analysis::compare::names_of;
 use furrow_cell::settings::{self, Overrides, Settings, Value, canonical_name};
 use furrow_cell::{Cell, Cue, CueError, Law, Numerics};
@@ -364,4 +365,9 @@ pub fn parameter_names() -> Vec<(&'static str, &'static str)> {
 #[pyfunction]
 pub fn presets() -> Vec<&'static str> {
     settings::presets().collect()
+}
+
+/// Part `number` of `of` of a sweep or a sample.
+pub fn shard_of((number, of): (u64, u64)) -> Result<Shard, Error> {
+    Shard::new(number, of).map_err(|allowed| Error::not_allowed("shard", format!("({number}, {of})"), allowed))
 }

@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
-use furrow_analysis::{AxisValue, Kind, ListedSweep, Row, Run, Shard, Sweep, SweepProgress, SweepResult};
+use furrow_analysis::{AxisValue, Kind, ListedSweep, Row, Run, Sweep, SweepProgress, SweepResult};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::Given;
+use crate::inputs::{Given, shard_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::one_of;
@@ -76,10 +76,7 @@ pub fn sweep<'py>(
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Table<'py>, Error> {
-    let shard = shard.map(|(number, of)| {
-        let not_allowed = |allowed| Error::not_allowed("shard", format!("({number}, {of})"), allowed);
-        Shard::new(number, of).map_err(not_allowed)
-    });
+    let shard = shard.map(shard_of);
     let (shard, memo) = (shard.transpose()?, memo.solved()?);
     let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let sweep = asked.read(&given)?;

@@ -214,13 +214,14 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "test": (
         "furrow.test",
         {"<TABLE>": "furrow.test(table)", "--cue": "furrow.test(cues)", "--plot": "furrow.Hypotheses.save(path)"}
-        | {"--samples": "furrow.test(samples)", "--posterior": "furrow.Hypotheses.samples_to_pandas(hypothesis)"}
+        | {"--samples": "furrow.test(samples)", "--posterior": "furrow.Hypotheses.save_samples(path)"}
         | {
             f"--{name}": f"furrow.test({name})"
             for name in ("free", "noise", "cells", "population", "voxel", "unit", "lineage", "particles", "moves", "seed")
         }
         | {f"--{name}": f"furrow.test({name})" for name in ("names", "root", "hypotheses", "rounds", "lifetimes")}
-        | {"--lifetime-sd": "furrow.test(lifetime_sd)", "--shard": "seed=, and weights by exp(log_evidence) of each posterior"},
+        | {"--lifetime-sd": "furrow.test(lifetime_sd)", "--shard": "furrow.test(shard)"}
+        | {"--class": "furrow.test(class_columns)"},
     ),
     "compare": ("furrow.compare", {}),
     "compare counts": (

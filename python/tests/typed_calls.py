@@ -124,6 +124,8 @@ def observed(table: pd.DataFrame, tree: furrow.Tree, outlines: list[Floats]) -> 
     assert_type(furrow.fit.clock(table, frame_minutes=2).ron, str)
     tested = furrow.test(table, ["none", "germline"], free=["cue.amplitude"], noise="given", cells=["P0"], unit="um3", voxel=1)
     assert_type(tested, furrow.Hypotheses)
+    sampled = furrow.test(table, ["germline"], free=["cue.amplitude"], class_columns=["class"], samples=20, shard=(1, 2))
+    assert_type(sampled.save_samples("part.csv"), None)
     for rows in (tested.to_pandas(), tested.pairs_to_pandas(), tested.cells_to_pandas()):
         assert_type(rows, pd.DataFrame)
 

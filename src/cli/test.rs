@@ -60,7 +60,7 @@ pub struct TestArgs {
     /// between embryos in the posterior. The default is every number of the cue; "none" fits nothing
     ///
     /// A hypothesis without such a number does not have it. With epsilon,epsilon@P2 the cells of P2 have a number of their own and all
-    /// other cells share one. Numbers of a cue are searched as by furrow fit cue, others over the range of
+    /// other cells share one. r0 is that of the first cell, and all given radii change with it: L_h is free. Numbers of a cue are searched as by furrow fit cue, others over the range of
     /// furrow solve; PARAMETER@CLASS=FROM..TO gives another range.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]
     free: Option<Vec<String>>,
@@ -77,6 +77,10 @@ pub struct TestArgs {
     /// Groups of the table that are used; default all
     #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
     population: Option<Vec<String>>,
+    /// Columns whose texts, joined, name the class of cells of the lineage that each mother is one of: population,generation for Mac6,
+    /// Mac7, .. Tables of divisions and of χ
+    #[arg(help_heading = "Measurements", long, value_name = "COLUMN,..", value_delimiter = ',')]
+    class: Vec<String>,
     /// Edge of a voxel in µm, which converts voxels to µm³; of one embryo with its name
     #[arg(help_heading = "Measurements", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo)]
     voxel: Vec<OfEmbryo>,
@@ -203,7 +207,7 @@ const PUBLISHED: &str = "published";
 /// The measured χ of the table, or of a file of targets.
 fn observations(args: &TestArgs, files: &[EmbryoFile], lineage: &Lineage) -> Result<Observations, CliError> {
     let (voxel, names) = (voxels(&args.voxel)?, args.matching.names(lineage)?);
-    let reading = ReadOptions { voxel, group: None, unit: args.unit, names };
+    let reading = ReadOptions { voxel, group: None, unit: args.unit, names, class: args.class.clone() };
     let chosen = Chosen { cells: args.cells.as_deref(), groups: args.population.as_deref() };
     let observations = Observations::read(files, &reading, lineage, chosen, ["--cells", "--population"])?;
     if observations.of_nuclei {

@@ -127,6 +127,44 @@ fn founders_stop_after_their_rounds_and_named_cells_die() {
     assert_eq!(ended(&tree, |reason| *reason == TerminalReason::MaxDepth { max_depth: 5 }).len(), 13);
 }
 
+/// A neuroblast: the cue goes to the larger daughter at each division, and her sisters divide once.
+#[test]
+fn a_cue_passes_to_the_larger_daughter_alone() {
+    let text = |more: &str| {
+        format!(
+            r#"(name: "x", limits: (max_depth: 4), cues: {{"basal": "tension:gradient,amplitude=0.3"}},
+                founders: [(name: "N", r0: 4.0, cue: "basal"{more})])"#
+        )
+    };
+    let passes = ", cue_passes_to: larger, rounds_without_cue: 1";
+    let lineage = Lineage::parse(&text(passes), "x.ron").unwrap();
+    let unequal_with_cue = |input: &DivisionInput| {
+        let outcome = if input.cell.cue.is_none() { (Outcome::Symmetric, 0.0) } else { (Outcome::Asymmetric, 0.5) };
+        Ok(division(input.cell.r0, outcome.0, outcome.1))
+    };
+    let tree = grow_with(&lineage, 2, unequal_with_cue).0;
+    assert_eq!(tree_to_json(&tree).unwrap(), tree_to_json(&grow_with(&lineage, 1, unequal_with_cue).0).unwrap());
+    let carrying: Vec<_> = tree.cells().filter(|id| tree.cue_name(*id) == "basal").collect();
+    assert_eq!(carrying.len(), 5, "one in each generation");
+    for id in tree.cells() {
+        assert_eq!(tree.cue_name(id) == "none", tree.cell(id).cue.is_none());
+        let heirs = tree.daughters(id).map(|pair| pair.map(|daughter| carrying.contains(&daughter)));
+        let larger = tree.daughters(id).map(|[a, p]| tree.cell(a).r0 > tree.cell(p).r0);
+        if let (Some(heirs), Some(is_anterior_larger), true) = (heirs, larger, carrying.contains(&id)) {
+            assert_eq!(heirs, [is_anterior_larger, !is_anterior_larger], "{}", tree.cell(id).name);
+        }
+    }
+    // Sisters of the first three neuroblasts divide once within four generations.
+    assert_eq!(ended(&tree, |reason| *reason == TerminalReason::MostRounds { most_rounds: 1 }).len(), 4);
+    for (more, expected) in [
+        (", inherit: false, cue_passes_to: larger", "cue_passes_to = larger: must be left out where"),
+        (", rounds_without_cue: 1", "rounds_without_cue = 1: must be left out without cue_passes_to"),
+    ] {
+        let refused = Lineage::parse(&text(more), "x.ron").unwrap_err().to_string();
+        assert!(refused.contains(expected), "{refused}");
+    }
+}
+
 #[test]
 fn limits_end_a_tree_that_does_not() {
     let grown = |limits: &str, threads| {

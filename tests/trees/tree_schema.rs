@@ -42,7 +42,8 @@ const EVERYTHING: &str = r#"Lineage(
                          (parameter: "kappa", value: 1), (parameter: "eta_b", value: 1), (parameter: "eta_s", value: 1),
                          (parameter: "friction", value: 1), (parameter: "tension", add: 0.01),
                          (parameter: "spontaneous_curvature", add: 0.01), (parameter: "normal_friction", add: 0.01)]),
-        (name: "T", mother: "S", daughter: smaller, most_rounds: 2, growth: 1.1),
+        (name: "T", mother: "S", daughter: smaller, most_rounds: 2, growth: 1.1, cue: "kappa", cue_passes_to: smaller,
+         rounds_without_cue: 3),
     ],
 )"#;
 

@@ -41,8 +41,8 @@ pub fn diagram_with_bent(
 /// [`boundary`], with the curves where bent states begin and where they end if the numerics have azimuthal modes.
 ///
 /// # Errors
-/// As of [`boundary`], and of the critical radius of bent states; where no bent states are stable at the first value of the range, a
-/// warning says so.
+/// As of [`boundary`], and of the critical radius; a warning says which of the two, with or without axial symmetry, cannot be found if the
+/// other one can, and where no bent states are stable at the first value of the range.
 pub fn boundary_with_bent(
     cell: &Cell,
     numerics: &Numerics,
@@ -50,10 +50,18 @@ pub fn boundary_with_bent(
     range: [f64; 2],
     options: BoundaryOptions,
 ) -> Result<BoundaryStudy, ShapeError> {
-    let mut found = boundary(cell, &Numerics { modes: 0, ..*numerics }, parameter, range, options)?;
+    let axisymmetric = |options| boundary(cell, &Numerics { modes: 0, ..*numerics }, parameter, range, options);
     if numerics.modes == 0 {
-        return Ok(found);
+        return axisymmetric(options);
     }
+    let mut found = match axisymmetric(options) {
+        Err(error) if options.critical => {
+            let mut found = axisymmetric(BoundaryOptions { critical: false, ..options })?;
+            found.warnings.push(format!("with axial symmetry: {error}"));
+            found
+        }
+        found => found?,
+    };
     let begin = thresholds(cell, numerics, parameter, range, &mut found.warnings);
     let ends = curves(cell, numerics, parameter, range, &mut found.warnings).unwrap_or_else(|error| {
         found.warnings.push(format!("no curves that end bent states: {error}"));
@@ -61,7 +69,13 @@ pub fn boundary_with_bent(
     });
     found.bent = Some(std::iter::once((THRESHOLD, begin)).chain(ends).collect());
     if options.critical && parameter == Parameter::R0 {
-        let critical = bent_curves::critical_radius(cell, numerics, &StepBudget::unlimited())?;
+        let critical = match bent_curves::critical_radius(cell, numerics, &StepBudget::unlimited()) {
+            Err(error) if found.critical.is_some() => {
+                found.warnings.push(format!("without axial symmetry: {error}"));
+                return Ok(found);
+            }
+            critical => critical?,
+        };
         found.warnings.extend(trials(cell, numerics, (critical.kind, critical.r0), &bent_curves::WITHOUT_AXIS));
         found.bent_critical = Some(CurvePoint {
             r0: critical.r0,

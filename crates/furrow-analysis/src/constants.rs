@@ -92,6 +92,10 @@ impl Constants {
         values.sort_by_key(|constant| std::cmp::Reverse(size(&constant.class)));
         for Constant { parameter, class, value } in values {
             if class.is_none() {
+                if *parameter == Parameter::R0 {
+                    let first = lineage.given_r0(lineage.first()).unwrap_or(settings.cell.r0);
+                    lineage.scale_radii(value / first);
+                }
                 parameter.set(&mut settings.cell, *value);
             }
             if parameter.is_of_cue() {

@@ -108,7 +108,7 @@ pub fn germline(lineage: &Lineage, settings: &Settings) -> Result<Vec<NamedCell>
     let mut before: Option<Division> = None;
     while let Some((founder, r0)) = next.take() {
         let name = lineage.founders[founder].name.clone();
-        let place = Place { founder, round: 0, generation: lineage.generation(founder), r0 };
+        let place = Place { founder, round: 0, generation: lineage.generation(founder), r0, apart: 0 };
         let mut cell = Cell { r0, cue: lineage.cue_at(place), ..settings.cell.clone() };
         let mother = cells.last().map(|mother| Mother::of(&mother.cell, before.as_ref()));
         let failed_rule = |why| PolarityStudyError::Rule { name: name.clone(), why };

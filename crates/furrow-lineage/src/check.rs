@@ -264,6 +264,11 @@ impl Check<'_> {
         }
         let allowed = "left out where the founder has no cue; cue_rules say themselves which generations they are for";
         self.require(f, f.inherit || f.cue.is_some(), "inherit", "false", allowed)?;
+        let (word, passes) = (f.cue_passes_to.map_or("(not given)", Daughter::word), f.cue_passes_to.is_some());
+        let allowed = "left out where the founder has no cue or inherit is false";
+        self.require(f, !passes || f.inherit && f.cue.is_some(), "cue_passes_to", word, allowed)?;
+        let (rounds, allowed) = (f.rounds_without_cue, "left out without cue_passes_to");
+        self.require(f, passes || rounds.is_none(), "rounds_without_cue", rounds.unwrap_or(0), allowed)?;
         self.rules(&|| self.place(&f.name, 0), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
         let field = format!("founder {}: physics_rules", shown(&f.name));
         self.physics_rules(&|| self.place(&f.name, 0), &field, &f.physics_rules)?;
@@ -349,7 +354,7 @@ impl Check<'_> {
         for (i, f) in founders.iter().enumerate() {
             let (Some(m), Some(daughter)) = (mother[i], f.daughter) else { continue };
             if let Some(other) = taken.insert((m, daughter == Daughter::Larger), i) {
-                let which = if daughter == Daughter::Larger { "larger" } else { "smaller" };
+                let which = daughter.word();
                 let allowed =
                     format!("the other one: {} is already the {which} daughter", shown(&founders[other].name));
                 return Err(self.founder_error(f, "daughter", which, allowed));

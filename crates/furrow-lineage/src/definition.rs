@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::clock::{Clock, FounderClock, Lifetimes};
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
-use super::rules::{PhysicsRule, Span};
+use super::rules::{PhysicsRule, Place, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
@@ -32,6 +32,16 @@ pub enum Daughter {
     Smaller,
 }
 
+impl Daughter {
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Daughter::Larger => "larger",
+            Daughter::Smaller => "smaller",
+        }
+    }
+}
+
 /// One founder cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -51,6 +61,13 @@ pub struct Founder {
     /// Whether its descendants inherit its cue.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub inherit: bool,
+    /// The daughter that inherits the cue, at each division of a cell that has it; both if not given. Of equal daughters the anterior
+    /// one counts as the larger.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cue_passes_to: Option<Daughter>,
+    /// Most rounds of division of cells that `cue_passes_to` left without the cue, counted from the first of each line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rounds_without_cue: Option<u32>,
     /// In place of `cue`: the cues of the founder and its descendants, by the first rule that applies. Generations are
     /// counted from the founder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -117,19 +134,6 @@ impl CueRule {
         let CueRule { from_generation, to_generation, below_r0, above_r0, .. } = *self;
         Span { from_generation, to_generation, below_r0, above_r0 }
     }
-}
-
-/// A cell's place in its lineage, as far as its cue depends on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
-    pub founder: usize,
-    /// Divisions from that founder.
-    pub round: u32,
-    /// Divisions from the first cell.
-    pub generation: u32,
-    /// Radius R0, in L_h.
-    pub r0: f64,
 }
 
 /// Limits that stop a lineage that does not end by itself.
@@ -237,6 +241,13 @@ impl Lineage {
         self.founders[founder].r0.map(|length| length.in_units(&self.units()))
     }
 
+    /// Multiplies all radii that the file gives by a factor.
+    pub fn scale_radii(&mut self, factor: f64) {
+        let units = self.units();
+        let of_founders = self.founders.iter_mut().filter_map(|founder| founder.r0.as_mut());
+        of_founders.for_each(|r0| *r0 = Length::Natural(factor * r0.in_units(&units)));
+    }
+
     /// Radii given as plain numbers, which are in L_h, where a length in µm is more likely; a sentence for each. Only files
     /// that give the length of L_h can confuse the two. For other files with radii in µm a message states the L_h that is used.
     pub fn doubtful_radii(&self) -> Vec<String> {
@@ -298,7 +309,7 @@ impl Lineage {
         let founder = &self.founders[place.founder];
         let (rules, generation) = match &founder.cue {
             _ if !founder.cue_rules.is_empty() => (&founder.cue_rules, place.round),
-            Some(name) if place.round == 0 || founder.inherit => return name,
+            Some(name) if place.apart == 0 && (place.round == 0 || founder.inherit) => return name,
             Some(_) => return "none",
             None => (&self.cue_rules, place.generation),
         };

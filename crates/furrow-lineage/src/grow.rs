@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::collections::{HashMap, VecDeque};
 
-use super::definition::{Lineage, Place};
+use super::definition::Lineage;
 use super::physics::FounderPhysics;
-use super::rules::{Mother, Ruled};
+use super::rules::{Mother, Place, Ruled};
 use super::thresholds::EndRule;
 use super::tree::{Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use crate::batch::memo::Solve;
@@ -267,7 +267,7 @@ impl<'a> Growth<'a> {
         let Grower { lineage, settings, .. } = grower;
         let founder = lineage.first();
         let r0 = lineage.given_r0(founder).unwrap_or(settings.cell.r0);
-        let place = Place { founder, round: 0, generation: 0, r0 };
+        let place = Place { founder, round: 0, generation: 0, r0, apart: 0 };
         let first = GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, 1.0, true);
         let has_rules = lineage.has_physics_rules();
         let first = if has_rules { first.ruled(lineage, &settings.cell, None) } else { first };
@@ -284,11 +284,11 @@ impl<'a> Growth<'a> {
         }
         let (generation, cell) = (growing.place.generation, growing.cell(lineage, &settings.cell));
         let max_depth = lineage.limits.max_depth;
-        let most_rounds = lineage.founders[growing.place.founder].most_rounds;
+        let most_rounds = lineage.most_rounds(growing.place);
         let reason = match *ends {
             _ if lineage.dies(&growing.name) => Some(TerminalReason::Dies),
             _ if generation >= max_depth => Some(TerminalReason::MaxDepth { max_depth }),
-            _ if most_rounds.is_some_and(|most| growing.place.round >= most) => most_rounds.map(TerminalReason::most),
+            _ if most_rounds.is_some() => most_rounds.map(TerminalReason::most),
             EndRule::Dynamics => None,
             EndRule::Custom(rule) => rule(&cell),
             // A search for the radius of cells with its parameters costs more than its division.
@@ -372,8 +372,7 @@ impl<'a> Growth<'a> {
                 Ordering::Less => [smaller, larger],
             }
         });
-        let daughters = [(0, Side::Anterior), (1, Side::Posterior)]
-            .map(|(k, side)| self.daughter(index, side, volumes[k], founders.map(|founders| founders[k])));
+        let daughters = [Side::Anterior, Side::Posterior].map(|side| self.daughter(index, side, volumes, founders));
         if !self.has_rules {
             return Some(daughters);
         }
@@ -383,11 +382,18 @@ impl<'a> Growth<'a> {
         Some(daughters.map(|daughter| daughter.ruled(lineage, &settings.cell, Some(mother))))
     }
 
-    /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
-    fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
+    /// A daughter. The volumes of both, anterior first, are parts of the first cell's; `founders` are the ones that they are.
+    fn daughter(
+        &self,
+        mother_index: usize,
+        side: Side,
+        volumes: [f64; 2],
+        founders: Option<[usize; 2]>,
+    ) -> GrowingCell {
         let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
         let first_r0 = self.cells[0].place.r0;
-        let fraction = fraction * lineage.growth(founder.unwrap_or(mother.place.founder));
+        let (k, founder) = (side as usize, founders.map(|founders| founders[side as usize]));
+        let fraction = volumes[k] * lineage.growth(founder.unwrap_or(mother.place.founder));
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
@@ -395,13 +401,14 @@ impl<'a> Growth<'a> {
         }
         let generation = mother.place.generation + 1;
         if let Some(founder) = founder {
-            let place = Place { founder, round: 0, generation, r0 };
+            let place = Place { founder, round: 0, generation, r0, apart: 0 };
             return GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, fraction, true);
         }
         let (founder, round) = (mother.place.founder, mother.place.round + 1);
         let (anterior, posterior) = lineage.letters(founder, round as usize);
         let name = format!("{}{}", mother.name, if side == Side::Anterior { anterior } else { posterior });
-        GrowingCell::new(lineage, name, Place { founder, round, generation, r0 }, fraction, false)
+        let apart = lineage.apart(founder, mother.place.apart, side.is_larger(volumes));
+        GrowingCell::new(lineage, name, Place { founder, round, generation, r0, apart }, fraction, false)
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.

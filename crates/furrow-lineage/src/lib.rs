@@ -32,13 +32,13 @@ pub mod tree;
 pub mod units;
 
 pub use clock::{CellTimes, Clock, FounderClock, Origin};
-pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, Place, TEMPLATE};
+pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, TEMPLATE};
 pub use grow::{GrowError, Grower, grow_replicates, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
 pub use priority::expected_work;
 pub use rounds::{Rounds, founder_rounds};
-pub use rules::{Mother, Per, PhysicsRule};
+pub use rules::{Mother, Per, PhysicsRule, Place};
 pub use scenario::{Scenario, named_cue};
 pub use thresholds::{EndRule, Scope, Thresholds};
 pub use tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};

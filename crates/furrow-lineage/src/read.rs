@@ -239,6 +239,8 @@ fn replace(founder: &mut Founder, with: Founder) {
         daughter,
         cue,
         inherit,
+        cue_passes_to,
+        rounds_without_cue,
         cue_rules,
         r0,
         physics,
@@ -268,6 +270,8 @@ fn replace(founder: &mut Founder, with: Founder) {
     if !letters.is_empty() {
         founder.letters = letters;
     }
+    founder.cue_passes_to = cue_passes_to.or(founder.cue_passes_to);
+    founder.rounds_without_cue = rounds_without_cue.or(founder.rounds_without_cue);
     founder.most_rounds = most_rounds.or(founder.most_rounds);
     founder.growth = growth.or(founder.growth);
     founder.observed = observed.or(founder.observed);

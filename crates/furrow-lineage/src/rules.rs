@@ -2,11 +2,26 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::definition::{Lineage, Place};
+use super::definition::{Daughter, Lineage};
 use super::physics::FounderPhysics;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::{did_you_mean, shown};
 use furrow_mechanics::division::{Division, Outcome};
+
+/// A cell's place in its lineage, as far as its cue depends on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
+    pub founder: usize,
+    /// Divisions from that founder.
+    pub round: u32,
+    /// Divisions from the first cell.
+    pub generation: u32,
+    /// Radius R0, in L_h.
+    pub r0: f64,
+    /// Divisions since its line was left without the founder's cue, which went to a sister; 0 while it has the cue.
+    pub apart: u32,
+}
 
 /// The cells that a rule applies to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -165,6 +180,28 @@ impl PhysicsRule {
 }
 
 impl Lineage {
+    /// [`Place::apart`] of a daughter of a cell of a founder, the larger or the smaller one.
+    pub fn apart(&self, founder: usize, of_mother: u32, is_larger: bool) -> u32 {
+        let inherits = |heir| (heir == Daughter::Larger) == is_larger;
+        match self.founders[founder].cue_passes_to {
+            None => 0,
+            Some(heir) if of_mother == 0 && inherits(heir) => 0,
+            Some(_) => of_mother + 1,
+        }
+    }
+
+    /// The limit on rounds of division that a cell has reached.
+    pub(super) fn most_rounds(&self, place: Place) -> Option<u32> {
+        let founder = &self.founders[place.founder];
+        let without = founder.rounds_without_cue.filter(|most| place.apart > *most);
+        without.or(founder.most_rounds.filter(|most| place.round >= *most))
+    }
+
+    /// Whether a cell's cue or parameters may depend on its mother's division, beside its size.
+    pub fn depends_on_mothers(&self) -> bool {
+        self.has_physics_rules() || self.founders.iter().any(|founder| founder.cue_passes_to.is_some())
+    }
+
     /// The rules for the parameters of a cell at a place, and the generation that they count.
     fn physics_rules_at(&self, place: Place) -> (&[PhysicsRule], u32) {
         match &self.founders[place.founder].physics_rules[..] {

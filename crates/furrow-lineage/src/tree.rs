@@ -5,8 +5,9 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::{Dfs, DfsPostOrder, EdgeRef, NodeFiltered};
 use serde::{Deserialize, Serialize};
 
-use super::definition::{Lineage, Place};
+use super::definition::Lineage;
 use super::physics::FounderPhysics;
+use super::rules::Place;
 use crate::batch::Quantisation;
 use furrow_cell::{Cell, Cue, Numerics, ZYGOTE};
 use furrow_mechanics::critical::{BoundaryKind, End};
@@ -186,6 +187,11 @@ pub enum Side {
 }
 
 impl Side {
+    /// Whether it is the larger of two daughters of these volumes, anterior first. Of equal ones the anterior counts as larger.
+    pub fn is_larger(self, [anterior, posterior]: [f64; 2]) -> bool {
+        (self == Side::Anterior) == (anterior >= posterior)
+    }
+
     /// As an adjective in drawings.
     pub fn adjective(self) -> &'static str {
         match self {
@@ -371,6 +377,18 @@ impl Tree {
     pub fn cue_name(&self, id: CellId) -> &str {
         let TreeCell { founder, generation, r0, .. } = *self.cell(id);
         let born = self.founder_cell(founder).map_or(generation, |born| self.cell(born).generation);
-        self.lineage.cue_name_at(Place { founder, round: generation.saturating_sub(born), generation, r0 })
+        let round = generation.saturating_sub(born);
+        self.lineage.cue_name_at(Place { founder, round, generation, r0, apart: self.apart(id) })
+    }
+
+    /// [`Place::apart`] of a cell.
+    fn apart(&self, id: CellId) -> u32 {
+        let founder = self.cell(id).founder;
+        if self.lineage.founders[founder].cue_passes_to.is_none() || self.founder_cell(founder) == Some(id) {
+            return 0;
+        }
+        let (Some(mother), Some(side)) = (self.mother(id), self.side(id)) else { return 0 };
+        let volumes = self.daughters(mother).map(|pair| pair.map(|daughter| self.cell(daughter).volume_fraction));
+        volumes.map_or(0, |volumes| self.lineage.apart(founder, self.apart(mother), side.is_larger(volumes)))
     }
 }

@@ -47,7 +47,12 @@ impl Volumes {
             None => Ok(division),
             Some(first) => {
                 self.division_lines.insert(key, first);
-                Err((mother, format!("a second division of this cell; the first is on line {first}")))
+                Err((
+                    mother,
+                    format!(
+                        "a second division of this cell; the first is on line {first} (--class for classes of cells)"
+                    ),
+                ))
             }
         }
     }
@@ -56,6 +61,18 @@ impl Volumes {
 /// The name of a mother, as it is understood or else as it is written.
 fn name_of(mother: Value<'_>, embryo: &str, names: &Names) -> String {
     names.understood(embryo, &mother.written()).unwrap_or_else(|| mother.written())
+}
+
+/// The class of a row's mother; `None` without columns of classes.
+fn class_of<'r>(row: Row<'r>, columns: &[usize]) -> Result<Option<String>, Rejected<'r>> {
+    let mut class = String::new();
+    for value in columns.iter().map(|column| Value::new(row, *column)) {
+        if value.text.is_empty() {
+            return Err((value, "no class".to_owned()));
+        }
+        class += &value.written();
+    }
+    Ok((!columns.is_empty()).then_some(class))
 }
 
 /// The division of a row with volumes.
@@ -83,8 +100,10 @@ pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &Re
     let division = Division {
         embryo,
         group: options.group_of(columns.population.map(at)),
-        // Mothers of different embryos share only their generation.
-        mother: generation.map_or_else(|| name.clone(), |number| format!("{GENERATION}{}", number.written())),
+        // Without classes mothers of different embryos share only their generation.
+        mother: class_of(row, &columns.class)?
+            .or(generation.map(|number| format!("{GENERATION}{}", number.written())))
+            .unwrap_or_else(|| name.clone()),
         daughters: ["larger", "smaller"].map(|which| format!("{name} {which}")),
         volumes: volumes.map(|volume| factor * volume),
         chi_signed: (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]),
@@ -114,7 +133,7 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
         embryo,
         group: options.group_of(columns.group.map(at)),
         daughters: ["first", "second"].map(|which| format!("{name} {which}")),
-        mother: name,
+        mother: class_of(row, &columns.class)?.unwrap_or(name),
         volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],
         chi_signed: chi,
         mother_measured: own.map(|volume| size * volume),

@@ -100,6 +100,9 @@ impl Columns {
 /// Names of the column of embryos.
 pub(crate) const EMBRYO: [&str; 3] = ["embryo", "embryo_name", "sample"];
 
+/// The column of populations: groups of cells of the same embryos.
+pub(crate) const POPULATION: &str = "population";
+
 /// Names of the column of groups.
 const GROUP: &[&str] = &["group", "condition"];
 
@@ -131,12 +134,14 @@ pub(crate) struct DivisionColumns {
     pub(crate) mother_volume: Option<usize>,
     pub(crate) population: Option<usize>,
     pub(crate) generation: Option<usize>,
+    /// The columns of the mother's class.
+    pub(crate) class: Vec<usize>,
     pub(crate) unit: VolumeUnit,
 }
 
 impl DivisionColumns {
     /// The columns of a table of divisions; `None` for other tables.
-    pub(crate) fn of(header: &Header<'_>) -> Result<Option<Self>, InputError> {
+    pub(crate) fn of(header: &Header<'_>, class: Vec<usize>) -> Result<Option<Self>, InputError> {
         // A heading `mother` without a unit is the column of names.
         let volume = |of: &str| -> Result<Option<(usize, VolumeUnit)>, InputError> {
             let mut found = header.quantity(of, &VOLUMES)?;
@@ -164,9 +169,9 @@ impl DivisionColumns {
             return Err(header.refused("mother, larger and smaller have different units"));
         }
         let mother_volume = mother_volume.map(|(at, _)| at);
-        let population = header.find(&["population"]).or_else(|| header.find(&["group"]));
+        let population = header.find(&[POPULATION]).or_else(|| header.find(&["group"]));
         let (daughters, generation) = ([larger, smaller], header.find(&["generation"]));
-        Ok(Some(DivisionColumns { embryo, mother, daughters, mother_volume, population, generation, unit }))
+        Ok(Some(DivisionColumns { embryo, mother, daughters, mother_volume, population, generation, class, unit }))
     }
 }
 
@@ -180,11 +185,13 @@ pub(crate) struct ChiColumns {
     pub(crate) chi_sd: Option<usize>,
     /// The mother's volume.
     pub(crate) mother_volume: Option<(usize, VolumeUnit)>,
+    /// The columns of the mother's class.
+    pub(crate) class: Vec<usize>,
 }
 
 impl ChiColumns {
     /// The columns of a table of χ; `None` for other tables.
-    pub(crate) fn of(header: &Header<'_>) -> Result<Option<Self>, InputError> {
+    pub(crate) fn of(header: &Header<'_>, class: Vec<usize>) -> Result<Option<Self>, InputError> {
         // Where a table has both, the signed χ is more informative.
         let chi = header.find(&["chi_signed"]).or_else(|| header.find(&["chi"]));
         let (Some(mother), Some(chi)) = (header.find(&["mother"]), chi) else { return Ok(None) };
@@ -200,6 +207,7 @@ impl ChiColumns {
             group: header.find(GROUP),
             chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
             mother_volume: header.only("volume of the mother", &volumes)?,
+            class,
         }))
     }
 }

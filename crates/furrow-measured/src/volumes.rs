@@ -24,7 +24,7 @@ use serde::Serialize;
 use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{ChiColumns, Columns, DivisionColumns, embryo_of_file};
+use crate::layout::{ChiColumns, Columns, DivisionColumns, POPULATION, embryo_of_file};
 use crate::matching::Matched;
 use crate::names::Names;
 use crate::pace::{InEmbryos, Shares, shares};
@@ -42,6 +42,9 @@ pub struct ReadOptions {
     pub unit: Option<Unit>,
     /// Names of cells in long tables and of cells that were followed; grids have Sulston's.
     pub names: Names,
+    /// Columns of tables of divisions and of χ whose texts, joined, call each mother by the class of cells that it is one of. An embryo
+    /// may have several mothers of a class.
+    pub class: Vec<String>,
 }
 
 impl ReadOptions {
@@ -186,6 +189,8 @@ pub struct Volumes {
     pub skipped_count: u64,
     /// Whether some are of nuclei rather than of cells.
     pub of_nuclei: bool,
+    /// Whether groups are populations of cells in the same embryos rather than groups of embryos.
+    pub of_populations: bool,
     /// The names of cells, as the last table was read.
     pub names: Names,
     /// How the cells of embryos that were followed were matched to the names.
@@ -258,12 +263,16 @@ impl Volumes {
         let header = table.columns(is_grid)?;
         (self.names, self.voxels) = (options.names.clone(), options.voxel.clone());
         self.files += 1;
-        let unit = if let Some(columns) = DivisionColumns::of(&header)? {
+        let class = header.named(&options.class)?;
+        let unit = if let Some(columns) = DivisionColumns::of(&header, class.clone())? {
+            self.of_populations |= header.find(&[POPULATION]).is_some();
             self.read_divisions(&mut table, file, 2, |row| division(row, &columns, options))?;
             columns.unit.kind
-        } else if let Some(columns) = ChiColumns::of(&header)? {
+        } else if let Some(columns) = ChiColumns::of(&header, class.clone())? {
             self.read_divisions(&mut table, file, 1, |row| chi_division(row, &columns, (file, options)))?;
             Unit::OfMother
+        } else if !class.is_empty() {
+            return Err(header.refused("--class is for tables of divisions and of χ, with a mother in each row"));
         } else if let Some(columns) = Columns::of(&header, &embryo, &options.names)? {
             self.read_long(&mut table, file, options, &columns)?
         } else {

@@ -215,7 +215,8 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<MeasuredVolumes, InputError
     // If the tables have no groups, the two conditions become two groups.
     let names = |name: &str| (!args.against.is_empty()).then(|| name.to_owned());
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
-        let options = ReadOptions { voxel: voxel.clone(), group, unit: args.unit, names: cells.clone() };
+        let options =
+            ReadOptions { voxel: voxel.clone(), group, unit: args.unit, names: cells.clone(), class: Vec::new() };
         for file in &files_of(files)? {
             volumes.read_file(file, &options)?;
         }

@@ -29,6 +29,17 @@ enum Born {
     Posterior,
 }
 
+impl Born {
+    /// Whether it is the larger daughter of two with these radii, the posterior one first. Of equal ones the anterior counts as larger.
+    fn is_larger(self, [posterior, anterior]: [f64; 2]) -> bool {
+        match self {
+            Born::BySize(daughter) => daughter == Daughter::Larger,
+            Born::Anterior => anterior >= posterior,
+            Born::Posterior => posterior > anterior,
+        }
+    }
+}
+
 /// A cell and its mother among the others.
 #[derive(Clone, Debug)]
 struct Relative {
@@ -141,6 +152,32 @@ impl Model<'_> {
         self.unknowns.iter().zip(place).map(|(unknown, share)| unknown.value(*share)).collect()
     }
 
+    /// The place in the unit cube of the values that the lineage, the run and the cue give; `None` where one is outside its range.
+    pub fn given(&self) -> Option<Vec<f64>> {
+        let FitRun { lineage, settings, .. } = self.run;
+        let value = |unknown: &Unknown| {
+            let founder = (0..lineage.founders.len()).find(|founder| unknown.is_of(*founder))?;
+            let r0 = self.first_r0();
+            let place = Place { founder, round: 0, generation: lineage.generation(founder), r0, apart: 0 };
+            let mut cell = Cell { r0, cue: self.template.clone(), ..settings.cell.clone() };
+            lineage.set_physics(place, &mut cell, None).ok()?;
+            unknown.share(unknown.parameter.get(&cell))
+        };
+        self.unknowns.iter().map(value).collect()
+    }
+
+    /// The radius that the lineage or the run gives the first cell.
+    fn first_r0(&self) -> f64 {
+        let FitRun { lineage, settings, .. } = self.run;
+        lineage.given_r0(lineage.first()).unwrap_or(settings.cell.r0)
+    }
+
+    /// The factor on all given radii at values of the unknowns, R0 of the first cell among them.
+    fn scale(&self, values: &[f64]) -> f64 {
+        let found = self.unknowns.iter().zip(values).find(|(unknown, _)| unknown.parameter == Parameter::R0);
+        found.map_or(1.0, |(_, r0)| r0 / self.first_r0())
+    }
+
     fn divide(&self, input: &DivisionInput) -> Option<Division> {
         match self.memo {
             Some(memo) => memo.solve(input, solve).ok(),
@@ -159,7 +196,7 @@ impl Model<'_> {
     pub fn chi_over_r0(&self, values: &[f64], name: &str, r0: f64) -> Option<f64> {
         let volumes = BTreeMap::new();
         let mut chain = Chain::unsolved(self, values, &volumes);
-        if self.run.lineage.has_physics_rules() {
+        if self.run.lineage.depends_on_mothers() {
             chain.solve();
         }
         self.divide(&chain.input(self.kin.place(name)?, r0)?)?.chi()
@@ -236,21 +273,27 @@ impl<'a> Chain<'a> {
         self.radii[self.model.kin.place(name)?]
     }
 
+    /// Whether a cell carries the cue.
+    pub fn has_cue(&self, name: &str) -> bool {
+        let input = |k: usize| self.input(k, self.radii[k]?);
+        self.model.kin.place(name).and_then(input).is_some_and(|input| !input.cell.cue.is_none())
+    }
+
     /// χ of a cell; `None` if it does not divide.
     pub fn chi(&self, name: &str) -> Option<f64> {
         self.divisions[self.model.kin.place(name)?].as_ref()?.chi()
     }
 
     fn radius(&self, k: usize) -> Option<f64> {
-        let FitRun { lineage, settings, .. } = self.model.run;
+        let lineage = self.model.run.lineage;
         let cell = &self.model.kin.cells[k];
-        let given = |founder: usize| lineage.given_r0(founder);
+        let scale = self.model.scale(self.values);
         if let Some(share) = self.volumes.get(&cell.name) {
-            return Some(given(lineage.first()).unwrap_or(settings.cell.r0) * share.cbrt());
+            return Some(scale * self.model.first_r0() * share.cbrt());
         }
-        let own = given(cell.founder).filter(|_| cell.round == 0);
+        let own = lineage.given_r0(cell.founder).filter(|_| cell.round == 0);
         let Some((mother, born)) = cell.mother.filter(|_| own.is_none()) else {
-            return own.or(Some(settings.cell.r0));
+            return Some(scale * own.unwrap_or(self.model.first_r0()));
         };
         let [posterior, anterior] = self.daughters(mother)?;
         let born_with = match born {
@@ -270,11 +313,23 @@ impl<'a> Chain<'a> {
         oriented(division, &parameters, &cell.name, self.model.run.settings.seed).daughters()
     }
 
+    /// [`Place::apart`] of a cell.
+    fn apart(&self, k: usize) -> u32 {
+        let Relative { founder, round, mother, .. } = self.model.kin.cells[k];
+        let lineage = self.model.run.lineage;
+        if round == 0 || lineage.founders[founder].cue_passes_to.is_none() {
+            return 0;
+        }
+        let Some((mother, born)) = mother else { return 0 };
+        let is_larger = self.daughters(mother).is_none_or(|radii| born.is_larger(radii));
+        lineage.apart(founder, self.apart(mother), is_larger)
+    }
+
     /// The division of a cell of that radius; `None` if rules give it a value that is not allowed.
     fn input(&self, k: usize, r0: f64) -> Option<DivisionInput> {
         let FitRun { lineage, settings, .. } = self.model.run;
         let Relative { founder, round, generation, mother, .. } = self.model.kin.cells[k];
-        let place = Place { founder, round, generation, r0 };
+        let place = Place { founder, round, generation, r0, apart: self.apart(k) };
         let own = lineage.cue_at(place);
         let cue = if own.is_none() { own } else { self.cue.clone() };
         let mut cell = Cell { r0, cue, ..settings.cell.clone() };
@@ -286,8 +341,10 @@ impl<'a> Chain<'a> {
         let mother = mother.as_ref().map(|(cell, division)| Mother::of(cell, *division));
         lineage.set_physics(place, &mut cell, mother).ok()?;
         for (unknown, value) in self.model.unknowns.iter().zip(self.values) {
-            // A number of the cue that all cells share is in the cue already.
-            if unknown.is_of(founder) && !(unknown.founders.is_none() && unknown.parameter.is_of_cue()) {
+            // A number of the cue that all cells share is in the cue already, and a radius in the cell.
+            let is_set =
+                unknown.founders.is_none() && (unknown.parameter.is_of_cue() || unknown.parameter == Parameter::R0);
+            if unknown.is_of(founder) && !is_set {
                 unknown.parameter.set(&mut cell, *value);
             }
         }
@@ -314,7 +371,9 @@ impl<'a> Chain<'a> {
         let r0 = self.radii[k]?;
         let mut input = self.input(k, r0)?;
         input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
-        let acts = |unknown: &&Unknown| unknown.is_of(cell.founder) && unknown.parameter.is_of(&input.cell);
+        let acts = |unknown: &&Unknown| {
+            unknown.is_of(cell.founder) && unknown.parameter.is_of(&input.cell) && unknown.parameter != Parameter::R0
+        };
         let own: Vec<Parameter> = unknowns.iter().filter(acts).map(|unknown| unknown.parameter).collect();
         let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
         let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
@@ -324,16 +383,18 @@ impl<'a> Chain<'a> {
             self.volumes.contains_key(&cell.name) || cell.round == 0 && lineage.given_r0(cell.founder).is_some();
         let radius = match cell.mother.filter(|_| !is_given) {
             Some((mother, born)) => {
-                let [posterior, anterior] = self.daughters(mother)?;
-                let is_larger = match born {
-                    Born::BySize(daughter) => daughter == Daughter::Larger,
-                    Born::Anterior => anterior > posterior,
-                    Born::Posterior => posterior > anterior,
-                };
+                let is_larger = born.is_larger(self.daughters(mother)?);
                 let grown = lineage.growth(cell.founder).cbrt();
                 before[mother].as_ref()?.radius(is_larger).into_iter().map(|slope| grown * slope).collect()
             }
-            None => vec![0.0; unknowns.len()],
+            // A given radius is in proportion to the first cell's.
+            None => {
+                let by = |(unknown, value): (&Unknown, &f64)| match unknown.parameter {
+                    Parameter::R0 => r0 / value,
+                    _ => 0.0,
+                };
+                unknowns.iter().zip(self.values).map(by).collect()
+            }
         };
         let of = |(unknown, radius): (&Unknown, &f64)| {
             let place = own.iter().position(|number| *number == unknown.parameter).filter(|_| acts(&unknown));
@@ -352,6 +413,35 @@ mod tests {
     use super::super::search::moved;
     use super::*;
 
+    /// Where a cue passes to one daughter, cells have the χ that they have in the tree.
+    #[test]
+    fn a_cue_that_passes_to_one_daughter_does_so_here_too() {
+        let text = r#"(name: "x", limits: (max_depth: 3), cues: {"basal": "tension:gradient,amplitude=-0.3"},
+            founders: [(name: "N", r0: 5.0, cue: "basal", cue_passes_to: larger)])"#;
+        let lineage = Lineage::parse(text, "x.ron").unwrap();
+        let (settings, cancel) = (TreeSettings { r0_step: 0.0, ..TreeSettings::default() }, false.into());
+        let memo = Memo::new(furrow_lineage::batch::Quantisation::EXACT);
+        let options = furrow_lineage::batch::SchedulerOptions::default();
+        let ends = furrow_lineage::EndRule::Dynamics;
+        let grower =
+            furrow_lineage::Grower { lineage: &lineage, settings: settings.clone(), ends, memo: &memo, options };
+        let (tree, _) = grower.grow(solve).unwrap();
+        let names: Vec<String> = tree.cells().map(|id| tree.cell(id).name.clone()).collect();
+        let kin = Kin::of(&lineage, names.iter().map(String::as_str));
+        let template = lineage.cues["basal"].clone();
+        let run = FitRun::new(&lineage, &settings, 1, &cancel);
+        let model = Model { run, template: &template, unknowns: Vec::new(), kin, memo: Some(&memo) };
+        let found = model.chi(&[], &names);
+        let divided = tree.cells().zip(found).filter(|(id, _)| tree.daughters(*id).is_some());
+        let pairs: Vec<_> =
+            divided.map(|(id, chi)| (tree.cell(id).fate.chi(), chi, tree.cell(id).cue.is_none())).collect();
+        let agrees = |(tree, here, _): &(Option<f64>, Option<f64>, bool)| (tree.unwrap() - here.unwrap()).abs() < 1e-9;
+        assert!(pairs.len() == 7 && pairs.iter().all(agrees), "{pairs:?}");
+        let unequal: Vec<bool> = pairs.iter().map(|(chi, ..)| chi.unwrap() > 0.1).collect();
+        let carrying: Vec<bool> = pairs.iter().map(|(.., is_none)| !is_none).collect();
+        assert!(unequal == carrying && unequal.iter().filter(|is| **is).count() == 3, "{pairs:?}");
+    }
+
     /// A number of one class of cells changes the divisions of this class and, through the radius, of its descendants.
     #[test]
     fn numbers_of_a_class_of_cells_act_on_their_descendants_by_the_radius_alone() {
@@ -367,16 +457,18 @@ mod tests {
             founders: Some((founder.to_owned(), vec![lineage.founder_named(founder).unwrap()])),
             except: Vec::new(),
         };
-        let unknowns = vec![epsilon("P0"), epsilon("P1")];
+        let r0 = Unknown { parameter: Parameter::R0, limits: [2.0, 11.0], founders: None, ..epsilon("P0") };
+        let unknowns = vec![epsilon("P0"), epsilon("P1"), r0];
         let names = ["P0", "P1"];
         let kin = Kin::of(&lineage, names.into_iter().chain(["ABa", "Q9", "ABx", "EMSa"]));
         assert_eq!(kin.cells.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>(), ["P0", "P1", "AB", "ABa"]);
         let run = FitRun::new(&lineage, &settings, 1, &cancel);
         let model = Model { run, template: &template, unknowns, kin, memo: None };
-        let (values, volumes) = ([0.87, 0.86], BTreeMap::new());
+        let (values, volumes) = ([0.87, 0.86, 5.3], BTreeMap::new());
         let exact = Chain::of(&model, &values, &volumes).sensitivities(names);
         let exact: Vec<Vec<f64>> = exact.into_iter().map(Option::unwrap).collect();
-        for k in 0..2 {
+        assert_eq!(Chain::of(&model, &values, &volumes).r0("P0"), Some(5.3));
+        for k in 0..3 {
             let chi = |step: f64| {
                 let values = moved(&values, k, values[k] + step);
                 let chain = Chain::of(&model, &values, &volumes);

@@ -51,6 +51,9 @@ pub struct ChiResidual {
     pub computed: Option<f64>,
     /// (computed − measured)/sd.
     pub residual: Option<f64>,
+    /// Whether it carries the cue.
+    #[serde(skip)]
+    pub has_cue: bool,
 }
 
 /// A number of the cue.
@@ -186,19 +189,26 @@ impl<'a> Objective<'a> {
         let (tried, advice) = (self.tried(), "try terms on other fields");
         let (place, least) = found.ok_or(FitError::Nothing { tried, what: CUES, advice })?;
         let found = descend(&place, EDGE, DESCENT, &misfit).filter(|(_, better)| *better <= least);
-        self.check_cancelled()?;
-        Ok(found.unwrap_or((place, least)))
+        let found = found.unwrap_or((place, least));
+        // A number that is fitted fits no worse than the one that the files give.
+        match self.model.given() {
+            Some(given) => self.refined(found, &given),
+            None => {
+                self.check_cancelled()?;
+                Ok(found)
+            }
+        }
     }
 
     /// The better of the place that a search found and the minimum near another place.
     ///
     /// # Errors
     /// The search was cancelled.
-    pub fn refined(&self, (place, least): (Vec<f64>, f64), other: &[f64]) -> Result<Vec<f64>, FitError> {
+    pub fn refined(&self, found: (Vec<f64>, f64), other: &[f64]) -> Result<(Vec<f64>, f64), FitError> {
         let misfit = |place: &[f64]| self.chi_squared(place);
-        let found = (misfit(other) < least).then(|| descend(other, EDGE, DESCENT, &misfit)).flatten();
+        let better = (misfit(other) < found.1).then(|| descend(other, EDGE, DESCENT, &misfit)).flatten();
         self.check_cancelled()?;
-        Ok(found.filter(|(_, better)| *better < least).map_or(place, |(better, _)| better))
+        Ok(better.filter(|(_, better)| *better < found.1).unwrap_or(found))
     }
 
     /// ∂χ/∂(number), by the logarithm where that is searched, rows by measurement; `None` for a cell that does not divide, or if its
@@ -226,7 +236,8 @@ fn residuals(
     let one = |MeasuredChi { cell, mean, sd }: &MeasuredChi| {
         let (r0, computed) = (chain.r0(cell), chain.chi(cell));
         let residual = computed.map(|chi| (chi - mean) / sd);
-        ChiResidual { cell: cell.clone(), r0, measured: *mean, sd: *sd, computed, residual }
+        let has_cue = chain.has_cue(cell);
+        ChiResidual { cell: cell.clone(), r0, measured: *mean, sd: *sd, computed, residual, has_cue }
     };
     measured.iter().map(one).collect()
 }

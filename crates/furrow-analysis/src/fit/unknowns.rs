@@ -48,6 +48,14 @@ impl Unknown {
         self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
     }
 
+    /// The share of the range at which a value lies; `None` outside.
+    pub fn share(&self, value: f64) -> Option<f64> {
+        let ([from, to], value) = (self.limits, self.sign * value);
+        let share =
+            if self.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) };
+        (0.0..=1.0).contains(&share).then_some(share)
+    }
+
     /// The length of the range, by the logarithm where that is searched.
     pub fn length(&self) -> f64 {
         let [from, to] = self.limits;

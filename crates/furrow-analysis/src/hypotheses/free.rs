@@ -58,8 +58,8 @@ pub struct Hypothesis {
     pub(crate) by_embryo: Option<usize>,
 }
 
-/// Written for an empty list.
-const NOTHING: &str = "none";
+/// Written for an empty list, and for no cue.
+pub(super) const NOTHING: &str = "none";
 
 impl Free {
     /// Reads `PARAMETER`, with `@CLASS` for a class of cells, and with `=FROM..TO` for another range than the usual one; errors name the
@@ -72,13 +72,15 @@ impl Free {
         let (text, range) = text.split_once('=').map_or((text, None), |(text, range)| (text, Some(range.trim())));
         let (name, class) = text.split_once('@').map_or((text, None), |(name, class)| (name, Some(class.trim())));
         let name = name.trim();
-        let Some(parameter) = name.parse().ok().filter(|parameter| *parameter != Parameter::R0) else {
-            let listed =
-                Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::R0).map(Parameter::name);
+        let Ok(parameter) = name.parse::<Parameter>() else {
+            let listed = Parameter::ALL.into_iter().map(Parameter::name);
             let all: Vec<&str> = Parameter::OF_CUES.into_iter().chain(listed).collect();
             let nearest = did_you_mean(name, all.iter().copied());
             return refused(name, format!("none, or a parameter with or without @CLASS: {}{nearest}", all.join(", ")));
         };
+        if let Some(class) = class.filter(|_| parameter == Parameter::R0) {
+            return refused(class, "left out: r0 is the first cell's, and all other radii change with it".to_owned());
+        }
         let by_embryo = class == Some(EMBRYO);
         let class = class.filter(|_| !by_embryo).map(|class| class_of(class, lineage, source)).transpose()?;
         let Some(written) = range else { return Ok(Free { parameter, class, range: None, by_embryo }) };
@@ -215,7 +217,9 @@ impl Hypothesis {
             let template = lineage.parse_cue(cue).map_err(refused)?;
             let carrying = lineage.carrying(cue).map_err(refused)?;
             let own = own.as_ref().map(|texts| Free::list(texts, lineage, sources[0])).transpose()?;
-            let unknowns = free_of(own.as_deref().or(free), &cell.clone().with_cue(template.clone()));
+            let r0 = lineage.given_r0(lineage.first()).unwrap_or(cell.r0);
+            let cell = Cell { r0, ..cell.clone() }.with_cue(template.clone());
+            let unknowns = free_of(own.as_deref().or(free), &cell);
             for Free { parameter, .. } in own.iter().flatten() {
                 let has = unknowns.iter().any(|unknown| unknown.parameter == *parameter);
                 let allowed = format!("a number that the hypothesis {name} has");
@@ -256,7 +260,12 @@ fn free_of(free: Option<&[Free]>, cell: &Cell) -> Vec<Unknown> {
             (None, _) if parameter.is_of_cue() => return None,
             (Some(usual), None) => usual.clone(),
             (_, range) => {
-                let limits = range.unwrap_or_else(|| default_range(*parameter, cell));
+                let usual = match parameter {
+                    // The lineage says about how large its cells are.
+                    Parameter::R0 => [0.5, 2.0].map(|factor| factor * cell.r0),
+                    _ => default_range(*parameter, cell),
+                };
+                let limits = range.unwrap_or(usual);
                 Unknown {
                     parameter: *parameter,
                     limits,

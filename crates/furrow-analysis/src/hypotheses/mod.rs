@@ -144,6 +144,8 @@ pub struct HypothesisTest {
     pub unused: Vec<Unused>,
     /// The first values of the table that could not be read.
     pub skipped: Vec<Skipped>,
+    /// How many there are.
+    pub skipped_count: u64,
     /// Each embryo beside the others, by size.
     pub embryos: Vec<EmbryoSize>,
     /// How the cells of embryos that were followed were matched to the lineage.
@@ -169,6 +171,7 @@ pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest,
         hypotheses: tested,
         unused: observations.unused.clone(),
         skipped: observations.skipped.clone(),
+        skipped_count: observations.skipped_count,
         embryos: observations.embryos.clone(),
         matched: observations.matched.clone(),
     })

@@ -79,6 +79,8 @@ pub struct Observations {
     pub unused: Vec<Unused>,
     /// The first values of the table that could not be read.
     pub skipped: Vec<Skipped>,
+    /// How many there are.
+    pub skipped_count: u64,
     /// Whether volumes are of nuclei rather than of cells.
     pub of_nuclei: bool,
     /// Each embryo beside the others, by size.
@@ -95,6 +97,9 @@ pub struct Chosen<'a> {
     /// Groups; `None` for all.
     pub groups: Option<&'a [String]>,
 }
+
+/// How cells get names of the lineage.
+const CALLED: &str = "--names and --root match single cells, --class names classes of cells by columns of the table";
 
 const NOT_OF_LINEAGE: &str = "the lineage has no such cell";
 
@@ -150,7 +155,10 @@ impl Observations {
         let has_sizes = volumes.unit != Some(Unit::OfMother);
         let row = |division: &Division| Measured {
             cell: division.mother.clone(),
-            embryo: [&division.group, &division.embryo].map(String::as_str).join("\u{1f}"),
+            embryo: match volumes.of_populations {
+                true => division.embryo.clone(),
+                false => [&division.group, &division.embryo].map(String::as_str).join("\u{1f}"),
+            },
             name: division.embryo.clone(),
             chi: division.chi(),
             sd: division.chi_sd,
@@ -160,6 +168,7 @@ impl Observations {
         let observations = Observations::of(rows, lineage, chosen.cells, (source, options[0]))?;
         Ok(Observations {
             skipped: volumes.skipped.clone(),
+            skipped_count: volumes.skipped_count,
             of_nuclei: volumes.of_nuclei,
             embryos: volumes.sizes(),
             matched: volumes.matched.clone(),
@@ -212,8 +221,18 @@ impl Observations {
             unused.entry(place(&row.cell)).or_insert_with(of).n += 1;
         }
         let kept: Vec<&Measured> = measured.iter().filter(|row| known(&row.cell) && wanted(&row.cell)).collect();
-        let allowed = format!("at least one measured χ of a cell of {}", lineage.name);
-        InputError::require(!kept.is_empty(), source, "chi", "none", allowed)?;
+        let refused = || {
+            let cells = lineage.founders.iter().map(|founder| founder.name.as_str());
+            format!(
+                "at least one measured χ of a cell of {}: {}; the table has {}. {CALLED}",
+                lineage.name,
+                listed(cells, ", "),
+                listed(all.iter().copied(), ", ")
+            )
+        };
+        if kept.is_empty() {
+            return Err(InputError::not_allowed(source, "mother", "none of the lineage", refused()));
+        }
         let cells: Vec<String> =
             all.into_iter().filter(|cell| known(cell) && wanted(cell)).map(str::to_owned).collect();
         let (left_out, units) = units(&kept);
@@ -237,6 +256,7 @@ impl Observations {
             others: Vec::new(),
             unused: unused.into_values().collect(),
             skipped: Vec::new(),
+            skipped_count: 0,
             of_nuclei: false,
             embryos: Vec::new(),
             matched: Vec::new(),

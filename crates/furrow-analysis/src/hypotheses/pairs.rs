@@ -5,9 +5,10 @@
 //!
 //! * \[F.11 difference\] Δ = Σ_e d_e, with the standard error √n s_d and t = Δ/(√n s_d) on n − 1 degrees of freedom.
 //!
-//! Two hypotheses are distinguishable if p < 0.05. The null hypothesis is that both predict new embryos equally well, whether or not
+//! Two hypotheses are distinguishable if p < 0.05 and \|Δ\| ≥ 1: fits of nearly equal predictions may differ by little in each embryo, but
+//! surely. The null hypothesis is that both predict new embryos equally well, whether or not
 //! they are nested. A needless free number makes predictions worse, so that k needs no further correction. A difference of this size is
-//! significant in 80 of 100 tables with (1.960 + 0.842)² s_d²/d̄² embryos; at least as many as were measured are said to be needed.
+//! significant in 80 of 100 tables, and large enough, with the larger of (1.960 + 0.842)² s_d²/d̄² and 1/d̄ embryos; at least as many as were measured are said to be needed.
 //!
 //! # References
 //! Vuong, *Econometrica* 57, 307 (1989), for tests on differences of log densities; Vehtari, Gelman & Gabry, *Stat. Comput.* 27,
@@ -20,6 +21,8 @@ use super::scores::TestedHypothesis;
 
 /// Pairs with a smaller p are distinguishable.
 pub const LEVEL: f64 = 0.05;
+/// Differences below this are small: the data are less than e times as probable under one hypothesis as under the other.
+pub const LEAST: f64 = 1.0;
 /// Standard normal numbers below which 97.5 % and 80 % lie.
 const QUANTILES: [f64; 2] = [1.959_963_984_540_054, 0.841_621_233_572_914_3];
 /// More embryos than this are not counted.
@@ -38,7 +41,7 @@ pub struct Pair {
     pub se: Option<f64>,
     /// Probability of a difference as large if both predict equally well.
     pub p: Option<f64>,
-    /// Whether p is below [`LEVEL`].
+    /// Whether p is below [`LEVEL`] and the difference at least [`LEAST`].
     pub distinguishable: bool,
     /// Units with which a difference of this size is significant in 80 of 100 tables; `None` if the two are distinguishable already, or
     /// more than a million are needed.
@@ -63,8 +66,9 @@ impl Pair {
             let delta = differences.iter().sum();
             return Pair { a, b, delta, se: None, p: None, distinguishable: false, needed: None };
         };
-        let distinguishable = test.p < LEVEL;
-        let needed = ((QUANTILES[0] + QUANTILES[1]) * test.error / test.sum).powi(2) * count;
+        let distinguishable = test.p < LEVEL && test.sum.abs() >= LEAST;
+        let significant = ((QUANTILES[0] + QUANTILES[1]) * test.error / test.sum).powi(2) * count;
+        let needed = significant.max(LEAST * count / test.sum.abs());
         let needed = (!distinguishable && needed <= MOST).then(|| needed.ceil().max(count) as u64);
         Pair { a, b, delta: test.sum, se: Some(test.error), p: Some(test.p), distinguishable, needed }
     }

@@ -63,6 +63,8 @@ pub struct CellScore {
     pub r0: Option<f64>,
     /// χ of the model; `None` if the cell does not divide.
     pub chi: Option<f64>,
+    /// Whether it carries the cue.
+    pub has_cue: bool,
     /// What its divisions add to the log likelihood.
     pub log_likelihood: f64,
 }
@@ -205,7 +207,7 @@ pub(super) fn tested(
         .transpose()?;
     let place = match &posterior {
         // A sample may pass ridges and valleys in which the search stays.
-        Some(posterior) if !found.0.is_empty() => objective.refined(found, &posterior.best)?,
+        Some(posterior) if !found.0.is_empty() => objective.refined(found, &posterior.best)?.0,
         _ => found.0,
     };
     let values = objective.model.values(&place);
@@ -435,6 +437,7 @@ impl Fitted<'_> {
                 interval: mean_interval(&chi).or(one),
                 r0: found.r0,
                 chi: found.computed,
+                has_cue: found.has_cue,
                 log_likelihood: own().map(|(_, (residual, sd))| log_density(*residual, *sd)).sum(),
             }
         };

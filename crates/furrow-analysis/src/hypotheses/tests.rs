@@ -132,6 +132,7 @@ pub(super) fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f6
         others: Vec::new(),
         unused: Vec::new(),
         skipped: Vec::new(),
+        skipped_count: 0,
         of_nuclei: false,
         embryos: Vec::new(),
         matched: Vec::new(),
@@ -228,15 +229,48 @@ fn tables_are_read_by_their_columns_and_refused_with_reasons() {
     let chosen = Chosen { cells: Some(&cells), groups: None };
     let refusal = table(text, chosen).unwrap_err();
     assert_eq!(refusal, "--cells: cells = \"EMS\": must be measured cells of the lineage: P0, AB, MSap");
-    assert_eq!(
-        table("mother,chi\nQ9,0.2\n", Chosen::default()).unwrap_err(),
-        "t.csv: chi = none: must be at least one measured χ of a cell of Caenorhabditis elegans"
-    );
+    let refusal = table("mother,chi\nQ9,0.2\n", Chosen::default()).unwrap_err();
+    let start = "t.csv: mother = none of the lineage: must be at least one measured χ of a cell of Caenorhabditis elegans: P0, AB";
+    assert!(refusal.starts_with(start) && refusal.contains("; the table has Q9. --names"), "{refusal}");
     // A part of the rows has errors; no cell was measured twice.
     let some = table("mother,chi,sd\nP0,0.18,0.02\nAB,0.01,\n", Chosen::default()).unwrap();
     let refused = |kind| Noise::of(&some, kind, ("t.csv", "--noise")).unwrap_err().to_string();
     assert!(refused(None).starts_with("t.csv: chi_sd = 1 of 2 rows: must be given in every row"), "{}", refused(None));
     assert!(refused(Some(NoiseKind::Replicates)).contains("no cell was measured in two embryos"));
+}
+
+/// Mothers without names are called by the joined texts of columns, several of a class in an embryo. Populations are parts of an embryo:
+/// two embryos are left out, and not four.
+#[test]
+fn mothers_without_names_are_called_by_their_class() {
+    let text = "embryo,mother,population,generation,larger_um3,smaller_um3
+e1,7,P,0,60,40\ne1,8,P,0,55,45\ne1,9,A,B,50,50\ne2,7,A,B,52,48\ne2,9,P,0,58,42\n";
+    let lineage = Lineage::c_elegans().unwrap();
+    let read = |class: &str| {
+        let class = class.split(',').map(str::to_owned).collect();
+        let options = ReadOptions { names: names_of(&lineage), class, ..ReadOptions::default() };
+        let mut volumes = Volumes::default();
+        volumes.read(text.as_bytes(), "t.csv", &options).map(|()| volumes).map_err(|error| error.to_string())
+    };
+    let volumes = read("population,Generation").unwrap();
+    assert_eq!(volumes.skipped_count, 2, "generations are whole numbers");
+    let of =
+        |chosen| Observations::of_tables(&volumes, &lineage, chosen, ("t.csv", ["--cells", "--population"])).unwrap();
+    let found = of(Chosen::default());
+    assert_eq!((found.cells, found.units), (vec!["P0".to_owned()], vec!["e1".to_owned(), "e2".to_owned()]));
+    assert_eq!(found.rows.iter().map(|row| row.unit).collect::<Vec<_>>(), [0, 0, 1]);
+    let refusal = read("popu").unwrap_err();
+    assert!(refusal.contains("no column is called popu; the columns here are \"embryo\", \"mother\""), "{refusal}");
+}
+
+/// A fitted number fits no worse than the one that the lineage gives, however short the search.
+#[test]
+fn a_fitted_number_fits_no_worse_than_the_given_one() {
+    let observations = table(TABLE, Chosen::default()).unwrap();
+    let given = tested(&observations, None, &["germline"], "none", 1);
+    let fitted = tested(&observations, None, &["germline"], "epsilon@P2=0.5..0.95,xi_s@P0,r0", 2);
+    assert!(fitted.hypotheses[0].log_likelihood >= given.hypotheses[0].log_likelihood - 1e-9, "{fitted}");
+    assert_eq!(fitted.hypotheses[0].parameters[2].searched, [2.7, 10.8]);
 }
 
 #[test]
@@ -254,7 +288,7 @@ fn free_numbers_have_classes_that_do_not_overlap() {
         ("epsilon,epsilon@somatic,epsilon@germline", "a class with cells that have no number of their own"),
         ("epsilon@germlin", "did you mean germline?"),
         ("epsilom", "did you mean epsilon?"),
-        ("r0", "none, or a parameter"),
+        ("r0@P1", "left out: r0 is the first cell's"),
         ("epsilon=0.9..0.4", "FROM below TO"),
         ("epsilon=0.4..1.4", "a range of epsilon with"),
     ] {

@@ -2,10 +2,12 @@
 
 use std::fmt::{Display, Formatter, Result};
 
+use super::free::NOTHING;
 use super::hierarchy::EmbryoNumber;
 use super::noise::{Noise, NoiseKind};
 use super::observations::Unused;
 use super::others::{OtherScore, OthersScore, Quantity};
+use super::pairs::LEAST;
 use super::posterior::{Posterior, PredictedCell, Ridge};
 use super::scores::{CellScore, FitTest, TestedHypothesis};
 use super::{HypothesisTest, Pair};
@@ -21,15 +23,34 @@ fn or_dash(value: Option<f64>, digits: usize) -> String {
 
 /// A probability.
 fn probability(p: f64) -> String {
-    if p < 1e-3 { format!("{p:.1e}") } else { format!("{p:.3}") }
+    match p {
+        0.0 => "below 1e-300".to_owned(),
+        p if p < 1e-3 => format!("{p:.1e}"),
+        p => format!("{p:.3}"),
+    }
 }
 
 impl Display for HypothesisTest {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let HypothesisTest { n, left_out, units, noise, hypotheses, pairs, unused, skipped, matched, .. } = self;
+        let HypothesisTest {
+            n,
+            left_out,
+            units,
+            noise,
+            hypotheses,
+            pairs,
+            unused,
+            skipped,
+            skipped_count,
+            matched,
+            ..
+        } = self;
         let cells = hypotheses.first().map_or(0, |tested| tested.cells.len());
         let count = units.len();
         write!(f, "{n} divisions of {cells} cells; {count} {} left out in turn", left_out.word(count))?;
+        if *skipped_count > 0 {
+            write!(f, "; {skipped_count} values of the table are not used")?;
+        }
         for OthersScore { quantity, sd, rows, .. } in hypotheses.iter().take(1).flat_map(|tested| &tested.others) {
             let what = if *quantity == Quantity::Rounds { "founders" } else { "generations" };
             write!(f, "\n{} of {} {what}, ±{sd}{}", quantity.name(), rows.len(), quantity.scale())?;
@@ -69,8 +90,8 @@ impl Display for HypothesisTest {
         for value in skipped.iter().take(MOST_SKIPPED) {
             write!(f, "\nskipped {value}")?;
         }
-        if skipped.len() > MOST_SKIPPED {
-            write!(f, "\nand {} more", skipped.len() - MOST_SKIPPED)?;
+        if *skipped_count > MOST_SKIPPED as u64 {
+            write!(f, "\nand {} more", skipped_count - MOST_SKIPPED as u64)?;
         }
         if !unused.is_empty() || !skipped.is_empty() {
             writeln!(f)?;
@@ -129,6 +150,12 @@ impl Display for TestedHypothesis {
         if let Some(posterior) = posterior {
             write!(f, "{posterior}")?;
         }
+        let carrying: Vec<&str> = cells.iter().filter(|cell| cell.has_cue).map(|cell| cell.cell.as_str()).collect();
+        match carrying[..] {
+            [] if cue != NOTHING => writeln!(f, "  no measured cell has the cue")?,
+            [] => {}
+            _ => writeln!(f, "  cue in {}", carrying.join(", "))?,
+        }
         for number in at_limit {
             let [from, to] = number.searched;
             writeln!(f, "  {} ended at the edge of its range, from {from} to {to}", number.name)?;
@@ -175,7 +202,8 @@ impl Display for Pair {
         let p = p.map_or("no test".to_owned(), |p| format!("p = {}", probability(p)));
         let verdict = if *distinguishable { "distinguishable" } else { "not distinguishable" };
         let [better, other] = better;
-        write!(f, "{better} above {other} by {:.2}{error}, {p}: {verdict}", delta.abs())
+        let small = if delta.abs() < LEAST { ", the difference is small" } else { "" };
+        write!(f, "{better} above {other} by {:.2}{error}, {p}: {verdict}{small}", delta.abs())
     }
 }
 

@@ -133,6 +133,23 @@ impl<'f> Header<'f> {
         self.unified.iter().position(|name| names.contains(&name.as_str()))
     }
 
+    /// The columns with these names, as users write them.
+    ///
+    /// # Errors
+    /// A name that no column has.
+    pub fn named(&self, names: &[String]) -> Result<Vec<usize>, InputError> {
+        let at = |name: &String| {
+            let found = self.find(&[&unified_name(name)]);
+            found.ok_or_else(|| {
+                self.refused(format!(
+                    "no column is called {name}; the columns here are {}",
+                    columns_listed(&self.names)
+                ))
+            })
+        };
+        names.iter().map(at).collect()
+    }
+
     /// The only column with a name that fits `what`, if there is one.
     ///
     /// # Errors
