@@ -50,7 +50,7 @@ impl Volumes {
                 Err((
                     mother,
                     format!(
-                        "a second division of this cell; the first is on line {first} (--class for classes of cells)"
+                        "a second division of this cell; the first is on line {first}"
                     ),
                 ))
             }
