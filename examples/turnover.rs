@@ -31,13 +31,14 @@ pub struct Small {
 /// The values of the figure.
 pub const SMALL: Small = Small { rigidity: 1e-3, diffusion: 1e-3 };
 
-/// Their cell, at rest without the band of activity, in a shell so wide and soft that it only holds its place.
+/// Their cell, at rest without the band of activity, in a shell so wide and soft that it only holds its place: a free cell slides out of a
+/// band that is fixed in space.
 pub fn cell(Small { rigidity, diffusion }: Small) -> Result<Cell, Box<dyn std::error::Error>> {
     let law = Law::parse(include_str!("laws/borja_da_rocha2022.ron"), "examples/laws/borja_da_rocha2022.ron")?;
     // The law alone uses the thickness: a coupling of 0.
     let cue = format!("regulator:none,turnover=1,diffusion={},activity=0", diffusion * R0 * R0);
     let mut cell = Cell { epsilon: 0.01, ..Cell::new(R0) }.with_law(law).with_cue(cue.parse()?);
-    (cell.shell.aspect, cell.shell.p0, cell.shell.w) = (1.0, 1e-4, 3.0);
+    (cell.shell.aspect, cell.shell.p0, cell.shell.w) = (1.0, 0.03, 3.0);
     cell.material.friction = 1e-6;
     cell.material.kappa = rigidity * R0 * R0;
     // An incompressible fluid of the viscosity μ in a thin layer of the thickness T₀.
