@@ -3,12 +3,14 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bands;
 mod confinement;
 mod contours;
 mod ensemble;
 mod fit;
 mod fit_clock;
 mod laws;
+mod polarity_line;
 mod reproduction;
 mod solve;
 mod sweep;

@@ -92,6 +92,7 @@ fn quantities<D: Number + Algebra>(
     set(Variable::U, u);
     set(Variable::S, s);
     set(Variable::R, (x[0] * x[0] + x[1] * x[1]).call(Function::Sqrt));
+    set(Variable::Z, law.height(x[2]));
     let half = |a: f64| D::from(0.5 * a);
     set(Variable::Kappa, D::from(local.kappa));
     set(Variable::EtaB, half(local.eta_sum + local.eta_difference));

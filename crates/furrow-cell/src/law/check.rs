@@ -44,6 +44,7 @@ impl Law {
     /// Quantities at sample k: arbitrary curvatures, rates and φ, and the fields of a cell.
     fn sample(&self, cell: &Cell, values: &LawValues<f64>, k: usize, u: f64) -> [f64; VARIABLES] {
         let length = 3.0 * cell.r0;
+        let z = values.height(cell.r0 * (std::f64::consts::PI * u).cos());
         let [u, s] = values.along(u, length);
         let curvature = |dimension| (1.0 + 0.8 * spread(k, dimension)) / cell.r0;
         let (c1, c2) = (curvature(0), curvature(1));
@@ -53,7 +54,7 @@ impl Law {
         let xi_b = cell.xi_s * material.xi_ratio;
         let fields = [material.kappa, material.eta_b, material.eta_s, material.friction, material.tension];
         let [kappa, eta_b, eta_s, friction, tension] = fields;
-        [c1, c2, c1 + c2, u, s, r, rate, other, phi, kappa, eta_b, eta_s, friction, tension, cell.xi_s, xi_b]
+        [c1, c2, c1 + c2, u, s, r, rate, other, phi, kappa, eta_b, eta_s, friction, tension, cell.xi_s, xi_b, z]
     }
 
     /// Refuses stresses that differ at a pole, where no direction is another.
@@ -80,7 +81,7 @@ impl Law {
 
     /// Whether it is the same seen from either pole of a cell.
     pub fn is_mirror_symmetric(&self, cell: &Cell) -> bool {
-        if !self.names(Variable::U) && !self.names(Variable::S) {
+        if !self.is_placed() {
             return true;
         }
         let (values, mut memory) = (LawValues::new(self, cell, |_, v| v), Vec::new());

@@ -87,6 +87,18 @@ impl Document {
         [moment.clone(), Some(stress_uu.clone()), Some(stress_phiphi.clone()), normal_force.clone()]
     }
 
+    /// A law without units; texts have the order of [`Expression::ALL`].
+    pub(super) fn new(name: &str, constants: BTreeMap<String, Constant>, texts: [Option<String>; 4]) -> Document {
+        let [moment, stress_uu, stress_phiphi, normal_force] = texts;
+        let [stress_uu, stress_phiphi] = [stress_uu, stress_phiphi].map(Option::unwrap_or_default);
+        Document { name: name.to_owned(), constants, stress_uu, stress_phiphi, moment, normal_force, reversed: false }
+    }
+
+    /// The law, or the error in a file that has a text.
+    pub(super) fn checked(&self, text: &str, file: &str) -> Result<Law, InputError> {
+        self.law().map_err(|fault| fault.of_file(text, file, self))
+    }
+
     fn check_name(&self) -> Result<(), Fault> {
         let fits = (1..=LONGEST).contains(&self.name.chars().count()) && forbidden(&self.name).is_none();
         let allowed = format!("from 1 to {LONGEST} printable characters");
@@ -137,9 +149,8 @@ impl TryFrom<Document> for Law {
 
 impl From<Law> for Document {
     fn from(law: Law) -> Document {
-        let Law { name, constants, texts: [moment, stress_uu, stress_phiphi, normal_force], reversed, .. } = law;
-        let [stress_uu, stress_phiphi] = [stress_uu, stress_phiphi].map(Option::unwrap_or_default);
-        Document { name, constants, stress_uu, stress_phiphi, moment, normal_force, reversed }
+        let Law { name, constants, texts, reversed, .. } = law;
+        Document { reversed, ..Document::new(&name, constants, texts) }
     }
 }
 
@@ -153,7 +164,7 @@ impl Law {
     /// Names the file, the field or the position in an expression, and the allowed values.
     pub fn parse(text: &str, file: &str) -> Result<Law, InputError> {
         let document: Document = parse_document(text, file, "a law", "Law")?;
-        document.law().map_err(|fault| fault.of_file(text, file, &document))
+        document.checked(text, file)
     }
 
     /// Reads the law of an option: a file, or `paper`, the law of the equations themselves, which is `None`.

@@ -7,11 +7,13 @@
 //! | `names` | the names that expressions may use |
 //! | `file` | laws in RON and JSON |
 //! | `check` | conditions on a law |
+//! | `stated` | laws as functions of Rust |
 
 mod check;
 mod file;
 mod names;
 mod program;
+mod stated;
 mod text;
 
 use std::collections::BTreeMap;
@@ -24,6 +26,7 @@ use furrow_input::InputError;
 pub use names::{ConstantName, LONGEST_NAME, Variable};
 use program::Program;
 pub use program::{Algebra, Function};
+pub use stated::Stated;
 pub use text::ExpressionError;
 
 /// An expression of a law.
@@ -158,9 +161,14 @@ impl Law {
         Expression::ALL.into_iter().any(|which| self.uses(which, variable))
     }
 
+    /// Whether an expression uses a quantity that tells one pole from the other.
+    pub(crate) fn is_placed(&self) -> bool {
+        [Variable::U, Variable::S, Variable::Z].into_iter().any(|variable| self.names(variable))
+    }
+
     /// The same law seen from the other pole, u → 1 − u.
     pub fn mirrored(&self) -> Law {
-        Law { reversed: self.reversed ^ (self.names(Variable::U) || self.names(Variable::S)), ..self.clone() }
+        Law { reversed: self.reversed ^ self.is_placed(), ..self.clone() }
     }
 }
 
@@ -213,8 +221,8 @@ impl<D: Number> LawValues<D> {
             moment: {
                 let of =
                     |variables: &[Variable]| variables.iter().any(|variable| law.uses(Expression::Moment, *variable));
-                use Variable::{C, C1, C2, Phi, R, S, U};
-                [of(&[C1, C]), of(&[C1, C, C2, U, S, R, Phi])]
+                use Variable::{C, C1, C2, Phi, R, S, U, Z};
+                [of(&[C1, C]), of(&[C1, C, C2, U, S, R, Z, Phi])]
             },
         }
     }
@@ -246,9 +254,14 @@ impl<D: Algebra> LawValues<D> {
         [D::from(u), length * u]
     }
 
-    /// The derivatives of the law's u by u, and of its s by s: 1, or −1 where it is read from the other pole.
-    pub fn direction(&self) -> [f64; 2] {
-        if self.reversed { [-1.0; 2] } else { [1.0; 2] }
+    /// z as the law reads it.
+    pub fn height(&self, z: D) -> D {
+        if self.reversed { -z } else { z }
+    }
+
+    /// The derivative of the law's u by u, of its s by s and of its z by z: 1, or −1 where it is read from the other pole.
+    pub fn direction(&self) -> f64 {
+        if self.reversed { -1.0 } else { 1.0 }
     }
 
     /// The moment at a place, whose quantities are in the order of [`Variable::ALL`]; `values` is working memory.

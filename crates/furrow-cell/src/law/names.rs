@@ -47,20 +47,22 @@ pub enum Variable {
     XiS,
     /// Activity ξ_b at the place, as published.
     XiB,
+    /// Place along the axis z, in L_h: 0 in the middle of the shell, above it at the pole u = 0.
+    Z,
 }
 
 impl Variable {
     /// Every quantity, in the order of [`LawValues::at`](super::LawValues::at).
-    pub const ALL: [Variable; 16] = {
+    pub const ALL: [Variable; 17] = {
         use Variable::*;
-        [C1, C2, C, U, S, R, Suu, Sphiphi, Phi, Kappa, EtaB, EtaS, Friction, Tension, XiS, XiB]
+        [C1, C2, C, U, S, R, Suu, Sphiphi, Phi, Kappa, EtaB, EtaS, Friction, Tension, XiS, XiB, Z]
     };
 
     /// Its name in expressions.
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 16] = [
+        const NAMES: [&str; 17] = [
             "c1", "c2", "C", "u", "s", "r", "S_uu", "S_phiphi", "phi", "kappa", "eta_b", "eta_s", "friction",
-            "tension", "xi_s", "xi_b",
+            "tension", "xi_s", "xi_b", "z",
         ];
         NAMES[self as usize]
     }

@@ -89,6 +89,14 @@ pub trait Algebra:
     fn call(self, function: Function) -> Self;
     /// A whole power.
     fn whole_power(self, exponent: i32) -> Self;
+    /// The smaller of two, the first if they are equal.
+    fn least(self, other: Self) -> Self {
+        if other.real() < self.real() { other } else { self }
+    }
+    /// The larger of two, the first if they are equal.
+    fn most(self, other: Self) -> Self {
+        if other.real() > self.real() { other } else { self }
+    }
     /// The derivative n xⁿ⁻¹ of a whole power.
     fn power_slope(self, exponent: i32) -> Self {
         if exponent == 0 { Self::from(0.0) } else { self.whole_power(exponent - 1) * f64::from(exponent) }
@@ -242,20 +250,8 @@ impl Program {
                 Step::Subtract(a, b) => at(a) - at(b),
                 Step::Multiply(a, b) => at(a) * at(b),
                 Step::Divide(a, b) => at(a) / at(b),
-                Step::Least(a, b) => {
-                    if at(b).real() < at(a).real() {
-                        at(b)
-                    } else {
-                        at(a)
-                    }
-                }
-                Step::Most(a, b) => {
-                    if at(b).real() > at(a).real() {
-                        at(b)
-                    } else {
-                        at(a)
-                    }
-                }
+                Step::Least(a, b) => at(a).least(at(b)),
+                Step::Most(a, b) => at(a).most(at(b)),
                 Step::Power(a, b) => (at(a).call(Function::Ln) * at(b)).call(Function::Exp),
                 Step::WholePower(a, n) => at(a).whole_power(n),
                 Step::Call(function, a) => at(a).call(function),

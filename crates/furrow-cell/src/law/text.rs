@@ -15,7 +15,7 @@ use super::program::{Function, MOST_STEPS, Program, Step};
 use furrow_input::{did_you_mean, shown};
 
 /// Longest text of an expression, in bytes.
-const LONGEST: usize = 4096;
+pub(super) const LONGEST: usize = 4096;
 /// Most parentheses and signs within each other.
 const DEEPEST: usize = 60;
 

@@ -193,7 +193,24 @@ impl Chemistry {
     /// [`PolarityError`]; `NoFold` if the states do not end in a fold.
     pub fn limit(&self, cell: &Cell, towards: Towards) -> Result<PolarityLimit, PolarityError> {
         let cell = Cell { r0: self.zygote(), ..cell.clone() };
-        let membrane = self.membrane(&cell)?;
+        let (found, tangent) = self.fold(self.membrane(&cell)?, towards)?;
+        self.own_fold(&cell, found, &tangent)
+    }
+
+    /// The same on a [line](Membrane::line), in place of a cell's surface: its length in µm, and the state.
+    ///
+    /// # Errors
+    /// As [`limit`](Self::limit).
+    pub fn limit_on_line(&self, aspect: f64, towards: Towards) -> Result<(f64, Readings), PolarityError> {
+        let line = Membrane::line(self.zygote(), aspect, self.length_um);
+        let (length, (found, _)) = (line.length, self.fold(line, towards)?);
+        let faded = || PolarityError::NoFold { why: "the last state is not polarised".to_owned() };
+        Ok((length * found.scalars[SCALE], readings(&found).ok_or_else(faded)?))
+    }
+
+    /// The fold over the scale of a membrane at which its polarised states end, and the direction of their branch there.
+    fn fold(&self, membrane: Membrane, towards: Towards) -> Result<(Solution, Direction), PolarityError> {
+        let r0 = membrane.r0;
         let mut scales = self.scales(&membrane);
         if towards == Towards::Larger {
             scales.reverse();
@@ -202,7 +219,7 @@ impl Chemistry {
         let mut branch = self.branch(membrane, scale, &state, towards)?;
         let bound = RANGE[usize::from(towards == Towards::Larger)];
         let end = follow(&mut branch, bound)?;
-        let at = cell.r0 * branch.state.parameter();
+        let at = r0 * branch.state.parameter();
         let why = match end {
             BranchEnd::Fold => None,
             BranchEnd::Reached => Some(format!("they exist at all sizes tried, to R0 = {at:.3}")),
@@ -214,7 +231,7 @@ impl Chemistry {
         }
         let signs = if towards == Towards::Smaller { [-1.0, 1.0] } else { [1.0, -1.0] };
         let located = locate::between_last_points(&mut branch, Fold::new(SCALE), signs)?;
-        self.own_fold(&cell, located.solution, &branch.state.tangent)
+        Ok((located.solution, branch.state.tangent))
     }
 
     /// The radius for which the cell's own shape has its fold at scale 1, starting from the fold over the scale of the

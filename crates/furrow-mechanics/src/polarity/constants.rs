@@ -40,10 +40,12 @@ pub struct ParConstants {
     pub rho_a: f64,
     /// All P per volume, 1/µm³.
     pub rho_p: f64,
-    /// Removal of A by P, µm²/s.
+    /// Removal of A by P, µm²/s, or µm⁴/s if `n_p` is 2.
     pub k_ap: f64,
     /// Removal of P by A, µm⁴/s.
     pub k_pa: f64,
+    /// Power of P in the removal of A: 1 or 2. The power of A in the removal of P is 2.
+    pub n_p: u8,
     /// Surface per volume.
     pub surface_to_volume: SurfaceToVolume,
 }
@@ -56,7 +58,7 @@ struct Named {
     may_vanish: bool,
 }
 
-/// The constants that [`ParConstants::set`] knows, besides `psi`.
+/// The constants that [`ParConstants::set`] knows, besides `n_p` and `psi`.
 const NAMED: [Named; 10] = [
     Named { name: "d_a", slot: |c| &mut c.d_a, may_vanish: false },
     Named { name: "d_p", slot: |c| &mut c.d_p, may_vanish: false },
@@ -72,6 +74,8 @@ const NAMED: [Named; 10] = [
 
 /// The name of ψ.
 const PSI: &str = "psi";
+/// The name of the power of P.
+const POWER: &str = "n_p";
 
 impl ParConstants {
     /// Goehring et al. 2011, with ψ from the shape.
@@ -86,6 +90,7 @@ impl ParConstants {
         rho_p: 1.0,
         k_ap: 0.19,
         k_pa: 2.0,
+        n_p: 1,
         surface_to_volume: SurfaceToVolume::Shape,
     };
 
@@ -116,8 +121,13 @@ impl ParConstants {
             self.surface_to_volume = SurfaceToVolume::Fixed(number.filter(|psi| *psi > 0.0).ok_or_else(refused)?);
             return Ok(());
         }
+        if name == POWER {
+            let refused = || InputError::not_allowed(place, name, value, "1 or 2");
+            self.n_p = [1, 2].into_iter().find(|n| number == Some(f64::from(*n))).ok_or_else(refused)?;
+            return Ok(());
+        }
         let Some(named) = NAMED.iter().find(|named| named.name == name) else {
-            let known = Vec::from_iter(NAMED.iter().map(|named| named.name).chain([PSI]));
+            let known = Vec::from_iter(NAMED.iter().map(|named| named.name).chain([POWER, PSI]));
             let hint = did_you_mean(name, known.iter().copied());
             return Err(InputError::not_allowed(place, "par", name, format!("one of {}{hint}", known.join(", "))));
         };

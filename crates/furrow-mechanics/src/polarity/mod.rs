@@ -2,11 +2,11 @@
 //!
 //! A and P diffuse on the membrane, attach to it from well-mixed pools, detach, and each removes the other:
 //!
-//! * \[P.1 antagonists\] ∂ₜA = D_A ∇²A + k_onA (ρ_A − ψĀ) − k_offA A − k_AP P A,
+//! * \[P.1 antagonists\] ∂ₜA = D_A ∇²A + k_onA (ρ_A − ψĀ) − k_offA A − k_AP Pⁿ A,
 //! * and ∂ₜP = D_P ∇²P + k_onP (ρ_P − ψP̄) − k_offP P − k_PA A² P.
 //!
-//! Bars denote means over the surface, ψ is the surface per volume, and ρ the amount of each per volume. The surface is
-//! the [passive shape](mod@crate::equilibria::passive), which does not change. P is high at the posterior pole, u = 0.
+//! Bars denote means over the surface, ψ is the surface per volume, ρ the amount of each per volume, and n is 1 or 2. The
+//! surface is the [passive shape](mod@crate::equilibria::passive), which does not change, or a line. P is high at the posterior pole, u = 0.
 //!
 //! Polarised states exist in a range of sizes: below it the boundary between the antagonists is too wide for the cell.
 //! If κ follows P, the position and width of the cue are computed instead of given: [`resolved`].
@@ -14,7 +14,7 @@
 //! | file | contents |
 //! |---|---|
 //! | [`constants`] | named constants, the values of Goehring et al. 2011, uniform states |
-//! | [`membrane`] | the passive shape in µm |
+//! | [`membrane`] | the passive shape in µm, or a line |
 //! | [`problem`] | the equations as a boundary-value problem, with exact derivatives |
 //! | [`states`] | evolution in time, observables of a state |
 //! | [`branch`] | polarised states over size, and the folds at which they end |

@@ -4,7 +4,7 @@
 //! contour length, components (A, P, a, p) and scalars (Ā, P̄, ℓ):
 //!
 //! * A′ = a, P′ = p,
-//! * \[P.2 stationary\] a′ = −(r′/r) a + (L²/D_A) \[ℓ²(k_offA A + k_AP P A − k_onA ρ_A) + ℓ²ψ(ℓ) k_onA Ā\], and p′ likewise,
+//! * \[P.2 stationary\] a′ = −(r′/r) a + (L²/D_A) \[ℓ²(k_offA A + k_AP Pⁿ A − k_onA ρ_A) + ℓ²ψ(ℓ) k_onA Ā\], and p′ likewise,
 //! * ∫ (A − Ā) r du = 0, ∫ (P − P̄) r du = 0, and a = p = 0 at both poles.
 
 use furrow_bvp::{
@@ -92,12 +92,17 @@ impl Polarity {
         [self.constants.k_on_a, self.constants.k_on_p]
     }
 
+    /// P to its power in the removal of A, with its first two derivatives.
+    fn power(&self, p: f64) -> [f64; 3] {
+        if self.constants.n_p == 1 { [p, 1.0, 0.0] } else { [p * p, 2.0 * p, 2.0] }
+    }
+
     /// Loss from the membrane at concentrations (A, P), less the attachment from a full pool; with its derivatives by A
     /// and P.
     fn loss(&self, a: f64, p: f64) -> [[f64; 3]; 2] {
-        let c = &self.constants;
+        let (c, [power, slope, _]) = (&self.constants, self.power(p));
         [
-            [c.k_off_a * a + c.k_ap * p * a - c.k_on_a * c.rho_a, c.k_off_a + c.k_ap * p, c.k_ap * a],
+            [c.k_off_a * a + c.k_ap * power * a - c.k_on_a * c.rho_a, c.k_off_a + c.k_ap * power, c.k_ap * a * slope],
             [c.k_off_p * p + c.k_pa * a * a * p - c.k_on_p * c.rho_p, 2.0 * c.k_pa * a * p, c.k_off_p + c.k_pa * a * a],
         ]
     }
@@ -200,8 +205,10 @@ impl Directional for Polarity {
         let along = |d: &PointDirection| if self.fixed_scale.is_some() { 0.0 } else { d.p[SCALE] };
         let (scale_a, scale_b) = (along(&a), along(&b));
         let mixed = a.y[A] * b.y[P] + a.y[P] * b.y[A];
-        let k_pa = self.constants.k_pa;
-        let curved = [self.constants.k_ap * mixed, 2.0 * k_pa * (y[P] * a.y[A] * b.y[A] + y[A] * mixed)];
+        let ParConstants { k_ap, k_pa, .. } = self.constants;
+        let [_, slope, bend] = self.power(y[P]);
+        let removed = slope * mixed + bend * y[A] * a.y[P] * b.y[P];
+        let curved = [k_ap * removed, 2.0 * k_pa * (y[P] * a.y[A] * b.y[A] + y[A] * mixed)];
         for k in 0..2 {
             let slope = |d: &PointDirection| loss[k][1] * d.y[A] + loss[k][2] * d.y[P];
             let mean = |d: &PointDirection| d.p[MEAN_A + k];
@@ -218,7 +225,10 @@ impl Directional for Polarity {
         self.second(point, [a, a], [f2, g2]);
         // Only directions in A and P, as for power series.
         let square = self.scaling(self.scale(point.p)).square[0];
-        f3[P_U] = self.stiffness()[1] * square * 6.0 * self.constants.k_pa * a.y[A] * a.y[A] * a.y[P];
+        let [stiff_a, stiff_p] = self.stiffness();
+        let [_, _, bend] = self.power(point.y[P]);
+        f3[A_U] = stiff_a * square * 3.0 * bend * self.constants.k_ap * a.y[P] * a.y[P] * a.y[A];
+        f3[P_U] = stiff_p * square * 6.0 * self.constants.k_pa * a.y[A] * a.y[A] * a.y[P];
         a.p.iter().all(|along| *along == 0.0)
     }
 

@@ -123,8 +123,8 @@ fn legendre_modes_decay_on_a_sphere_at_their_exact_rate() {
 #[test]
 fn derivatives_agree_with_differences() {
     let (mut chemistry, membrane) = zygote();
-    for psi in [SurfaceToVolume::Shape, SurfaceToVolume::Fixed(0.174)] {
-        chemistry.constants.surface_to_volume = psi;
+    for (psi, n_p) in [(SurfaceToVolume::Shape, 1), (SurfaceToVolume::Fixed(0.174), 2)] {
+        (chemistry.constants.surface_to_volume, chemistry.constants.n_p) = (psi, n_p);
         let mut problem = Polarity::new(chemistry.constants, membrane.clone(), None);
         (problem.past.rate, problem.past.values) = (0.3, vec![[0.4, 1.1]]);
         let at = CollocationPoint { x: 0.3, index: 0 };
@@ -382,8 +382,16 @@ fn constants_are_set_by_name_and_errors_name_the_allowed_values() {
     assert_eq!(constants.surface_to_volume, SurfaceToVolume::Fixed(0.174));
     constants.set("--par", "psi=shape").unwrap();
     assert_eq!(constants.surface_to_volume, SurfaceToVolume::Shape);
-    for (text, part) in [("d_a=0", "d_a"), ("d_a=x", "d_a"), ("kap=1", "k_ap"), ("psi=-1", "psi"), ("d_a", "KEY=VALUE")]
-    {
+    constants.set("--par", "n_p=2").unwrap();
+    assert_eq!(constants.n_p, 2);
+    for (text, part) in [
+        ("d_a=0", "d_a"),
+        ("d_a=x", "d_a"),
+        ("kap=1", "k_ap"),
+        ("psi=-1", "psi"),
+        ("n_p=3", "1 or 2"),
+        ("d_a", "KEY=VALUE"),
+    ] {
         let message = constants.set("--par", text).unwrap_err().to_string();
         assert!(message.contains("--par") && message.contains(part), "{text}: {message}");
     }

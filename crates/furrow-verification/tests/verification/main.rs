@@ -4,6 +4,7 @@ mod decisions;
 mod derivatives;
 mod differences;
 mod growth_rates;
+mod line;
 mod manufactured;
 mod own_laws;
 mod peer;

@@ -35,14 +35,15 @@ const LAWS: [Stated; 4] = [
     // Curvature, place and fields.
     Stated {
         text: r#"Law(name: "a", constants: { "h": (value: 3.0) },
-            stress_uu: "gain*(xi_s*(c1 - c2)/2 + xi_b*C)*exp(-(C/h)^2) + 0.1*xi_s*r^2*tanh(u)/(1 + s^2) + 0.3*kappa*sqrt(friction)",
-            stress_phiphi: "gain*(xi_b*C - xi_s*(c1 - c2)/2)*exp(-(C/h)^2) + 0.1*xi_s*r^2*tanh(u)/(1 + s^2) + 0.3*kappa*sqrt(friction)",
+            stress_uu: "gain*(xi_s*(c1 - c2)/2 + xi_b*C)*exp(-(C/h)^2) + 0.1*xi_s*r^2*tanh(u)/(1 + s^2) + 0.04*xi_s*sin(z) + 0.3*kappa*sqrt(friction)",
+            stress_phiphi: "gain*(xi_b*C - xi_s*(c1 - c2)/2)*exp(-(C/h)^2) + 0.1*xi_s*r^2*tanh(u)/(1 + s^2) + 0.04*xi_s*sin(z) + 0.3*kappa*sqrt(friction)",
             normal_force: "0.02*xi_s*c1*c2 - 0.1*cos(pi*u)")"#,
         stress: |place, xi| {
             let ([c1, c2], gain) = (place.curvature, GAIN);
             let fade = (-((c1 + c2) / 3.0).powi(2)).exp();
             let s = place.u * place.length;
-            let pull = 0.1 * xi[0] / gain * place.r * place.r * place.u.tanh() / (1.0 + s * s);
+            let there = 0.1 * place.r * place.r * place.u.tanh() / (1.0 + s * s) + 0.04 * place.z.sin();
+            let pull = xi[0] / gain * there;
             paper(place, xi).map(|t| t * fade + pull + 0.3 * place.here.kappa * place.here.friction.sqrt())
         },
         moment: nothing,
@@ -72,7 +73,7 @@ const LAWS: [Stated; 4] = [
         moment: |c| [0.2 * c + 0.05 * c.powi(3) - 0.4, 0.1 * c * c + 0.0125 * c.powi(4) - 0.4 * c],
         force: |_| 0.0,
     },
-    // A regulator.
+    // A regulator, and its product with a painted field.
     Stated {
         text: r#"Law(name: "d", stress_uu: "gain*(1 + phi)^2*xi_s*(c1 - c2)/2", stress_phiphi: "-gain*(1 + phi)^2*xi_s*(c1 - c2)/2")"#,
         stress: |place, xi| {
@@ -90,12 +91,13 @@ const GAIN: f64 = 0.5;
 /// A cell of each law with the cues it goes with.
 fn cells(xi_s: f64) -> Vec<(&'static Stated, Cell)> {
     let painted = "activity:band,u0=0.44,omega=0.3,amplitude=0.2+kappa:band,u0=0.44,omega=0.3,amplitude=0.1";
+    let both = "xi_s:band,u0=0.47,omega=0.2,amplitude=0.3+regulator:none,turnover=4,diffusion=0.7,activity=0";
     let carried = "regulator:band,u0=0.44,omega=0.3,amplitude=0.5,turnover=4,diffusion=0.7,kappa=0.2";
     let cues = [
         ["none", painted],
         ["none", "viscosity:gradient,amplitude=0.25"],
         ["none", "friction:gradient,amplitude=0.3"],
-        [carried, carried],
+        [carried, both],
     ];
     let of = |(law, cues): (&'static Stated, [&str; 2])| {
         cues.map(|cue| {

@@ -30,10 +30,11 @@ fn question(state: &Computed) -> Value {
     json!({"cell": state.cell, "length": state.length(), "pressure": state.pressure(), "u": state.shape.mesh, "shape": shape})
 }
 
-fn ask(question: &Value) -> Value {
+/// The answer of a script to a question.
+pub fn ask(script: &str, question: &Value) -> Value {
     let mut command = Command::new(python());
     let mut child = command
-        .arg(SCRIPT)
+        .arg(script)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -64,7 +65,7 @@ fn shapes_at_rest_are_those_of_another_solver() {
     for cell in cells {
         let state = resting(&cell).unwrap();
         let name = format!("R0 = {}, ξ_s = {}, {}", cell.r0, cell.xi_s, cell.cue);
-        let answer = ask(&question(&state));
+        let answer = ask(SCRIPT, &question(&state));
         let off = |key: &str, here: f64| (answer[key].as_f64().unwrap() - here).abs();
         let mut largest = off("length", state.length()).max(off("pressure", state.pressure()));
         // The shell fixes the position along the axis, so z is comparable too.

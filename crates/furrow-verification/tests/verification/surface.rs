@@ -133,7 +133,7 @@ const OWN: &str = r#"Law(
     stress_uu: "gain*(xi_s*(c1 - c2)/2/(1 + (c1 - c2)^2/9) + xi_b*C) + 0.3*eta_b*cos(r)",
     stress_phiphi: "gain*(xi_b*C - xi_s*(c1 - c2)/2/(1 + (c1 - c2)^2/9)) + 0.3*eta_b*cos(r)",
     moment: "0.2*tanh(C) - 0.1*c1*c2",
-    normal_force: "0.3*friction*cos(r) + 0.1*C",
+    normal_force: "0.3*friction*cos(r + 2*z) + 0.1*C",
 )"#;
 
 /// T_uu, T_φφ, moment and normal force of a law at a place.
@@ -153,7 +153,7 @@ impl Surface {
         Active {
             stress: [even + shear + passive, even - shear + passive],
             moment: 0.2 * (c1 + c2).tanh() - 0.1 * c1 * c2,
-            force: 0.3 * friction * self.r[k].cos() + 0.1 * (c1 + c2),
+            force: 0.3 * friction * (self.r[k] + 2.0 * self.z[k]).cos() + 0.1 * (c1 + c2),
         }
     }
 

@@ -97,7 +97,7 @@ fn quantities<D: Lawful>(
     law: &LawValues<D>,
     here: &LocalCoefficients<D>,
     spot: &Spot<D>,
-    [r, c2, s_phi]: [D; 3],
+    [r, z, c2, s_phi]: [D; 4],
     length: D,
 ) -> [D; VARIABLES] {
     let half = |a: D| a * 0.5;
@@ -107,7 +107,7 @@ fn quantities<D: Lawful>(
     let [xi_s, xi_b] = [here.xi_s, here.xi_b].map(|x| x / law.gain());
     let phi = spot.carried[1];
     let (kappa, friction, tension) = (here.kappa, here.friction, here.tension);
-    [zero, c2, zero, u, s, r, zero, s_phi, phi, kappa, eta_b, eta_s, friction, tension, xi_s, xi_b]
+    [zero, c2, zero, u, s, r, zero, s_phi, phi, kappa, eta_b, eta_s, friction, tension, xi_s, xi_b, law.height(z)]
 }
 
 /// A number with the slope 0.
@@ -151,7 +151,7 @@ impl<D: Lawful> Prepared<D> {
         &mut self,
         place: &mut [D; VARIABLES],
         here: &LocalCoefficients<D>,
-        [m, q, cos, j]: [D; 4],
+        [m, q, sin, cos, j]: [D; 5],
         length: D,
     ) -> [D; 2] {
         let zero = D::from(0.0);
@@ -189,13 +189,14 @@ impl<D: Lawful> Prepared<D> {
         // ∂_sM^a if C stayed the same, and from q = ∂_s[κ(C − C0) + M^a] the slope of C.
         let cot = cos / place[at(Variable::R)];
         let turned = cot * (place[at(Variable::C1)] - place[at(Variable::C2)]);
-        let [ahead, along] = self.law.direction();
+        let ahead = self.law.direction();
         let slopes = [
             (Variable::C1, -turned),
             (Variable::C2, turned),
             (Variable::U, D::from(ahead) / length),
-            (Variable::S, D::from(along)),
+            (Variable::S, D::from(ahead)),
             (Variable::R, cos),
+            (Variable::Z, -sin * ahead),
             (Variable::Phi, j),
         ];
         let unbent = jets.moment(&with_slopes(place, &slopes), memory).slope;
@@ -246,8 +247,8 @@ impl<D: Lawful> Prepared<D> {
         let (c2, cot) = (sin * inverse_r, cos * inverse_r);
         let v_n = (sin * (r - motion.r_past) + cos * (z - motion.z_past)) * motion.rate;
         let s_phi = cot * v + c2 * v_n;
-        let mut place = quantities(&self.law, here, spot, [r, c2, s_phi], length);
-        let [moment, mean_s] = self.moment(&mut place, here, [m, q, cos, spot.carried[0]], length);
+        let mut place = quantities(&self.law, here, spot, [r, z, c2, s_phi], length);
+        let [moment, mean_s] = self.moment(&mut place, here, [m, q, sin, cos, spot.carried[0]], length);
         let Active { stress, normal_force, .. } = self.stress(&mut place, here, spot.noise, t);
         let [t_uu, t_phi] = stress.map(|stress| stress * spot.noise);
         let zero = D::from(0.0);
@@ -270,11 +271,11 @@ impl<D: Lawful> Prepared<D> {
         y: &[D; COMPONENTS],
         [v_n, length]: [D; 2],
     ) -> (Active<D>, [D; 2]) {
-        let [r, _, m, psi, q, v, t] = *y;
+        let [r, z, m, psi, q, v, t] = *y;
         let (sin, cos) = psi.sin_cos();
         let c2 = sin / r;
-        let mut place = quantities(&self.law, here, spot, [r, c2, cos / r * v + c2 * v_n], length);
-        let [moment, mean_s] = self.moment(&mut place, here, [m, q, cos, spot.carried[0]], length);
+        let mut place = quantities(&self.law, here, spot, [r, z, c2, cos / r * v + c2 * v_n], length);
+        let [moment, mean_s] = self.moment(&mut place, here, [m, q, sin, cos, spot.carried[0]], length);
         let Active { stress, normal_force, .. } = self.stress(&mut place, here, spot.noise, t);
         let stress = stress.map(|stress| stress * spot.noise);
         (Active { stress, moment, normal_force: normal_force * spot.noise }, [place[at(Variable::C)], mean_s])
@@ -289,12 +290,12 @@ impl<D: Lawful> Prepared<D> {
         y: &[D; COMPONENTS],
         [v_n, length]: [D; 2],
     ) -> [D; 3] {
-        let [r, _, m, psi, q, v, t] = *y;
+        let [r, z, m, psi, q, v, t] = *y;
         let (sin, cos) = psi.sin_cos();
         let c2 = sin / r;
         let s_phi = cos / r * v + c2 * v_n;
-        let mut place = quantities(&self.law, here, spot, [r, c2, s_phi], length);
-        self.moment(&mut place, here, [m, q, cos, spot.carried[0]], length);
+        let mut place = quantities(&self.law, here, spot, [r, z, c2, s_phi], length);
+        self.moment(&mut place, here, [m, q, sin, cos, spot.carried[0]], length);
         self.stress(&mut place, here, spot.noise, t);
         let Some((jets, _)) = &self.jets else { return [here.kappa, here.eta_sum, here.eta_sum] };
         let one = D::from(1.0);
