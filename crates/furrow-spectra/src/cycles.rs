@@ -6,8 +6,8 @@
 
 use furrow_bvp::continuation::{Advance, State, predictor::History};
 use furrow_bvp::{
-    Auto, Bracket, Continuation, ContinuationError, Direction, FactorisationError, LinearCondition, NewtonError, PeriodicOrbit,
-    SingularError, Solution, System, VectorField, locate, mesh, metric,
+    Auto, Bracket, Continuation, ContinuationError, Direction, FactorisationError, LinearCondition, NewtonError,
+    PeriodicOrbit, SingularError, Solution, System, VectorField, locate, mesh, metric,
 };
 
 use crate::floquet::{Complex, CycleBifurcation, Multipliers, NoMultipliers};

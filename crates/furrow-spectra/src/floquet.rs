@@ -96,7 +96,8 @@ impl Multipliers {
         if n == 0 || n * n != monodromy.len() || monodromy.iter().any(|x| !x.is_finite()) {
             return Err(refused);
         }
-        Multipliers::sorted(DMatrix::from_row_slice(n, n, monodromy).complex_eigenvalues().iter().copied()).ok_or(refused)
+        Multipliers::sorted(DMatrix::from_row_slice(n, n, monodromy).complex_eigenvalues().iter().copied())
+            .ok_or(refused)
     }
 
     /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. A multiplier is accurate however

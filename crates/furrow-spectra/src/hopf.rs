@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 
 use furrow_bvp::continuation::{Advance, State};
 use furrow_bvp::{
-    Auto, Bracket, BranchPoint, Continuation, ContinuationError, ContinuationSettings, Dimensions, Direction, Equations, Gauss,
-    InvalidInput, Jet, Metric, Number, PeriodicOrbit, Solution, VectorField, mesh,
+    Auto, Bracket, BranchPoint, Continuation, ContinuationError, ContinuationSettings, Dimensions, Direction,
+    Equations, Gauss, InvalidInput, Jet, Metric, Number, PeriodicOrbit, Solution, VectorField, mesh,
 };
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -270,7 +270,8 @@ fn eigenvalues<V: VectorField>(field: &V, equilibrium: &Solution) -> Result<Vec<
 fn hopf_test(eigenvalues: &[Complex<f64>]) -> f64 {
     let size = |z: &Complex<f64>| z.norm_sqr().sqrt();
     let rest = |i: usize| eigenvalues.get(i + 1..).unwrap_or(&[]);
-    let pairs = eigenvalues.iter().enumerate().flat_map(|(i, a)| rest(i).iter().map(move |b| (a + b) / (size(a) + size(b))));
+    let pairs =
+        eigenvalues.iter().enumerate().flat_map(|(i, a)| rest(i).iter().map(move |b| (a + b) / (size(a) + size(b))));
     pairs.product::<Complex<f64>>().re
 }
 
@@ -309,7 +310,10 @@ impl HopfWatch {
 }
 
 /// The root of the test between the last two equilibria. None where two real eigenvalues have opposite values.
-fn located<V: VectorField>(branch: &mut EquilibriumBranch<V>, values: [f64; 2]) -> Result<Option<HopfPoint>, HopfError> {
+fn located<V: VectorField>(
+    branch: &mut EquilibriumBranch<V>,
+    values: [f64; 2],
+) -> Result<Option<HopfPoint>, HopfError> {
     let history = &branch.state.history;
     let (Some((from, first)), Some((to, newest))) = (history.back(1), history.back(0)) else { return Ok(None) };
     let parameters = [first, newest].map(|y| y.scalars.last().copied().unwrap_or(f64::NAN));
@@ -375,7 +379,8 @@ impl HopfPoint {
     ) -> Result<CycleBranch<V>, HopfError> {
         let n = field.components();
         let (_, p) = self.solution.scalars.split_at(n.min(self.solution.scalars.len()));
-        let orbit = |radius| PeriodicOrbit::near(field.clone(), gauss, mesh, TAU / self.frequency, p, self.circle(radius));
+        let orbit =
+            |radius| PeriodicOrbit::near(field.clone(), gauss, mesh, TAU / self.frequency, p, self.circle(radius));
         let (_, point) = orbit(0.0)?;
         metric.check(&point)?;
         settings.check()?;

@@ -152,7 +152,8 @@ impl<V: VectorField> Auto<PeriodicOrbit<V>> {
         let (count, n) = (times.max(1), orbit.components);
         let again = |y: &Solution| {
             let mut long = y.clone();
-            long.mesh = (0..count).flat_map(|k| y.mesh.iter().skip(usize::from(k > 0)).map(move |x| x + k as f64)).collect();
+            long.mesh =
+                (0..count).flat_map(|k| y.mesh.iter().skip(usize::from(k > 0)).map(move |x| x + k as f64)).collect();
             long.mesh.iter_mut().for_each(|x| *x /= count as f64);
             long.nodes = (0..count).flat_map(|k| y.nodes.iter().skip(if k > 0 { n } else { 0 })).copied().collect();
             long.stages = y.stages.repeat(count);

@@ -52,8 +52,7 @@ fn lorenzs_cycle_doubles_its_period_and_so_do_the_doubled_ones() {
     };
     let grid = mesh::uniform(0.0, 1.0, 40);
     let (problem, guess) = PeriodicOrbit::near(Lorenz, &gauss, &grid, period, &[rho], orbit).unwrap();
-    let settings =
-        ContinuationSettings { max_step: 5.0, first_step: 1.0, tolerance: Some(1e-7), ..Default::default() };
+    let settings = ContinuationSettings { max_step: 5.0, first_step: 1.0, tolerance: Some(1e-7), ..Default::default() };
     let mut branch = Continuation::start(problem, guess, metric(3, 1.0), settings, false).unwrap();
     let exact = [[229.406708561, 0.480866820311], [218.210127778, 0.987948936383], [215.966, 1.98675]];
     for (exact, digits) in exact.into_iter().zip([1e-8, 1e-8, 6e-4]) {
