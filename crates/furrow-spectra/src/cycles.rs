@@ -6,11 +6,12 @@
 
 use furrow_bvp::continuation::{Advance, State, predictor::History};
 use furrow_bvp::{
-    Auto, Bracket, Continuation, ContinuationError, Direction, FactorisationError, LinearCondition, NewtonError,
-    PeriodicOrbit, SingularError, Solution, System, VectorField, locate, mesh, metric,
+    Auto, Continuation, ContinuationError, Direction, FactorisationError, PeriodicOrbit, SingularError, Solution,
+    VectorField, locate,
 };
 
 use crate::floquet::{Complex, CycleBifurcation, Multipliers, NoMultipliers};
+use crate::root::{self, Root};
 
 /// A branch of cycles.
 pub type CycleBranch<V> = Continuation<Auto<PeriodicOrbit<V>>>;
@@ -144,12 +145,6 @@ pub struct CycleWatch {
     pub multipliers: Multipliers,
 }
 
-/// Most orbits that are tried between the ends of a step.
-const MOST_ORBITS: usize = 60;
-
-/// A bracket is narrow enough at this fraction of a step.
-const NARROW: f64 = 1e-13;
-
 /// Relative changes of a parameter that cannot be told from rounding.
 const STILL: f64 = 1e-11;
 
@@ -212,69 +207,18 @@ fn located<V: VectorField>(
     bifurcation: CycleBifurcation,
     values: [f64; 2],
 ) -> Result<Option<CyclePoint>, CycleError> {
-    let history = &branch.state.history;
-    let (Some((from, first)), Some((to, newest))) = (history.back(1), history.back(0)) else { return Ok(None) };
-    let lost = CycleError::Lost { parameters: [first, newest].map(|y| y.scalars.last().copied().unwrap_or(f64::NAN)) };
-    let (tangent, mut bracket) = (branch.state.tangent.clone(), Bracket::new([[from, values[0]], [to, values[1]]]));
-    let (mut found, mut last): (Option<CyclePoint>, f64) = (None, f64::NAN);
-    let mut slope = f64::NAN;
-    for _ in 0..MOST_ORBITS {
-        let arclength = bracket.secant();
-        if !arclength.is_finite() || (arclength - last).abs() <= NARROW * (to - from).abs() {
-            break;
-        }
-        last = arclength;
-        let mut solution = branch.state.solution.clone();
-        branch.state.history.extrapolate(arclength, &mut solution);
-        if !branch.correct_across(&mut solution, &tangent) {
-            return Err(lost);
-        }
-        let multipliers = multipliers(&mut branch.problem, &solution)?;
-        let value = bifurcation.scaled_test(&multipliers);
-        let point = CyclePoint { bifurcation, solution, arclength, multipliers, error: f64::INFINITY };
-        if let Some(before) = &found {
-            let before_value = bifurcation.scaled_test(&before.multipliers);
-            let change = (value - before_value) / (point.parameter() - before.parameter());
-            // The last differences are of rounding.
-            slope = if (value - before_value).abs() > 1e-9 || slope.is_nan() { change } else { slope };
-        }
-        found = Some(point);
-        if value == 0.0 {
-            break;
-        }
-        bracket.keep([arclength, value]);
-    }
-    let mut found = found.ok_or(lost)?;
-    let is_real = |m: &Complex<f64>| m.im.abs() < REAL;
-    let nearest = found.multipliers.others.iter().min_by(|a, b| off_circle(a).total_cmp(&off_circle(b)));
-    if bifurcation == CycleBifurcation::Torus && nearest.is_none_or(is_real) {
+    let test = |problem: &mut Auto<PeriodicOrbit<V>>, y: &Solution| {
+        multipliers(problem, y).map(|found| (bifurcation.scaled_test(&found), found))
+    };
+    let lost = |parameters| CycleError::Lost { parameters };
+    let Some(root) = root::between(branch, values, lost, test)? else { return Ok(None) };
+    let nearest = root.found.others.iter().min_by(|a, b| off_circle(a).total_cmp(&off_circle(b)));
+    if bifurcation == CycleBifurcation::Torus && nearest.is_none_or(|m| m.im.abs() < REAL) {
         return Ok(None);
     }
-    found.error = error_estimate(branch, &found, &tangent, slope).unwrap_or(f64::INFINITY);
-    Ok(Some(found))
-}
-
-/// The change of the parameter where the intervals are halved: that of the orbit, and that of the test by its `slope` in the parameter.
-fn error_estimate<V: VectorField>(
-    branch: &mut CycleBranch<V>,
-    found: &CyclePoint,
-    tangent: &Direction,
-    slope: f64,
-) -> Option<f64> {
-    let Continuation { problem, system, settings, metric, .. } = branch;
-    let (y, finer) = (&found.solution, mesh::halved(&found.solution.mesh));
-    let (mut refined, mut along) = (y.on_mesh(&system.gauss, &finer), tangent.clone());
-    metric::transfer_direction(&system.gauss, &y.mesh, &finer, &mut along);
-    let mut plane = LinearCondition::default();
-    metric.plane_through(&refined, &along, &mut plane);
-    let mut own = System::new(system.dimensions(), y.m);
-    let solved: Result<_, NewtonError> =
-        settings.newton.solve(&mut own, &mut Default::default(), problem, &mut refined, &[plane], false);
-    solved.ok()?;
-    let multipliers = multipliers(problem, &refined).ok()?;
-    let test = |m: &Multipliers| found.bifurcation.scaled_test(m);
-    let moved = refined.scalars.last()? - found.parameter();
-    Some(mesh::error_of_change(moved - (test(&multipliers) - test(&found.multipliers)) / slope, y.m))
+    let error = root.error(branch, test);
+    let Root { solution, arclength, found: multipliers, .. } = root;
+    Ok(Some(CyclePoint { bifurcation, solution, arclength, multipliers, error }))
 }
 
 /// The branch of orbits of twice the period that begins at a period doubling of a branch, which was found in its last step; to both sides

@@ -13,12 +13,13 @@ use std::f64::consts::TAU;
 
 use furrow_bvp::continuation::{Advance, State};
 use furrow_bvp::{
-    Auto, Bracket, BranchPoint, Continuation, ContinuationError, ContinuationSettings, Dimensions, Direction,
-    Equations, Gauss, InvalidInput, Jet, Metric, Number, PeriodicOrbit, Solution, VectorField, mesh,
+    Auto, BranchPoint, Continuation, ContinuationError, ContinuationSettings, Dimensions, Direction, Equations, Gauss,
+    InvalidInput, Jet, Metric, Number, PeriodicOrbit, Solution, VectorField, mesh,
 };
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::cycles::CycleBranch;
+use crate::root::{self, Root};
 
 /// Equilibria v(y, p) = 0 of a vector field as a problem for [`Continuation`]: the scalar unknowns are y and p, and the one component is
 /// 0. With one parameter the problem lacks one condition.
@@ -248,12 +249,6 @@ pub struct HopfWatch {
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
-/// Most equilibria that are tried between the ends of a step.
-const MOST_TRIALS: usize = 60;
-
-/// A bracket is narrow enough at this fraction of a step.
-const NARROW: f64 = 1e-14;
-
 /// Eigenvalues of an equilibrium.
 fn eigenvalues<V: VectorField>(field: &V, equilibrium: &Solution) -> Result<Vec<Complex<f64>>, HopfError> {
     let jacobian = Forms::at(field, &equilibrium.scalars)?.jacobian();
@@ -314,32 +309,14 @@ fn located<V: VectorField>(
     branch: &mut EquilibriumBranch<V>,
     values: [f64; 2],
 ) -> Result<Option<HopfPoint>, HopfError> {
-    let history = &branch.state.history;
-    let (Some((from, first)), Some((to, newest))) = (history.back(1), history.back(0)) else { return Ok(None) };
-    let parameters = [first, newest].map(|y| y.scalars.last().copied().unwrap_or(f64::NAN));
-    let (tangent, mut bracket) = (branch.state.tangent.clone(), Bracket::new([[from, values[0]], [to, values[1]]]));
-    let (mut found, mut last) = (None, f64::NAN);
-    for _ in 0..MOST_TRIALS {
-        let arclength = bracket.secant();
-        if !arclength.is_finite() || (arclength - last).abs() <= NARROW * (to - from).abs() {
-            break;
-        }
-        last = arclength;
-        let mut y = branch.state.solution.clone();
-        branch.state.history.extrapolate(arclength, &mut y);
-        if !branch.correct_across(&mut y, &tangent) {
-            return Err(HopfError::Lost { parameters });
-        }
-        let eigenvalues = eigenvalues(&branch.problem.0.field, &y)?;
-        let value = hopf_test(&eigenvalues);
-        found = Some((arclength, y, eigenvalues));
-        if value == 0.0 {
-            break;
-        }
-        bracket.keep([arclength, value]);
-    }
-    let Some((arclength, solution, eigenvalues)) = found else { return Err(HopfError::Lost { parameters }) };
-    let Some(frequency) = frequency(&eigenvalues) else { return Ok(None) };
+    let test = |problem: &mut Auto<Equilibria<V>>, y: &Solution| {
+        eigenvalues(&problem.0.field, y).map(|all| (hopf_test(&all), all))
+    };
+    let lost = |parameters| HopfError::Lost { parameters };
+    let Some(Root { solution, arclength, found, .. }) = root::between(branch, values, lost, test)? else {
+        return Ok(None);
+    };
+    let Some(frequency) = frequency(&found) else { return Ok(None) };
     let parameter = solution.scalars.last().copied().unwrap_or(f64::NAN);
     let forms = Forms::at(&branch.problem.0.field, &solution.scalars)?;
     let (lyapunov, q) = lyapunov(&forms, frequency).ok_or(HopfError::Eigenvalues { parameter })?;
