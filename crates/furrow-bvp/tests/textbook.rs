@@ -13,6 +13,10 @@ use furrow_bvp::{
 #[cfg(feature = "auto")]
 #[path = "textbook/algebraic.rs"]
 mod algebraic;
+#[cfg(feature = "auto")]
+#[path = "textbook/deflation.rs"]
+mod deflation;
+
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
 #[cfg(feature = "auto")]
