@@ -25,7 +25,7 @@ pub struct Deflation {
     pub settings: Settings,
     /// The norm of distances; all weights 1 if there is none.
     pub metric: Option<Metric>,
-    /// Most iterations of one search.
+    /// Most iterations of one search; there are up to three, with shorter and longer steps.
     pub max_iterations: usize,
     /// Solutions nearer to each other than this are the same.
     pub separation: f64,
@@ -61,8 +61,8 @@ pub enum DeflationError {
     Unsolved(#[from] SolveError),
 }
 
-/// Largest correction applied in full, relative to 1 + ‖y‖.
-const FARTHEST: f64 = 2.0;
+/// Largest corrections applied in full, relative to 1 + ‖y‖: a search is repeated with the next where it fails.
+const FARTHEST: [f64; 3] = [2.0, f64::INFINITY, 0.3];
 
 /// After a correction below this the solution is left to [`solve`].
 const NEAR: f64 = 1e-6;
@@ -108,7 +108,25 @@ impl Deflation {
         known.iter().try_for_each(|y| y.fits(dims))?;
         let metric = self.norm(guess);
         metric.check(guess)?;
-        let (near, iterations, correction) = self.search(problem, guess, known, &metric)?;
+        let mut last = DeflationError::NotFound { iterations: 0, known: known.len(), correction: f64::INFINITY };
+        for farthest in FARTHEST {
+            match self.attempt(problem, guess, known, (&metric, farthest)) {
+                Ok(solved) => return Ok(solved),
+                Err(DeflationError::Invalid(input)) => return Err(input.into()),
+                Err(error) => last = error,
+            }
+        }
+        Err(last)
+    }
+
+    fn attempt<P: BoundaryValueProblem>(
+        &self,
+        problem: &mut P,
+        guess: &Solution,
+        known: &[Solution],
+        limit: (&Metric, f64),
+    ) -> Result<Solved, DeflationError> {
+        let (near, iterations, correction) = self.search(problem, guess, known, limit)?;
         let solved = solve(problem, &near, &self.settings)?;
         if self.is_known(&solved.solution, known) {
             return Err(DeflationError::NotFound { iterations, known: known.len(), correction });
@@ -164,7 +182,7 @@ impl Deflation {
         problem: &mut P,
         guess: &Solution,
         known: &[Solution],
-        metric: &Metric,
+        (metric, farthest): (&Metric, f64),
     ) -> Result<(Solution, usize, f64), DeflationError> {
         let mut y = guess.clone();
         let known: Vec<Solution> = known.iter().map(|k| at_places_of(guess, k)).collect();
@@ -185,8 +203,7 @@ impl Deflation {
                 return Err(failed);
             }
             let size = |d: &Direction| metric.dot(&y.mesh, d, d).sqrt();
-            let farthest = FARTHEST * (1.0 + size(&values_of(&y)));
-            let damping = (farthest / size(&step)).min(1.0);
+            let damping = (farthest * (1.0 + size(&values_of(&y))) / size(&step)).min(1.0);
             step.apply(damping, &mut y);
             if correction < NEAR {
                 return Ok((y, iterations, correction));

@@ -17,6 +17,10 @@ mod algebraic;
 #[path = "textbook/deflation.rs"]
 mod deflation;
 
+#[cfg(feature = "auto")]
+#[path = "textbook/diagram.rs"]
+mod diagram;
+
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
 #[cfg(feature = "auto")]

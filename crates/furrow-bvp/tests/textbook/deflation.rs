@@ -91,7 +91,7 @@ fn carriers_problem_has_many_solutions_and_no_wrong_one_is_found() {
         };
         Solution::from_fn(&gauss, &grid, 2, &[], wave).unwrap()
     };
-    let guesses: Vec<Solution> = (0..25).flat_map(|k| [guess(k, 1.0), guess(k, -1.0)]).collect();
+    let guesses: Vec<Solution> = (0..12).flat_map(|k| [guess(k, 1.0), guess(k, -1.0)]).collect();
     let search = Deflation { max_iterations: 60, ..search() };
     let found = search.solve_all(&mut carrier, &guesses, 40).unwrap();
     let mut middles = Vec::new();
@@ -102,5 +102,5 @@ fn carriers_problem_has_many_solutions_and_no_wrong_one_is_found() {
         assert!(CARRIER.iter().any(|known| near(&known)), "{y:?}");
         middles.push(y);
     }
-    assert!(middles.len() >= 12, "{}: {middles:?}", middles.len());
+    assert!(middles.len() >= 14, "{}: {middles:?}", middles.len());
 }
