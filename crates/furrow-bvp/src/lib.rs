@@ -82,4 +82,4 @@ pub use problem::{
 pub use solution::{Solution, Transfer};
 #[cfg(feature = "auto")]
 pub use two_point::solve_bvp;
-pub use two_point::{TwoPoint, TwoPointJacobian, solve_two_point};
+pub use two_point::{TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides};
