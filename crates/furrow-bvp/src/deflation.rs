@@ -1,7 +1,7 @@
 //! Further solutions of a problem with several: Newton's method on equations from which the known solutions are taken out.
 //!
 //! With the distances d_k of y from the known solutions, η(y) F(y) = 0 with η = Π (1/d_k² + 1) has the solutions of F(y) = 0 but for the
-//! known ones (N.21). Its Newton correction is a multiple of that of F: with Jδ = −F it is τδ,
+//! known ones (N.21). Its Newton correction is τδ, where δ is the correction for F, Jδ = −F:
 //!
 //! * τ = 1/(1 − η′\[δ\]/η), η′\[δ\]/η = −2 Σ_k ⟨y − y_k, δ⟩/(d_k² (1 + d_k²))
 //!
@@ -23,7 +23,7 @@ use crate::solution::Solution;
 pub struct Deflation {
     /// How each solution is solved to an accuracy once it is nearly found.
     pub settings: Settings,
-    /// The norm of distances; all weights 1 if there is none.
+    /// The norm of distances. Without a metric all weights are 1.
     pub metric: Option<Metric>,
     /// Most iterations of one search; there are up to three, with shorter and longer steps.
     pub max_iterations: usize,
@@ -44,7 +44,7 @@ pub enum DeflationError {
     /// The problem, a guess, a known solution or the settings are refused.
     #[error(transparent)]
     Invalid(#[from] InvalidInput),
-    /// The iteration does not converge: there may be no further solution, or none that is reached from this guess.
+    /// The iteration does not converge: this guess leads to no further solution, and there may be none.
     #[error(
         "no further solution in {iterations} iterations besides the {known} known ones (last correction {correction:.1e})"
     )]

@@ -1,8 +1,8 @@
 //! Bifurcation diagrams: a branch, the branches that cross it, those that cross these, and so on.
 //!
 //! Every branch point has four arms, two along each branch through it. A branch that comes to a branch point which is known already
-//! arrives by one arm and leaves by the other; it ends there if another branch has left by that arm. Arms that no branch has used are
-//! followed one after the other, those of the first branches first, so that no branch is followed twice.
+//! arrives by one arm and leaves by the other; it ends there if another branch has left by that arm. Unused arms wait in a queue, and no
+//! branch is followed twice.
 
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -78,7 +78,7 @@ pub struct SpecialPoint {
     pub parameter: f64,
     /// Estimated error of λ.
     pub error: f64,
-    /// What is observed there.
+    /// The observed numbers of the solution.
     pub observed: Vec<f64>,
     /// The branch that it was found on.
     pub branch: usize,
@@ -93,7 +93,7 @@ pub struct DiagramPoint {
     pub parameter: f64,
     /// Arclength from the start of the branch.
     pub arclength: f64,
-    /// What is observed there.
+    /// The observed numbers of the solution.
     pub observed: Vec<f64>,
 }
 
@@ -113,7 +113,7 @@ pub enum BranchEnd {
 /// A branch of a diagram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DiagramBranch {
-    /// The special point that it starts from; none for the first branch.
+    /// The special point that it starts from. The first branch starts from no special point.
     pub from: Option<usize>,
     /// Switches from the first branch to it.
     pub depth: usize,
@@ -135,11 +135,10 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// Writes a table: branch, kind, λ, arclength, and columns of what is observed. Special points have their kind, branch points of
-    /// a branch are rows of it without one.
+    /// Writes a table with the columns branch, kind, λ, arclength and the observed numbers. The kind is empty for ordinary points.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Errors of the writer.
     pub fn write_csv(&self, to: &mut impl Write, observed: &[&str]) -> io::Result<()> {
         let names: String = observed.iter().map(|name| format!(",{name}")).collect();
         writeln!(to, "branch,kind,parameter,arclength{names}")?;
@@ -250,7 +249,7 @@ impl<P: Directional + Clone, O: FnMut(&Solution) -> Vec<f64>> Run<'_, P, O> {
         Continuation::resume(self.problem.clone(), state, self.metric.clone(), self.settings.continuation.clone())
     }
 
-    /// Follows a branch to its end, unless another has used its arm meanwhile.
+    /// Follows a branch to its end, unless another branch has used its arm meanwhile.
     fn follow(&mut self, next: Pending) {
         if let Some((crossing, arm)) = next.from {
             let arm = &mut self.crossings[crossing].arms[arm];

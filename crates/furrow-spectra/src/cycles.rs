@@ -66,7 +66,7 @@ pub enum CycleError {
     /// A fold was not found, or not the point where orbits of twice the period branch.
     #[error(transparent)]
     Singular(#[from] SingularError),
-    /// Between two orbits of the branch there is a bifurcation, but none of the orbits tried between them could be computed.
+    /// There is a bifurcation between two orbits of the branch, but no orbit between them could be computed.
     #[error("the branch is lost between parameters {} and {}", .parameters[0], .parameters[1])]
     Lost {
         /// Parameters of the two orbits.
@@ -148,7 +148,7 @@ pub struct CycleWatch {
 /// Relative changes of a parameter that cannot be told from rounding.
 const STILL: f64 = 1e-11;
 
-/// A root of the test of a torus is one for a complex pair; of two real multipliers μ and 1/μ it is none.
+/// The test of a torus also vanishes for two real multipliers μ and 1/μ. Imaginary parts below this count as real.
 const REAL: f64 = 1e-6;
 
 impl CycleWatch {

@@ -1,7 +1,7 @@
 //! Eigenvalues and Hopf points of steady states of evolution equations in one dimension.
 //!
 //! A steady state is a solution of y′ = f(x, y, p). In time the equations are y′ = f + B ∂y/∂t with constant B: for u_t = Du″ + g(u) as
-//! y = (u, Du′) the second has B₂₁ = 1, the first has none. A disturbance η e^{λt} satisfies η′ = f_y η + λBη and the linearised
+//! y = (u, Du′) B₂₁ = 1 is the only entry. A disturbance η e^{λt} satisfies η′ = f_y η + λBη and the linearised
 //! conditions, so the λ are the reciprocals of the eigenvalues of the map η ↦ ζ, ζ′ = f_y ζ + Bη, and those nearest to 0 come first.
 //! Scalar unknowns other than the parameter follow the disturbance at once.
 
@@ -17,7 +17,7 @@ use crate::root::{self, Root};
 /// B_rc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassTerm {
-    /// The component r whose equation has the time derivative.
+    /// The component r. Its equation contains the time derivative.
     pub row: usize,
     /// The component c that is differentiated.
     pub column: usize,
@@ -30,7 +30,7 @@ pub struct MassTerm {
 pub struct Evolution {
     /// The entries of B that are not 0.
     pub mass: Vec<MassTerm>,
-    /// The iteration for the eigenvalues nearest to 0; a Hopf point is seen if its pair is among them. The tolerance is that of 1/λ.
+    /// The iteration for the eigenvalues nearest to 0; a Hopf point is found if its pair is among them. The tolerance bounds the error of 1/λ.
     pub arnoldi: Arnoldi,
 }
 
@@ -47,7 +47,7 @@ pub enum EvolutionError {
     /// The iteration fails.
     #[error(transparent)]
     Eigenvalues(#[from] EigenError),
-    /// Between two steady states there is a Hopf point, but none of those tried between them could be computed.
+    /// There is a Hopf point between two steady states, but no steady state between them could be computed.
     #[error("the branch is lost between parameters {} and {}", .parameters[0], .parameters[1])]
     Lost {
         /// Parameters of the two.
@@ -239,7 +239,7 @@ impl EvolutionWatch {
         let Some(root) = root::between(branch, values, lost, test)? else { return Ok(None) };
         let error = root.error(branch, test);
         let Root { solution, arclength, found: frequency, .. } = root;
-        // Two real eigenvalues that pass 0 at once are none.
+        // Two real eigenvalues that pass 0 together make no Hopf point.
         Ok((frequency > 0.0).then_some(SteadyHopfPoint { solution, arclength, frequency, error }))
     }
 }

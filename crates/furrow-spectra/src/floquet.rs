@@ -61,7 +61,7 @@ impl CycleBifurcation {
         self.factors(of).map(|[factor, plain]| factor / (1.0 + plain.norm_sqr().sqrt())).product::<Complex<f64>>().re
     }
 
-    /// The factors of the test, each with its μ or μ_i μ_j.
+    /// Pairs of a factor of the test and its μ or μ_i μ_j.
     fn factors(self, of: &Multipliers) -> impl Iterator<Item = [Complex<f64>; 2]> {
         let all = &of.others;
         let (plain, off): (Vec<Complex<f64>>, f64) = match self {
@@ -101,7 +101,7 @@ impl Multipliers {
     }
 
     /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. A multiplier is accurate however
-    /// much other disturbances grow: its error is that of rounding times the growth of its own disturbance on the way. With two
+    /// much other disturbances grow: its error is the rounding error times the growth of its own disturbance on the way. With two
     /// components the one that is not trivial is the product of the determinants, which is accurate after any growth. Multipliers above
     /// 1e100 are given as 1e100.
     ///

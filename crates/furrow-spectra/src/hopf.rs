@@ -120,7 +120,7 @@ pub enum HopfError {
         /// The parameter.
         parameter: f64,
     },
-    /// Between two equilibria there is a Hopf point, but none of those tried between them could be computed.
+    /// There is a Hopf point between two equilibria, but no equilibrium between them could be computed.
     #[error("the branch is lost between parameters {} and {}", .parameters[0], .parameters[1])]
     Lost {
         /// Parameters of the two.
@@ -369,7 +369,7 @@ impl HopfPoint {
             scalars: minus(&unit.scalars, &point.scalars),
         };
         metric.normalise(&point.mesh, &mut along);
-        // The phase of a cycle is fixed by a circle and not by the point itself, which has none.
+        // A circle fixes the phase of a cycle; the point itself has no phase.
         let (problem, guess) = orbit(settings.first_step)?;
         // Equilibria are cycles too. Their branch goes in the direction of the parameter, as far as the first cycle's direction matters.
         let mut still = along.clone();

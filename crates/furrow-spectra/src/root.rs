@@ -4,7 +4,7 @@ use furrow_bvp::{
     BoundaryValueProblem, Bracket, Continuation, Direction, LinearCondition, Solution, System, mesh, metric,
 };
 
-/// A root, with what the test found there.
+/// A root and the result of the test there.
 pub(crate) struct Root<T> {
     pub solution: Solution,
     pub arclength: f64,
@@ -70,8 +70,8 @@ pub(crate) fn between<P: BoundaryValueProblem, T, E>(
 }
 
 impl<T> Root<T> {
-    /// Estimates the error of the parameter by its change where the intervals are halved: that of the point, and that of the test by its
-    /// slope; infinite if the point is not found there.
+    /// Estimates the error of the parameter by its change where the intervals are halved: the change of the point, and the change of the test
+    /// divided by its slope. Infinite if the point is not found on the finer mesh.
     pub fn error<P: BoundaryValueProblem, E>(
         &self,
         branch: &mut Continuation<P>,

@@ -23,7 +23,7 @@ impl VectorField for FitzHughNagumo {
     }
 }
 
-/// ∫ ∂v′/∂v dt over a cycle, whose exponential is the multiplier that is not 1.
+/// ∫ ∂v′/∂v dt over a cycle. Its exponential is the multiplier other than 1.
 fn divergence(y: &Solution, gauss: &Gauss) -> f64 {
     let widths = y.mesh.windows(2).map(|x| y.scalars[2] * (x[1] - x[0]));
     let of_interval = |i: usize| (0..4).map(move |j| gauss.b[j] * (1.0 - y.stage(i, j)[0].powi(2))).sum::<f64>();
