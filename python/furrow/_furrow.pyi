@@ -154,6 +154,7 @@ def solve_bvp(
     mesh: NDArray[np.float64],
     guess: NDArray[np.float64],
     p: NDArray[np.float64] | None,
+    known: list[Collocation],
     tolerance: float,
     max_intervals: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], Collocation, tuple[float, float], int]: ...

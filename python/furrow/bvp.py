@@ -9,11 +9,15 @@
 >>> found = furrow.bvp.solve_bvp(fun, bc, np.linspace(0, 1, 5), np.zeros((2, 5)))
 >>> round(float(found.sol(0.5)[0]), 6)
 0.140539
+>>> with np.errstate(over="ignore"):
+...     second = furrow.bvp.solve_bvp(fun, bc, np.linspace(0, 1, 9), np.zeros((2, 9)), besides=[found])
+>>> round(float(second.sol(0.5)[0]), 4)
+4.0915
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +72,7 @@ def solve_bvp(
     *,
     fun_jac: _Function | None = None,
     bc_jac: _Function | None = None,
+    besides: Sequence[Solution] = (),
     tol: float = 1e-6,
     max_nodes: int = 2000,
 ) -> Solution:
@@ -76,6 +81,8 @@ def solve_bvp(
     ``fun(x, y)`` or, with p, ``fun(x, y, p)`` gives the slopes of shape (n, k) at k points; ``bc(ya, yb)`` or ``bc(ya, yb, p)``
     as many numbers as there are components and scalar unknowns. ``fun_jac`` and ``bc_jac`` give their derivatives in the shapes
     that SciPy takes; without them derivatives are differences. ``tol`` bounds the defect. Singular terms are not offered.
+
+    A problem with several solutions gives another one for each call if those found before are passed as ``besides``.
 
     Raises :class:`furrow.NoOutcome` if no solution is found, :class:`furrow.InputError` for arguments that do not fit, and the
     exceptions of the functions.
@@ -87,7 +94,14 @@ def solve_bvp(
         raise refused("y", shapes, "x of shape (m,) and y of shape (n, m)")
     unknown = None if p is None else np.ascontiguousarray(p, dtype=np.float64).ravel()
     mesh, scalars, collocation, (defect, condition), iterations = _furrow.solve_bvp(
-        (fun, bc), (fun_jac, bc_jac), nodes, guess, unknown, float(tol), int(max_nodes) - 1
+        (fun, bc),
+        (fun_jac, bc_jac),
+        nodes,
+        guess,
+        unknown,
+        [known._collocation for known in besides],
+        float(tol),
+        int(max_nodes) - 1,
     )
 
     def at(slope: bool) -> NDArray[np.float64]:

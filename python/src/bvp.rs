@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use furrow_bvp::{
-    CollocationPoints, Gauss, Interrupt, PointJacobian, Settings, Solution, SolveError, TwoPoint, TwoPointJacobian,
-    solve_two_point,
+    CollocationPoints, Deflation, DeflationError, Gauss, Interrupt, PointJacobian, Settings, Solution, SolveError,
+    TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -232,9 +232,9 @@ impl Collocation {
 /// The mesh, p, the polynomials, the defect with the condition, and the number of Newton iterations.
 type Found<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, [f64; 2], usize);
 
-/// Solves a problem of functions as `scipy.integrate.solve_bvp` takes them.
+/// Solves a problem of functions as `scipy.integrate.solve_bvp` takes them, besides known solutions.
 #[pyfunction]
-#[pyo3(signature = (functions, jacobians, mesh, guess, p, tolerance, max_intervals))]
+#[pyo3(signature = (functions, jacobians, mesh, guess, p, known, tolerance, max_intervals))]
 pub fn solve_bvp<'py>(
     py: Python<'py>,
     functions: [Bound<'py, PyAny>; 2],
@@ -242,6 +242,7 @@ pub fn solve_bvp<'py>(
     mesh: PyReadonlyArray1<'py, f64>,
     guess: &Bound<'py, PyArray2<f64>>,
     p: Option<PyReadonlyArray1<'py, f64>>,
+    known: Vec<PyRef<'py, Collocation>>,
     tolerance: f64,
     max_intervals: usize,
 ) -> Result<Found<'py>, Error> {
@@ -263,13 +264,19 @@ pub fn solve_bvp<'py>(
         failed: RefCell::new(None),
         interrupt: settings.interrupt.clone(),
     };
-    let found = solve_two_point(&problem, &mesh, &rows, &p, &settings);
+    let found = if known.is_empty() {
+        solve_two_point(&problem, &mesh, &rows, &p, &settings).map_err(DeflationError::from)
+    } else {
+        let known: Vec<&Solution> = known.iter().map(|known| &known.solution).collect();
+        let deflation = Deflation { settings, ..Deflation::default() };
+        solve_two_point_besides(&problem, &mesh, &rows, &p, &known, &deflation)
+    };
     if let Some(error) = problem.failed.into_inner() {
         return Err(error.into());
     }
     let found = match found {
         Ok(found) => found,
-        Err(SolveError::Invalid(error)) => {
+        Err(DeflationError::Invalid(error) | DeflationError::Unsolved(SolveError::Invalid(error))) => {
             return Err(Error::not_allowed("problem", error, "a problem that fits its mesh"));
         }
         Err(error) => return Err(Error::no_outcome(error)),

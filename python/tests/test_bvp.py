@@ -26,6 +26,32 @@ def test_bratu_has_the_published_slope_at_its_end():
     assert found.sol(np.array([[0.1, 0.2], [0.3, 0.4]])).shape == (2, 2, 2) and found.sol(0.3).shape == (2,)
 
 
+def test_a_further_solution_is_found_besides_the_known_ones():
+    guess = np.linspace(0, 1, 9), np.zeros((2, 9))
+    first = solve_bvp(bratu, ends, *guess)
+    # Steps of the search may lead far away.
+    with np.errstate(over="ignore"):
+        second = solve_bvp(bratu, ends, *guess, besides=[first])
+    # The larger root of theta = sqrt(2) cosh(theta / 4).
+    theta = 10.938702772107
+    assert second.sol(0.0)[1] == pytest.approx(theta * np.tanh(theta / 4), abs=1e-4)
+    with np.errstate(over="ignore"), pytest.raises(furrow.NoOutcome, match="besides the 2 known ones"):
+        solve_bvp(bratu, ends, *guess, besides=[first, second])
+
+
+def test_further_solutions_of_conditions_that_involve_both_ends():
+    # Constants y with y (y^2 - 1) = 0 are periodic.
+    x = np.linspace(0, 1, 5)
+
+    def fun(x, y):
+        return y**3 - y
+
+    found = []
+    for _ in range(3):
+        found.append(solve_bvp(fun, lambda ya, yb: ya - yb, x, np.full((1, 5), 0.4), besides=found))
+    assert sorted(float(one.sol(0.5)[0]) for one in found) == pytest.approx([-1, 0, 1], abs=1e-6)
+
+
 def test_a_scalar_unknown_and_derivatives_by_hand():
     x = np.linspace(0, 1, 9)
     guess = np.vstack((np.sin(2 * np.pi * x), 6 * np.cos(2 * np.pi * x)))

@@ -15,8 +15,10 @@
 //! | [`linear`] | residuals, factors and solves of the linearised system |
 //! | [`newton`] | damped Newton, and the adaptive driver [`solve`] |
 //! | `two_point` (private) | [`solve_bvp`]: conditions at both ends, in one call |
+//! | `deflation` (private) | [`Deflation`]: further solutions of a problem with several |
 //! | [`continuation`] | branches by pseudo-arclength |
 //! | [`bifurcation`] | folds, pitchforks and branch points as roots, normal forms, switching |
+//! | `diagram` (private) | [`diagram()`]: branches, those that cross them, and so on |
 //! | [`codim2`] | curves of folds and pitchforks in two parameters |
 
 #[cfg(feature = "auto")]
@@ -25,7 +27,9 @@ pub mod bifurcation;
 mod bracket;
 pub mod codim2;
 pub mod continuation;
+mod deflation;
 mod dense;
+mod diagram;
 mod dimensions;
 pub mod direction;
 pub mod gauss;
@@ -57,7 +61,11 @@ pub use bifurcation::{
 pub use bracket::Bracket;
 pub use codim2::{Codim2Curve, CurveError, CurveSettings};
 pub use continuation::{Continuation, ContinuationError, ContinuationSettings, StepFailure, Termination, predictor};
+pub use deflation::{Deflation, DeflationError};
 pub use dense::{Determinant, PivotFailure};
+pub use diagram::{
+    BranchEnd, Diagram, DiagramBranch, DiagramPoint, DiagramSettings, SpecialKind, SpecialPoint, diagram,
+};
 pub use dimensions::{Dimensions, MAX_CONDITIONS, MAX_STAGE_UNKNOWNS, MAX_UNKNOWNS, TooLarge};
 pub use direction::{Direction, LinearCondition, Residual};
 pub use gauss::Gauss;
@@ -74,4 +82,4 @@ pub use problem::{
 pub use solution::{Solution, Transfer};
 #[cfg(feature = "auto")]
 pub use two_point::solve_bvp;
-pub use two_point::{TwoPoint, TwoPointJacobian, solve_two_point};
+pub use two_point::{TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides};

@@ -157,7 +157,7 @@ fn residuals<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Soluti
 }
 
 /// The error of a number found on a mesh, of order 2m, from its change where the intervals are halved.
-pub(crate) fn error_of_change(change: f64, m: usize) -> f64 {
+pub fn error_of_change(change: f64, m: usize) -> f64 {
     change.abs() / (1.0 - 0.25f64.powi(m as i32))
 }
 

@@ -13,6 +13,14 @@ use furrow_bvp::{
 #[cfg(feature = "auto")]
 #[path = "textbook/algebraic.rs"]
 mod algebraic;
+#[cfg(feature = "auto")]
+#[path = "textbook/deflation.rs"]
+mod deflation;
+
+#[cfg(feature = "auto")]
+#[path = "textbook/diagram.rs"]
+mod diagram;
+
 #[path = "textbook/branch_points.rs"]
 mod branch_points;
 #[cfg(feature = "auto")]

@@ -1,7 +1,11 @@
 //! Floquet multipliers of a periodic orbit, and the bifurcations that they show.
 //!
+//! A product of many transition matrices keeps only the largest multipliers where disturbances grow by many orders of magnitude on
+//! the way. Orthogonal eliminations of the relations Aᵢ yᵢ = Bᵢ y₀ from interval to interval keep all of them (Fairgrieve & Jepson).
+//!
 //! # References
-//! Kuznetsov, *Elements of Applied Bifurcation Theory*, 3rd ed., Springer 2004, ch. 5.
+//! Kuznetsov, *Elements of Applied Bifurcation Theory*, 3rd ed., Springer 2004, ch. 5. Fairgrieve & Jepson, SIAM J. Numer. Anal. 28,
+//! 1446 (1991).
 
 pub use nalgebra::Complex;
 use nalgebra::DMatrix;
@@ -15,9 +19,9 @@ pub struct Multipliers {
     pub others: Vec<Complex<f64>>,
 }
 
-/// The matrix is no monodromy matrix, which is square and has finite entries.
+/// The matrix is no monodromy matrix, which is square and has finite entries, or matrices are no transitions of equal size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no multipliers of {entries} entries: a monodromy matrix is square and finite")]
+#[error("no multipliers of {entries} entries: monodromy and transition matrices are square, of one size and finite")]
 pub struct NoMultipliers {
     /// Entries of the matrix.
     pub entries: usize,
@@ -34,6 +38,12 @@ pub enum CycleBifurcation {
     Torus,
 }
 
+/// Shifts for the multipliers of a pair of matrices: off the unit circle, where the accuracy counts.
+const SHIFTS: [f64; 4] = [-0.37, 2.7, 0.41, -2.3];
+
+/// 1/|μ − σ| of multipliers that are as good as infinite.
+const SMALLEST: f64 = 1e-100;
+
 impl CycleBifurcation {
     /// All of them.
     pub const ALL: [CycleBifurcation; 3] =
@@ -42,16 +52,27 @@ impl CycleBifurcation {
     /// A function of the multipliers μ that changes its sign at the bifurcation: Π(μ − 1), Π(μ + 1) or Π(μ_i μ_j − 1) over pairs. The
     /// last vanishes for two real multipliers μ and 1/μ too, which is no bifurcation.
     pub fn test(self, of: &Multipliers) -> f64 {
+        self.factors(of).map(|[factor, _]| factor).product::<Complex<f64>>().re
+    }
+
+    /// The same, with every factor divided by its largest possible size 1 + |μ| or 1 + |μ_i μ_j|: large and small multipliers, which
+    /// change by orders of magnitude from orbit to orbit, count no more than others.
+    pub fn scaled_test(self, of: &Multipliers) -> f64 {
+        self.factors(of).map(|[factor, plain]| factor / (1.0 + plain.norm_sqr().sqrt())).product::<Complex<f64>>().re
+    }
+
+    /// Pairs of a factor of the test and its μ or μ_i μ_j.
+    fn factors(self, of: &Multipliers) -> impl Iterator<Item = [Complex<f64>; 2]> {
         let all = &of.others;
-        let product = match self {
-            CycleBifurcation::Fold => all.iter().map(|m| m - 1.0).product::<Complex<f64>>(),
-            CycleBifurcation::PeriodDoubling => all.iter().map(|m| m + 1.0).product(),
+        let (plain, off): (Vec<Complex<f64>>, f64) = match self {
+            CycleBifurcation::Fold => (all.clone(), -1.0),
+            CycleBifurcation::PeriodDoubling => (all.clone(), 1.0),
             CycleBifurcation::Torus => {
-                let pairs = all.iter().enumerate().flat_map(|(i, a)| all[i + 1..].iter().map(move |b| a * b - 1.0));
-                pairs.product()
+                let pairs = all.iter().enumerate().flat_map(|(i, a)| all[i + 1..].iter().map(move |b| a * b));
+                (pairs.collect(), -1.0)
             }
         };
-        product.re
+        plain.into_iter().map(move |plain| [plain + off, plain])
     }
 }
 
@@ -75,12 +96,75 @@ impl Multipliers {
         if n == 0 || n * n != monodromy.len() || monodromy.iter().any(|x| !x.is_finite()) {
             return Err(refused);
         }
-        let mut others: Vec<Complex<f64>> =
-            DMatrix::from_row_slice(n, n, monodromy).complex_eigenvalues().iter().copied().collect();
+        Multipliers::sorted(DMatrix::from_row_slice(n, n, monodromy).complex_eigenvalues().iter().copied())
+            .ok_or(refused)
+    }
+
+    /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. A multiplier is accurate however
+    /// much other disturbances grow: its error is the rounding error times the growth of its own disturbance on the way. With two
+    /// components the one that is not trivial is the product of the determinants, which is accurate after any growth. Multipliers above
+    /// 1e100 are given as 1e100.
+    ///
+    /// # Errors
+    /// [`NoMultipliers`].
+    ///
+    /// # Examples
+    /// Multipliers 1 and 1/2:
+    ///
+    /// ```
+    /// use furrow_spectra::floquet::Multipliers;
+    /// let found = Multipliers::of_transitions(&[vec![1e6, 0.0, 0.0, 1.0], vec![1e-6, 0.0, 0.0, 0.5]])?;
+    /// assert!((found.trivial.re - 1.0).abs() < 1e-9 && (found.others[0].re - 0.5).abs() < 1e-15);
+    /// # Ok::<(), furrow_spectra::floquet::NoMultipliers>(())
+    /// ```
+    pub fn of_transitions(transitions: &[Vec<f64>]) -> Result<Multipliers, NoMultipliers> {
+        let entries = transitions.iter().map(Vec::len).sum();
+        let refused = NoMultipliers { entries };
+        let n = transitions.first().map_or(0, Vec::len).isqrt();
+        let is_transition = |t: &Vec<f64>| n > 0 && t.len() == n * n && t.iter().all(|x| x.is_finite());
+        if transitions.is_empty() || !transitions.iter().all(is_transition) {
+            return Err(refused);
+        }
+        // A y = B y₀ at the node reached, and the pair of the next node from −G y + y′ = 0.
+        let (mut a, mut b) = (DMatrix::<f64>::identity(n, n), DMatrix::<f64>::identity(n, n));
+        for transition in transitions {
+            let mut stacked = DMatrix::zeros(2 * n, n);
+            stacked.rows_mut(0, n).copy_from(&a);
+            stacked.rows_mut(n, n).copy_from(&-DMatrix::from_row_slice(n, n, transition));
+            let mut sides = DMatrix::zeros(2 * n, 2 * n);
+            sides.view_mut((0, 0), (n, n)).copy_from(&b);
+            sides.view_mut((n, n), (n, n)).fill_with_identity();
+            stacked.qr().q_tr_mul(&mut sides);
+            a.copy_from(&sides.view((n, n), (n, n)));
+            b.copy_from(&sides.view((n, 0), (n, n)));
+        }
+        let mut found = Multipliers::of_pair(&a, &b).ok_or(refused)?;
+        if let [other] = &mut found.others[..] {
+            *other = Complex::new(transitions.iter().map(|t| t[0] * t[3] - t[1] * t[2]).product(), 0.0);
+        }
+        Ok(found)
+    }
+
+    /// The roots μ of det(μA − B), as 1/(μ − σ) with the one of a few shifts σ that leaves them smallest.
+    fn of_pair(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<Multipliers> {
+        let shifted = SHIFTS.iter().filter_map(|shift| Some((*shift, (b - *shift * a).lu().solve(a)?)));
+        let (shift, inverse) = shifted.min_by(|(_, one), (_, other)| one.norm().total_cmp(&other.norm()))?;
+        if inverse.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let value = |w: &Complex<f64>| {
+            if w.norm_sqr() < SMALLEST * SMALLEST { Complex::new(SMALLEST.recip(), 0.0) } else { w.inv() + shift }
+        };
+        Multipliers::sorted(inverse.complex_eigenvalues().iter().map(value))
+    }
+
+    /// Of all multipliers, in any order.
+    fn sorted(all: impl Iterator<Item = Complex<f64>>) -> Option<Multipliers> {
+        let mut others: Vec<Complex<f64>> = all.collect();
         others.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()).then(a.im.total_cmp(&b.im)));
         let distance = |k: &usize| (others[*k] - 1.0).norm_sqr();
-        let nearest = (0..n).min_by(|a, b| distance(a).total_cmp(&distance(b))).ok_or(refused)?;
-        Ok(Multipliers { trivial: others.remove(nearest), others })
+        let nearest = (0..others.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Some(Multipliers { trivial: others.remove(nearest), others })
     }
 
     /// Whether disturbances decay.

@@ -98,6 +98,11 @@ impl<V: VectorField> PeriodicOrbit<V> {
         Ok((Auto(PeriodicOrbit { field, reference, gauss: gauss.clone() }), guess))
     }
 
+    /// The vector field.
+    pub fn field(&self) -> &V {
+        &self.field
+    }
+
     /// The period T of an orbit; NaN for a solution of another problem.
     pub fn period(orbit: &Solution) -> f64 {
         orbit.scalars.get(orbit.components).copied().unwrap_or(f64::NAN)
@@ -105,16 +110,58 @@ impl<V: VectorField> PeriodicOrbit<V> {
 }
 
 impl<V: VectorField> Auto<PeriodicOrbit<V>> {
-    /// The monodromy matrix of an orbit, n × n, row-major: how a disturbance at its start has changed after a period. Its eigenvalues,
-    /// the Floquet multipliers, include 1.
+    /// How a disturbance at the left end of every interval of an orbit has changed at its right end: see [`System::transitions`].
     ///
     /// # Errors
     /// [`FactorisationError`] if the orbit has other sizes, or a stage matrix is singular.
-    pub fn monodromy(&mut self, orbit: &Solution) -> Result<Vec<f64>, FactorisationError> {
+    pub fn transitions(&mut self, orbit: &Solution) -> Result<Vec<Vec<f64>>, FactorisationError> {
         let mut system = System::new(self.dimensions(), orbit.m);
         system.evaluate(self, orbit, &[], true)?;
         system.condense()?;
-        system.transition()
+        system.transitions()
+    }
+
+    /// The monodromy matrix of an orbit, n × n, row-major: how a disturbance at its start has changed after a period. Its eigenvalues,
+    /// the Floquet multipliers, include 1. Where some disturbances have grown by 1e8 and more, rounding spoils the others; their
+    /// multipliers follow from the [`transitions`](Self::transitions).
+    ///
+    /// # Errors
+    /// As [`transitions`](Self::transitions).
+    pub fn monodromy(&mut self, orbit: &Solution) -> Result<Vec<f64>, FactorisationError> {
+        let n = self.0.field.components();
+        let mut product: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        for transition in self.transitions(orbit)? {
+            let mut next = vec![0.0; n * n];
+            for (next, row) in next.chunks_exact_mut(n).zip(transition.chunks_exact(n)) {
+                for (entry, from) in row.iter().zip(product.chunks_exact(n)) {
+                    next.iter_mut().zip(from).for_each(|(next, from)| *next += entry * from);
+                }
+            }
+            product = next;
+        }
+        Ok(product)
+    }
+
+    /// The problem of orbits that take `times` times as long, and an orbit passed through so often, on as many copies of its mesh:
+    /// where a period doubles, these orbits branch from it.
+    pub fn repeated(&self, orbit: &Solution, times: usize) -> (Auto<PeriodicOrbit<V>>, Solution)
+    where
+        V: Clone,
+    {
+        let PeriodicOrbit { field, reference, gauss } = &self.0;
+        let (count, n) = (times.max(1), orbit.components);
+        let again = |y: &Solution| {
+            let mut long = y.clone();
+            long.mesh =
+                (0..count).flat_map(|k| y.mesh.iter().skip(usize::from(k > 0)).map(move |x| x + k as f64)).collect();
+            long.mesh.iter_mut().for_each(|x| *x /= count as f64);
+            long.nodes = (0..count).flat_map(|k| y.nodes.iter().skip(if k > 0 { n } else { 0 })).copied().collect();
+            long.stages = y.stages.repeat(count);
+            long
+        };
+        let mut long = again(orbit);
+        long.scalars.iter_mut().skip(n).take(1).for_each(|period| *period *= count as f64);
+        (Auto(PeriodicOrbit { field: field.clone(), reference: again(reference), gauss: gauss.clone() }), long)
     }
 }
 

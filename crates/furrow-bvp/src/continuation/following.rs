@@ -76,15 +76,18 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         (span != 0.0).then(|| (arclength, (value - before) / span))
     }
 
-    /// Corrects `y` onto the branch in the plane through it across `direction`. Left as it is if that fails.
-    pub fn correct_across(&mut self, y: &mut Solution, direction: &Direction) {
+    /// Corrects `y` onto the branch in the plane through it across `direction`, and returns whether that succeeded; otherwise `y` is left
+    /// as it is.
+    pub fn correct_across(&mut self, y: &mut Solution, direction: &Direction) -> bool {
         self.exact = false;
         self.metric.plane_through(y, direction, &mut self.conditions[0]);
         self.trial.clone_from(y);
         let Continuation { problem, system, settings, scratch, conditions, trial, .. } = self;
-        if settings.newton.solve(system, scratch, problem, trial, conditions, false).is_ok() {
+        let solved = settings.newton.solve(system, scratch, problem, trial, conditions, false).is_ok();
+        if solved {
             std::mem::swap(y, trial);
         }
+        solved
     }
 
     /// The solution with λ = `value` near the last two points; the run itself is left alone.

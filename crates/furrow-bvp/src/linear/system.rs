@@ -272,25 +272,23 @@ impl System {
         Ok(())
     }
 
-    /// ∂y(b)/∂y(a) of the linearised differential equations with fixed scalar unknowns, n × n, row-major, after
-    /// [`condense`](Self::condense). For a periodic orbit this is the monodromy matrix.
+    /// ∂y(x_{i+1})/∂y(x_i) of the linearised differential equations with fixed scalar unknowns for every interval, each n × n,
+    /// row-major, after [`condense`](Self::condense). Their product, from the last to the first, is ∂y(b)/∂y(a); for a periodic orbit
+    /// that is the monodromy matrix.
     ///
     /// # Errors
     /// If the intervals are not condensed.
-    pub fn transition(&self) -> Result<Vec<f64>, FactorisationError> {
+    pub fn transitions(&self) -> Result<Vec<Vec<f64>>, FactorisationError> {
         self.require(Progress::Condensed)?;
         let (n, outputs) = (self.dimensions().components, self.condensed.output_lanes());
-        let mut product: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
-        for i in 0..self.condensed.intervals() {
-            let mut next = vec![0.0; n * n];
+        let of_interval = |i: usize| {
+            let mut transition = vec![0.0; n * n];
             for (k, column) in self.condensed.transition(i).chunks_exact(outputs).take(n).enumerate() {
-                for (row, entry) in column.as_flattened()[..n].iter().enumerate() {
-                    (0..n).for_each(|c| next[row * n + c] += entry * product[k * n + c]);
-                }
+                column.as_flattened()[..n].iter().enumerate().for_each(|(row, entry)| transition[row * n + k] = *entry);
             }
-            product = next;
-        }
-        Ok(product)
+            transition
+        };
+        Ok((0..self.condensed.intervals()).map(of_interval).collect())
     }
 
     /// Factorises the block system of the problem with the linear conditions, after [`condense`](Self::condense).

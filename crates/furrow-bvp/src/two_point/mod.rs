@@ -6,6 +6,7 @@ mod closures;
 #[cfg(feature = "auto")]
 pub use closures::solve_bvp;
 
+use crate::deflation::{Deflation, DeflationError};
 use crate::dimensions::Dimensions;
 use crate::gauss::Gauss;
 use crate::invalid::{self, InvalidInput};
@@ -98,6 +99,17 @@ impl Separation {
             }
         }
         Separation::Separated([left, right])
+    }
+}
+
+impl Separation {
+    /// A solution with the scalar unknowns of the separated problem.
+    fn stated(&self, y: &Solution) -> Solution {
+        let mut stated = y.clone();
+        if *self == Separation::Copied {
+            stated.scalars.extend(y.nodes.iter().take(y.components));
+        }
+        stated
     }
 }
 
@@ -194,17 +206,51 @@ pub fn solve_two_point<T: TwoPoint>(
     p: &[f64],
     settings: &Settings,
 ) -> Result<Solved, SolveError> {
+    let (mut separated, guess) = separated(problem, mesh, guess, p)?;
+    let mut solved = solve(&mut separated, &guess, settings)?;
+    solved.solution.scalars.truncate(p.len());
+    Ok(solved)
+}
+
+/// [`solve_two_point`] for a solution besides the known ones, which are results of these functions. The norm of distances has all
+/// weights 1; a metric in `deflation` is not used.
+///
+/// # Errors
+/// [`DeflationError`].
+pub fn solve_two_point_besides<T: TwoPoint>(
+    problem: &T,
+    mesh: &[f64],
+    guess: &[&[f64]],
+    p: &[f64],
+    known: &[&Solution],
+    deflation: &Deflation,
+) -> Result<Solved, DeflationError> {
+    let (mut separated, guess) = separated(problem, mesh, guess, p)?;
+    let known: Vec<Solution> = known.iter().map(|y| separated.separation.stated(y)).collect();
+    let deflation = Deflation { metric: None, ..deflation.clone() };
+    let mut solved = deflation.solve(&mut separated, &guess, &known)?;
+    solved.solution.scalars.truncate(p.len());
+    Ok(solved)
+}
+
+/// The problem with separated conditions, and its guess.
+fn separated<'a, T: TwoPoint>(
+    problem: &'a T,
+    mesh: &[f64],
+    guess: &[&[f64]],
+    p: &[f64],
+) -> Result<(Separated<'a, T>, Solution), InvalidInput> {
     let [n, np] = problem.sizes();
     invalid::mesh(mesh)?;
     let rows = guess.iter().map(|row| ("values in a row of the guess", row.len(), mesh.len()));
     let counts = [("rows of the guess", guess.len(), n), ("scalar unknowns", p.len(), np)].into_iter().chain(rows);
     for (name, length, expected) in counts {
         if length != expected {
-            return Err(InvalidInput::Length { name, length, expected }.into());
+            return Err(InvalidInput::Length { name, length, expected });
         }
     }
     let gauss = Gauss::new(STAGES)?;
-    let mut guess = Solution::from_fn(&gauss, mesh, n, p, |x, y| {
+    let guess = Solution::from_fn(&gauss, mesh, n, p, |x, y| {
         let i = mesh.partition_point(|node| *node <= x).clamp(1, mesh.len() - 1);
         let share = (x - mesh[i - 1]) / (mesh[i] - mesh[i - 1]);
         for (y, row) in y.iter_mut().zip(guess) {
@@ -212,13 +258,8 @@ pub fn solve_two_point<T: TwoPoint>(
         }
     })?;
     let separation = Separation::of(problem, &guess);
-    if separation == Separation::Copied {
-        let start = guess.node(0).to_vec();
-        guess.scalars.extend(start);
-    }
-    let mut solved = solve(&mut Separated { problem, separation }, &guess, settings)?;
-    solved.solution.scalars.truncate(np);
-    Ok(solved)
+    let guess = separation.stated(&guess);
+    Ok((Separated { problem, separation }, guess))
 }
 
 /// Stages of the collocation.
