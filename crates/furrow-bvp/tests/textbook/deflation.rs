@@ -102,5 +102,5 @@ fn carriers_problem_has_many_solutions_and_no_wrong_one_is_found() {
         assert!(CARRIER.iter().any(|known| near(&known)), "{y:?}");
         middles.push(y);
     }
-    assert!(middles.len() >= 14, "{}: {middles:?}", middles.len());
+    assert!(middles.len() >= 12, "{}: {middles:?}", middles.len());
 }
