@@ -39,12 +39,12 @@ fn all_options(command: &clap::Command, found: &mut BTreeSet<String>) {
     command.get_subcommands().for_each(|command| all_options(command, found));
 }
 
-/// Messages and help name options; `--features` is of cargo.
+/// Messages and help name options; `--features` and `--example` are cargo's.
 #[test]
 fn options_that_sources_name_exist() {
     // `--of` is a variable of the page's style.
     let mut known: BTreeSet<String> =
-        ["help", "version", "features", "no-such-option", "of"].into_iter().map(str::to_owned).collect();
+        ["help", "version", "features", "example", "no-such-option", "of"].into_iter().map(str::to_owned).collect();
     all_options(&furrow::cli::command(), &mut known);
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let sources = ["src", "crates"].into_iter().flat_map(|folder| sources_below(&root.join(folder)));

@@ -68,7 +68,7 @@ pub enum Per {
 /// let file = r#"Lineage(name: "x", physics_rules: [(parameter: "xi_s", factor: 0.97, per: generation)], founders: [(name: "Q")])"#;
 /// let lineage = Lineage::parse(file, "x.ron")?;
 /// let mut cell = Cell::new(3.0);
-/// lineage.set_physics(Place { founder: 0, round: 2, generation: 2, r0: 3.0 }, &mut cell, None).unwrap();
+/// lineage.set_physics(Place { founder: 0, round: 2, generation: 2, r0: 3.0, apart: 0 }, &mut cell, None).unwrap();
 /// assert!((cell.xi_s - 25.0 * 0.97 * 0.97).abs() < 1e-12);
 /// # Ok::<(), furrow_input::InputError>(())
 /// ```

@@ -47,12 +47,7 @@ impl Volumes {
             None => Ok(division),
             Some(first) => {
                 self.division_lines.insert(key, first);
-                Err((
-                    mother,
-                    format!(
-                        "a second division of this cell; the first is on line {first}"
-                    ),
-                ))
+                Err((mother, format!("a second division of this cell; the first is on line {first}")))
             }
         }
     }

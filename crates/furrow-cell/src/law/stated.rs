@@ -75,8 +75,8 @@ enum Symbol<'a> {
 impl<'a> Symbol<'a> {
     fn text(self) -> String {
         match self {
-            Symbol::Number(x) if x < 0.0 => format!("({x:?})"),
-            Symbol::Number(x) => format!("{x:?}"),
+            Symbol::Number(x) if x < 0.0 => format!("({})", written(x)),
+            Symbol::Number(x) => written(x),
             Symbol::Written(record, at) => record.texts.borrow().get(at).cloned().unwrap_or_default(),
         }
     }
@@ -160,7 +160,10 @@ impl Algebra for Symbol<'_> {
     fn whole_power(self, exponent: i32) -> Self {
         match self {
             Symbol::Number(x) => Symbol::Number(x.powi(exponent)),
-            Symbol::Written(..) => Symbol::write([self; 2], format!("({} ^ ({exponent}))", self.text())),
+            Symbol::Written(..) if exponent < 0 => {
+                Symbol::write([self; 2], format!("({} ^ ({exponent}))", self.text()))
+            }
+            Symbol::Written(..) => Symbol::write([self; 2], format!("({} ^ {exponent})", self.text())),
         }
     }
 
@@ -196,6 +199,11 @@ impl Law {
         let texts = [some(moment), Some(uu.text()), Some(phiphi.text()), some(normal_force)];
         Document::new(law.name(), constants, texts).checked("", &file)
     }
+}
+
+/// A number as a user would write it.
+fn written(x: f64) -> String {
+    if x.fract() == 0.0 && x.abs() < 1e15 { x.to_string() } else { format!("{x:?}") }
 }
 
 #[cfg(test)]
