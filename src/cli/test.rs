@@ -59,9 +59,10 @@ pub struct TestArgs {
     /// Numbers to fit: PARAMETER, PARAMETER@CLASS for a class of cells (germline, somatic or a founder), or PARAMETER@embryo, which varies
     /// between embryos in the posterior. The default is every number of the cue; "none" fits nothing
     ///
-    /// A hypothesis without such a number does not have it. With epsilon,epsilon@P2 the cells of P2 have a number of their own and all
-    /// other cells share one. r0 is that of the first cell, and all given radii change with it: L_h is free. Numbers of a cue are searched as by furrow fit cue, others over the range of
-    /// furrow solve; PARAMETER@CLASS=FROM..TO gives another range.
+    /// Hypotheses whose cue lacks a number do not fit it. With epsilon,epsilon@P2 the cells of P2 have a number of their own and all
+    /// other cells share one. r0 is the radius of the first cell; all given radii scale with it, which frees L_h. The range of a number
+    /// of a cue is the one of furrow fit cue, the range of any other number the one of furrow solve; PARAMETER@CLASS=FROM..TO gives
+    /// another.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]
     free: Option<Vec<String>>,
     /// Founders with their cues, which the hypotheses replace; default the built-in C. elegans founders
@@ -77,8 +78,8 @@ pub struct TestArgs {
     /// Groups of the table that are used; default all
     #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
     population: Option<Vec<String>>,
-    /// Columns whose texts, joined, name the class of cells of the lineage that each mother is one of: population,generation for Mac6,
-    /// Mac7, .. Tables of divisions and of χ
+    /// Columns that name the mother's class, a founder of the lineage, by their joined texts: population,generation for Mac6, Mac7, ..
+    /// For tables of divisions and of χ
     #[arg(help_heading = "Measurements", long, value_name = "COLUMN,..", value_delimiter = ',')]
     class: Vec<String>,
     /// Edge of a voxel in µm, which converts voxels to µm³; of one embryo with its name

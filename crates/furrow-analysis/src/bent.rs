@@ -41,8 +41,8 @@ pub fn diagram_with_bent(
 /// [`boundary`], with the curves where bent states begin and where they end if the numerics have azimuthal modes.
 ///
 /// # Errors
-/// As of [`boundary`], and of the critical radius; a warning says which of the two, with or without axial symmetry, cannot be found if the
-/// other one can, and where no bent states are stable at the first value of the range.
+/// The errors of [`boundary`], and that neither critical radius was found. If one of them was found, a warning names the other, with or
+/// without axial symmetry. Another warning says that no bent states are stable at the first value of the range.
 pub fn boundary_with_bent(
     cell: &Cell,
     numerics: &Numerics,

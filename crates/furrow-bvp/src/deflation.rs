@@ -44,7 +44,7 @@ pub enum DeflationError {
     /// The problem, a guess, a known solution or the settings are refused.
     #[error(transparent)]
     Invalid(#[from] InvalidInput),
-    /// The iteration does not converge: this guess leads to no further solution, and there may be none.
+    /// The iteration does not converge. This guess leads to no further solution; there may be no other solution.
     #[error(
         "no further solution in {iterations} iterations besides the {known} known ones (last correction {correction:.1e})"
     )]

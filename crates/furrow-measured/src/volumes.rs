@@ -42,8 +42,8 @@ pub struct ReadOptions {
     pub unit: Option<Unit>,
     /// Names of cells in long tables and of cells that were followed; grids have Sulston's.
     pub names: Names,
-    /// Columns of tables of divisions and of χ whose texts, joined, call each mother by the class of cells that it is one of. An embryo
-    /// may have several mothers of a class.
+    /// Columns of tables of divisions and of χ that name the mother's class by their joined texts. An embryo may have several mothers
+    /// of one class.
     pub class: Vec<String>,
 }
 

@@ -259,6 +259,7 @@ fn linear_second(number: usize, e: f64) -> TestProblem {
             let rhs = linear(move |_| [-rate * rate, 0.0, 0.0]);
             TestProblem { exact: Some(exact), ..with_ends(number, e, [0.0, 1.0], [0.0, rate.sin()], rhs) }
         }
+        // For ε = 0.01 it has infinitely many solutions: (ε − x²)/√(ε + x²) solves the equation and vanishes at both ends.
         17 => {
             let exact: fn(f64, f64) -> f64 = |x, e| x / (e + x * x).sqrt();
             let ends = [-0.1, 0.1].map(|x| exact(x, e));

@@ -285,11 +285,12 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         let needed = mesh::intervals_for(defects, y.m, self.settings.tolerance);
         if condition * defect > SUSPECT {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
-            let on_finer = match self.newton(&mut finer) {
-                Ok(()) => condition::estimate(&mut self.system, &finer),
+            match self.newton(&mut finer) {
+                Ok(()) => {}
                 Err(NewtonError::Stopped { reason, .. }) => return Err(self.stopped(reason, finer.intervals())),
-                Err(_) => f64::INFINITY,
-            };
+                Err(_) => return Err(SolveError::Singular { condition, intervals: y.intervals() }),
+            }
+            let on_finer = condition::estimate(&mut self.system, &finer);
             if on_finer > GROWN * condition || on_finer > SINGULAR {
                 return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
             }
