@@ -83,7 +83,8 @@ pub enum CycleError {
     },
 }
 
-/// The multipliers of an orbit, from the transitions over its intervals.
+/// The multipliers of an orbit, from the transitions over its intervals. In the plane the multiplier other than 1 is the exponential of
+/// the integrated divergence, which is as accurate as the orbit: transitions are approximated, and their errors grow with disturbances.
 ///
 /// # Errors
 /// [`CycleError::Orbit`] or [`CycleError::Multipliers`].
@@ -91,7 +92,11 @@ pub fn multipliers<V: VectorField>(
     problem: &mut Auto<PeriodicOrbit<V>>,
     orbit: &Solution,
 ) -> Result<Multipliers, CycleError> {
-    Ok(Multipliers::of_transitions(&problem.transitions(orbit)?)?)
+    let mut found = Multipliers::of_transitions(&problem.transitions(orbit)?)?;
+    if let [other] = &mut found.others[..] {
+        *other = Complex::new(problem.divergence(orbit).exp(), 0.0);
+    }
+    Ok(found)
 }
 
 /// Watches a branch of cycles: gives the multipliers of every orbit, and the bifurcations in the step to it.

@@ -101,8 +101,7 @@ impl Multipliers {
     }
 
     /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. A multiplier is accurate however
-    /// much other disturbances grow: its error is the rounding error times the growth of its own disturbance on the way. With two
-    /// components the one that is not trivial is the product of the determinants, which is accurate after any growth. Multipliers above
+    /// much other disturbances grow: its error is the rounding error times the growth of its own disturbance on the way. Multipliers above
     /// 1e100 are given as 1e100.
     ///
     /// # Errors
@@ -138,11 +137,7 @@ impl Multipliers {
             a.copy_from(&sides.view((n, n), (n, n)));
             b.copy_from(&sides.view((n, 0), (n, n)));
         }
-        let mut found = Multipliers::of_pair(&a, &b).ok_or(refused)?;
-        if let [other] = &mut found.others[..] {
-            *other = Complex::new(transitions.iter().map(|t| t[0] * t[3] - t[1] * t[2]).product(), 0.0);
-        }
-        Ok(found)
+        Multipliers::of_pair(&a, &b).ok_or(refused)
     }
 
     /// The roots μ of det(μA − B), as 1/(μ − σ) with the one of a few shifts σ that leaves them smallest.

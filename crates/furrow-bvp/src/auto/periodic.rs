@@ -1,5 +1,7 @@
 //! Periodic orbits as boundary-value problems with separated conditions.
 
+use num_dual::Dual64;
+
 use crate::dimensions::Dimensions;
 use crate::gauss::Gauss;
 use crate::invalid::InvalidInput;
@@ -140,6 +142,33 @@ impl<V: VectorField> Auto<PeriodicOrbit<V>> {
             product = next;
         }
         Ok(product)
+    }
+
+    /// T ∫ div v dx over an orbit, the logarithm of the product of its Floquet multipliers (Liouville). In the plane one multiplier is 1,
+    /// so that this is the logarithm of the other. NaN for a solution of another problem.
+    pub fn divergence(&self, orbit: &Solution) -> f64 {
+        let PeriodicOrbit { field, gauss, .. } = &self.0;
+        let n = field.components();
+        if orbit.m != gauss.m || orbit.components != n || orbit.scalars.len() != n + 1 + field.parameters() {
+            return f64::NAN;
+        }
+        let p: Vec<Dual64> = orbit.scalars[n + 1..].iter().map(|p| Dual64::from(*p)).collect();
+        let mut v = vec![Dual64::from(0.0); n];
+        let mut slope = |y: &[f64], k: usize| {
+            let mut y: Vec<Dual64> = y.iter().map(|y| Dual64::from(*y)).collect();
+            y[k].eps = 1.0;
+            v.fill(Dual64::from(0.0));
+            field.velocity(&y, &p, &mut v);
+            v[k].eps
+        };
+        let mut integral = 0.0;
+        for (i, ends) in orbit.mesh.windows(2).enumerate() {
+            for (j, weight) in gauss.b.iter().enumerate() {
+                let divergence: f64 = (0..n).map(|k| slope(orbit.stage(i, j), k)).sum();
+                integral += (ends[1] - ends[0]) * weight * divergence;
+            }
+        }
+        PeriodicOrbit::<V>::period(orbit) * integral
     }
 
     /// The problem of orbits that take `times` times as long, and an orbit passed through so often, on as many copies of its mesh:
