@@ -59,8 +59,8 @@ pub struct TestArgs {
     /// Numbers to fit: PARAMETER, PARAMETER@CLASS for a class of cells (germline, somatic or a founder), or PARAMETER@embryo, which varies
     /// between embryos in the posterior. The default is every number of the cue; "none" fits nothing
     ///
-    /// Hypotheses whose cue lacks a number do not fit it. With epsilon,epsilon@P2 the cells of P2 have a number of their own and all
-    /// other cells share one. r0 is the radius of the first cell; all given radii scale with it, which frees L_h. The range of a number
+    /// A number of a cue is fitted only in hypotheses with this cue. With epsilon,epsilon@P2 the cells of P2 have their own ε; all other
+    /// cells share one. r0 is the radius of the first cell; all given radii scale with it, which frees L_h. The range of a number
     /// of a cue is the one of furrow fit cue, the range of any other number the one of furrow solve; PARAMETER@CLASS=FROM..TO gives
     /// another.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]

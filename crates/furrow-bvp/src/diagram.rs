@@ -249,7 +249,7 @@ impl<P: Directional + Clone, O: FnMut(&Solution) -> Vec<f64>> Run<'_, P, O> {
         Continuation::resume(self.problem.clone(), state, self.metric.clone(), self.settings.continuation.clone())
     }
 
-    /// Follows a branch to its end, unless another branch has already followed it.
+    /// Follows a branch unless another branch has already followed it.
     fn follow(&mut self, next: Pending) {
         if let Some((crossing, arm)) = next.from {
             let arm = &mut self.crossings[crossing].arms[arm];

@@ -1,7 +1,5 @@
 //! Periodic orbits as boundary-value problems with separated conditions.
 
-use num_dual::Dual64;
-
 use crate::dimensions::Dimensions;
 use crate::gauss::Gauss;
 use crate::invalid::InvalidInput;
@@ -10,7 +8,7 @@ use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
 use super::numbers::Number;
-use super::{Auto, Equations};
+use super::{Auto, Equations, Part};
 
 /// A vector field v(y, p) with periodic orbits, written once for any number type.
 pub trait VectorField {
@@ -148,27 +146,22 @@ impl<V: VectorField> Auto<PeriodicOrbit<V>> {
     /// so that this is the logarithm of the other. NaN for a solution of another problem.
     pub fn divergence(&self, orbit: &Solution) -> f64 {
         let PeriodicOrbit { field, gauss, .. } = &self.0;
-        let n = field.components();
-        if orbit.m != gauss.m || orbit.components != n || orbit.scalars.len() != n + 1 + field.parameters() {
+        let (n, np) = (field.components(), orbit.scalars.len());
+        if orbit.m != gauss.m || orbit.components != n || np != n + 1 + field.parameters() {
             return f64::NAN;
         }
-        let p: Vec<Dual64> = orbit.scalars[n + 1..].iter().map(|p| Dual64::from(*p)).collect();
-        let mut v = vec![Dual64::from(0.0); n];
-        let mut slope = |y: &[f64], k: usize| {
-            let mut y: Vec<Dual64> = y.iter().map(|y| Dual64::from(*y)).collect();
-            y[k].eps = 1.0;
-            v.fill(Dual64::from(0.0));
-            field.velocity(&y, &p, &mut v);
-            v[k].eps
-        };
+        let (mut f, mut by_y, mut by_p) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
         let mut integral = 0.0;
         for (i, ends) in orbit.mesh.windows(2).enumerate() {
             for (j, weight) in gauss.b.iter().enumerate() {
-                let divergence: f64 = (0..n).map(|k| slope(orbit.stage(i, j), k)).sum();
-                integral += (ends[1] - ends[0]) * weight * divergence;
+                let (x, y) = (orbit.stage_x(gauss, i, j), orbit.stage(i, j));
+                let outputs = [&mut f[..], &mut by_y, &mut by_p];
+                self.local(x, y, &orbit.scalars).jacobian(Part::Rhs, y, &orbit.scalars, outputs);
+                let trace: f64 = by_y.iter().step_by(n + 1).sum();
+                integral += (ends[1] - ends[0]) * weight * trace;
             }
         }
-        PeriodicOrbit::<V>::period(orbit) * integral
+        integral
     }
 
     /// The problem of orbits that take `times` times as long, and an orbit passed through so often, on as many copies of its mesh:
