@@ -80,10 +80,11 @@ pub struct UnknownParameter {
 impl Parameter {
     /// Names of the numbers of a cue, for listings: FIELD is any of [`Field::ALL`](super::cue::Field::ALL), and `cue` the first
     /// term.
-    pub const OF_CUES: [&str; 10] = [
+    pub const OF_CUES: [&str; 11] = [
         "cue.u0",
         "cue.omega",
         "cue.amplitude",
+        "cue.k_ap and other constants of PAR polarity",
         "regulator.turnover",
         "regulator.diffusion",
         "regulator.u0",
@@ -116,7 +117,7 @@ impl Parameter {
         ]
     };
 
-    /// The numbers of a cue: of its terms, then of its regulator.
+    /// The numbers of a cue: of its terms, then of its regulator. Constants of PAR polarity are not among them.
     pub fn of_cue(cue: &Cue) -> Vec<Parameter> {
         let has = |term: usize| move |quantity: &Quantity| cue.terms()[term].quantity(*quantity).is_some();
         let of_term =
@@ -192,6 +193,9 @@ impl Parameter {
         if let Parameter::Regulator(quantity) = self {
             return quantity.refused(value).map_or(Ok(()), Err);
         }
+        if let Parameter::Cue { quantity: Quantity::Par(constant), .. } = self {
+            return constant.refused(value).map_or(Ok(()), Err);
+        }
         match self.row() {
             Some((row, _)) => (row.validate)(value),
             None if value.is_finite() => Ok(()),
@@ -237,7 +241,7 @@ impl std::str::FromStr for Parameter {
             let (index, name) = rest.split_once('.').ok_or_else(unknown)?;
             let number = |index: &str| index.strip_prefix('[')?.strip_suffix(']')?.parse().ok();
             let term = if index.is_empty() { Some(0) } else { number(index) }.ok_or_else(unknown)?;
-            let quantity = Quantity::ALL.into_iter().find(|q| q.name() == name).ok_or_else(unknown)?;
+            let quantity = Quantity::named(name).ok_or_else(unknown)?;
             return Ok(Parameter::Cue { term, quantity });
         }
         let named = parameters().find(|(_, name, aliases)| *name == text || aliases.contains(&text));

@@ -1,6 +1,6 @@
 //! Whether the numbers of a cue are allowed, one by one and together.
 
-use super::{Coupling, Cue, CueError, Field, Profile, Quantity, RegulatorQuantity, Side};
+use super::{Coupling, Cue, CueError, Field, ParConstant, Profile, Quantity, RegulatorQuantity, Side};
 
 /// Lengths of contours, in L_h, from the smallest cells to the largest: a width in L_h is a different width in u on each.
 pub(super) const CONTOURS: [f64; 6] = [2.5, 4.0, 7.0, 12.0, 20.0, 40.0];
@@ -22,6 +22,10 @@ const WIDEST_SIDE: f64 = 10.0;
 /// The first invalid number of a profile and its amplitude, with the allowed values.
 fn refused(profile: &Profile, amplitude: f64) -> Option<(Quantity, f64, &'static str)> {
     let range = |low: f64, high, allowed, value| (!(low..=high).contains(&value)).then_some(allowed);
+    let of_par = |constant: ParConstant| {
+        let value = profile.quantity(Quantity::Par(constant));
+        (Quantity::Par(constant), value, value.and_then(|value| constant.refused(value)))
+    };
     let [u0, omega] = [Quantity::U0, Quantity::Omega].map(|quantity| profile.quantity(quantity));
     [
         (Quantity::U0, u0, u0.and_then(|u0| range(0.0, 1.0, "from 0 to 1", u0))),
@@ -29,6 +33,7 @@ fn refused(profile: &Profile, amplitude: f64) -> Option<(Quantity, f64, &'static
         (Quantity::Amplitude, Some(amplitude), range(-LARGEST, LARGEST, "from -10000 to 10000", amplitude)),
     ]
     .into_iter()
+    .chain(ParConstant::ALL.into_iter().map(of_par))
     .find_map(|(quantity, value, allowed)| Some((quantity, value?, allowed?)))
 }
 
@@ -60,6 +65,7 @@ impl RegulatorQuantity {
     /// The allowed values if this one is invalid. The numbers of a source must only be finite.
     pub fn refused(self, value: f64) -> Option<&'static str> {
         let (fine, allowed) = match self {
+            RegulatorQuantity::Source(Quantity::Par(constant)) => return constant.refused(value),
             RegulatorQuantity::Source(_) => (value.is_finite(), "a finite number"),
             RegulatorQuantity::Turnover => ((0.0..=LARGEST).contains(&value), "from 0 to 10000, in 1/τ"),
             RegulatorQuantity::Diffusion => (

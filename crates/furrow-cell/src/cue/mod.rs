@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `field` | which coefficients of the equations a cue can modulate |
 //! | `profile` | how a term is spread along the contour |
+//! | `par` | the constants of PAR polarity, which a profile can follow |
 //! | `side` | how a term is spread around the axis |
 //! | `regulator` | a substance with advection, diffusion and turnover |
 //! | `check` | which numbers are allowed |
@@ -16,6 +17,7 @@
 mod check;
 pub mod field;
 mod file;
+pub mod par;
 pub mod profile;
 pub mod regulator;
 mod regulator_text;
@@ -24,6 +26,7 @@ mod text;
 mod written;
 
 pub use field::Field;
+pub use par::{LENGTH_UM, ParConstant, ParConstants, SurfaceToVolume, ZYGOTE_SURFACE_TO_VOLUME};
 pub use profile::{Profile, Quantity, Width};
 pub use regulator::{Coupling, Regulator, RegulatorQuantity, Source};
 pub use side::Side;

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{ParConstant, ParConstants};
 use crate::Number;
 
 /// Width of a profile.
@@ -69,6 +70,10 @@ pub enum Profile<D = f64> {
         band: bool,
         /// The posterior pole is at u = 1, not at u = 0.
         far: bool,
+        /// The constants of the chemistry.
+        constants: ParConstants,
+        /// L_h in µm, where it is not [`LENGTH_UM`](super::LENGTH_UM).
+        length_um: Option<f64>,
     },
 }
 
@@ -82,10 +87,12 @@ pub enum Quantity {
     Omega,
     /// Amplitude A.
     Amplitude,
+    /// A constant of the PAR polarity that the profile follows.
+    Par(ParConstant),
 }
 
 impl Quantity {
-    /// All of them.
+    /// Those of profiles with a place, a width and an amplitude of their own.
     pub const ALL: [Quantity; 3] = [Quantity::U0, Quantity::Omega, Quantity::Amplitude];
 
     /// Its name on the command line and in files.
@@ -94,7 +101,14 @@ impl Quantity {
             Quantity::U0 => "u0",
             Quantity::Omega => "omega",
             Quantity::Amplitude => "amplitude",
+            Quantity::Par(constant) => constant.name(),
         }
+    }
+
+    /// The quantity of a name.
+    pub fn named(name: &str) -> Option<Quantity> {
+        let par = || ParConstant::named(name).map(Quantity::Par);
+        Quantity::ALL.into_iter().find(|quantity| quantity.name() == name).or_else(par)
     }
 }
 
@@ -132,7 +146,7 @@ impl<D> Profile<D> {
                 Profile::Step { u0, omega }
             }
             Profile::Gradient => Profile::Gradient,
-            Profile::Par { band, far } => Profile::Par { band, far },
+            Profile::Par { band, far, constants, length_um } => Profile::Par { band, far, constants, length_um },
         }
     }
 }
@@ -194,11 +208,13 @@ impl Profile {
 
     /// Where such a number is kept.
     pub(crate) fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
-        let (Profile::Band { u0, omega } | Profile::Step { u0, omega }) = self else { return None };
-        match (quantity, omega) {
-            (Quantity::U0, _) => Some(u0),
-            (Quantity::Omega, Width::Fraction(omega) | Width::Length(omega)) => Some(omega),
-            (Quantity::Amplitude, _) => None,
+        match (self, quantity) {
+            (Profile::Band { u0, .. } | Profile::Step { u0, .. }, Quantity::U0) => Some(u0),
+            (Profile::Band { omega, .. } | Profile::Step { omega, .. }, Quantity::Omega) => match omega {
+                Width::Fraction(omega) | Width::Length(omega) => Some(omega),
+            },
+            (Profile::Par { constants, .. }, Quantity::Par(constant)) => constants.slot(constant),
+            _ => None,
         }
     }
 
@@ -208,7 +224,9 @@ impl Profile {
             Profile::Band { u0, omega } => (Profile::Band { u0: 1.0 - u0, omega }, 1.0),
             Profile::Step { u0, omega } => (Profile::Step { u0: 1.0 - u0, omega: omega.map(|omega| -omega) }, 1.0),
             Profile::Gradient => (Profile::Gradient, -1.0),
-            Profile::Par { band, far } => (Profile::Par { band, far: !far }, 1.0),
+            Profile::Par { band, far, constants, length_um } => {
+                (Profile::Par { band, far: !far, constants, length_um }, 1.0)
+            }
         }
     }
 

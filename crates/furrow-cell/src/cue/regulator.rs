@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Field, Profile, Quantity};
+use super::{Field, ParConstant, Profile, Quantity};
 use crate::Number;
 
 /// Where a regulator is made: A f(u), relative to its resting concentration.
@@ -102,7 +102,8 @@ impl RegulatorQuantity {
 
     /// The number of a name.
     pub fn named(name: &str) -> Option<RegulatorQuantity> {
-        RegulatorQuantity::all().find(|quantity| quantity.name() == name)
+        let of_par = || Some(RegulatorQuantity::Source(Quantity::Par(ParConstant::named(name)?)));
+        RegulatorQuantity::all().find(|quantity| quantity.name() == name).or_else(of_par)
     }
 }
 

@@ -8,7 +8,8 @@ use std::str::FromStr;
 
 use super::profile::NAMES;
 use super::regulator_text;
-use super::{Cue, CueError, Field, Profile, Quantity, Scale, Side, Term, Width, WrittenCue};
+use super::{Cue, CueError, Field, ParConstants, Profile, Quantity, Scale, Side, Term, Width, WrittenCue, par};
+use crate::settings::Value;
 use furrow_input::{did_you_mean, shown};
 
 impl fmt::Display for Term {
@@ -26,8 +27,10 @@ pub(super) fn write_spread(f: &mut fmt::Formatter<'_>, profile: &Profile, amplit
         let unit = if matches!(width, Width::Length(_)) { "Lh" } else { "" };
         write!(f, ",u0={u0},omega={}{unit}", width.value())?;
     }
-    if let Profile::Par { far: true, .. } = profile {
-        write!(f, ",u0=1")?;
+    if let Profile::Par { far, constants, length_um, .. } = profile {
+        f.write_str(if *far { ",u0=1" } else { "" })?;
+        let length = length_um.map(|um| (LENGTH, um.to_string()));
+        constants.stated().into_iter().chain(length).try_for_each(|(name, value)| write!(f, ",{name}={value}"))?;
     }
     write!(f, ",amplitude={amplitude}")
 }
@@ -71,7 +74,14 @@ pub(super) struct Numbers {
     /// Angle and width of a side, in radians.
     pub at: Option<f64>,
     pub spread: Option<f64>,
+    /// Constants of PAR polarity, with the names of those that are given, and L_h in µm.
+    par: ParConstants,
+    par_names: Vec<&'static str>,
+    length_um: Option<f64>,
 }
+
+/// The key of L_h in µm.
+const LENGTH: &str = "length_um";
 
 impl Numbers {
     /// The profile and its amplitude, if every number that it needs is given, and no other. Errors call it `name`.
@@ -80,6 +90,11 @@ impl Numbers {
             let field = format!("{name}.{}", quantity.name());
             CueError::new(field, "(not given)", format!("given: a {profile} has no default for it"))
         };
+        if let Some(spare) = self.par_names.first().filter(|_| !profile.starts_with("par")) {
+            let allowed = "left out: only par and par_band have it";
+            return Err(CueError::new(format!("{name}:{profile}"), shown(spare), allowed));
+        }
+        let Numbers { par: constants, length_um, .. } = self;
         let profile = match (profile, self.u0, self.omega) {
             ("gradient", None, None) => Profile::Gradient,
             ("gradient", u0, _) => {
@@ -93,7 +108,7 @@ impl Numbers {
                 if profile == "band" { Profile::Band { u0, omega } } else { Profile::Step { u0, omega } }
             }
             ("par" | "par_band", u0, None) if u0.is_none_or(|u0| u0 == 0.0 || u0 == 1.0) => {
-                Profile::Par { band: profile == "par_band", far: u0 == Some(1.0) }
+                Profile::Par { band: profile == "par_band", far: u0 == Some(1.0), constants, length_um }
             }
             ("par" | "par_band", u0, omega) => {
                 let (field, value, allowed) = match (u0, omega) {
@@ -104,7 +119,7 @@ impl Numbers {
                 };
                 return Err(CueError::new(format!("{name}.{field}"), value, allowed));
             }
-            _ => return Err(CueError::new(name, shown(profile), one_of(NAMES, profile))),
+            _ => return Err(CueError::new(name, shown(profile), one_of(&NAMES, profile))),
         };
         let amplitude = self.amplitude.ok_or_else(|| missing(Quantity::Amplitude))?;
         Ok((profile, amplitude))
@@ -133,14 +148,14 @@ impl Numbers {
 }
 
 /// Lists the names, and suggests the one nearest to the written text.
-fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
-    format!("one of {}{}", names.join(", "), did_you_mean(written, names))
+fn one_of(names: &[&str], written: &str) -> String {
+    format!("one of {}{}", names.join(", "), did_you_mean(written, names.iter().copied()))
 }
 
 /// The field of a name.
 pub(super) fn field(name: &str) -> Result<Field, CueError> {
     let known = Field::ALL.into_iter().find(|field| field.name() == name);
-    let allowed = || format!("a field: {}", one_of(Field::ALL.map(Field::name), name));
+    let allowed = || format!("a field: {}", one_of(&Field::ALL.map(Field::name), name));
     known.ok_or_else(|| CueError::new("cue", shown(name), allowed()))
 }
 
@@ -173,8 +188,12 @@ fn parse_term(text: &str) -> Result<WrittenCue, CueError> {
     for entry in entries {
         let (key, value) = key_and_value(&format!("{name}:{profile}"), entry)?;
         if !numbers.set(name, key, value)? && !numbers.set_side(name, key, value)? {
-            let [u0, omega, amplitude] = Quantity::ALL.map(Quantity::name);
-            let allowed = one_of([u0, omega, amplitude, AT, SPREAD], key);
+            let mut known = Vec::from(Quantity::ALL.map(Quantity::name));
+            if profile.starts_with("par") {
+                known.extend(par::names().chain([LENGTH]));
+            }
+            known.extend([AT, SPREAD]);
+            let allowed = one_of(&known, key);
             return Err(CueError::new(format!("{name}:{profile}"), shown(key), allowed));
         }
     }
@@ -251,7 +270,22 @@ impl Numbers {
                     .replace(if length.is_some() { Width::Length(omega) } else { Width::Fraction(omega) })
                     .is_some()
             }
-            _ => return Ok(false),
+            LENGTH => {
+                let um = plain()?;
+                if !(um.is_finite() && um > 0.0) {
+                    return Err(CueError::new(format!("{name}.{key}"), shown(value), "a finite number above 0, in µm"));
+                }
+                self.length_um.replace(um).is_some()
+            }
+            _ => {
+                let Some(known) = par::names().find(|known| *known == key) else { return Ok(false) };
+                if let Some(Err(allowed)) = self.par.put(key, &Value::Text(value.to_owned())) {
+                    return Err(CueError::new(format!("{name}.{key}"), shown(value), allowed));
+                }
+                let repeated = self.par_names.contains(&known);
+                self.par_names.push(known);
+                repeated
+            }
         };
         once(repeated, name, key, value)?;
         Ok(true)
@@ -360,7 +394,9 @@ mod tests {
 
     fn profile(kind: usize, length: bool, u0: f64, omega: f64) -> Profile {
         let omega = if length { Width::Length(omega) } else { Width::Fraction(omega) };
-        let par = Profile::Par { band: length, far: u0 > 0.5 };
+        let constants =
+            ParConstants { k_ap: omega.value(), n_p: if length { 2 } else { 1 }, ..ParConstants::GOEHRING2011 };
+        let par = Profile::Par { band: length, far: u0 > 0.5, constants, length_um: length.then_some(u0) };
         [Profile::Band { u0, omega }, Profile::Step { u0, omega }, Profile::Gradient, par][kind]
     }
 

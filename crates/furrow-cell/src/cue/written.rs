@@ -1,6 +1,6 @@
 //! The text of a cue: joins its parts and converts numbers in µm and seconds to the model's units.
 
-use super::{Cue, CueError, Quantity, Regulator, RegulatorQuantity, Term};
+use super::{Cue, CueError, LENGTH_UM, Profile, Quantity, Regulator, RegulatorQuantity, Term};
 use crate::{Cell, Parameter};
 
 /// How long L_h and τ are, for cues with numbers in µm and seconds.
@@ -88,6 +88,11 @@ impl WrittenCue {
     pub fn in_units(self, scale: &Scale) -> Result<Cue, CueError> {
         let WrittenCue { cue, physical } = self;
         let mut cell = Cell::new(1.0).with_cue(cue);
+        for profile in cell.cue.profiles_mut() {
+            if let Profile::Par { length_um: length @ None, .. } = profile {
+                *length = scale.length_um.filter(|um| *um != LENGTH_UM);
+            }
+        }
         for parameter in physical {
             let written = parameter.get(&cell);
             let value = scale.converted(parameter, written).map_err(|allowed| {

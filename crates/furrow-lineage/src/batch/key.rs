@@ -4,7 +4,9 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use furrow_cell::cue::profile::NAMES;
-use furrow_cell::cue::{Coupling, Field, Profile, Quantity, Regulator, Side, Source, Term, Width};
+use furrow_cell::cue::{
+    Coupling, Field, ParConstant, ParConstants, Profile, Quantity, Regulator, Side, Source, Term, Width,
+};
 use furrow_cell::law::{Constant, Expression, Law};
 use furrow_cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::DivisionInput;
@@ -170,8 +172,14 @@ impl CanonicalBytes {
     fn spread(&mut self, profile: &Profile, amplitude: f64) {
         let numbers = [profile.quantity(Quantity::U0), profile.quantity(Quantity::Omega), Some(amplitude)];
         self.reals(numbers.into_iter().flatten());
-        if let Profile::Par { far, .. } = profile {
+        if let Profile::Par { far, constants, length_um, .. } = profile {
             self.choice(usize::from(*far));
+            // Cells with the published constants keep the keys they had before there were others.
+            if *constants != ParConstants::GOEHRING2011 || length_um.is_some() {
+                let numbers = ParConstant::ALL.into_iter().map(|constant| constants.get(constant));
+                self.choice(usize::from(constants.n_p));
+                self.reals(numbers.chain([*length_um]).map(|number| number.unwrap_or(0.0)));
+            }
         }
         self.choice(usize::from(matches!(profile.width(), Some(Width::Length(_)))));
     }

@@ -9,6 +9,7 @@
 //! | `start` | the start shape |
 //! | [`noise`] | the seeded noise of the first step |
 //! | [`sensitivity`] | derivatives of the outcome, by the tangent of every step |
+//! | `followed` | the same where the cue follows PAR polarity |
 //! | `rest` | detection of equilibria |
 //! | [`saddle`] | skips the linear growth at a saddle where a cell waits longer than the allowed time |
 //! | [`oscillation`] | detection of limit cycles |
@@ -17,6 +18,7 @@
 //! | [`trajectory`] | all shapes of a division, with their forces |
 //! | [`statistics`] | statistics of several divisions |
 
+mod followed;
 mod halves;
 mod limits;
 pub mod noise;

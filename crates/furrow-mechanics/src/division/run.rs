@@ -124,6 +124,9 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn divide_with(input: &DivisionInput, options: DivisionOptions<'_>) -> Divided {
+    if input.cell.cue.follows_par() && !options.parameters.is_empty() {
+        return super::followed::divide(input, options);
+    }
     run(input, &Start::Passive, options)
 }
 

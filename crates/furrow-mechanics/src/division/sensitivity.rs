@@ -32,7 +32,7 @@ use furrow_cell::Parameter;
 const DISPLACEMENT: f64 = 1e-5;
 
 /// Derivatives of a division's outcome by one parameter, in the unit of the outcome over the parameter's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sensitivity {
     /// Of the signed size asymmetry χ.
     pub chi_signed: f64,
@@ -40,6 +40,17 @@ pub struct Sensitivity {
     pub u_furrow: f64,
     /// Of the time of pinch-off, in τ.
     pub t_end: f64,
+}
+
+impl Sensitivity {
+    /// Its sum with another one times a factor.
+    pub(super) fn plus(self, factor: f64, other: &Sensitivity) -> Sensitivity {
+        Sensitivity {
+            chi_signed: self.chi_signed + factor * other.chi_signed,
+            u_furrow: self.u_furrow + factor * other.u_furrow,
+            t_end: self.t_end + factor * other.t_end,
+        }
+    }
 }
 
 /// Derivatives of the shapes of a running division by some parameters.

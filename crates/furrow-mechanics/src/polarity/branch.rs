@@ -10,11 +10,11 @@ use furrow_bvp::{
 };
 use serde::Serialize;
 
-use super::constants::{LENGTH_UM, ParConstants};
 use super::error::PolarityError;
 use super::membrane::Membrane;
 use super::problem::{COMPONENTS, MEAN_A, Polarity, SCALE};
 use super::states::{Evolution, Readings, Resolution, is_polarised, readings, step};
+use furrow_cell::cue::{LENGTH_UM, ParConstants};
 use furrow_cell::{Cell, Numerics, ZYGOTE};
 
 /// Chemistry, units and discretisation: the inputs of polarity besides the cell.

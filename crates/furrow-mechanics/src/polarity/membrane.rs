@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use furrow_bvp::{Gauss, NewtonError, Solution};
 
-use super::constants::{ParConstants, SurfaceToVolume};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R};
 use crate::equilibria::{passive, passive_whole};
+use furrow_cell::cue::{ParConstants, SurfaceToVolume};
 use furrow_cell::{Cell, Numerics};
 
 /// The surface of a cell at rest.

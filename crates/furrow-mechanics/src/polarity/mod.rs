@@ -13,7 +13,6 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`constants`] | named constants, the values of Goehring et al. 2011, uniform states |
 //! | [`membrane`] | the passive shape in µm, or a line |
 //! | [`problem`] | the equations as a boundary-value problem, with exact derivatives |
 //! | [`states`] | evolution in time, observables of a state |
@@ -25,7 +24,6 @@
 //! (a smallest size for polarity).
 
 pub mod branch;
-pub mod constants;
 pub mod error;
 pub mod membrane;
 pub mod problem;
@@ -34,18 +32,18 @@ pub mod states;
 mod tests;
 
 pub use branch::{Chemistry, PolarityLimit, Towards};
-pub use constants::{LENGTH_UM, ParConstants, SurfaceToVolume, ZYGOTE_SURFACE_TO_VOLUME};
 pub use error::PolarityError;
+pub use furrow_cell::cue::{LENGTH_UM, ParConstants, SurfaceToVolume, ZYGOTE_SURFACE_TO_VOLUME};
 pub use membrane::Membrane;
 pub use states::{Readings, Resolution, profile, readings};
 
-use furrow_cell::cue::{Profile, Regulator, Term};
+use furrow_cell::cue::{Profile, Regulator, Source, Term};
 use furrow_cell::{Cell, Cue};
 use std::borrow::Cow;
 
 /// The cell, with profiles that [follow PAR polarity](furrow_cell::cue::Profile::Par) replaced by a step that follows
-/// P, or a band at the boundary, for the constants of Goehring et al. 2011 and L_h = [`LENGTH_UM`] µm. If the cell is
-/// not polarised, its cue lacks these terms.
+/// P, or a band at the boundary, for the constants and the length L_h that they have. If the cell is not polarised, its cue
+/// lacks these terms.
 ///
 /// ```
 /// use furrow_cell::Cell;
@@ -54,8 +52,10 @@ use std::borrow::Cow;
 /// let cell = Cell::new(5.4).with_cue("kappa:par_band,amplitude=0.1".parse()?);
 /// let cue = resolved(&cell)?.cue.to_string();
 /// assert!(cue.starts_with("kappa:band,u0=0.469") && cue.ends_with("amplitude=0.1"), "{cue}");
-/// let small = Cell { r0: 2.2, ..cell };
+/// let small = Cell { r0: 2.2, ..cell.clone() };
 /// assert!(resolved(&small)?.cue.is_none());
+/// let weaker = cell.with_cue("kappa:par_band,k_pa=1.6,amplitude=0.1".parse()?);
+/// assert!(resolved(&weaker)?.cue.to_string() != cue);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -65,23 +65,38 @@ pub fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>, PolarityError> {
     if !cell.cue.follows_par() {
         return Ok(Cow::Borrowed(cell));
     }
-    let state = Chemistry::goehring2011().polarised(cell)?;
-    let mut cue = cell.cue.clone();
-    let Some(found) = state.as_ref().and_then(readings) else {
-        let without = |term: &Term| !matches!(term.profile, Profile::Par { .. });
-        let terms = cue.terms().iter().copied().filter(without).collect();
-        let regulator = cue.regulator().cloned().map(|regulator| {
-            let source = regulator.source.filter(|source| !matches!(source.profile, Profile::Par { .. }));
-            Regulator { source, ..regulator }
-        });
-        let cue = Cue::with_regulator(terms, regulator)?;
-        return Ok(Cow::Owned(Cell { cue, ..cell.clone() }));
+    Ok(Cow::Owned(with_profiles(cell, &placed(cell)?)?))
+}
+
+/// The profiles of a cell's cue, of its terms and of its regulator's source, those that follow PAR polarity in their place; `None` for
+/// one of a chemistry that does not polarise the cell.
+pub(crate) fn placed(cell: &Cell) -> Result<Vec<Option<Profile>>, PolarityError> {
+    let mut known: Vec<(ParConstants, f64, Option<Readings>)> = Vec::new();
+    let mut place = |profile: &mut Profile| {
+        let Profile::Par { band, far, constants, length_um } = *profile else { return Ok(Some(*profile)) };
+        let um = length_um.unwrap_or(LENGTH_UM);
+        let found = match known.iter().find(|(others, length, _)| *others == constants && *length == um) {
+            Some((.., found)) => *found,
+            None => {
+                let found = Chemistry::new(constants, um).polarised(cell)?.as_ref().and_then(readings);
+                known.push((constants, um, found));
+                found
+            }
+        };
+        let followed = |found: Readings| if far { found.followed(band).mirrored().0 } else { found.followed(band) };
+        Ok(found.map(followed))
     };
-    for profile in cue.profiles_mut() {
-        if let Profile::Par { band, far } = *profile {
-            let place = found.followed(band);
-            *profile = if far { place.mirrored().0 } else { place };
-        }
-    }
-    Ok(Cow::Owned(Cell { cue, ..cell.clone() }))
+    cell.cue.clone().profiles_mut().map(&mut place).collect()
+}
+
+/// The cell with these profiles in its cue. A term without a profile is left out, and so is a source.
+pub(crate) fn with_profiles(cell: &Cell, profiles: &[Option<Profile>]) -> Result<Cell, PolarityError> {
+    let placed = cell.cue.terms().iter().zip(profiles);
+    let terms = placed.filter_map(|(term, profile)| Some(Term { profile: (*profile)?, ..*term })).collect();
+    let of_source = profiles.last().copied().flatten();
+    let regulator = cell.cue.regulator().map(|regulator| {
+        let source = regulator.source.and_then(|source| Some(Source { profile: of_source?, ..source }));
+        Regulator { source, ..regulator.clone() }
+    });
+    Ok(Cell { cue: Cue::with_regulator(terms, regulator)?, ..cell.clone() })
 }

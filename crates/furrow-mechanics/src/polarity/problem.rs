@@ -12,8 +12,8 @@ use furrow_bvp::{
     PointDirection, PointJacobian, PointValues,
 };
 
-use super::constants::{ParConstants, SurfaceToVolume};
 use super::membrane::Membrane;
+use furrow_cell::cue::{ParConstants, SurfaceToVolume};
 
 /// Index of A.
 pub const A: usize = 0;
