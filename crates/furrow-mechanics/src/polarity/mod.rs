@@ -54,7 +54,7 @@ use std::borrow::Cow;
 /// assert!(cue.starts_with("kappa:band,u0=0.469") && cue.ends_with("amplitude=0.1"), "{cue}");
 /// let small = Cell { r0: 2.2, ..cell.clone() };
 /// assert!(resolved(&small)?.cue.is_none());
-/// let weaker = cell.with_cue("kappa:par_band,k_pa=1.6,amplitude=0.1".parse()?);
+/// let weaker = cell.with_cue("kappa:par_band,k_pa=2.2,amplitude=0.1".parse()?);
 /// assert!(resolved(&weaker)?.cue.to_string() != cue);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -78,7 +78,12 @@ pub(crate) fn placed(cell: &Cell) -> Result<Vec<Option<Profile>>, PolarityError>
         let found = match known.iter().find(|(others, length, _)| *others == constants && *length == um) {
             Some((.., found)) => *found,
             None => {
-                let found = Chemistry::new(constants, um).polarised(cell)?.as_ref().and_then(readings);
+                let found = match Chemistry::new(constants, um).polarised(cell) {
+                    Ok(state) => state.as_ref().and_then(readings),
+                    // Without polarity at any size there is none at this one.
+                    Err(PolarityError::NoPolarity { .. }) => None,
+                    Err(error) => return Err(error),
+                };
                 known.push((constants, um, found));
                 found
             }
