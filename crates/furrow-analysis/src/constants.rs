@@ -2,10 +2,11 @@
 //! cells, and their weights.
 
 use super::table::csv_of;
+use furrow_cell::parameter::UnknownParameter;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::table::{Row, Table, malformed, text as text_of};
 use furrow_input::{InputError, did_you_mean, shown};
-use furrow_lineage::{FounderPhysics, Lineage, TreeSettings};
+use furrow_lineage::{Founder, FounderPhysics, Lineage, TreeSettings};
 
 /// Classes of cells beside the founders' names: the first cell and, from mother to daughter, the founders that are the smaller
 /// daughter; and all others.
@@ -14,11 +15,67 @@ pub(crate) const SOMATIC: &str = "somatic";
 /// In place of a class: the standard deviation of a parameter between embryos.
 pub(crate) const EMBRYO: &str = "embryo";
 
+/// What a constant or a fitted number is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConstantKind {
+    /// A parameter of cells; a number of a cue belongs to every cue of the lineage that has it.
+    Parameter(Parameter),
+    /// Volume at division divided by volume at birth.
+    Growth,
+}
+
+/// The name of [`ConstantKind::Growth`].
+pub(crate) const GROWTH: &str = "growth";
+
+impl ConstantKind {
+    /// The parameter of cells, if it is one.
+    pub fn parameter(self) -> Option<Parameter> {
+        match self {
+            ConstantKind::Parameter(parameter) => Some(parameter),
+            ConstantKind::Growth => None,
+        }
+    }
+
+    /// Whether it is a number of a cue.
+    pub fn is_of_cue(self) -> bool {
+        self.parameter().is_some_and(Parameter::is_of_cue)
+    }
+
+    /// Checks a value.
+    ///
+    /// # Errors
+    /// The allowed values.
+    pub fn validate(self, value: f64) -> Result<(), &'static str> {
+        match self {
+            ConstantKind::Parameter(parameter) => parameter.validate(value),
+            ConstantKind::Growth if Founder::GROWTH.contains(&value) => Ok(()),
+            ConstantKind::Growth => Err("a number from 0.01 to 100"),
+        }
+    }
+}
+
+impl std::fmt::Display for ConstantKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            ConstantKind::Parameter(parameter) => parameter.fmt(f),
+            ConstantKind::Growth => f.write_str(GROWTH),
+        }
+    }
+}
+
+impl std::str::FromStr for ConstantKind {
+    type Err = UnknownParameter;
+
+    fn from_str(text: &str) -> Result<ConstantKind, UnknownParameter> {
+        if text == GROWTH { Ok(ConstantKind::Growth) } else { text.parse().map(ConstantKind::Parameter) }
+    }
+}
+
 /// A constant of all cells, or of a class of cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constant {
-    /// The parameter; a number of a cue belongs to every cue of the lineage that has it.
-    pub parameter: Parameter,
+    /// What it is.
+    pub kind: ConstantKind,
     /// The class: `germline`, `somatic` or a founder; `None` for all cells.
     pub class: Option<String>,
     /// Its value.
@@ -28,13 +85,13 @@ pub struct Constant {
 impl Constant {
     /// Its name, as `epsilon` or `epsilon@somatic`.
     pub fn name(&self) -> String {
-        named(self.parameter, self.class.as_deref())
+        named(self.kind, self.class.as_deref())
     }
 }
 
-/// The name of a parameter of a class of cells.
-pub(crate) fn named(parameter: Parameter, class: Option<&str>) -> String {
-    class.map_or_else(|| parameter.to_string(), |class| format!("{parameter}@{class}"))
+/// The name of a number of a class of cells.
+pub(crate) fn named(kind: ConstantKind, class: Option<&str>) -> String {
+    class.map_or_else(|| kind.to_string(), |class| format!("{kind}@{class}"))
 }
 
 /// A set of constants with its share of the whole.
@@ -54,8 +111,9 @@ impl Constants {
     pub fn check(&self, lineage: &Lineage, file: &str) -> Result<(), InputError> {
         // The spread between embryos says nothing of the typical one.
         for constant in self.values.iter().filter(|constant| constant.class.as_deref() != Some(EMBRYO)) {
-            let Constant { parameter, class, .. } = constant;
+            let Constant { kind, class, .. } = constant;
             let founders = class.as_ref().map(|class| founders_of(class, lineage, file, "column")).transpose()?;
+            let Some(parameter) = kind.parameter() else { continue };
             let (is_known, allowed) = match parameter.is_of_cue() {
                 true => {
                     let has = |cue: &Cue| parameter.is_of(&Cell::new(1.0).with_cue(cue.clone()));
@@ -70,7 +128,7 @@ impl Constants {
                     )
                 }
                 false => {
-                    (founders.is_none() || FounderPhysics::can_have(*parameter), "a parameter that founders can have")
+                    (founders.is_none() || FounderPhysics::can_have(parameter), "a parameter that founders can have")
                 }
             };
             InputError::require(is_known, file, "column", shown(&constant.name()), allowed)?;
@@ -90,9 +148,14 @@ impl Constants {
         let of_cells = |constant: &&Constant| constant.class.as_deref() != Some(EMBRYO);
         let mut values: Vec<&Constant> = self.values.iter().filter(of_cells).collect();
         values.sort_by_key(|constant| std::cmp::Reverse(size(&constant.class)));
-        for Constant { parameter, class, value } in values {
+        for Constant { kind, class, value } in values {
+            let Some(parameter) = kind.parameter() else {
+                let founders = of_class(class.as_deref(), &lineage, |_| true);
+                founders.into_iter().for_each(|k| lineage.founders[k].growth = Some(*value));
+                continue;
+            };
             if class.is_none() {
-                if *parameter == Parameter::R0 {
+                if parameter == Parameter::R0 {
                     let first = lineage.given_r0(lineage.first()).unwrap_or(settings.cell.r0);
                     lineage.scale_radii(value / first);
                 }
@@ -100,8 +163,8 @@ impl Constants {
             }
             if parameter.is_of_cue() {
                 if let Some(class) = class {
-                    for founder in founders_of(class, &lineage, "", "").unwrap_or_default() {
-                        lineage.set_own_cue(founder, *parameter, *value);
+                    for founder in of_class(Some(class), &lineage, |_| false) {
+                        lineage.set_own_cue(founder, parameter, *value);
                     }
                     continue;
                 }
@@ -112,14 +175,18 @@ impl Constants {
                 }
                 continue;
             }
-            let own = |k: &usize| lineage.founders[*k].physics.has(*parameter);
-            let founders: Vec<usize> = match class {
-                Some(class) => founders_of(class, &lineage, "", "").unwrap_or_default(),
-                None => (0..lineage.founders.len()).filter(own).collect(),
-            };
-            founders.into_iter().for_each(|k| lineage.founders[k].physics.set(*parameter, *value));
+            let founders = of_class(class.as_deref(), &lineage, |founder| founder.physics.has(parameter));
+            founders.into_iter().for_each(|k| lineage.founders[k].physics.set(parameter, *value));
         }
         (lineage, settings)
+    }
+}
+
+/// The founders of a class of cells, or, where none is given, the ones that `has` chooses.
+fn of_class(class: Option<&str>, lineage: &Lineage, has: impl Fn(&Founder) -> bool) -> Vec<usize> {
+    match class {
+        Some(class) => founders_of(class, lineage, "", "").unwrap_or_default(),
+        None => (0..lineage.founders.len()).filter(|k| has(&lineage.founders[*k])).collect(),
     }
 }
 
@@ -177,15 +244,16 @@ pub fn read_constants_of(text: &str, file: &str, lineage: &Lineage) -> Result<Ve
 pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputError> {
     let mut table = Table::open(text.as_bytes(), file)?;
     let (_, columns) = table.header(|_| false)?;
-    let known: Vec<&str> = Parameter::ALL.iter().map(|parameter| parameter.name()).chain([WEIGHT]).collect();
+    let known: Vec<&str> = Parameter::ALL.iter().map(|parameter| parameter.name()).chain([GROWTH, WEIGHT]).collect();
     // Columns without a name have no values either.
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
-        let parameter = parsed(name).map(|(parameter, _)| parameter);
-        let is_known = *name == WEIGHT || parameter.is_some_and(|p| p.is_of_cue() || Parameter::ALL.contains(&p));
+        let kind = parsed(name).map(|(kind, _)| kind);
+        let listed = |kind: ConstantKind| kind.parameter().is_none_or(|p| p.is_of_cue() || Parameter::ALL.contains(&p));
+        let is_known = *name == WEIGHT || kind.is_some_and(listed);
         let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
         InputError::require(is_known, file, format!("column {}", k + 1), shown(name), allowed)?;
         // A parameter has two names where one of them is short.
-        let same = |other: &String| other == name || parameter.is_some() && parsed(other) == parsed(name);
+        let same = |other: &String| other == name || kind.is_some() && parsed(other) == parsed(name);
         let new = !columns[..k].iter().any(same);
         InputError::require(new, file, format!("column {}", k + 1), shown(name), "named once")?;
     }
@@ -207,10 +275,10 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     Ok(out)
 }
 
-/// The parameter and the class of a column.
-fn parsed(name: &str) -> Option<(Parameter, Option<&str>)> {
-    let (parameter, class) = name.split_once('@').map_or((name, None), |(parameter, class)| (parameter, Some(class)));
-    Some((parameter.parse().ok()?, class))
+/// What a column has, and the class of cells.
+fn parsed(name: &str) -> Option<(ConstantKind, Option<&str>)> {
+    let (kind, class) = name.split_once('@').map_or((name, None), |(kind, class)| (kind, Some(class)));
+    Some((kind.parse().ok()?, class))
 }
 
 /// Reads one set. An error is the column and the allowed values there.
@@ -219,9 +287,9 @@ fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, Stri
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
         let value = row.numbers.read(row.text(k)).map_err(|why| (k, format!("a number ({why})")))?;
         match parsed(name) {
-            Some((parameter, class)) => {
-                parameter.validate(value).map_err(|allowed| (k, allowed.to_owned()))?;
-                out.values.push(Constant { parameter, class: class.map(str::to_owned), value });
+            Some((kind, class)) => {
+                kind.validate(value).map_err(|allowed| (k, allowed.to_owned()))?;
+                out.values.push(Constant { kind, class: class.map(str::to_owned), value });
             }
             None if value >= 0.0 => out.weight = value,
             None => return Err((k, "a finite number, 0 or above".to_owned())),
@@ -235,7 +303,7 @@ mod tests {
     use super::*;
 
     fn of_all(parameter: Parameter, value: f64) -> Constant {
-        Constant { parameter, class: None, value }
+        Constant { kind: ConstantKind::Parameter(parameter), class: None, value }
     }
 
     /// A posterior's columns: numbers of a class are set in its founders, numbers of a cue in every cue that has them.
@@ -252,6 +320,13 @@ mod tests {
         assert_eq!(found.founders[0].physics.xi_s, Some(24.0));
         assert!(found.cues["germline"].to_string().contains("amplitude=0.2"));
         let refused = |text: &str| read_constants_of(text, "c.csv", &lineage).unwrap_err().to_string();
+        // Growth is a founder's own, of all of them or of a class.
+        let sets = read_constants_of("growth@somatic,growth\n1.5,1.2\n", "c.csv", &lineage).unwrap();
+        assert_eq!(read_constants(&write_constants(&sets), "c.csv").unwrap(), sets);
+        let (found, _) = sets[0].applied(&lineage, &TreeSettings::default());
+        let growth = |name: &str| found.growth(found.founder_named(name).unwrap());
+        assert_eq!((growth("AB"), growth("P1")), (1.5, 1.2));
+        assert_eq!(refused("growth\n200\n"), "c.csv:2: growth = \"200\": must be a number from 0.01 to 100");
         assert!(refused("epsilon@somatc\n0.8\n").ends_with("did you mean somatic?"));
         assert!(refused("cue[3].u0\n0.4\n").contains("a number of a cue of the lineage"));
         // A smaller class has the last word, in any order; a number of a cue of a class belongs to its founders alone.

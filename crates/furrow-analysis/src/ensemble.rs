@@ -15,7 +15,7 @@
 //! # References
 //! Cappé, Guillin, Marin & Robert, "Population Monte Carlo", J. Comput. Graph. Stat. 13 (2004) 907.
 
-use super::constants::{Constant, Constants};
+use super::constants::{Constant, ConstantKind, Constants};
 use super::constraints::{ConstraintCheck, Extent, check_constraints};
 use super::journal::Journal;
 use super::sample::seed_of;
@@ -85,8 +85,11 @@ impl Ensemble {
 
     /// Its members with the names of their values.
     pub fn constants(&self) -> Vec<Constants> {
-        let value =
-            |(parameter, value): (&Parameter, &f64)| Constant { parameter: *parameter, class: None, value: *value };
+        let value = |(parameter, value): (&Parameter, &f64)| Constant {
+            kind: ConstantKind::Parameter(*parameter),
+            class: None,
+            value: *value,
+        };
         let values = |member: &Member| self.parameters.iter().zip(&member.values).map(value).collect();
         self.members.iter().map(|member| Constants { values: values(member), weight: member.weight }).collect()
     }

@@ -57,7 +57,7 @@ pub mod table;
 pub mod tempering;
 
 pub use boundary::{BoundaryOptions, BoundaryStudy, boundary, edges};
-pub use constants::{Constant, Constants, read_constants, read_constants_of, write_constants};
+pub use constants::{Constant, ConstantKind, Constants, read_constants, read_constants_of, write_constants};
 pub use constraints::{ConstraintCheck, Exclusion, Extent, check_constraints};
 pub use diagram::{Diagram, Edges, diagram};
 pub use ensemble::{ConstantsSearch, Ensemble, EnsembleError, Member, ensemble};

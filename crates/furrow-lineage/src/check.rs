@@ -11,9 +11,6 @@ use super::units::{Length, MOST_PLAIN, plain_radius};
 use furrow_cell::{CueError, SIZES};
 use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
 
-/// Factors by which cells may grow between birth and division.
-const GROWTH: RangeInclusive<f64> = 0.01..=100.0;
-
 type Checked = Result<(), InputError>;
 
 /// A lineage with the text it was read from.
@@ -285,7 +282,7 @@ impl Check<'_> {
 
     fn physics(&self, f: &Founder) -> Checked {
         if let Some(growth) = f.growth {
-            self.require(f, GROWTH.contains(&growth), "growth", growth, "a number from 0.01 to 100")?;
+            self.require(f, Founder::GROWTH.contains(&growth), "growth", growth, "a number from 0.01 to 100")?;
         }
         if let Some(given) = f.r0 {
             let r0 = given.in_units(&self.lineage.units());

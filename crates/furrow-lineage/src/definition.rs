@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::marker::PhantomData;
+use std::ops::RangeInclusive;
 
 use serde::de::MapAccess;
 use serde::{Deserialize, Serialize};
@@ -126,6 +127,11 @@ pub struct CueRule {
     /// It applies to cells of a larger radius R0 than this, in L_h.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above_r0: Option<f64>,
+}
+
+impl Founder {
+    /// Factors by which cells may grow between birth and division.
+    pub const GROWTH: RangeInclusive<f64> = 0.01..=100.0;
 }
 
 impl CueRule {

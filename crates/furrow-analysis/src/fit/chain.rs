@@ -14,6 +14,10 @@ use std::collections::BTreeMap;
 use super::search::FitRun;
 use super::unknowns::Unknown;
 use crate::compare::names_of;
+use crate::constants::ConstantKind;
+
+/// The radius of the first cell.
+const R0: ConstantKind = ConstantKind::Parameter(Parameter::R0);
 
 /// Factor on the time tolerance for sensitivities, and the least tolerance: derivatives show errors that χ does not.
 pub(super) const FINER: f64 = 1e-2;
@@ -142,7 +146,9 @@ impl Model<'_> {
     pub fn cue(&self, values: &[f64]) -> Cue {
         let mut cell = Cell::new(1.0).with_cue(self.template.clone());
         for (unknown, value) in self.unknowns.iter().zip(values).filter(|(unknown, _)| unknown.founders.is_none()) {
-            unknown.parameter.set(&mut cell, *value);
+            if let ConstantKind::Parameter(parameter) = unknown.kind {
+                parameter.set(&mut cell, *value);
+            }
         }
         cell.cue
     }
@@ -157,11 +163,14 @@ impl Model<'_> {
         let FitRun { lineage, settings, .. } = self.run;
         let value = |unknown: &Unknown| {
             let founder = (0..lineage.founders.len()).find(|founder| unknown.is_of(*founder))?;
+            let ConstantKind::Parameter(parameter) = unknown.kind else {
+                return unknown.share(lineage.growth(founder));
+            };
             let r0 = self.first_r0();
             let place = Place { founder, round: 0, generation: lineage.generation(founder), r0, apart: 0 };
             let mut cell = Cell { r0, cue: self.template.clone(), ..settings.cell.clone() };
             lineage.set_physics(place, &mut cell, None).ok()?;
-            unknown.share(unknown.parameter.get(&cell))
+            unknown.share(parameter.get(&cell))
         };
         self.unknowns.iter().map(value).collect()
     }
@@ -174,7 +183,7 @@ impl Model<'_> {
 
     /// The factor on all given radii at values of the unknowns, R0 of the first cell among them.
     fn scale(&self, values: &[f64]) -> f64 {
-        let found = self.unknowns.iter().zip(values).find(|(unknown, _)| unknown.parameter == Parameter::R0);
+        let found = self.unknowns.iter().zip(values).find(|(unknown, _)| unknown.kind == R0);
         found.map_or(1.0, |(_, r0)| r0 / self.first_r0())
     }
 
@@ -302,7 +311,14 @@ impl<'a> Chain<'a> {
             Born::Anterior => anterior,
             Born::Posterior => posterior,
         };
-        Some(born_with * lineage.growth(cell.founder).cbrt())
+        Some(born_with * self.growth(cell.founder).cbrt())
+    }
+
+    /// The factor on volumes between birth and division of a founder's cells.
+    fn growth(&self, founder: usize) -> f64 {
+        let own = |(unknown, _): &(&Unknown, &f64)| unknown.kind == ConstantKind::Growth && unknown.is_of(founder);
+        let found = self.model.unknowns.iter().zip(self.values).find(own);
+        found.map_or_else(|| self.model.run.lineage.growth(founder), |(_, growth)| *growth)
     }
 
     /// The radii of a cell's daughters, the posterior one first.
@@ -342,10 +358,12 @@ impl<'a> Chain<'a> {
         lineage.set_physics(place, &mut cell, mother).ok()?;
         for (unknown, value) in self.model.unknowns.iter().zip(self.values) {
             // A number of the cue that all cells share is in the cue already, and a radius in the cell.
-            let is_set =
-                unknown.founders.is_none() && (unknown.parameter.is_of_cue() || unknown.parameter == Parameter::R0);
-            if unknown.is_of(founder) && !is_set {
-                unknown.parameter.set(&mut cell, *value);
+            let is_set = unknown.founders.is_none() && (unknown.kind.is_of_cue() || unknown.kind == R0);
+            if let ConstantKind::Parameter(parameter) = unknown.kind
+                && unknown.is_of(founder)
+                && !is_set
+            {
+                parameter.set(&mut cell, *value);
             }
         }
         Some(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed })
@@ -371,10 +389,11 @@ impl<'a> Chain<'a> {
         let r0 = self.radii[k]?;
         let mut input = self.input(k, r0)?;
         input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
-        let acts = |unknown: &&Unknown| {
-            unknown.is_of(cell.founder) && unknown.parameter.is_of(&input.cell) && unknown.parameter != Parameter::R0
+        let acting = |unknown: &Unknown| {
+            let acts = |parameter: &Parameter| parameter.is_of(&input.cell) && *parameter != Parameter::R0;
+            unknown.kind.parameter().filter(acts).filter(|_| unknown.is_of(cell.founder))
         };
-        let own: Vec<Parameter> = unknowns.iter().filter(acts).map(|unknown| unknown.parameter).collect();
+        let own: Vec<Parameter> = unknowns.iter().filter_map(acting).collect();
         let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
         let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
         let (division, by) = divide_with(&input, options).ok()?;
@@ -384,20 +403,23 @@ impl<'a> Chain<'a> {
         let radius = match cell.mother.filter(|_| !is_given) {
             Some((mother, born)) => {
                 let is_larger = born.is_larger(self.daughters(mother)?);
-                let grown = lineage.growth(cell.founder).cbrt();
-                before[mother].as_ref()?.radius(is_larger).into_iter().map(|slope| grown * slope).collect()
+                let growth = self.growth(cell.founder);
+                let of = |((unknown, value), slope): ((&Unknown, &f64), f64)| match unknown.kind {
+                    // R0 goes with the third root of growth.
+                    ConstantKind::Growth if unknown.is_of(cell.founder) => growth.cbrt() * slope + r0 / (3.0 * value),
+                    _ => growth.cbrt() * slope,
+                };
+                let slopes = before[mother].as_ref()?.radius(is_larger);
+                unknowns.iter().zip(self.values).zip(slopes).map(of).collect()
             }
             // A given radius is in proportion to the first cell's.
             None => {
-                let by = |(unknown, value): (&Unknown, &f64)| match unknown.parameter {
-                    Parameter::R0 => r0 / value,
-                    _ => 0.0,
-                };
+                let by = |(unknown, value): (&Unknown, &f64)| if unknown.kind == R0 { r0 / value } else { 0.0 };
                 unknowns.iter().zip(self.values).map(by).collect()
             }
         };
         let of = |(unknown, radius): (&Unknown, &f64)| {
-            let place = own.iter().position(|number| *number == unknown.parameter).filter(|_| acts(&unknown));
+            let place = acting(unknown).and_then(|parameter| own.iter().position(|number| *number == parameter));
             sign * (place.map_or(0.0, |i| by[i + 1].chi_signed) + by[0].chi_signed * radius)
         };
         let chi = unknowns.iter().zip(&radius).map(of).collect();
@@ -450,25 +472,26 @@ mod tests {
         let (lineage, settings) = (Lineage::c_elegans().unwrap(), TreeSettings { numerics, ..TreeSettings::default() });
         let (template, cancel) = (Cue::published(), false.into());
         let epsilon = |founder: &str| Unknown {
-            parameter: Parameter::Epsilon,
+            kind: ConstantKind::Parameter(Parameter::Epsilon),
             limits: [0.6, 0.95],
             logarithmic: false,
             sign: 1.0,
             founders: Some((founder.to_owned(), vec![lineage.founder_named(founder).unwrap()])),
             except: Vec::new(),
         };
-        let r0 = Unknown { parameter: Parameter::R0, limits: [2.0, 11.0], founders: None, ..epsilon("P0") };
-        let unknowns = vec![epsilon("P0"), epsilon("P1"), r0];
+        let r0 = Unknown { kind: R0, limits: [2.0, 11.0], founders: None, ..epsilon("P0") };
+        let growth = Unknown { kind: ConstantKind::Growth, limits: [0.5, 2.0], ..epsilon("P1") };
+        let unknowns = vec![epsilon("P0"), epsilon("P1"), r0, growth];
         let names = ["P0", "P1"];
         let kin = Kin::of(&lineage, names.into_iter().chain(["ABa", "Q9", "ABx", "EMSa"]));
         assert_eq!(kin.cells.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>(), ["P0", "P1", "AB", "ABa"]);
         let run = FitRun::new(&lineage, &settings, 1, &cancel);
         let model = Model { run, template: &template, unknowns, kin, memo: None };
-        let (values, volumes) = ([0.87, 0.86, 5.3], BTreeMap::new());
+        let (values, volumes) = ([0.87, 0.86, 5.3, 1.1], BTreeMap::new());
         let exact = Chain::of(&model, &values, &volumes).sensitivities(names);
         let exact: Vec<Vec<f64>> = exact.into_iter().map(Option::unwrap).collect();
         assert_eq!(Chain::of(&model, &values, &volumes).r0("P0"), Some(5.3));
-        for k in 0..3 {
+        for k in 0..4 {
             let chi = |step: f64| {
                 let values = moved(&values, k, values[k] + step);
                 let chain = Chain::of(&model, &values, &volumes);
@@ -483,6 +506,10 @@ mod tests {
                 );
             }
         }
+        assert!(exact[0][3] == 0.0 && exact[1][3].abs() > 1e-2, "{exact:?}");
+        // Its radius is the one of a daughter that is 1.1 times as large when she divides.
+        let radius = |values: &[f64]| Chain::of(&model, values, &volumes).r0("P1").unwrap();
+        assert!((radius(&values) / radius(&[0.87, 0.86, 5.3, 1.0]) - 1.1_f64.cbrt()).abs() < 1e-12);
         assert!(exact[0][1] == 0.0 && exact[0][0].abs() > 0.1 && exact[1][0].abs() > 1e-3, "{exact:?}");
     }
 }

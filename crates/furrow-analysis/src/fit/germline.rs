@@ -369,7 +369,7 @@ mod tests {
         let unknowns = unknowns(&template);
         let cell = Cell::gao2026_thresholds(1.0).with_cue(template.clone());
         let share = |unknown: &Unknown| {
-            let ([from, to], value) = (unknown.limits, unknown.parameter.get(&cell));
+            let ([from, to], value) = (unknown.limits, unknown.kind.parameter().unwrap().get(&cell));
             if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
         };
         let place = unknowns.iter().map(share).collect();
@@ -400,7 +400,7 @@ mod tests {
                 let length = unknown.value(place[k] + step) - unknown.value(place[k] - step);
                 for (i, row) in exact.iter().enumerate() {
                     let expected = (above[i] - below[i]) / length * unknown.scale(place[k]);
-                    let (off, of) = ((row[k] - expected).abs(), unknown.parameter);
+                    let (off, of) = ((row[k] - expected).abs(), unknown.kind);
                     assert!(off < 0.02 * expected.abs() + 1e-3, "row {i}, {of}: {} {expected}", row[k]);
                 }
             }

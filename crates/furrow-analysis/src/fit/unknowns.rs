@@ -3,7 +3,7 @@
 use furrow_cell::cue::{Profile, Quantity, RegulatorQuantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 
-use crate::constants::named;
+use crate::constants::{ConstantKind, named};
 
 /// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes and strengths;
 /// turnovers, diffusions and half-saturations of a regulator.
@@ -18,7 +18,7 @@ const SATURATING: [f64; 2] = [0.005, 200.0];
 /// How a number is searched.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Unknown {
-    pub parameter: Parameter,
+    pub kind: ConstantKind,
     pub limits: [f64; 2],
     /// By its logarithm; else evenly.
     pub logarithmic: bool,
@@ -39,7 +39,7 @@ impl Unknown {
 
     /// Its name, as `cue[0].amplitude` or `epsilon@somatic`.
     pub fn name(&self) -> String {
-        named(self.parameter, self.founders.as_ref().map(|(class, _)| class.as_str()))
+        named(self.kind, self.founders.as_ref().map(|(class, _)| class.as_str()))
     }
 
     pub fn value(&self, share: f64) -> f64 {
@@ -78,7 +78,8 @@ pub(crate) fn unknowns(cue: &Cue) -> Vec<Unknown> {
         let sign = if logarithmic { value.signum() } else { 1.0 };
         // A turnover of 0 means no turnover.
         let searched = parameter != Parameter::Regulator(RegulatorQuantity::Turnover) || value != 0.0;
-        searched.then_some(Unknown { parameter, limits, logarithmic, sign, founders: None, except: Vec::new() })
+        let kind = ConstantKind::Parameter(parameter);
+        searched.then_some(Unknown { kind, limits, logarithmic, sign, founders: None, except: Vec::new() })
     };
     Parameter::of_cue(cue).into_iter().filter_map(of).collect()
 }
@@ -89,7 +90,7 @@ fn limits(parameter: Parameter, cue: &Cue) -> [f64; 2] {
         (Quantity::U0, _) => PLACES,
         (Quantity::Omega, Some(Width::Length(_))) => LENGTHS,
         (Quantity::Omega, _) => WIDTHS,
-        (Quantity::Amplitude, _) => AMPLITUDES,
+        (Quantity::Amplitude | Quantity::Par(_), _) => AMPLITUDES,
     };
     let source = || cue.regulator().and_then(|regulator| regulator.source).map(|source| source.profile);
     match parameter {
@@ -119,8 +120,12 @@ mod tests {
             .unwrap();
         let cell = Cell::new(1.0).with_cue(cue.clone());
         let found = unknowns(&cue);
-        assert_eq!(found.iter().map(|unknown| unknown.parameter).collect::<Vec<_>>(), Parameter::of_cue(&cue));
-        for Unknown { parameter, limits: [from, to], logarithmic, sign, .. } in found {
+        assert_eq!(
+            found.iter().map(|unknown| unknown.kind.parameter().unwrap()).collect::<Vec<_>>(),
+            Parameter::of_cue(&cue)
+        );
+        for Unknown { kind, limits: [from, to], logarithmic, sign, .. } in found {
+            let parameter = kind.parameter().unwrap();
             let size = sign * parameter.get(&cell);
             assert!(
                 (from..=to).contains(&size) && (logarithmic || sign == 1.0),
@@ -132,7 +137,7 @@ mod tests {
             }
         }
         let still = "regulator:none,turnover=0,diffusion=1,activity=0.3".parse().unwrap();
-        let names: Vec<String> = unknowns(&still).iter().map(|unknown| unknown.parameter.to_string()).collect();
+        let names: Vec<String> = unknowns(&still).iter().map(|unknown| unknown.kind.to_string()).collect();
         assert_eq!(names, ["regulator.diffusion", "regulator.activity"]);
     }
 }

@@ -6,7 +6,7 @@ use furrow_cell::{Cell, CueError, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 use serde::Deserialize;
 
-use crate::constants::{EMBRYO, founders_of};
+use crate::constants::{ConstantKind, EMBRYO, GROWTH, founders_of};
 use furrow_lineage::{Lineage, named_cue};
 
 use crate::fit::unknowns::{Unknown, unknowns};
@@ -15,7 +15,7 @@ use crate::solve::default_range;
 /// A number that is fitted: a parameter, of all cells or of a class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Free {
-    parameter: Parameter,
+    kind: ConstantKind,
     /// The class and its founders.
     class: Option<(String, Vec<usize>)>,
     /// Between which values it is searched; `None` for the usual range.
@@ -58,6 +58,9 @@ pub struct Hypothesis {
     pub(crate) by_embryo: Option<usize>,
 }
 
+/// Between which values growth is searched.
+const USUAL_GROWTH: [f64; 2] = [0.5, 2.0];
+
 /// Written for an empty list, and for no cue.
 pub(super) const NOTHING: &str = "none";
 
@@ -72,26 +75,26 @@ impl Free {
         let (text, range) = text.split_once('=').map_or((text, None), |(text, range)| (text, Some(range.trim())));
         let (name, class) = text.split_once('@').map_or((text, None), |(name, class)| (name, Some(class.trim())));
         let name = name.trim();
-        let Ok(parameter) = name.parse::<Parameter>() else {
-            let listed = Parameter::ALL.into_iter().map(Parameter::name);
+        let Ok(kind) = name.parse::<ConstantKind>() else {
+            let listed = Parameter::ALL.into_iter().map(Parameter::name).chain([GROWTH]);
             let all: Vec<&str> = Parameter::OF_CUES.into_iter().chain(listed).collect();
             let nearest = did_you_mean(name, all.iter().copied());
             return refused(name, format!("none, or a parameter with or without @CLASS: {}{nearest}", all.join(", ")));
         };
-        if let Some(class) = class.filter(|_| parameter == Parameter::R0) {
+        if let Some(class) = class.filter(|_| kind == ConstantKind::Parameter(Parameter::R0)) {
             return refused(class, "left out: r0 is the first cell's, and all other radii change with it".to_owned());
         }
         let by_embryo = class == Some(EMBRYO);
         let class = class.filter(|_| !by_embryo).map(|class| class_of(class, lineage, source)).transpose()?;
-        let Some(written) = range else { return Ok(Free { parameter, class, range: None, by_embryo }) };
+        let Some(written) = range else { return Ok(Free { kind, class, range: None, by_embryo }) };
         let ends =
             written.split_once("..").and_then(|(from, to)| Some([from.trim().parse().ok()?, to.trim().parse().ok()?]));
         let Some([from, to]) = ends.filter(|[from, to]: &[f64; 2]| from < to) else {
             return refused(written, "a range FROM..TO with FROM below TO, as 0.4..0.9".to_owned());
         };
-        match [from, to].into_iter().find_map(|end| parameter.validate(end).err()) {
-            Some(allowed) => refused(written, format!("a range of {parameter} with {allowed}")),
-            None => Ok(Free { parameter, class, range: Some([from, to]), by_embryo }),
+        match [from, to].into_iter().find_map(|end| kind.validate(end).err()) {
+            Some(allowed) => refused(written, format!("a range of {kind} with {allowed}")),
+            None => Ok(Free { kind, class, range: Some([from, to]), by_embryo }),
         }
     }
 
@@ -110,7 +113,7 @@ impl Free {
             return Err(refused(source, texts[k].trim(), "one number that differs between embryos".to_owned()));
         }
         for (k, free) in all.iter().enumerate() {
-            if all[..k].iter().any(|other| other.parameter == free.parameter && other.is_of_the_cells_of(free)) {
+            if all[..k].iter().any(|other| other.kind == free.kind && other.is_of_the_cells_of(free)) {
                 let allowed = "each parameter once for a class of cells";
                 return Err(refused(source, texts[k].trim(), allowed.to_owned()));
             }
@@ -138,8 +141,7 @@ impl Free {
         let is_part = |founders: &Vec<usize>| {
             self.class.as_ref().is_none_or(|(_, own)| founders.len() < own.len() && own.contains(&founders[0]))
         };
-        let parts =
-            all.iter().filter(|other| other.parameter == self.parameter).filter_map(|other| other.class.as_ref());
+        let parts = all.iter().filter(|other| other.kind == self.kind).filter_map(|other| other.class.as_ref());
         parts.filter(|(_, founders)| is_part(founders)).flat_map(|(_, founders)| founders.iter().copied()).collect()
     }
 }
@@ -220,20 +222,20 @@ impl Hypothesis {
             let r0 = lineage.given_r0(lineage.first()).unwrap_or(cell.r0);
             let cell = Cell { r0, ..cell.clone() }.with_cue(template.clone());
             let unknowns = free_of(own.as_deref().or(free), &cell);
-            for Free { parameter, .. } in own.iter().flatten() {
-                let has = unknowns.iter().any(|unknown| unknown.parameter == *parameter);
+            for Free { kind, .. } in own.iter().flatten() {
+                let has = unknowns.iter().any(|unknown| unknown.kind == *kind);
                 let allowed = format!("a number that the hypothesis {name} has");
-                InputError::require(has, sources[0], "free", format!("\"{parameter}\""), allowed)?;
+                InputError::require(has, sources[0], "free", format!("\"{kind}\""), allowed)?;
             }
             let differs = own.as_deref().or(free).into_iter().flatten().find(|free| free.by_embryo);
-            let by_embryo = differs
-                .and_then(|free| unknowns.iter().position(|u| u.parameter == free.parameter && u.founders.is_none()));
+            let by_embryo =
+                differs.and_then(|free| unknowns.iter().position(|u| u.kind == free.kind && u.founders.is_none()));
             all.push(Hypothesis { name: name.clone(), lineage: carrying, template, unknowns, by_embryo });
         }
-        for Free { parameter, .. } in free.into_iter().flatten() {
-            let used = all.iter().any(|hypothesis| hypothesis.unknowns.iter().any(|u| u.parameter == *parameter));
+        for Free { kind, .. } in free.into_iter().flatten() {
+            let used = all.iter().any(|hypothesis| hypothesis.unknowns.iter().any(|u| u.kind == *kind));
             let allowed = "a number that at least one of the hypotheses has";
-            InputError::require(used, sources[1], "free", format!("\"{parameter}\""), allowed)?;
+            InputError::require(used, sources[1], "free", format!("\"{kind}\""), allowed)?;
         }
         Ok(all)
     }
@@ -254,29 +256,30 @@ fn free_of(free: Option<&[Free]>, cell: &Cell) -> Vec<Unknown> {
     let of_cue = unknowns(&cell.cue);
     let Some(free) = free else { return of_cue };
     let of = |one: &Free| {
-        let Free { parameter, class, range, .. } = one;
-        let usual = of_cue.iter().find(|unknown| unknown.parameter == *parameter);
+        let Free { kind, class, range, .. } = one;
+        let usual = of_cue.iter().find(|unknown| unknown.kind == *kind);
         let unknown = match (usual, range) {
-            (None, _) if parameter.is_of_cue() => return None,
             (Some(usual), None) => usual.clone(),
             (_, range) => {
-                let usual = match parameter {
-                    // The lineage says about how large its cells are.
-                    Parameter::R0 => [0.5, 2.0].map(|factor| factor * cell.r0),
-                    _ => default_range(*parameter, cell),
-                };
-                let limits = range.unwrap_or(usual);
-                Unknown {
-                    parameter: *parameter,
-                    limits,
-                    logarithmic: false,
-                    sign: 1.0,
-                    founders: None,
-                    except: Vec::new(),
-                }
+                let usual = usual_range(*kind, cell)?;
+                let (limits, logarithmic) = (range.unwrap_or(usual), *kind == ConstantKind::Growth && range.is_none());
+                Unknown { kind: *kind, limits, logarithmic, sign: 1.0, founders: None, except: Vec::new() }
             }
         };
         Some(Unknown { founders: class.clone(), except: one.except(free), ..unknown })
     };
     free.iter().filter_map(of).collect()
+}
+
+/// Between which values a number is searched that is not among those of a cue; `None` for a number of another cue.
+fn usual_range(kind: ConstantKind, cell: &Cell) -> Option<[f64; 2]> {
+    match kind {
+        ConstantKind::Growth => Some(USUAL_GROWTH),
+        // The lineage says about how large its cells are.
+        ConstantKind::Parameter(Parameter::R0) => Some([0.5, 2.0].map(|factor| factor * cell.r0)),
+        ConstantKind::Parameter(parameter) => {
+            let is_missing = parameter.is_of_cue() && !parameter.is_of(cell);
+            (!is_missing).then(|| default_range(parameter, cell))
+        }
+    }
 }

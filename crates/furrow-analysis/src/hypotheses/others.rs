@@ -246,7 +246,7 @@ fn lives(tree: &Tree) -> HashMap<&str, f64> {
 /// The tree of a model at values of its unknowns; `None` if it cannot be grown.
 pub(super) fn grown(model: &Model<'_>, values: &[f64]) -> Option<Tree> {
     let constant = |(unknown, value): (&Unknown, &f64)| Constant {
-        parameter: unknown.parameter,
+        kind: unknown.kind,
         class: unknown.founders.as_ref().map(|(class, _)| class.clone()),
         value: *value,
     };

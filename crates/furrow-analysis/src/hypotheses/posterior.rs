@@ -179,7 +179,7 @@ pub(super) fn posterior(
     let spread = |place: &[f64]| Some(hierarchy::spread(model, by_embryo?, *place.last()?));
     let point = |place: &Vec<f64>| model.values(place).into_iter().chain(spread(place)).collect();
     let points: Vec<Vec<f64>> = particles.iter().map(|particle| point(&particle.place)).collect();
-    let of_spread = by_embryo.map(|k| named(model.unknowns[k].parameter, Some(EMBRYO)));
+    let of_spread = by_embryo.map(|k| named(model.unknowns[k].kind, Some(EMBRYO)));
     let names: Vec<String> = model.unknowns.iter().map(|unknown| unknown.name()).chain(of_spread).collect();
     let best = particles.iter().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
     Ok(Posterior {
