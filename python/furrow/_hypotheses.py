@@ -95,6 +95,7 @@ def test(
     hypotheses: str | os.PathLike[str] | None = None,
     free: Sequence[str] | None = None,
     noise: Literal["given", "common", "replicates"] | None = None,
+    folded: bool = False,
     cells: Sequence[str] | None = None,
     population: Sequence[str] | None = None,
     class_columns: Sequence[str] = (),
@@ -125,7 +126,8 @@ def test(
     ``embryo``, ``chi_sd`` and ``mother_um3``, or a file of targets of :func:`furrow.fit.cue`. ``cues`` are texts, of which
     ``"name=CUE"`` names a hypothesis, or cues by name. ``free`` lists the numbers that are fitted, such as ``cue.amplitude`` or
     ``epsilon@somatic``; by default all numbers of each cue, and none for an empty list. ``noise`` says where the errors of χ come
-    from, ``cells`` and ``population`` which cells and groups are used. ``names`` and ``root`` match cells with other names than
+    from, and ``folded`` that they are errors of the signed χ, whose sign a table of \|χ\| has lost. ``cells`` and ``population`` choose
+    cells and groups. ``names`` and ``root`` match cells with other names than
     the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``class_columns``
     are columns whose texts, joined, name the class of cells of the lineage that each mother is one of. ``samples`` draws so many
     points of each posterior; ``shard=(k, n)`` draws part k of n, each of so many points, for :func:`furrow.merge`.
@@ -144,6 +146,7 @@ def test(
         "free": None if free is None else _texts("free", free) or ["none"],
         "lineage": optional_path("lineage", lineage),
         "noise": None if noise is None else text_of("noise", noise),
+        "folded": flag("folded", folded),
         "cells": None if cells is None else _texts("cells", cells),
         "population": None if population is None else _texts("population", population),
         "class": _texts("class_columns", class_columns),

@@ -38,6 +38,7 @@ pub struct TestAsked {
     free: Option<Vec<String>>,
     lineage: Option<String>,
     noise: Option<String>,
+    folded: bool,
     cells: Option<Vec<String>>,
     population: Option<Vec<String>>,
     class: Vec<String>,
@@ -127,7 +128,7 @@ pub fn test(
             Hypothesis::all(&asked.hypotheses()?, free.as_deref(), &lineage, &settings.cell, [ARGUMENTS; 2])?;
         let kind = asked.noise.as_deref().map(|kind| one_of("noise", kind, NoiseKind::NAMED)).transpose()?;
         let observations = Observations { others: asked.others(&lineage)?, ..asked.observations(&lineage)? };
-        let noise = Noise::of(&observations, kind, ("table", ARGUMENTS))?;
+        let noise = Noise::of(&observations, kind, asked.folded, ("table", ARGUMENTS))?;
         let (particles, moves, seed) = asked.search;
         let effort = Effort { particles, moves, seed };
         let (observations, hypotheses, noise, memo) = (&observations, &hypotheses, &noise, &memo);

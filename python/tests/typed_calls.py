@@ -122,7 +122,7 @@ def observed(table: pd.DataFrame, tree: furrow.Tree, outlines: list[Floats]) -> 
     assert_type(furrow.fit.activity(rounds="max", range=(20, 30)), furrow.fit.Activities)
     assert_type(furrow.fit.cue("activity:step,u0=0.5,omega=0.1,amplitude=0.1").cue, str)
     assert_type(furrow.fit.clock(table, frame_minutes=2).ron, str)
-    tested = furrow.test(table, ["none", "germline"], free=["cue.amplitude"], noise="given", cells=["P0"], unit="um3", voxel=1)
+    tested = furrow.test(table, ["none", "germline"], free=["cue.amplitude"], noise="given", folded=True, cells=["P0"], voxel=1)
     assert_type(tested, furrow.Hypotheses)
     sampled = furrow.test(table, ["germline"], free=["cue.amplitude"], class_columns=["class"], samples=20, shard=(1, 2))
     assert_type(sampled.save_samples("part.csv"), None)

@@ -37,7 +37,7 @@ use super::picture::PlotArgs;
 A table is one of furrow compare volumes: of volumes of cells, of divisions, or of χ with the columns mother and chi (or chi_signed)
 and optionally embryo, group, chi_sd (the standard deviation of that χ) and mother_um3; or a file of targets (.ron) of furrow fit cue.
 
-Each hypothesis is fitted by itself. log L is its largest log likelihood under normal errors of |χ|, k the fitted numbers, and \"left
+Each hypothesis is fitted by itself. log L is its largest log likelihood under normal errors of |χ| (of χ with --folded), k the fitted numbers, and \"left
 out\" the log likelihood of each embryo under the fit to the others (of each division, if there are fewer than two embryos). Two
 hypotheses are distinguishable if the differences of these have p < 0.05 by Student's t.
 
@@ -72,6 +72,9 @@ pub struct TestArgs {
     /// the table has them, else common
     #[arg(help_heading = "Measurements", long, value_name = "KIND", value_parser = one_of(NoiseKind::NAMED))]
     noise: Option<NoiseKind>,
+    /// The errors are those of the signed χ, whose sign a table of |χ| has lost: an equal division then looks unequal by its error
+    #[arg(help_heading = "Measurements", long)]
+    folded: bool,
     /// Cells that are used, such as P0,P1,P2,P3; default all that the lineage has
     #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
     cells: Option<Vec<String>>,
@@ -136,7 +139,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let files = files_of(&args.tables)?;
     let observations = observations(args, &files, &lineage)?;
     let table = files.first().map_or(String::new(), |file| file.path.display().to_string());
-    let noise = Noise::of(&observations, args.noise, (&table, "--noise"))?;
+    let noise = Noise::of(&observations, args.noise, args.folded, (&table, "--noise"))?;
     let memo = context.memo()?;
     interrupt::finish();
     let (particles, moves) = (args.particles.map(|count| count as usize), args.moves.map(u64::from));

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use serde::Serialize;
-use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, FisherSnedecor, Normal, StudentsT};
 use statrs::function::erf::erfc;
 
 use crate::statistics::{Line, line, mean, sd};
@@ -114,6 +114,18 @@ pub fn sign_test(agree: usize, of: usize) -> f64 {
 /// ```
 pub fn normal_tail(z: f64) -> f64 {
     0.5 * erfc(z * FRAC_1_SQRT_2)
+}
+
+/// The standard normal number below which a number lies with probability `p`; not finite for a `p` of 0 or 1.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::significance::normal_quantile;
+/// // scipy.stats.norm.ppf(0.025)
+/// assert!((normal_quantile(0.025) + 1.959_963_984_540_054).abs() < 1e-9);
+/// ```
+pub fn normal_quantile(p: f64) -> f64 {
+    Normal::standard().inverse_cdf(p)
 }
 
 /// Probability of a χ² as large or larger; `None` without degrees of freedom.

@@ -102,12 +102,17 @@ type Undivided = fn(sd: f64) -> f64;
 /// What other observations add to χ² at values of the unknowns.
 pub(crate) type Beside<'a> = &'a (dyn Fn(&Model<'_>, &[f64]) -> f64 + Sync);
 
+/// χ² by the measured cells beside the model.
+pub(crate) type Deviance<'a> = &'a (dyn Fn(&[ChiResidual]) -> f64 + Sync + 'a);
+
 /// The objective of the fit.
 pub(crate) struct Objective<'a> {
     pub model: Model<'a>,
     pub measured: &'a [MeasuredChi],
     undivided: Undivided,
     beside: Option<Beside<'a>>,
+    /// In place of Σ ((χ − measured)/sd)².
+    pub deviance: Option<Deviance<'a>>,
     tried: AtomicUsize,
     /// Most candidates that are tried.
     of: usize,
@@ -121,12 +126,17 @@ impl<'a> Objective<'a> {
         // A simplex asks for its corners and, in most steps, for one or two places.
         let of = effort.evaluations() + model.unknowns.len() + 1 + 2 * DESCENT as usize;
         let (tried, least) = (AtomicUsize::new(0), Mutex::new(f64::INFINITY));
-        Objective { model, measured, undivided, beside: None, tried, of, least }
+        Objective { model, measured, undivided, beside: None, deviance: None, tried, of, least }
     }
 
     /// With other observations.
     pub fn with(self, beside: Option<Beside<'a>>) -> Self {
         Objective { beside, ..self }
+    }
+
+    /// With another misfit of χ.
+    pub fn by(self, deviance: Option<Deviance<'a>>) -> Self {
+        Objective { deviance, ..self }
     }
 
     pub fn check_cancelled(&self) -> Result<(), FitError> {
@@ -161,9 +171,10 @@ impl<'a> Objective<'a> {
 
     /// χ² at a place of the unit cube.
     pub fn misfit(&self, place: &[f64]) -> f64 {
-        let of = |r: ChiResidual| r.residual.unwrap_or_else(|| (self.undivided)(r.sd)).powi(2);
+        let of = |r: &ChiResidual| r.residual.unwrap_or_else(|| (self.undivided)(r.sd)).powi(2);
         let values = self.model.values(place);
-        let of_chi: f64 = self.residuals(&values).into_iter().map(of).sum();
+        let found = self.residuals(&values);
+        let of_chi = self.deviance.map_or_else(|| found.iter().map(of).sum(), |deviance| deviance(&found));
         self.beside.map_or(of_chi, |beside| of_chi + beside(&self.model, &values))
     }
 

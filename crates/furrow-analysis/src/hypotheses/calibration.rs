@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::free::Free;
 use super::observations::Observation;
 use super::posterior::{log_density_of, posterior};
-use super::scores::{fit_test, residuals};
+use super::scores::fit_test;
 use super::tests::{SETS, agrees, coarse, synthetic};
 use super::*;
 use crate::ensemble::{normal, uniform};
@@ -127,10 +127,10 @@ fn ranks_of_true_numbers_are_even_with_divisions() {
                 }
             };
             let observations = observed(&mut random, &chi);
-            let noise = Noise::of(&observations, None, ("t.csv", "--noise")).unwrap();
+            let noise = Noise::of(&observations, None, false, ("t.csv", "--noise")).unwrap();
             let likelihood = |place: &[f64]| {
                 let chi = tabulated.at(place);
-                Some((log_density_of(&observations.rows, &residuals(&observations.rows, &chi), &noise), ()))
+                Some((log_density_of(&observations.rows, &chi, &noise), ()))
             };
             let found = sample(2, Sampling { particles: POINTS, seed: set }, &likelihood).unwrap();
             for k in 0..2 {
@@ -160,7 +160,7 @@ fn a_wrong_cue_is_rejected_and_the_right_one_kept_at_the_rates_of_p_with_divisio
         let truth = tabulated[0].divided(&[0.5]).unwrap();
         // χ² of the best strength, and its degrees of freedom and p.
         let tested = |observations: &Observations, k: usize| {
-            let noise = Noise::of(observations, None, ("t.csv", "--noise")).unwrap();
+            let noise = Noise::of(observations, None, false, ("t.csv", "--noise")).unwrap();
             let fits = (0..=2000).filter_map(|j| {
                 let chi = tabulated[k].at(&[f64::from(j) / 2000.0]);
                 match fit_test(observations, &noise, &chi, 1)? {
@@ -214,7 +214,7 @@ fn a_number_that_differs_between_embryos_is_found() {
         };
         let rows = start.rows.iter().map(of).collect();
         let observations = Observations { cells: CELLS.map(str::to_owned).to_vec(), rows, ..start };
-        let noise = Noise::of(&observations, None, ("t.csv", "--noise")).unwrap();
+        let noise = Noise::of(&observations, None, false, ("t.csv", "--noise")).unwrap();
         let sampling = Sampling { particles: 40, seed: 2 };
         let question = Question {
             observations: &observations,

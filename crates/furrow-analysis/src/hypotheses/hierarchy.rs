@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use furrow_measured::statistics::mean;
 use serde::Serialize;
 
-use super::noise::{Noise, UNDIVIDED, log_density};
+use super::noise::Noise;
 use super::observations::Observations;
 use crate::ensemble::relative_weights;
 use crate::fit::chain::Model;
@@ -105,10 +105,8 @@ pub(super) fn by_embryo(
     let of = |unit: usize| {
         let own = || rows.iter().zip(&sds).filter(move |(row, _)| row.unit == unit);
         let log = |Step { log_weight, node, share, .. }: &Step| {
-            let off = |cell: usize, own: f64| {
-                between([nodes[*node][cell], nodes[node + 1][cell]], *share).map_or(UNDIVIDED, |chi| own - chi)
-            };
-            own().map(|(row, sd)| log_density(off(row.cell, row.chi), *sd)).sum::<f64>() + log_weight
+            let chi = |cell: usize| between([nodes[*node][cell], nodes[node + 1][cell]], *share);
+            own().map(|(row, sd)| noise.log_density(row, chi(row.cell), *sd)).sum::<f64>() + log_weight
         };
         let logs: Vec<f64> = steps.iter().map(log).collect();
         let (weights, most) = relative_weights(logs.into_iter(), 1.0);

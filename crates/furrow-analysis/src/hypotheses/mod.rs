@@ -3,6 +3,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`observations`] | the measured χ, by cell and embryo |
+//! | `folded` | errors where χ has lost its sign |
 //! | [`free`] | hypotheses, and the numbers that are fitted |
 //! | `hierarchy` | a number that differs between embryos |
 //! | [`noise`] | the errors of χ, and the likelihood |
@@ -29,6 +30,7 @@
 
 #[cfg(test)]
 mod calibration;
+mod folded;
 pub mod free;
 mod hierarchy;
 pub mod noise;

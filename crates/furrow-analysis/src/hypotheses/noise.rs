@@ -17,6 +17,7 @@ use furrow_measured::statistics::mean;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use super::folded;
 use super::observations::{Observation, Observations};
 
 /// Where the errors of χ come from.
@@ -49,6 +50,9 @@ pub struct Noise {
     pub exponent: f64,
     /// ν of replicates.
     pub degrees_of_freedom: usize,
+    /// Whether they are errors of the signed χ, whose sign is lost (F.19), rather than of \|χ\|.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub folded: bool,
     /// For each cell (V/V₀)^−b.
     #[serde(skip)]
     pub(crate) shapes: Vec<f64>,
@@ -57,7 +61,7 @@ pub struct Noise {
 /// Standard deviation that scales the misfit of the search where errors are common.
 const SCALE: f64 = 0.05;
 /// Least standard deviation: a perfect fit has a finite likelihood.
-const LEAST: f64 = 1e-6;
+pub(super) const LEAST: f64 = 1e-6;
 /// Largest exponent of the noise over size, and steps of the search for it.
 const STEEPEST: f64 = 2.0;
 const STEPS: usize = 100;
@@ -65,14 +69,15 @@ const STEPS: usize = 100;
 pub(crate) const UNDIVIDED: f64 = 1.0;
 
 impl Noise {
-    /// The errors of some observations: given ones if all have them, else one common one, unless a kind is asked for. Errors name the
-    /// table, `source`, and the `option` of the kind.
+    /// The errors of some observations: given ones if all have them, else one common one, unless a kind is asked for; of the signed χ
+    /// if `folded`. Errors name the table, `source`, and the `option` of the kind.
     ///
     /// # Errors
     /// Errors are asked for that the table does not have.
     pub fn of(
         observations: &Observations,
         asked: Option<NoiseKind>,
+        folded: bool,
         (source, option): (&str, &str),
     ) -> Result<Noise, InputError> {
         let rows = &observations.rows;
@@ -82,7 +87,7 @@ impl Noise {
             let allowed = "given in every row that is used, or left out with another kind of noise";
             return Err(InputError::not_allowed(source, "chi_sd", format!("{given} of {} rows", rows.len()), allowed));
         }
-        let noise = Noise::estimated(rows, observations.cells.len(), kind);
+        let noise = Noise::estimated(rows, observations.cells.len(), (kind, folded));
         if kind == NoiseKind::Replicates && noise.sd.is_none() {
             let allowed = "given or common: no cell was measured in two embryos";
             return Err(InputError::not_allowed(option, "noise", "replicates", allowed));
@@ -91,7 +96,7 @@ impl Noise {
     }
 
     /// The errors of a part of the observations.
-    pub(crate) fn estimated(rows: &[Observation], cells: usize, kind: NoiseKind) -> Noise {
+    pub(crate) fn estimated(rows: &[Observation], cells: usize, (kind, folded): (NoiseKind, bool)) -> Noise {
         let of_cell = |cell: usize| rows.iter().filter(move |row| row.cell == cell);
         let of = |cell: usize| {
             let chi: Vec<f64> = of_cell(cell).map(|row| row.chi).collect();
@@ -101,7 +106,7 @@ impl Noise {
         };
         let within: Vec<(usize, f64)> = (0..cells).map(of).collect();
         let degrees_of_freedom = within.iter().map(|(freedom, _)| freedom).sum();
-        let none = Noise { kind, sd: None, exponent: 0.0, degrees_of_freedom, shapes: vec![1.0; cells] };
+        let none = Noise { kind, sd: None, exponent: 0.0, degrees_of_freedom, folded, shapes: vec![1.0; cells] };
         if kind == NoiseKind::Given || degrees_of_freedom == 0 {
             return none;
         }
@@ -119,8 +124,15 @@ impl Noise {
         };
         let weighted: f64 = within.iter().zip(&sizes).map(|((freedom, _), size)| *freedom as f64 * size).sum();
         let likelihood = |b: f64| b * weighted - 0.5 * degrees_of_freedom as f64 * variance(b).ln();
-        let exponent = if has_volumes { highest(likelihood, [0.0, STEEPEST]) } else { 0.0 };
+        let exponent = if has_volumes { highest(likelihood, [0.0, STEEPEST], STEPS) } else { 0.0 };
         let sd = variance(exponent).sqrt().max(LEAST);
+        let [sd, exponent] = if folded {
+            let cells: Vec<(Vec<f64>, f64)> =
+                sizes.iter().enumerate().map(|(cell, size)| (folded::values_of(rows, cell), *size)).collect();
+            folded::estimated(&cells, if has_volumes { STEEPEST } else { 0.0 }, sd)
+        } else {
+            [sd, exponent]
+        };
         Noise { sd: Some(sd), exponent, shapes: sizes.iter().map(|size| (-exponent * size).exp()).collect(), ..none }
     }
 
@@ -134,13 +146,42 @@ impl Noise {
         rows.iter().map(of).collect()
     }
 
-    /// The standard deviation of each of `rows` with its largest likelihood for residuals of all rows of a fit.
-    pub(crate) fn fitted(&self, rows: &[Observation], all: &[f64]) -> Vec<f64> {
-        match self.kind {
-            NoiseKind::Common => vec![common_sd(all); rows.len()],
+    /// The standard deviation of each of `rows` with its largest likelihood for all rows of a fit, whose cells have these χ.
+    pub(crate) fn fitted(&self, rows: &[Observation], all: &[Observation], chi: &[Option<f64>]) -> Vec<f64> {
+        match (self.kind, self.folded) {
+            (NoiseKind::Common, false) => vec![common_sd(&residuals(all, chi)); rows.len()],
+            (NoiseKind::Common, true) => {
+                let pairs: Vec<(f64, Option<f64>)> = all.iter().map(|row| (row.chi, chi[row.cell])).collect();
+                vec![folded::common_sd(&pairs, UNDIVIDED); rows.len()]
+            }
             _ => self.sds(rows),
         }
     }
+
+    /// The logarithm of the density of each row, where its cell has the χ of `chi`.
+    pub(crate) fn log_densities(&self, rows: &[Observation], chi: &[Option<f64>], sds: &[f64]) -> Vec<f64> {
+        rows.iter().zip(sds).map(|(row, sd)| self.log_density(row, chi[row.cell], *sd)).collect()
+    }
+
+    /// The logarithm of the density of a row, where its cell has this χ.
+    pub(crate) fn log_density(&self, row: &Observation, chi: Option<f64>, sd: f64) -> f64 {
+        let signs = chi.filter(|_| self.folded).map_or(0.0, |chi| folded::log_both_signs(row.chi, chi, sd));
+        log_density(residual(row, chi), sd) + signs
+    }
+
+    /// The sum of these.
+    pub(crate) fn log_likelihood(&self, rows: &[Observation], chi: &[Option<f64>], sds: &[f64]) -> f64 {
+        self.log_densities(rows, chi, sds).into_iter().sum()
+    }
+}
+
+/// Residuals of rows by χ of the cells.
+pub(super) fn residuals(rows: &[Observation], chi: &[Option<f64>]) -> Vec<f64> {
+    rows.iter().map(|row| residual(row, chi[row.cell])).collect()
+}
+
+fn residual(row: &Observation, chi: Option<f64>) -> f64 {
+    chi.map_or(UNDIVIDED, |chi| row.chi - chi)
 }
 
 /// The common standard deviation of largest likelihood.
@@ -178,11 +219,11 @@ pub fn aicc(log_likelihood: f64, numbers: usize, data: usize) -> Option<f64> {
     (left > 0.0).then(|| 2.0 * k - 2.0 * log_likelihood + 2.0 * k * (k + 1.0) / left)
 }
 
-/// The place of the largest value of a function with one maximum in an interval, by golden sections.
-fn highest(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+/// The place of the largest value of a function with one maximum in an interval, by so many golden sections.
+pub(super) fn highest(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], steps: usize) -> f64 {
     let share = 0.5 * (5.0_f64.sqrt() - 1.0);
     let ends = [low, high];
-    for _ in 0..STEPS {
+    for _ in 0..steps {
         let [a, b] = [high - share * (high - low), low + share * (high - low)];
         if of(a) >= of(b) { high = b } else { low = a }
     }

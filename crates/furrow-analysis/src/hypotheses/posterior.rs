@@ -14,12 +14,12 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Question;
+use super::folded;
 use super::hierarchy::{self, ByEmbryo, EmbryoNumber};
-use super::noise::{Noise, NoiseKind, UNDIVIDED, common_sd, log_likelihood};
+use super::noise::{Noise, NoiseKind, UNDIVIDED};
 use super::observations::{Observation, Observations};
 use super::others::{self, Others};
 use super::parts::{HYPOTHESIS, LOG_EVIDENCE, PART};
-use super::scores::residuals;
 use crate::constants::{EMBRYO, named};
 use crate::fit::chain::Model;
 use crate::fit::error::check_cancelled;
@@ -127,13 +127,17 @@ fn ln_gamma_of_half(n: usize) -> f64 {
     start + (0..count).map(|k| (first + k as f64).ln()).sum::<f64>()
 }
 
-/// ln L of residuals, with a common σ integrated out.
-pub(super) fn log_density_of(rows: &[Observation], residuals: &[f64], noise: &Noise) -> f64 {
+/// ln L of rows whose cells have these χ, with a common σ integrated out.
+pub(super) fn log_density_of(rows: &[Observation], chi: &[Option<f64>], noise: &Noise) -> f64 {
+    let n = rows.len();
     if noise.kind != NoiseKind::Common {
-        return log_likelihood(residuals, &noise.sds(rows));
+        return noise.log_likelihood(rows, chi, &noise.sds(rows));
     }
-    let n = residuals.len();
-    let squares = n as f64 * common_sd(residuals).powi(2);
+    let sd = noise.fitted(&rows[..1], rows, chi)[0];
+    if noise.folded {
+        return folded::over_sd(|sd| noise.log_likelihood(rows, chi, &vec![sd; n]), sd, n);
+    }
+    let squares = n as f64 * sd.powi(2);
     ln_gamma_of_half(n) - 2.0_f64.ln() - 0.5 * n as f64 * (PI * squares).ln()
 }
 
@@ -158,9 +162,7 @@ pub(super) fn posterior(
         let chi = model.chi(&values, cells);
         let beside = others::log_likelihood(&of_all, model, &values);
         Some(match by_embryo {
-            None => {
-                (log_density_of(rows, &residuals(rows, &chi), noise) + beside, Computed { chi, moments: Vec::new() })
-            }
+            None => (log_density_of(rows, &chi, noise) + beside, Computed { chi, moments: Vec::new() }),
             Some(k) => {
                 let ByEmbryo { log_likelihood, moments } = hierarchy::by_embryo(model, k, place, (observations, noise));
                 (log_likelihood + beside, Computed { chi, moments })
@@ -225,12 +227,14 @@ fn predicted(question: &Question<'_>, particles: &[Particle<Computed>], cell: us
     let chi: Vec<f64> = particles.iter().filter_map(|particle| particle.computed.chi[cell]).collect();
     // The probability of a smaller mean under each point.
     let below = |particle: &Particle<Computed>| {
-        let sds = noise.fitted(rows, &residuals(rows, &particle.computed.chi));
-        let own = rows.iter().zip(&sds).filter(|(row, _)| row.cell == cell);
-        let variance: f64 = own.map(|(_, sd)| sd * sd).sum();
-        let error = variance.sqrt() / measured.len() as f64;
-        let off = particle.computed.chi[cell].map_or(UNDIVIDED, |chi| middle - chi);
-        normal_tail(off / error)
+        let sds = noise.fitted(rows, rows, &particle.computed.chi);
+        let own = || rows.iter().zip(&sds).filter(|(row, _)| row.cell == cell).map(|(_, sd)| *sd);
+        let predicted = |sd: f64, chi: f64| if noise.folded { folded::moments(chi, sd) } else { [chi, sd] };
+        let variance = |chi: f64| own().map(|sd| predicted(sd, chi)[1].powi(2)).sum::<f64>();
+        let expected = |chi: f64| mean(&own().map(|sd| predicted(sd, chi)[0]).collect::<Vec<_>>());
+        let chi = particle.computed.chi[cell];
+        let error = chi.map_or_else(|| own().map(|sd| sd * sd).sum(), variance).sqrt() / measured.len() as f64;
+        normal_tail(chi.map_or(UNDIVIDED, |chi| middle - expected(chi)) / error)
     };
     let above = mean(&particles.iter().map(below).collect::<Vec<f64>>());
     PredictedCell {

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::noise::{Noise, NoiseKind, UNDIVIDED, aicc, log_density, log_likelihood};
+use super::folded;
+use super::noise::{Noise, NoiseKind, UNDIVIDED, aicc};
 use super::observations::{Observation, Observations};
 use super::others::{self, Others, OthersScore};
 use super::posterior::{Posterior, posterior};
@@ -16,7 +17,7 @@ use crate::fit::chain::{Kin, Model};
 use crate::fit::germline::{Beside, CueNumber, Objective, at_limit, held, numbers};
 use crate::fit::search::{FitRun, SearchBudget, descend};
 use crate::fit::targets::MeasuredChi;
-use crate::fit::{FitError, Goodness};
+use crate::fit::{ChiResidual, FitError, Goodness};
 
 /// Steps of a fit without a part of the data, halvings of a step, and the longest step in shares of the ranges.
 const STEPS: usize = 6;
@@ -158,23 +159,18 @@ fn means(rows: &[Observation], sds: &[f64], cells: &[String]) -> Vec<MeasuredChi
     cells.iter().enumerate().filter_map(of).collect()
 }
 
-/// Residuals of rows by χ of the cells.
-pub(super) fn residuals(rows: &[Observation], chi: &[Option<f64>]) -> Vec<f64> {
-    rows.iter().map(|row| chi[row.cell].map_or(UNDIVIDED, |chi| row.chi - chi)).collect()
-}
-
 /// The rows of all other units.
 fn without(rows: &[Observation], unit: usize) -> Vec<Observation> {
     rows.iter().filter(|row| row.unit != unit).cloned().collect()
 }
 
-/// The log density of the divisions of a unit under χ of the cells, with the errors of all other divisions.
-pub(super) fn held_out(observations: &Observations, kind: NoiseKind, unit: usize, chi: &[Option<f64>]) -> f64 {
+/// The log density of the divisions of a unit under χ of the cells, with the errors of all other divisions, of the kind of `noise`.
+pub(super) fn held_out(observations: &Observations, noise: &Noise, unit: usize, chi: &[Option<f64>]) -> f64 {
     let Observations { rows, cells, .. } = observations;
     let kept = without(rows, unit);
-    let noise = Noise::estimated(&kept, cells.len(), kind);
+    let noise = Noise::estimated(&kept, cells.len(), (noise.kind, noise.folded));
     let own: Vec<Observation> = rows.iter().filter(|row| row.unit == unit).cloned().collect();
-    log_likelihood(&residuals(&own, chi), &noise.fitted(&own, &residuals(&kept, chi)))
+    noise.log_likelihood(&own, chi, &noise.fitted(&own, &kept, chi))
 }
 
 /// The fit of a hypothesis, with the scores of what was left out.
@@ -199,7 +195,9 @@ pub(super) fn tested(
     let of_all: Vec<&Others> = observations.others.iter().collect();
     let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&of_all, model, values);
     let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
+    let deviance = folded_deviance(rows, cells, noise);
     let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).with(beside);
+    let objective = objective.by(deviance.as_deref());
     let found = objective.search(effort)?;
     let posterior = question
         .sampling
@@ -220,16 +218,16 @@ pub(super) fn tested(
         .collect::<Result<Vec<f64>, FitError>>()?;
     let others = fit.others(&values, model)?;
     objective.check_cancelled()?;
-    let all = residuals(rows, &chi);
-    let fitted = noise.fitted(rows, &all);
+    let fitted = noise.fitted(rows, rows, &chi);
+    let densities = noise.log_densities(rows, &chi, &fitted);
     let beside_chi = others.iter().fold(0.0, |sum, others| sum + others.log_likelihood);
     let data = observations.others.iter().fold(rows.len(), |count, others| count + others.len());
-    let log_likelihood = log_likelihood(&all, &fitted) + beside_chi;
+    let log_likelihood = densities.iter().sum::<f64>() + beside_chi;
     let is_common = noise.kind == NoiseKind::Common;
     let k = place.len() + usize::from(is_common);
     let numbers = fit.numbers(&chi, &sds)?;
     let at_limit = at_limit(&numbers, &place);
-    let cells = fit.cells(&all, &fitted);
+    let cells = fit.cells(&densities);
     Ok(TestedHypothesis {
         name: hypothesis.name.clone(),
         cue: objective.model.cue(&values).to_string(),
@@ -240,7 +238,9 @@ pub(super) fn tested(
         weight: None,
         loo: loo_parts.iter().sum(),
         loo_parts,
-        log_evidence: fit.evidence(log_likelihood).filter(|_| at_limit.is_empty() && !is_common && others.is_empty()),
+        log_evidence: fit
+            .evidence(log_likelihood)
+            .filter(|_| at_limit.is_empty() && !is_common && !noise.folded && others.is_empty()),
         sigma: is_common.then(|| fitted[0]),
         fit: fit_test(observations, noise, &chi, place.len()),
         parameters: numbers.into_iter().map(FittedNumber::from).collect(),
@@ -294,20 +294,21 @@ impl Fitted<'_> {
         (model, beside): (Model<'_>, Option<Beside<'_>>),
     ) -> Result<f64, FitError> {
         self.objective.check_cancelled()?;
-        let (observations, kind) = (self.question.observations, self.question.noise.kind);
+        let Question { observations, noise, .. } = *self.question;
         let kept = without(&observations.rows, unit);
-        let noise = Noise::estimated(&kept, observations.cells.len(), kind);
         let predicted = if self.place.is_empty() {
             chi.to_vec()
         } else {
-            let measured = means(&kept, &noise.sds(&kept), &observations.cells);
-            let objective = beside_all(model, &measured, beside);
+            let own = Noise::estimated(&kept, observations.cells.len(), (noise.kind, noise.folded));
+            let measured = means(&kept, &own.sds(&kept), &observations.cells);
+            let deviance = folded_deviance(&kept, &observations.cells, &own);
+            let objective = beside_all(model, &measured, beside).by(deviance.as_deref());
             let place = self.refitted(&objective);
             objective.check_cancelled()?;
             // Also of a cell that only this unit has.
             objective.model.chi(&objective.model.values(&place), &observations.cells)
         };
-        Ok(held_out(observations, kind, unit, &predicted))
+        Ok(held_out(observations, noise, unit, &predicted))
     }
 
     /// The scores of rounds and lifetimes, each also predicted by a fit without it. `values` are from the fit to all data.
@@ -321,7 +322,7 @@ impl Fitted<'_> {
             let kept: Vec<&Others> =
                 all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, others)| others).collect();
             let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&kept, model, values);
-            let objective = beside_all(model(), self.objective.measured, Some(&beside));
+            let objective = beside_all(model(), self.objective.measured, Some(&beside)).by(self.objective.deviance);
             let place = if self.place.is_empty() { Vec::new() } else { self.refitted(&objective) };
             objective.check_cancelled()?;
             let without = others::grown(&objective.model, &objective.model.values(&place));
@@ -335,7 +336,8 @@ impl Fitted<'_> {
     fn refitted(&self, objective: &Objective<'_>) -> Vec<f64> {
         let misfit = |place: &[f64]| objective.misfit(place);
         let start = (self.place.to_vec(), misfit(self.place));
-        let Some(slopes) = self.slopes else {
+        // Steps by slopes are made for normal errors.
+        let Some(slopes) = self.slopes.filter(|_| !self.question.noise.folded) else {
             return descend(self.place, EDGE, DESCENT, &misfit)
                 .filter(|(_, least)| *least <= start.1)
                 .unwrap_or(start)
@@ -392,7 +394,7 @@ impl Fitted<'_> {
     /// The fitted numbers with their standard errors, which cells that do not divide leave as they are.
     fn numbers(&self, chi: &[Option<f64>], sds: &[f64]) -> Result<Vec<CueNumber>, FitError> {
         let Question { noise, observations, .. } = self.question;
-        let off = |(row, sd): (&Observation, &f64)| Some(((row.chi - chi[row.cell]?) / sd).powi(2));
+        let off = |(row, sd): (&Observation, &f64)| Some(squared(noise, row, chi[row.cell]?, *sd));
         let squares: Vec<f64> = observations.rows.iter().zip(sds).filter_map(off).collect();
         let chi_squared: f64 = squares.iter().sum();
         let mut goodness = Goodness::of(chi_squared, squares.len(), self.place.len());
@@ -401,8 +403,25 @@ impl Fitted<'_> {
             let freedom = goodness.degrees_of_freedom;
             goodness.error_scale = (freedom > 0).then(|| (chi_squared / freedom as f64).sqrt());
         }
-        let rows = self.slopes.map(|rows| held(rows, self.objective.measured, goodness)).transpose()?;
+        let informative = self.informative(chi);
+        let rows = self.slopes.map(|rows| held(rows, &informative, goodness)).transpose()?;
         Ok(numbers(self.objective, self.place, rows.as_deref(), goodness.error_scale))
+    }
+
+    /// The measured cells with the errors that say as much about the signed χ as the measurements do.
+    fn informative(&self, chi: &[Option<f64>]) -> Vec<MeasuredChi> {
+        let Question { noise, observations, .. } = self.question;
+        let sds = noise.fitted(&observations.rows, &observations.rows, chi);
+        let known = |measured: &MeasuredChi| {
+            let cell = observations.cells.iter().position(|cell| *cell == measured.cell)?;
+            let own = observations.rows.iter().position(|row| row.cell == cell)?;
+            Some(folded::information(chi[cell]? / sds[own]))
+        };
+        let of = |measured: &MeasuredChi| {
+            let share = if noise.folded { known(measured).unwrap_or(1.0) } else { 1.0 };
+            MeasuredChi { sd: measured.sd / share.max(f64::MIN_POSITIVE).sqrt(), ..measured.clone() }
+        };
+        self.objective.measured.iter().map(of).collect()
     }
 
     /// Laplace's approximation of the log evidence, for a uniform prior over the ranges; `None` where a number is as open as its range.
@@ -420,13 +439,12 @@ impl Fitted<'_> {
     }
 
     /// Each cell in the embryos and in the model.
-    fn cells(&self, residuals: &[f64], sds: &[f64]) -> Vec<CellScore> {
+    fn cells(&self, densities: &[f64]) -> Vec<CellScore> {
         let observations = self.question.observations;
         let found = self.objective.residuals(&self.objective.model.values(self.place));
-        let of = |(cell, found): (usize, crate::fit::ChiResidual)| {
+        let of = |(cell, found): (usize, ChiResidual)| {
             let chi = observations.chi_of(cell);
-            let own =
-                || observations.rows.iter().zip(residuals.iter().zip(sds)).filter(move |(row, _)| row.cell == cell);
+            let own = || observations.rows.iter().zip(densities).filter(move |(row, _)| row.cell == cell);
             let given = own().find_map(|(row, _)| row.sd.filter(|_| chi.len() == 1));
             let one = given.map(|sd| [chi[0] - NORMAL * sd, chi[0] + NORMAL * sd]);
             CellScore {
@@ -438,11 +456,32 @@ impl Fitted<'_> {
                 r0: found.r0,
                 chi: found.computed,
                 has_cue: found.has_cue,
-                log_likelihood: own().map(|(_, (residual, sd))| log_density(*residual, *sd)).sum(),
+                log_likelihood: own().map(|(_, density)| density).sum(),
             }
         };
         found.into_iter().enumerate().map(of).collect()
     }
+}
+
+/// −2 ln L of rows with a lost sign, up to a number, by χ of the measured cells; `None` of normal errors, for which their means are
+/// enough.
+fn folded_deviance<'a>(
+    rows: &'a [Observation],
+    cells: &'a [String],
+    noise: &'a Noise,
+) -> Option<Box<dyn Fn(&[ChiResidual]) -> f64 + Sync + 'a>> {
+    noise.folded.then(|| -> Box<dyn Fn(&[ChiResidual]) -> f64 + Sync + 'a> {
+        Box::new(|found: &[ChiResidual]| {
+            let of = |cell: &String| found.iter().find(|found| found.cell == *cell)?.computed;
+            let chi: Vec<Option<f64>> = cells.iter().map(of).collect();
+            -2.0 * noise.log_likelihood(rows, &chi, &noise.fitted(rows, rows, &chi))
+        })
+    })
+}
+
+/// How far a row lies from χ, squared, in standard deviations.
+fn squared(noise: &Noise, row: &Observation, chi: f64, sd: f64) -> f64 {
+    if noise.folded { folded::squared_deviation(row.chi, chi, sd) } else { ((row.chi - chi) / sd).powi(2) }
 }
 
 /// Whether a fit of some numbers meets the measurements: by given errors, or else by the spread of replicates.
@@ -454,17 +493,21 @@ pub(super) fn fit_test(
 ) -> Option<FitTest> {
     let rows = &observations.rows;
     if noise.kind == NoiseKind::Given {
-        let off = residuals(rows, chi).into_iter().zip(noise.sds(rows));
-        let statistic = off.map(|(residual, sd)| (residual / sd).powi(2)).sum();
+        let undivided = |sd: f64| (UNDIVIDED / sd).powi(2);
+        let off =
+            |(row, sd): (&Observation, f64)| chi[row.cell].map_or(undivided(sd), |chi| squared(noise, row, chi, sd));
+        let statistic = rows.iter().zip(noise.sds(rows)).map(off).sum();
         let degrees_of_freedom = rows.len().saturating_sub(fitted);
         let p = chi_squared_tail(statistic, degrees_of_freedom);
         return Some(FitTest::ChiSquared { statistic, degrees_of_freedom, p });
     }
     let spread = noise.sd?;
     let of = |cell: usize| {
-        let measured = observations.chi_of(cell);
-        let off = chi[cell].map_or(UNDIVIDED, |chi| mean(&measured) - chi);
-        measured.len() as f64 * (off / (spread * noise.shapes[cell])).powi(2)
+        let (measured, sd) = (observations.chi_of(cell), spread * noise.shapes[cell]);
+        match chi[cell] {
+            Some(chi) if noise.folded => folded::deviance(&measured, chi, sd),
+            chi => measured.len() as f64 * (chi.map_or(UNDIVIDED, |chi| mean(&measured) - chi) / sd).powi(2),
+        }
     };
     let above = observations.cells.len().saturating_sub(fitted);
     let statistic = (0..observations.cells.len()).map(of).sum::<f64>() / above as f64;

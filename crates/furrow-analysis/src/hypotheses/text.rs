@@ -102,17 +102,24 @@ impl Display for HypothesisTest {
 
 impl Display for Noise {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Noise { kind, sd, exponent, degrees_of_freedom, .. } = self;
+        let Noise { kind, sd, exponent, degrees_of_freedom, folded, .. } = self;
+        let signs = if *folded { "; χ has lost its sign" } else { "" };
         match (kind, sd) {
-            (NoiseKind::Given, _) => write!(f, "errors of χ as given in the table"),
-            (NoiseKind::Common, None) => write!(f, "one error of χ, fitted"),
+            (NoiseKind::Given, _) => write!(f, "errors of χ as given in the table{signs}"),
+            (NoiseKind::Common, None) => write!(f, "one error of χ, fitted{signs}"),
             (NoiseKind::Common, Some(sd)) => {
-                write!(f, "one error of χ, fitted; within cells ±{sd:.4} on {degrees_of_freedom} degrees of freedom")
+                write!(
+                    f,
+                    "one error of χ, fitted; within cells ±{sd:.4} on {degrees_of_freedom} degrees of freedom{signs}"
+                )
             }
             (NoiseKind::Replicates, sd) => {
                 let sd = or_dash(*sd, 4);
                 write!(f, "errors of χ from replicates, ±{sd} on {degrees_of_freedom} degrees of freedom")?;
-                if *exponent > 0.0 { write!(f, ", growing as volume^-{exponent:.2}") } else { Ok(()) }
+                if *exponent > 0.0 {
+                    write!(f, ", growing as volume^-{exponent:.2}")?;
+                }
+                f.write_str(signs)
             }
         }
     }
