@@ -146,7 +146,7 @@ def test(
         "free": None if free is None else _texts("free", free) or ["none"],
         "lineage": optional_path("lineage", lineage),
         "noise": None if noise is None else text_of("noise", noise),
-        "folded": flag("folded", folded),
+        "folded": bool(folded),
         "cells": None if cells is None else _texts("cells", cells),
         "population": None if population is None else _texts("population", population),
         "class": _texts("class_columns", class_columns),

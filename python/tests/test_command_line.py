@@ -219,7 +219,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
             f"--{name}": f"furrow.test({name})"
             for name in ("free", "noise", "cells", "population", "voxel", "unit", "lineage", "particles", "moves", "seed")
         }
-        | {f"--{name}": f"furrow.test({name})" for name in ("names", "root", "hypotheses", "rounds", "lifetimes")}
+        | {f"--{name}": f"furrow.test({name})" for name in ("names", "root", "hypotheses", "rounds", "lifetimes", "folded")}
         | {"--lifetime-sd": "furrow.test(lifetime_sd)", "--shard": "furrow.test(shard)"}
         | {"--class": "furrow.test(class_columns)"},
     ),

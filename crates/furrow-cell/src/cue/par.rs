@@ -105,6 +105,18 @@ impl ParConstant {
         }
     }
 
+    /// Its unit; of the removal of A by P the one for `n_p` = 1.
+    pub fn unit(self) -> &'static str {
+        match self {
+            DA | DP | KAp => "µm²/s",
+            KOnA | KOnP => "µm/s",
+            KOffA | KOffP => "1/s",
+            RhoA | RhoP => "1/µm³",
+            KPa => "µm⁴/s",
+            Psi => "1/µm",
+        }
+    }
+
     /// The constant of a name.
     pub fn named(name: &str) -> Option<ParConstant> {
         ParConstant::ALL.into_iter().find(|constant| constant.name() == name)

@@ -222,6 +222,7 @@ fn of_cue(number: usize, quantity: Quantity, cue: &Cue) -> String {
             let length = |width| matches!(width, Width::Length(_)).then_some("Lₕ");
             ("width ω", term.and_then(|t| t.profile.width()).and_then(length))
         }
+        Quantity::Par(constant) => (constant.name(), Some(constant.unit())),
     };
     let kind = term.map(|term| format!("{} {}", field(term.field), term.profile.name()));
     let brackets: Vec<String> = kind.into_iter().chain(unit.map(str::to_owned)).collect();
@@ -241,6 +242,9 @@ fn of_regulator(quantity: RegulatorQuantity, cue: &Cue) -> String {
             let length =
                 source.and_then(|source| source.profile.width()).is_some_and(|w| matches!(w, Width::Length(_)));
             format!("width ω of the regulator's source{}", if length { " (Lₕ)" } else { "" })
+        }
+        RegulatorQuantity::Source(Quantity::Par(constant)) => {
+            format!("{} of the regulator's source ({})", constant.name(), constant.unit())
         }
         RegulatorQuantity::Strength(on) => {
             let unit = if on == Field::Tension { " (κ₀/Lₕ²)" } else { "" };
@@ -270,6 +274,7 @@ pub fn symbol(parameter: Parameter) -> String {
             Quantity::U0 => "u₀",
             Quantity::Omega => "ω",
             Quantity::Amplitude => "amplitude",
+            Quantity::Par(constant) => constant.name(),
         },
         Parameter::Regulator(RegulatorQuantity::Strength(on)) => return format!("coupling to {}", field(on)),
         Parameter::Law(name) => name.bare(),
