@@ -21,8 +21,8 @@ pub struct CueArgs {
     /// Polarity cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +
     ///
     /// Fields: kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension. Profiles: band (u0, omega,
-    /// amplitude; may be left out), step (the same), gradient (amplitude), par and par_band (amplitude; place and width follow
-    /// from PAR polarity). The width omega is in u, or with the suffix Lh in L_h. With --three-dimensional a term may be at
+    /// amplitude; may be left out), step (the same), gradient (amplitude), par and par_band (amplitude, and
+    /// constants of PAR polarity, from which place and width follow, as in k_ap=0.25). The width omega is in u, or with the suffix Lh in L_h. With --three-dimensional a term may be at
     /// one side of the axis: at=90deg,spread=60deg.
     ///
     /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. Its keys: the keys of PROFILE,

@@ -60,7 +60,8 @@ pub struct TestArgs {
     /// between embryos in the posterior. The default is every number of the cue; "none" fits nothing
     ///
     /// A number of a cue is fitted only in hypotheses with this cue. With epsilon,epsilon@P2 the cells of P2 have their own ε; all other
-    /// cells share one. r0 is the radius of the first cell; all given radii scale with it, which frees L_h. The range of a number
+    /// cells share one. r0 is the radius of the first cell; all given radii scale with it, which frees L_h. growth is the volume at division
+    /// over the volume at birth, from 0.5 to 2. The range of a number
     /// of a cue is the one of furrow fit cue, the range of any other number the one of furrow solve; PARAMETER@CLASS=FROM..TO gives
     /// another.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]

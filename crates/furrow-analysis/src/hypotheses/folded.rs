@@ -28,7 +28,7 @@ const FAR: f64 = 6.0;
 const REACH: f64 = 8.0;
 const FINENESS: f64 = 4.0;
 /// Steps of each search for the largest likelihood, and most steps of a fixed point.
-const STEPS: usize = 40;
+const STEPS: usize = 30;
 const MOST: usize = 1000;
 
 /// What the lost sign adds to the logarithm of the normal density.

@@ -95,8 +95,7 @@ impl Noise {
         Ok(noise)
     }
 
-    /// The errors of a part of the observations.
-    pub(crate) fn estimated(rows: &[Observation], cells: usize, (kind, folded): (NoiseKind, bool)) -> Noise {
+    fn estimated(rows: &[Observation], cells: usize, (kind, folded): (NoiseKind, bool)) -> Noise {
         let of_cell = |cell: usize| rows.iter().filter(move |row| row.cell == cell);
         let of = |cell: usize| {
             let chi: Vec<f64> = of_cell(cell).map(|row| row.chi).collect();
@@ -134,6 +133,11 @@ impl Noise {
             [sd, exponent]
         };
         Noise { sd: Some(sd), exponent, shapes: sizes.iter().map(|size| (-exponent * size).exp()).collect(), ..none }
+    }
+
+    /// The errors of some of the rows, of the same kind.
+    pub(crate) fn of_part(&self, rows: &[Observation]) -> Noise {
+        Noise::estimated(rows, self.shapes.len(), (self.kind, self.folded))
     }
 
     /// The standard deviation of each row; of a common one those that scale the search.

@@ -160,17 +160,19 @@ fn means(rows: &[Observation], sds: &[f64], cells: &[String]) -> Vec<MeasuredChi
 }
 
 /// The rows of all other units.
-fn without(rows: &[Observation], unit: usize) -> Vec<Observation> {
+pub(super) fn without(rows: &[Observation], unit: usize) -> Vec<Observation> {
     rows.iter().filter(|row| row.unit != unit).cloned().collect()
 }
 
-/// The log density of the divisions of a unit under χ of the cells, with the errors of all other divisions, of the kind of `noise`.
-pub(super) fn held_out(observations: &Observations, noise: &Noise, unit: usize, chi: &[Option<f64>]) -> f64 {
-    let Observations { rows, cells, .. } = observations;
-    let kept = without(rows, unit);
-    let noise = Noise::estimated(&kept, cells.len(), (noise.kind, noise.folded));
-    let own: Vec<Observation> = rows.iter().filter(|row| row.unit == unit).cloned().collect();
-    noise.log_likelihood(&own, chi, &noise.fitted(&own, &kept, chi))
+/// The log density of the divisions of a unit under χ of the cells, with the errors of all other divisions, the rows `kept`.
+pub(super) fn held_out(
+    observations: &Observations,
+    (kept, noise): (&[Observation], &Noise),
+    unit: usize,
+    chi: &[Option<f64>],
+) -> f64 {
+    let own: Vec<Observation> = observations.rows.iter().filter(|row| row.unit == unit).cloned().collect();
+    noise.log_likelihood(&own, chi, &noise.fitted(&own, kept, chi))
 }
 
 /// The fit of a hypothesis, with the scores of what was left out.
@@ -296,10 +298,10 @@ impl Fitted<'_> {
         self.objective.check_cancelled()?;
         let Question { observations, noise, .. } = *self.question;
         let kept = without(&observations.rows, unit);
+        let own = noise.of_part(&kept);
         let predicted = if self.place.is_empty() {
             chi.to_vec()
         } else {
-            let own = Noise::estimated(&kept, observations.cells.len(), (noise.kind, noise.folded));
             let measured = means(&kept, &own.sds(&kept), &observations.cells);
             let deviance = folded_deviance(&kept, &observations.cells, &own);
             let objective = beside_all(model, &measured, beside).by(deviance.as_deref());
@@ -308,7 +310,7 @@ impl Fitted<'_> {
             // Also of a cell that only this unit has.
             objective.model.chi(&objective.model.values(&place), &observations.cells)
         };
-        Ok(held_out(observations, noise, unit, &predicted))
+        Ok(held_out(observations, (&kept, &own), unit, &predicted))
     }
 
     /// The scores of rounds and lifetimes, each also predicted by a fit without it. `values` are from the fit to all data.

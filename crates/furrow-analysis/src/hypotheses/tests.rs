@@ -13,7 +13,7 @@ use super::free::Free;
 use super::noise::residuals;
 use super::noise::{aicc, common_sd, log_likelihood};
 use super::observations::{Chosen, LeftOut, Observation};
-use super::scores::{fit_test, held_out};
+use super::scores::{fit_test, held_out, without};
 use super::*;
 use crate::compare::names_of;
 use crate::ensemble::normal;
@@ -54,6 +54,11 @@ fn close(found: f64, expected: f64) {
 
 fn noise_of(observations: &Observations, kind: NoiseKind) -> Noise {
     Noise::of(observations, Some(kind), false, ("t.csv", "--noise")).unwrap()
+}
+
+fn left_out(observations: &Observations, noise: &Noise, unit: usize, chi: &[Option<f64>]) -> f64 {
+    let kept = without(&observations.rows, unit);
+    held_out(observations, (&kept, &noise.of_part(&kept)), unit, chi)
 }
 
 /// Every number beside scipy 1.17: stats.norm.logpdf, chi2.sf, f.sf, ttest_1samp, optimize.minimize_scalar.
@@ -101,7 +106,7 @@ fn likelihoods_and_tests_are_those_of_scipy() {
         close(statistic, f);
         close(found, p);
         for (unit, part) in loo[k].into_iter().enumerate() {
-            close(held_out(&observations, &flat, unit, &chi), part);
+            close(left_out(&observations, &flat, unit, &chi), part);
         }
     }
     let pair = Pair::of(("A", &loo[0]), ("B", &loo[1]));
@@ -180,7 +185,7 @@ fn a_wrong_hypothesis_is_rejected_and_the_right_one_kept_at_the_rates_of_p() {
 fn pair(made: &Observations, kind: NoiseKind, predictions: [&[f64; 6]; 2]) -> Pair {
     let parts = predictions.map(|model| {
         let chi = model.map(Some);
-        (0..made.units.len()).map(|unit| held_out(made, &noise_of(made, kind), unit, &chi)).collect::<Vec<_>>()
+        (0..made.units.len()).map(|unit| left_out(made, &noise_of(made, kind), unit, &chi)).collect::<Vec<_>>()
     });
     Pair::of(("a", &parts[0]), ("b", &parts[1]))
 }
@@ -515,7 +520,7 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
     let without = table(&others, Chosen::default()).unwrap();
     let without = tested(&without, Some(NoiseKind::Replicates), &cues[2..], "cue.amplitude", 1);
     let chi: Vec<Option<f64>> = without.hypotheses[0].cells.iter().map(|cell| cell.chi).collect();
-    let part = held_out(&observations, &noise_of(&observations, NoiseKind::Replicates), 0, &chi);
+    let part = left_out(&observations, &noise_of(&observations, NoiseKind::Replicates), 0, &chi);
     assert!(right.loo_parts.len() == 6 && (right.loo_parts[0] - part).abs() < 0.02, "{:?} {part}", right.loo_parts);
     let resting =
         tested(&table("mother,chi\nP0,0.2\nCaaa,0.2\n", Chosen::default()).unwrap(), None, &["none"], "none", 1);
