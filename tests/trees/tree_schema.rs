@@ -35,6 +35,7 @@ const EVERYTHING: &str = r#"Lineage(
         (name: "L", mother: "S", daughter: larger, r0: 5, letters: [('l', 'r')],
          clock: (lifetime_min: 30, at_volume: 0.5, exponent: 0.3),
          cue_rules: [(cue: "sum", from_generation: 1, to_generation: 9, below_r0: 9, above_r0: 0.1)],
+         shell_profile: (name: "egg", aspect: 1.4, error: 0.001, series: [1]),
          physics: (xi_s: 26, xi_ratio: -0.1, gain: 0.5, epsilon: 0.86, aspect: 1.4, p0: 0.12, w: 0.14, shell_flattening: 0.9, kappa: 1, eta_b: 1,
                    eta_s: 1, friction: 1, tension: 0, spontaneous_curvature: 0.1, normal_friction: 0.1),
          physics_rules: [(parameter: "xi_ratio", add: 0.01), (parameter: "gain", value: 0.5), (parameter: "epsilon", add: -0.01),
@@ -42,7 +43,7 @@ const EVERYTHING: &str = r#"Lineage(
                          (parameter: "kappa", value: 1), (parameter: "eta_b", value: 1), (parameter: "eta_s", value: 1),
                          (parameter: "friction", value: 1), (parameter: "tension", add: 0.01),
                          (parameter: "spontaneous_curvature", add: 0.01), (parameter: "normal_friction", add: 0.01)]),
-        (name: "T", mother: "S", daughter: smaller, most_rounds: 2, growth: 1.1, cue: "kappa", cue_passes_to: smaller,
+        (name: "T", mother: "S", daughter: smaller, shell_profile: "ellipsoid", most_rounds: 2, growth: 1.1, cue: "kappa", cue_passes_to: smaller,
          rounds_without_cue: 3),
     ],
 )"#;

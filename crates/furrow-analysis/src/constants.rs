@@ -112,7 +112,7 @@ impl Constants {
                 }
                 continue;
             }
-            let own = |k: &usize| lineage.founders[*k].physics.has(*parameter);
+            let own = |k: &usize| lineage.founders[*k].sets(*parameter);
             let founders: Vec<usize> = match class {
                 Some(class) => founders_of(class, &lineage, "", "").unwrap_or_default(),
                 None => (0..lineage.founders.len()).filter(own).collect(),
