@@ -90,11 +90,13 @@ fn documents() -> Vec<Value> {
     trees[0].settings.cell.shell.flattening = 0.8;
     trees[0].settings.cell.material.spontaneous_curvature = 0.2;
     trees[0].settings.cell.material.normal_friction = 0.2;
-    // A law with every field, seen from the other pole.
+    // A shell of another profile, and a law with every field, seen from the other pole.
     let law = r#"Law(name: "x", constants: { "a": (value: 1, unit: "1/L_h") }, stress_uu: "a*xi_s*u", stress_phiphi: "a*xi_s*u",
         moment: "a", normal_force: "a")"#;
     let law = furrow_cell::Law::parse(law, "law.ron").unwrap().mirrored();
-    let settings = TreeSettings { cell: Cell::new(3.0).with_law(law), ..TreeSettings::default() };
+    let egg = r#"{ "name": "egg", "aspect": 1.4, "error": 0.001, "series": [1] }"#;
+    let cell = Cell::new(3.0).with_shell_profile(serde_json::from_str(egg).unwrap()).with_law(law);
+    let settings = TreeSettings { cell, ..TreeSettings::default() };
     let with_law = grow(&lineage, &settings, 1, &|_| None, fake).0;
     let texts = trees.iter().chain([&with_law]).map(|tree| tree_to_json(tree).unwrap()).collect::<Vec<_>>();
     texts.iter().for_each(|text| assert_eq!(tree_to_json(&tree_from_json(text).unwrap()).unwrap(), *text));
