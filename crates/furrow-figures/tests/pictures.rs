@@ -7,6 +7,7 @@ use furrow_figures::drawing::{Canvas, Format};
 use furrow_figures::movie::{Movie, MovieFormat, Scene};
 use furrow_figures::plot;
 use furrow_formats::surface::SurfaceGrid;
+use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::division::{DivisionInput, Trajectory};
 use furrow_mechanics::equilibria::curves::Curve;
 
@@ -197,7 +198,7 @@ fn a_movie_shows_a_furrow_on_one_side() {
         let surface = |_: f64| notched(depth);
         let scene = Scene {
             title: "one side".to_owned(),
-            shell: [2.75, 2.75, 3.3],
+            shell: Wall { axes: [2.75, 2.75, 3.3], profile: None },
             times: vec![0.0, 1.0],
             surface: &surface,
             forces: &|_| Vec::new(),
@@ -232,7 +233,7 @@ fn a_movie_shows_a_flattened_shell() {
         };
         let scene = Scene {
             title: String::new(),
-            shell: [x, 2.75, 2.9],
+            shell: Wall { axes: [x, 2.75, 2.9], profile: None },
             times: vec![0.0, 1.0],
             surface: &surface,
             forces: &|_| Vec::new(),

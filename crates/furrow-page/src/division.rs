@@ -8,7 +8,7 @@ use furrow_lineage::{FounderPhysics, Lineage, parse_cue};
 use furrow_mechanics::cortex::equations::{LENGTH, M, PSI, R, REGULATED, Z};
 use furrow_mechanics::cortex::forces::own_stress;
 use furrow_mechanics::cortex::observables::regulator_at;
-use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::cortex::{Cortex, Domain, Wall};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
 use furrow_mechanics::polarity::resolved;
 use serde::Deserialize;
@@ -59,12 +59,6 @@ struct Request {
     lineage: Option<Lineage>,
 }
 
-/// Half axes a and b of a cell's shell, in L_h: ε = V/(4πab²/3).
-fn shell(cell: &Cell) -> [f64; 2] {
-    let b = (cell.r0.powi(3) / (cell.epsilon * cell.shell.aspect)).cbrt();
-    [cell.shell.aspect * b, b]
-}
-
 /// Computes a division and answers with its record and, as numbers, the drawing of its steps.
 ///
 /// # Errors
@@ -99,12 +93,12 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     for (t, shape) in &shapes {
         film.draw(shape, *t > 0.0, &mut numbers);
     }
-    // Half axes of the shell along the axis of division and across it, in L_h; time, in τ, and radius of the neck, in
+    // The wall of the shell as r and z from the pole u = 0 to the other, in L_h; time, in τ, and radius of the neck, in
     // L_h, of each step. The numbers of a frame are (r, z, drawn cue) at each point, then (r, z, force along r, force
     // along z) at each arrow, then, with a regulator, φ at each point.
     let mut found = serde_json::to_value(&division)?;
     found["cue"] = json!(input.cell.cue);
-    found["shell"] = json!(shell(&input.cell));
+    found["wall"] = json!(Wall::of(&film.cortex).contour());
     found["frames"] = json!(frames);
     found["points"] = json!(film.places.len());
     found["arrows"] = json!(film.arrows.len());
