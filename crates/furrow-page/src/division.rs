@@ -226,6 +226,30 @@ mod tests {
         (serde_json::from_str(&answer.text).unwrap(), answer.numbers)
     }
 
+    /// The wall of an egg is wider towards the pole u = 0, at z > 0, and ends at both poles.
+    #[test]
+    fn the_wall_is_that_of_the_profile() {
+        let wall =
+            |cell: &Cell| -> Vec<[f64; 2]> { serde_json::from_value(asked(cell, "last").0["wall"].take()).unwrap() };
+        let row = |k: usize| {
+            let (sin, cos) = (k as f64 * PI / 24.0).sin_cos();
+            format!("{},{}\n", 1.505 * cos, if k.is_multiple_of(24) { 0.0 } else { sin * (1.0 + 0.2 * cos).sqrt() })
+        };
+        let table = format!("z,r\n{}", (0..=24).map(row).collect::<String>());
+        let egg = furrow_cell::ShellProfile::from_table(table.as_bytes(), "egg", "egg.csv").unwrap();
+        let cell = Cell::new(2.5);
+        let widest = |wall: &[[f64; 2]]| {
+            wall.iter().copied().fold([0.0; 2], |most, place| if place[0] > most[0] { place } else { most })
+        };
+        let [_, z] = widest(&wall(&cell.clone().with_shell_profile(egg)));
+        assert!(z > 0.2, "{z}");
+        let ellipse = wall(&cell);
+        let [along, across] =
+            [cell.shell.aspect, 1.0].map(|axis| axis * (cell.r0.powi(3) / (cell.epsilon * cell.shell.aspect)).cbrt());
+        assert!((widest(&ellipse)[0] / across - 1.0).abs() < 1e-12 && widest(&ellipse)[1].abs() < 1e-12);
+        assert!((ellipse[0][1] / along - 1.0).abs() < 1e-12 && (ellipse[48][1] / along + 1.0).abs() < 1e-12);
+    }
+
     #[test]
     fn the_record_equals_the_division() {
         let cell = Cell::gao2026_thresholds(2.0).with_cue(Cue::published());
