@@ -26,7 +26,7 @@ const FOUNDERS: &str = r#"Lineage(name: "x", limits: (max_depth: 4), founders: [
     (name: "D", mother: "B", daughter: smaller, physics_rules: [(parameter: "aspect", from_mother: true, factor: 1.1)]),
 ])"#;
 
-/// Q and D have one table, B another; A and C have none of their own.
+/// Q and D have the same table and B another one.
 fn lineage() -> Lineage {
     let mut lineage = Lineage::parse(FOUNDERS, "x.ron").unwrap();
     for (founder, k) in [(0, 0.2), (2, 0.3), (4, 0.2)] {

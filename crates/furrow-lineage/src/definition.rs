@@ -72,8 +72,8 @@ fn default_naming() -> (char, char) {
 /// A lineage as its file gives it. [`Lineage::parse`] has checked it: one first cell, every mother and cue known, no
 /// cycle, either two founders or no founder below each founder, names that cannot clash.
 ///
-/// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue): its cues may be in µm and seconds; `L` is
-/// [`WrittenLifetimes`](super::clock::WrittenLifetimes), and `S` that of a [`Founder`]: lifetimes and shells may be in files of their own.
+/// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue): its cues may be in µm and seconds; and `L` is
+/// [`WrittenLifetimes`](super::clock::WrittenLifetimes): lifetimes may be in a file of their own. `S` is the [`Founder`]'s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>, L: Deserialize<'de>, S: Deserialize<'de>"))]
 pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {

@@ -157,7 +157,7 @@ impl Founder {
         self.physics.has(parameter) || parameter == Parameter::Aspect && profile.is_some()
     }
 
-    /// What it changes for it and its descendants up to the next founder, each as `NAME = VALUE`.
+    /// Its changes for itself and its descendants up to the next founder, each as `NAME = VALUE`.
     pub fn changes(&self) -> impl Iterator<Item = String> {
         let shell = self.shell_profile.iter().map(|shell| format!("shell_profile = {}", shell.described()));
         shell.chain(self.physics.values().map(|(name, value)| format!("{name} = {value}")))

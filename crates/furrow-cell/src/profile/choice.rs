@@ -23,7 +23,7 @@ pub enum ShellChoice {
 }
 
 impl ShellChoice {
-    /// The choice that a text makes: [`ELLIPSOID`], or the file of a table, whose path is relative to a folder.
+    /// Reads a choice: [`ELLIPSOID`], or the file of a table, relative to a folder.
     ///
     /// # Errors
     /// As [`ShellProfile::read`], and `refused` of the allowed values if the text is neither.
@@ -64,7 +64,7 @@ impl ShellChoice {
     }
 }
 
-/// A choice as files have it, whose table is not read yet.
+/// A choice in a file, before its table is read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum WrittenShell {

@@ -13,7 +13,7 @@ pub const GLASS: [f32; 3] = [104.0, 130.0, 150.0];
 /// Opacity of the glass where it faces the viewer, and the opacity added at its edge.
 const FACING: f32 = 0.015;
 const EDGE: f32 = 0.30;
-/// Rows and columns of its surface: its straight pieces are shorter than what the eye tells from a curve.
+/// Rows and columns of its surface, enough for a smooth outline.
 const ROWS: usize = 145;
 const COLUMNS: usize = 192;
 
