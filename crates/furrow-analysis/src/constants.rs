@@ -238,6 +238,18 @@ mod tests {
         Constant { parameter, class: None, value }
     }
 
+    /// An aspect ratio of all cells counts for a founder in a shell with a table too, which has its own.
+    #[test]
+    fn the_aspect_of_a_table_gives_way_to_that_of_all_cells() {
+        let egg = r#"{ "name": "egg", "aspect": 1.4, "error": 0, "series": [1] }"#;
+        let mut lineage = Lineage::c_elegans().unwrap();
+        lineage.founders[1].shell_profile = Some(serde_json::from_str(egg).unwrap());
+        let sets = read_constants("aspect\n1.3\n", "c.csv").unwrap();
+        let (found, settings) = sets[0].applied(&lineage, &TreeSettings::default());
+        let aspect = |founder: usize| found.founders[founder].physics.aspect;
+        assert_eq!((aspect(1), aspect(2), settings.cell.shell.aspect), (Some(1.3), None, 1.3));
+    }
+
     /// A posterior's columns: numbers of a class are set in its founders, numbers of a cue in every cue that has them.
     #[test]
     fn classes_and_cues_have_constants_of_their_own() {
