@@ -133,7 +133,11 @@ def _title(figure: Figure, text: str) -> None:
 
 
 def contour(
-    axes: Axes, frame: Frame, shell: tuple[float, float] | Numbers | None = None, cell: Cell | None = None, most: float | None = None
+    axes: Axes,
+    frame: Frame,
+    shell: tuple[float, float] | Numbers | None = None,
+    cell: Cell | None = None,
+    most: float | None = None,
 ) -> Axes:
     """A cell in its shell, anterior left; with ``cell``, its cue along the outside.
 
