@@ -37,7 +37,7 @@ impl Daughter {
 
 /// One founder cell.
 ///
-/// `S` is a [`WrittenShell`](furrow_cell::profile::WrittenShell) while a file is read: a table of its own is a file beside it.
+/// `S` is a [`WrittenShell`] while a file is read: a table of its own is a file beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound(deserialize = "S: Deserialize<'de>"))]
 pub struct Founder<S = ShellChoice> {
