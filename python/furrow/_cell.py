@@ -422,15 +422,15 @@ class Cell:
             return None
         every = _every(frames)
         count = None if places is None else whole("places", places, 1, 64)
-        _, of, ends, columns, shell = _furrow.film(self._inputs, seed, every, count)
-        return Frames(**of, shell=(shell[0], shell[1]), _places=columns, _ends=ends)
+        _, of, ends, columns, (axes, wall) = _furrow.film(self._inputs, seed, every, count)
+        return Frames(**of, shell=(axes[2], axes[0]), wall=np.array(wall), _places=columns, _ends=ends)
 
     def _filmed(self, seed: int, memo: Memo, frames: bool | float, places: SupportsIndex | None) -> Division:
         """The division without axial symmetry, with its surfaces."""
         if places is not None:
             raise refused("places", places, "None without axial symmetry, where all frames have the same rings and meridians")
-        found, of, grids, shell = _furrow.surfaces(self._inputs, memo, seed, _every(frames))
-        surfaces = Surfaces(**of, **grids, shell=(shell[0], shell[1], shell[2]))
+        found, of, grids, (axes, wall) = _furrow.surfaces(self._inputs, memo, seed, _every(frames))
+        surfaces = Surfaces(**of, **grids, shell=(axes[0], axes[1], axes[2]), wall=np.array(wall))
         neck = Neck(**{name: np.array(values) for name, values in found["neck"].items()})
         return division(self, seed, found["division"], surfaces=surfaces, neck=neck, modes=found["modes"])
 

@@ -159,7 +159,8 @@ class Frames(Series[Frame]):
     ``neck_radius``: Radii of the neck, in L_h; NaN without a waist.
     ``neck_u``: Arclength fractions of the neck.
     ``chi``: Asymmetry of the parts above and below the neck; NaN without a waist.
-    ``shell``: Half axes of the shell along z and across, in L_h.
+    ``shell``: Half axes of the shell along z and across, in L_h; of a profile, those of the ellipsoid of its second moments.
+    ``wall``: The wall of the shell as r and z from the pole u = 0 to the other, in L_h: places × 2.
     """
 
     t: Array
@@ -169,6 +170,7 @@ class Frames(Series[Frame]):
     neck_u: Array
     chi: Array
     shell: tuple[float, float]
+    wall: Array
     _places: Mapping[str, Array] = field(repr=False)
     _ends: NDArray[np.int64] = field(repr=False)
 

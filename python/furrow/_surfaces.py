@@ -116,7 +116,8 @@ class Surfaces(Series[SurfaceFrame]):
     ``positions``: x, y and z, in L_h: frames × rings × meridians × 3.
     ``normals``: Outward normals of length 1: frames × rings × meridians × 3.
     ``tension``: Mean active tension, in κ0/L_h²: frames × rings × meridians.
-    ``shell``: Half axes of the shell along x, y and z, in L_h.
+    ``shell``: Half axes of the shell along x, y and z, in L_h; of a profile, those of the ellipsoid of its second moments.
+    ``wall``: Its section through the axis and x as r and z from the pole u = 0 to the other, in L_h: places × 2.
     """
 
     t: Array
@@ -127,6 +128,7 @@ class Surfaces(Series[SurfaceFrame]):
     neck_position: Array
     chi: Array
     shell: tuple[float, float, float]
+    wall: Array
     u: Array
     positions: Array
     normals: Array

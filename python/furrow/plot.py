@@ -133,9 +133,15 @@ def _title(figure: Figure, text: str) -> None:
 
 
 def contour(
-    axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, cell: Cell | None = None, most: float | None = None
+    axes: Axes,
+    frame: Frame,
+    shell: tuple[float, float] | Numbers | None = None,
+    cell: Cell | None = None,
+    most: float | None = None,
 ) -> Axes:
     """A cell in its shell, anterior left; with ``cell``, its cue along the outside.
+
+    ``shell``: The ``wall`` of the frames, or the half axes of an ellipsoid along z and across.
 
     The colour of a regulator φ is full where it is ``most``; without ``most``, where it is farthest from 0.
     """
@@ -150,9 +156,13 @@ def contour(
     return axes
 
 
-def _shell(axes: Axes, shell: tuple[float, float]) -> None:
-    angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    axes.plot(shell[0] * np.cos(angle), shell[1] * np.sin(angle), color=SHELL, linestyle="--", linewidth=1.0)
+def _shell(axes: Axes, shell: tuple[float, float] | Numbers) -> None:
+    if isinstance(shell, tuple):
+        angle = np.linspace(0.0, np.pi, 100)
+        r, z = shell[1] * np.sin(angle), shell[0] * np.cos(angle)
+    else:
+        r, z = shell.T
+    axes.plot(np.concatenate((z, z[::-1])), np.concatenate((r, -r[::-1])), color=SHELL, linestyle="--", linewidth=1.0)
 
 
 def _cue(axes: Axes, frame: Frame, cell: Cell, most: float | None) -> None:
@@ -253,7 +263,7 @@ def division(found: Division) -> Figure:
     grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
     row = grid[0].subgridspec(1, STILLS)
     for k, frame in enumerate(stills):
-        axes = contour(figure.add_subplot(row[k]), frame, frames.shell, found.cell if k else None, _most(stills))
+        axes = contour(figure.add_subplot(row[k]), frame, frames.wall, found.cell if k else None, _most(stills))
         _still_title(axes, frame.t, first=k == 0)
     charts = grid[1].subgridspec(1, 2, width_ratios=(0.82, 1.0))
     _over_time(style(figure.add_subplot(charts[0])), found, frames)
@@ -274,11 +284,10 @@ def _sections(found: Division, frames: Surfaces) -> Figure:
     # The side of the axis on which the neck ends is drawn below.
     offsets = frames.neck_offset[~np.isnan(frames.neck_offset)]
     side = -1.0 if len(offsets) and offsets[-1] > 0.0 else 1.0
-    across, _, along = frames.shell
-    for k, frame in enumerate(_stills(frames, across, found.divided)):
+    for k, frame in enumerate(_stills(frames, frames.shell[0], found.divided)):
         axes = figure.add_subplot(row[k])
         x, z = frame.surface.section.T
-        _shell(axes, (along, across))
+        _shell(axes, frames.wall)
         axes.fill(z, side * x, facecolor=CYTOPLASM, edgecolor=INK, linewidth=1.6)
         axes.set_aspect("equal")
         axes.axis("off")

@@ -5,6 +5,7 @@ use furrow_analysis::bent::diagram_with_bent;
 use furrow_analysis::diagram;
 use furrow_formats::frames::{COLUMNS, check_step, row, stills};
 use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
+use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
@@ -63,9 +64,17 @@ pub fn divide(
     })
 }
 
-/// A division with its shapes: its outcome, the columns of frames, and where the places of each frame end in the columns of
-/// all places.
-type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, [f64; 2]);
+/// A division with its shapes: its outcome, the columns of frames, where the places of each frame end in the columns of all places, and
+/// its shell.
+type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, WallParts);
+
+/// The half axes of a shell along x, y and z, and its section as (r, z) from pole to pole.
+pub type WallParts = ([f64; 3], Vec<[f64; 2]>);
+
+/// A shell as Python has it.
+pub fn wall_parts(wall: &Wall) -> WallParts {
+    (wall.axes, wall.contour())
+}
 
 /// Computes a division and keeps its shapes, after every step or every `every` τ.
 #[pyfunction]
@@ -94,7 +103,7 @@ pub fn film<'py>(
         });
         let places = place_columns(stills.iter().flat_map(|still| &still.places));
         let text = Document::of(&film.division)?;
-        Ok((text, frame_columns(&stills), ends.collect(), places, film.shell()))
+        Ok((text, frame_columns(&stills), ends.collect(), places, wall_parts(&film.wall())))
     })?;
     Ok((text, arrays(py, frames)?, PyArray1::from_vec(py, ends), arrays(py, places)?, shell))
 }

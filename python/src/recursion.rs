@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use furrow_cell::profile::ELLIPSOID;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler::{Solved, Summary, solve_all};
 use furrow_lineage::{CellId, Fate, FounderPhysics, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
@@ -118,6 +119,13 @@ pub fn grow_by(
             born.iter().map(|one| growing.asked(generation, one)).collect::<Result<_, _>>()?;
         if let (0, Some(Some(first))) = (generation, cells.first()) {
             growing.first = first.cell.clone().with_cue(Cue::none());
+        }
+        let shell = |inputs: &&Inputs| inputs.cell.shell_profile != growing.first.shell_profile;
+        if let Some(other) = cells.iter().flatten().find(shell) {
+            let given =
+                other.cell.shell_profile.as_ref().map_or_else(|| ELLIPSOID.to_owned(), |profile| profile.described());
+            let allowed = "that of the first cell: shells of other profiles are for founders of a lineage file";
+            return Err(Error::not_allowed("shell_profile", given, allowed));
         }
         let numerics = cells.iter().flatten().next().map_or_else(Default::default, |inputs| inputs.numerics);
         let count = growing.tree.as_ref().map_or(0, Tree::len) + born.len();

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
 
+use crate::cells::{WallParts, wall_parts};
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::{Columns, Inputs, arrays, positive};
@@ -35,8 +36,8 @@ pub fn filmed(input: &DivisionInput, memo: &Solved) -> Result<(Division, Film), 
     Ok((division, film))
 }
 
-/// A division with its neck over time, the columns of frames, the surfaces, and the half axes of the shell.
-type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyDict>, [f64; 3]);
+/// A division with its neck over time, the columns of frames, the surfaces, and the shell.
+type Filmed<'py> = (Document, Bound<'py, PyDict>, Bound<'py, PyDict>, WallParts);
 
 /// Divides a cell without axial symmetry and keeps its shapes, after every step or every `every` τ.
 #[pyfunction]
@@ -59,7 +60,7 @@ pub fn surfaces<'py>(
         let stills = film.stills(every);
         let columns = columns(&stills);
         let samples: Vec<Sample> = stills.into_iter().flat_map(|still| still.samples).collect();
-        Ok((found, columns, samples, film.shell))
+        Ok((found, columns, samples, wall_parts(&film.wall)))
     })?;
     Ok((found.into(), arrays(py, columns)?, grids(py, &samples)?, shell))
 }

@@ -39,6 +39,36 @@ def test_an_egg_divides_unequally(tmp_path: Path) -> None:
     assert egg.replace(shell_profile="ellipsoid").shell_profile is None
 
 
+def test_frames_have_the_wall_of_the_profile(tmp_path: Path) -> None:
+    frames = furrow.Cell(3.0, shell_profile=table(tmp_path, 0.2)).divide(frames=True).frames
+    assert frames is not None
+    r, z = frames.wall.T
+    assert z[r.argmax()] > 0.2
+    assert z[0] > 0 > z[-1] and r[0] == pytest.approx(0, abs=1e-9)
+    plain = furrow.Cell(3.0).divide(frames=True).frames
+    assert plain is not None
+    along, across = plain.shell
+    assert plain.wall[:, 0].max() == pytest.approx(across)
+    assert plain.wall[0, 1] == pytest.approx(along)
+
+
+def test_a_founder_has_a_shell_of_its_own(tmp_path: Path) -> None:
+    file = tmp_path / "eggs.ron"
+    shell = Path(table(tmp_path, 0.2)).name
+    founders = (
+        f'(name: "Q", r0: 3, shell_profile: "{shell}"), '
+        '(name: "A", mother: "Q", daughter: larger), (name: "B", mother: "Q", daughter: smaller)'
+    )
+    file.write_text(f'Lineage(name: "x", limits: (max_depth: 2), founders: [{founders}])', encoding="utf-8")
+    tree = furrow.tree(file)
+    alone = furrow.Cell(3.0, shell_profile=str(tmp_path / shell)).divide()
+    assert tree["Q"].chi == alone.chi
+    assert tree["A"].chi == pytest.approx(0.0, abs=1e-3)
+    egg = furrow.Cell(3.0, shell_profile=str(tmp_path / shell))
+    with pytest.raises(furrow.InputError, match="founders of a lineage file"):
+        furrow.grow(egg, lambda cell: furrow.Cell(cell.r0))
+
+
 def test_wrong_tables_are_refused(tmp_path: Path) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text("z,r\n1,0\n0,-1\n-1,0\n", encoding="utf-8")

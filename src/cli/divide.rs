@@ -260,15 +260,13 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 fn page(input: &DivisionInput, film: &Trajectory, frames: usize) -> io::Result<String> {
     let times = even_times(film.times().last().copied().unwrap_or(0.0), frames);
     let frames: Vec<_> = times.into_iter().map(|t| frames::surface(&film.at(t))).collect();
-    let [along, across] = film.shell();
-    let shell = [across, across, along];
-    FilmPage { input, division: &film.division, shell, value: frames::TENSION, frames: &frames }.html()
+    FilmPage { input, division: &film.division, wall: &film.wall(), value: frames::TENSION, frames: &frames }.html()
 }
 
 /// The film of a division without axial symmetry as a page.
 fn surface_page(input: &DivisionInput, film: &Film, frames: usize) -> io::Result<String> {
     let frames: Vec<_> = even_times(film.end(), frames).into_iter().map(|t| film::frame(&film.at(t))).collect();
-    FilmPage { input, division: &film.found.division, shell: film.shell, value: film::TENSION, frames: &frames }.html()
+    FilmPage { input, division: &film.found.division, wall: &film.wall, value: film::TENSION, frames: &frames }.html()
 }
 
 /// Divides the cell without axial symmetry; its shapes are computed where the memo does not answer all that is asked.

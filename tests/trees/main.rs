@@ -7,6 +7,7 @@ mod carried_cues;
 mod clock;
 mod complaints;
 mod embryo;
+mod founder_shells;
 mod growth;
 mod lineage_cues;
 mod lineage_file;

@@ -35,6 +35,7 @@ const EVERYTHING: &str = r#"Lineage(
         (name: "L", mother: "S", daughter: larger, r0: 5, letters: [('l', 'r')],
          clock: (lifetime_min: 30, at_volume: 0.5, exponent: 0.3),
          cue_rules: [(cue: "sum", from_generation: 1, to_generation: 9, below_r0: 9, above_r0: 0.1)],
+         shell_profile: (name: "egg", aspect: 1.4, error: 0.001, series: [1]),
          physics: (xi_s: 26, xi_ratio: -0.1, gain: 0.5, epsilon: 0.86, aspect: 1.4, p0: 0.12, w: 0.14, shell_flattening: 0.9, kappa: 1, eta_b: 1,
                    eta_s: 1, friction: 1, tension: 0, spontaneous_curvature: 0.1, normal_friction: 0.1),
          physics_rules: [(parameter: "xi_ratio", add: 0.01), (parameter: "gain", value: 0.5), (parameter: "epsilon", add: -0.01),
@@ -42,7 +43,7 @@ const EVERYTHING: &str = r#"Lineage(
                          (parameter: "kappa", value: 1), (parameter: "eta_b", value: 1), (parameter: "eta_s", value: 1),
                          (parameter: "friction", value: 1), (parameter: "tension", add: 0.01),
                          (parameter: "spontaneous_curvature", add: 0.01), (parameter: "normal_friction", add: 0.01)]),
-        (name: "T", mother: "S", daughter: smaller, most_rounds: 2, growth: 1.1, cue: "kappa", cue_passes_to: smaller,
+        (name: "T", mother: "S", daughter: smaller, shell_profile: "ellipsoid", most_rounds: 2, growth: 1.1, cue: "kappa", cue_passes_to: smaller,
          rounds_without_cue: 3),
     ],
 )"#;
@@ -89,11 +90,13 @@ fn documents() -> Vec<Value> {
     trees[0].settings.cell.shell.flattening = 0.8;
     trees[0].settings.cell.material.spontaneous_curvature = 0.2;
     trees[0].settings.cell.material.normal_friction = 0.2;
-    // A law with every field, seen from the other pole.
+    // A shell of another profile, and a law with every field, seen from the other pole.
     let law = r#"Law(name: "x", constants: { "a": (value: 1, unit: "1/L_h") }, stress_uu: "a*xi_s*u", stress_phiphi: "a*xi_s*u",
         moment: "a", normal_force: "a")"#;
     let law = furrow_cell::Law::parse(law, "law.ron").unwrap().mirrored();
-    let settings = TreeSettings { cell: Cell::new(3.0).with_law(law), ..TreeSettings::default() };
+    let egg = r#"{ "name": "egg", "aspect": 1.4, "error": 0.001, "series": [1] }"#;
+    let cell = Cell::new(3.0).with_shell_profile(serde_json::from_str(egg).unwrap()).with_law(law);
+    let settings = TreeSettings { cell, ..TreeSettings::default() };
     let with_law = grow(&lineage, &settings, 1, &|_| None, fake).0;
     let texts = trees.iter().chain([&with_law]).map(|tree| tree_to_json(tree).unwrap()).collect::<Vec<_>>();
     texts.iter().for_each(|text| assert_eq!(tree_to_json(&tree_from_json(text).unwrap()).unwrap(), *text));

@@ -175,7 +175,7 @@ impl Constants {
                 }
                 continue;
             }
-            let founders = of_class(class.as_deref(), &lineage, |founder| founder.physics.has(parameter));
+            let founders = of_class(class.as_deref(), &lineage, |founder| founder.sets(parameter));
             founders.into_iter().for_each(|k| lineage.founders[k].physics.set(parameter, *value));
         }
         (lineage, settings)
@@ -304,6 +304,18 @@ mod tests {
 
     fn of_all(parameter: Parameter, value: f64) -> Constant {
         Constant { kind: ConstantKind::Parameter(parameter), class: None, value }
+    }
+
+    /// An aspect ratio of all cells counts for a founder in a shell with a table too, which has its own.
+    #[test]
+    fn the_aspect_of_a_table_gives_way_to_that_of_all_cells() {
+        let egg = r#"{ "name": "egg", "aspect": 1.4, "error": 0, "series": [1] }"#;
+        let mut lineage = Lineage::c_elegans().unwrap();
+        lineage.founders[1].shell_profile = Some(serde_json::from_str(egg).unwrap());
+        let sets = read_constants("aspect\n1.3\n", "c.csv").unwrap();
+        let (found, settings) = sets[0].applied(&lineage, &TreeSettings::default());
+        let aspect = |founder: usize| found.founders[founder].physics.aspect;
+        assert_eq!((aspect(1), aspect(2), settings.cell.shell.aspect), (Some(1.3), None, 1.3));
     }
 
     /// A posterior's columns: numbers of a class are set in its founders, numbers of a cue in every cue that has them.

@@ -25,7 +25,7 @@ pub use law::Law;
 pub use material::{Material, RigidityGradient, Shell};
 pub use numerics::{Numerics, Scheme};
 pub use parameter::Parameter;
-pub use profile::ShellProfile;
+pub use profile::{ShellChoice, ShellProfile};
 pub use settings::Settings;
 
 use num_dual::DualNum;
@@ -98,8 +98,8 @@ impl Cell {
 
     /// The same cell in a shell of another profile, with the aspect ratio of its table.
     pub fn with_shell_profile(mut self, profile: ShellProfile) -> Cell {
-        self.shell.aspect = profile.aspect();
-        Cell { shell_profile: Some(Box::new(profile)), ..self }
+        ShellChoice::Profile(Box::new(profile)).apply(&mut self);
+        self
     }
 
     /// Whether nothing tells one pole from the other: its shell is its own mirror image, and its cue and its law, if any, are even

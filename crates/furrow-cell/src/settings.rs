@@ -5,9 +5,10 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::law::{ConstantName, Law};
+use crate::profile::ELLIPSOID;
 use crate::value::Kind;
 pub use crate::value::Value;
-use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ShellProfile, ZYGOTE};
+use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ShellChoice, ZYGOTE};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 
 /// Parameters of a run, checked.
@@ -228,8 +229,8 @@ impl Settings {
         let config: Config = parse_document(text, file, "a configuration", "Config")?;
         if let Some(table) = config.shell_profile {
             // Beside the file that names it.
-            let table = Path::new(file).with_file_name(table).to_string_lossy().into_owned();
-            self.set_shell_profile(file, &Value::Text(table))?;
+            let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+            self.set_shell_profile(file, &Value::Text(table), folder)?;
         }
         config.physics.apply(self);
         config.numerics.apply(self);
@@ -264,7 +265,7 @@ impl Settings {
         for (name, value) in pairs {
             let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
             if *name == SHELL_PROFILE {
-                self.set_shell_profile(source_name, value)?;
+                self.set_shell_profile(source_name, value, Path::new(""))?;
             } else if *name == XI_B {
                 let read = value.number().filter(|v| v.is_finite());
                 xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
@@ -285,25 +286,14 @@ impl Settings {
         Ok(())
     }
 
-    /// Gives the shell the profile of a table, with its aspect ratio, or makes it the ellipsoid.
+    /// Gives the shell the profile of a table in a folder, with its aspect ratio, or makes it the ellipsoid.
     ///
     /// # Errors
-    /// As [`ShellProfile::read`], and of a value that is no file. Errors say it came from `source_name`.
-    fn set_shell_profile(&mut self, source_name: &str, given: &Value) -> Result<(), InputError> {
-        let path = given.text();
-        let name = Path::new(&*path).file_name().unwrap_or_default();
-        if name == ELLIPSOID {
-            self.cell.shell_profile = None;
-            return Ok(());
-        }
-        // A word without a folder or an ending was meant as a name.
-        if !path.contains(['.', '/', '\\']) || matches!(given, Value::Number(_)) {
-            let allowed = format!("the file of a table of r over z, or {ELLIPSOID}");
-            return Err(InputError::not_allowed(source_name, SHELL_PROFILE, shown(&path), allowed));
-        }
-        let profile = ShellProfile::read(Path::new(&*path))?;
-        self.cell.shell.aspect = profile.aspect();
-        self.cell.shell_profile = Some(Box::new(profile));
+    /// As [`ShellChoice::named`]. Errors say it came from `source_name`.
+    fn set_shell_profile(&mut self, source_name: &str, given: &Value, folder: &Path) -> Result<(), InputError> {
+        let text = given.text();
+        let refused = |allowed| InputError::not_allowed(source_name, SHELL_PROFILE, shown(&text), allowed);
+        ShellChoice::named(&text, folder, refused)?.apply(&mut self.cell);
         Ok(())
     }
 
@@ -528,9 +518,6 @@ const XI_B: &str = "xi_b";
 
 /// Sets the shell's profile from a table, and `aspect` with it.
 const SHELL_PROFILE: &str = "shell_profile";
-
-/// The profile of a shell without a table.
-const ELLIPSOID: &str = "ellipsoid";
 
 /// The name of the field that a key of `--set` means: an alias's own, and without the section before it. A constant of a law
 /// keeps its `law.`; whether the law has it is known when it is set.

@@ -1,12 +1,13 @@
 //! Content of the pictures: colours of a cue's signs, names of the poles, titles within the width, complete legends.
 
 use furrow_analysis::BoundaryStudy;
-use furrow_cell::{Cell, Cue, Parameter};
+use furrow_cell::{Cell, Cue, Parameter, ShellProfile};
 use furrow_figures::drawing::style::{CUE_LOWERS, CUE_RAISES, Colour};
 use furrow_figures::drawing::{Canvas, Format};
 use furrow_figures::movie::{Movie, MovieFormat, Scene};
 use furrow_figures::plot;
 use furrow_formats::surface::SurfaceGrid;
+use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::division::{DivisionInput, Trajectory};
 use furrow_mechanics::equilibria::curves::Curve;
 
@@ -197,7 +198,7 @@ fn a_movie_shows_a_furrow_on_one_side() {
         let surface = |_: f64| notched(depth);
         let scene = Scene {
             title: "one side".to_owned(),
-            shell: [2.75, 2.75, 3.3],
+            shell: Wall { axes: [2.75, 2.75, 3.3], profile: None },
             times: vec![0.0, 1.0],
             surface: &surface,
             forces: &|_| Vec::new(),
@@ -221,6 +222,46 @@ fn a_movie_shows_a_furrow_on_one_side() {
     assert!(above < 0.93 * whole && (below / also - 1.0).abs() < 0.01, "{above} {whole} {below} {also}");
 }
 
+/// Heights of the glass around a small cell, one third of its width from either end.
+fn heights(shell: Wall) -> [f64; 2] {
+    let surface = |_: f64| {
+        let mut grid = notched(0.0);
+        grid.points.iter_mut().flatten().for_each(|x| *x *= 0.2);
+        grid
+    };
+    let scene = Scene {
+        title: String::new(),
+        shell,
+        times: vec![0.0, 1.0],
+        surface: &surface,
+        forces: &|_| Vec::new(),
+        legend: Vec::new(),
+        outcome: (2.0, String::new(), [0; 3]),
+    };
+    let (pixels, width) = decoded(&scene.png(0.0, 1.0).unwrap());
+    let tinted = |x: usize, y: &usize| pixels[y * width + x] != [255.0; 3];
+    let high = |x: usize| (50..400).filter(|y| tinted(x, y)).max().zip((50..400).find(|y| tinted(x, y)));
+    let columns: Vec<(usize, f64)> =
+        (85..width - 85).filter_map(|x| high(x).map(|(low, top)| (x, (low - top) as f64))).collect();
+    [columns[columns.len() / 3].1, columns[2 * columns.len() / 3].1]
+}
+
+/// An egg is drawn as one: as high on the anterior side, on the left, as the profile is wide there, and the ellipsoid alike on both.
+#[test]
+fn a_movie_shows_the_profile_of_a_shell() {
+    let row = |k: usize| {
+        let (sin, cos) = (k as f64 * std::f64::consts::PI / 48.0).sin_cos();
+        format!("{},{}\n", 3.3 * cos, if k.is_multiple_of(48) { 0.0 } else { 2.75 * sin * (1.0 + 0.5 * cos).sqrt() })
+    };
+    let table = format!("z,r\n{}", (0..=48).map(row).collect::<String>());
+    let egg = ShellProfile::from_table(table.as_bytes(), "egg", "egg.csv").unwrap();
+    let axes = [2.75, 2.75, 3.3];
+    let [left, right] = heights(Wall { axes, profile: Some(egg.factor().clone()) });
+    assert!(left < 0.9 * right, "{left} {right}");
+    let [left, right] = heights(Wall { axes, profile: None });
+    assert!((left - right).abs() < 3.0, "{left} {right}");
+}
+
 /// A shell between plates that face x is drawn less high than a round one, and as long.
 #[test]
 fn a_movie_shows_a_flattened_shell() {
@@ -232,7 +273,7 @@ fn a_movie_shows_a_flattened_shell() {
         };
         let scene = Scene {
             title: String::new(),
-            shell: [x, 2.75, 2.9],
+            shell: Wall { axes: [x, 2.75, 2.9], profile: None },
             times: vec![0.0, 1.0],
             surface: &surface,
             forces: &|_| Vec::new(),

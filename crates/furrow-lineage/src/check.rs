@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 
 use super::clash;
 use super::clock::FounderClock;
-use super::definition::{CueRule, Daughter, Founder, Lineage};
+use super::definition::{CueRule, Lineage};
+use super::founder::{Daughter, Founder};
 use super::rules::{PhysicsRule, Span};
 use super::units::{Length, MOST_PLAIN, plain_radius};
 use furrow_cell::{CueError, SIZES};
@@ -19,6 +20,31 @@ pub(super) struct Check<'a> {
     pub text: &'a str,
     /// What errors call the file.
     pub file: &'a str,
+}
+
+/// `file:line` of the `nth` founder of a name in a text of a file, from 0, where the line is found. It searches the whole text: for
+/// errors only.
+fn place([text, file]: [&str; 2], founder: &str, nth: usize) -> String {
+    let quoted = format!("\"{founder}\"");
+    let is_named = |(_, line): &(usize, &str)| {
+        let code = line.split("//").next().unwrap_or("");
+        code.match_indices(&quoted).any(|(at, _)| code[..at].trim_end().ends_with("name:"))
+    };
+    match text.lines().enumerate().filter(is_named).nth(nth) {
+        Some((n, _)) => format!("{file}:{}", n + 1),
+        None => file.to_owned(),
+    }
+}
+
+/// Refuses a value of a founder's field in a text of a file.
+pub(super) fn founder_error(
+    of: [&str; 2],
+    founder: &str,
+    field: &str,
+    value: impl ToString,
+    allowed: impl Into<String>,
+) -> InputError {
+    InputError::not_allowed(place(of, founder, 0), format!("founder {}: {field}", shown(founder)), value, allowed)
 }
 
 /// The first invalid field of a rule's selection of cells: its name, its value and the allowed values.
@@ -61,22 +87,12 @@ fn law_ranges(
 const VOLUMES_ALLOWED: &str = "the smallest and the largest volume, two fractions of the first cell's above 0";
 
 impl Check<'_> {
-    /// `file:line` of the `nth` founder of a name, from 0, where the line is found. It searches the whole text: for errors
-    /// only.
     fn place(&self, founder: &str, nth: usize) -> String {
-        let quoted = format!("\"{founder}\"");
-        let is_named = |(_, line): &(usize, &str)| {
-            let code = line.split("//").next().unwrap_or("");
-            code.match_indices(&quoted).any(|(at, _)| code[..at].trim_end().ends_with("name:"))
-        };
-        match self.text.lines().enumerate().filter(is_named).nth(nth) {
-            Some((n, _)) => format!("{}:{}", self.file, n + 1),
-            None => self.file.to_owned(),
-        }
+        place([self.text, self.file], founder, nth)
     }
 
     fn founder_error(&self, f: &Founder, field: &str, value: impl ToString, allowed: impl Into<String>) -> InputError {
-        InputError::not_allowed(self.place(&f.name, 0), format!("founder {}: {field}", shown(&f.name)), value, allowed)
+        founder_error([self.text, self.file], &f.name, field, value, allowed)
     }
 
     /// Refuses a value of a field of the file unless it is right.

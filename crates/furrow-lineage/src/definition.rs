@@ -2,19 +2,17 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::marker::PhantomData;
-use std::ops::RangeInclusive;
 
 use serde::de::MapAccess;
 use serde::{Deserialize, Serialize};
 
-use super::clock::{Clock, FounderClock, Lifetimes};
-use super::observed::ObservedRounds;
-use super::physics::FounderPhysics;
+use super::clock::{Clock, Lifetimes};
+use super::founder::{Daughter, Founder};
 use super::rules::{PhysicsRule, Place, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
-use furrow_cell::{Cell, Cue, CueError, Numerics, Parameter};
+use furrow_cell::{Cell, Cue, CueError, Numerics, Parameter, ShellChoice};
 use furrow_input::{InputError, did_you_mean, listed, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
@@ -22,92 +20,6 @@ pub const C_ELEGANS: &str = include_str!("../lineages/c_elegans.ron");
 
 /// A commented lineage file to begin with, `lineages/template.ron`.
 pub const TEMPLATE: &str = include_str!("../lineages/template.ron");
-
-/// Which daughter of an unequal division a founder is. Of equal daughters the one listed first takes the first place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Daughter {
-    /// The larger daughter.
-    Larger,
-    /// The smaller daughter.
-    Smaller,
-}
-
-impl Daughter {
-    /// The word for it.
-    pub fn word(self) -> &'static str {
-        match self {
-            Daughter::Larger => "larger",
-            Daughter::Smaller => "smaller",
-        }
-    }
-}
-
-/// One founder cell.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Founder {
-    /// Name, unique in the file.
-    pub name: String,
-    /// The founder that divides into it; `None` for the first cell.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mother: Option<String>,
-    /// Which of the mother's daughters it is; given exactly when `mother` is.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub daughter: Option<Daughter>,
-    /// Name of its cue, inherited by its descendants up to the next founder unless `inherit` says otherwise. Without it, and
-    /// without rules of its own, the file's `cue_rules` apply.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cue: Option<String>,
-    /// Whether its descendants inherit its cue.
-    #[serde(default = "yes", skip_serializing_if = "is_yes")]
-    pub inherit: bool,
-    /// The daughter that inherits the cue, at each division of a cell that has it; both if not given. Of equal daughters the anterior
-    /// one counts as the larger.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cue_passes_to: Option<Daughter>,
-    /// Most rounds of division of cells that `cue_passes_to` left without the cue, counted from the first of each line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rounds_without_cue: Option<u32>,
-    /// In place of `cue`: the cues of the founder and its descendants, by the first rule that applies. Generations are
-    /// counted from the founder.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub cue_rules: Vec<CueRule>,
-    /// Radius R0 in place of the one its mother's division (or the physics, for the first cell) gives, in L_h, or in µm
-    /// where `units` say how long L_h is.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub r0: Option<Length>,
-    /// Parameters of its own and of its descendants up to the next founder.
-    #[serde(default, skip_serializing_if = "FounderPhysics::is_empty")]
-    pub physics: FounderPhysics,
-    /// Parameters of some of it and its descendants, by the first rule for each that applies, in place of the file's
-    /// `physics_rules`. Generations are counted from the founder.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub physics_rules: Vec<PhysicsRule>,
-    /// How long it and its descendants up to the next founder with a clock live.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clock: Option<FounderClock>,
-    /// Letters (anterior, posterior) of the generations below it; the file's `naming` after these.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub letters: Vec<(char, char)>,
-    /// Most rounds of division of it and its descendants up to the next founder, as of a ganglion mother cell, which divides once.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub most_rounds: Option<u32>,
-    /// Volume at division divided by volume at birth, of it and its descendants up to the next founder; 1 if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub growth: Option<f64>,
-    /// Observed rounds; `sulston` is an older word for them.
-    #[serde(default, alias = "sulston", skip_serializing_if = "Option::is_none")]
-    pub observed: Option<ObservedRounds>,
-}
-
-fn yes() -> bool {
-    true
-}
-
-fn is_yes(value: &bool) -> bool {
-    *value
-}
 
 /// Selects the cells that carry a cue: by generation, by size, or all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -127,11 +39,6 @@ pub struct CueRule {
     /// It applies to cells of a larger radius R0 than this, in L_h.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above_r0: Option<f64>,
-}
-
-impl Founder {
-    /// Factors by which cells may grow between birth and division.
-    pub const GROWTH: RangeInclusive<f64> = 0.01..=100.0;
 }
 
 impl CueRule {
@@ -166,10 +73,10 @@ fn default_naming() -> (char, char) {
 /// cycle, either two founders or no founder below each founder, names that cannot clash.
 ///
 /// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue): its cues may be in µm and seconds; and `L` is
-/// [`WrittenLifetimes`](super::clock::WrittenLifetimes): lifetimes may be in a file of their own.
+/// [`WrittenLifetimes`](super::clock::WrittenLifetimes): lifetimes may be in a file of their own. `S` is the [`Founder`]'s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>, L: Deserialize<'de>"))]
-pub struct Lineage<C = Cue, L = Lifetimes> {
+#[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>, L: Deserialize<'de>, S: Deserialize<'de>"))]
+pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {
     /// The organism.
     pub name: String,
     /// Source of the observed counts.
@@ -202,7 +109,7 @@ pub struct Lineage<C = Cue, L = Lifetimes> {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock: Option<Clock<L>>,
     /// Founders, in the order tables list them.
-    pub founders: Vec<Founder>,
+    pub founders: Vec<Founder<S>>,
 }
 
 /// Whether a name matches a pattern with `*` for any letters.

@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`definition`], `read`, `check`, `clash` | the lineage file: founders, cues, names, limits; reading it, checking it |
+//! | [`definition`], [`founder`], `read`, `check`, `clash` | the lineage file: founders, cues, names, limits; reading it, checking it |
 //! | [`clock`] | how long cells live; births and divisions in minutes |
 //! | [`scenario`] | one of several lineages that are compared |
 //! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
@@ -19,6 +19,7 @@ mod check;
 mod clash;
 pub mod clock;
 pub mod definition;
+pub mod founder;
 pub mod grow;
 pub mod observed;
 pub mod physics;
@@ -32,7 +33,8 @@ pub mod tree;
 pub mod units;
 
 pub use clock::{CellTimes, Clock, FounderClock, Origin};
-pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, TEMPLATE};
+pub use definition::{C_ELEGANS, CueRule, Limits, Lineage, TEMPLATE};
+pub use founder::{Daughter, Founder};
 pub use grow::{GrowError, Grower, grow_replicates, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;

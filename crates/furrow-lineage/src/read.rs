@@ -8,10 +8,12 @@ use serde::de::IgnoredAny;
 
 use super::check::Check;
 use super::clock::{Clock, WrittenLifetimes};
-use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
+use super::definition::{C_ELEGANS, CueRule, Limits, Lineage, unique};
+use super::founder::{Founder, in_shells};
 use super::rules::PhysicsRule;
 use super::units::Units;
 use furrow_cell::cue::WrittenCue;
+use furrow_cell::profile::WrittenShell;
 use furrow_cell::{Cue, CueError, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document, parse_ron, read_text, shown};
 
@@ -95,12 +97,14 @@ fn checked(lineage: Lineage, text: &str, file: &str) -> Result<Lineage, InputErr
 
 /// The unchecked lineage of a text without a base.
 fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
-    let written: Lineage<WrittenCue, WrittenLifetimes> = parse_document(text, file, "a lineage file", "Lineage")?;
+    let written: Lineage<WrittenCue, WrittenLifetimes, WrittenShell> =
+        parse_document(text, file, "a lineage file", "Lineage")?;
     // Without `..`: the compiler asks for every field.
     let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders } =
         written;
     let cues = in_units(cues, units, file)?;
     let clock = clock.map(|clock| clock.resolved(file)).transpose()?;
+    let founders = in_shells(founders, [text, file])?;
     Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders })
 }
 
@@ -156,7 +160,7 @@ struct Differing {
     clock: Option<Clock<WrittenLifetimes>>,
     /// Founders of the base by name, with what differs, and further ones.
     #[serde(default)]
-    founders: Vec<Founder>,
+    founders: Vec<Founder<WrittenShell>>,
 }
 
 /// The unchecked lineage of a text that names a base; `None` if it names no base.
@@ -174,11 +178,11 @@ fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
         let allowed = format!("the name of a built-in lineage: {}{nearest}", shown(BASE));
         return Err(InputError::not_allowed(file, "base", shown(&differing.base), allowed));
     }
-    differing.over(Lineage::c_elegans()?, file).map(Some)
+    differing.over(Lineage::c_elegans()?, [text, file]).map(Some)
 }
 
 impl Differing {
-    fn over(self, mut base: Lineage, file: &str) -> Result<Lineage, InputError> {
+    fn over(self, mut base: Lineage, [text, file]: [&str; 2]) -> Result<Lineage, InputError> {
         let Differing {
             base: _,
             name,
@@ -215,7 +219,7 @@ impl Differing {
         }
         let of_base = base.founders.len();
         let mut changed = vec![false; of_base];
-        for founder in founders {
+        for founder in in_shells(founders, [text, file])? {
             match base.founders[..of_base].iter().position(|other| other.name == founder.name) {
                 None => base.founders.push(founder),
                 // A file without a base is refused for this by the check.
@@ -223,56 +227,9 @@ impl Differing {
                     let field = format!("founder {}", shown(&founder.name));
                     return Err(InputError::not_allowed(file, field, "(given twice)", "given once"));
                 }
-                Some(k) => replace(&mut base.founders[k], founder),
+                Some(k) => base.founders[k].replace(founder),
             }
         }
         Ok(base)
     }
-}
-
-/// Overrides a founder of the base.
-fn replace(founder: &mut Founder, with: Founder) {
-    // Without `..`: a new field does not compile until it is handled.
-    let Founder {
-        name: _,
-        mother,
-        daughter,
-        cue,
-        inherit,
-        cue_passes_to,
-        rounds_without_cue,
-        cue_rules,
-        r0,
-        physics,
-        physics_rules,
-        clock,
-        letters,
-        most_rounds,
-        growth,
-        observed,
-    } = with;
-    founder.mother = mother.or(founder.mother.take());
-    founder.daughter = daughter.or(founder.daughter);
-    // A cue and rules exclude each other, so that either takes the place of both.
-    if cue.is_some() || !cue_rules.is_empty() {
-        (founder.cue, founder.cue_rules, founder.inherit) = (cue, cue_rules, inherit);
-    } else if !inherit {
-        founder.inherit = false;
-    }
-    founder.r0 = r0.or(founder.r0);
-    if !physics.is_empty() {
-        founder.physics = physics;
-    }
-    if !physics_rules.is_empty() {
-        founder.physics_rules = physics_rules;
-    }
-    founder.clock = clock.or(founder.clock);
-    if !letters.is_empty() {
-        founder.letters = letters;
-    }
-    founder.cue_passes_to = cue_passes_to.or(founder.cue_passes_to);
-    founder.rounds_without_cue = rounds_without_cue.or(founder.rounds_without_cue);
-    founder.most_rounds = most_rounds.or(founder.most_rounds);
-    founder.growth = growth.or(founder.growth);
-    founder.observed = observed.or(founder.observed);
 }

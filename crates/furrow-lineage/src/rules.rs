@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::definition::{Daughter, Lineage};
+use super::definition::Lineage;
+use super::founder::Daughter;
 use super::physics::FounderPhysics;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::{did_you_mean, shown};
@@ -215,7 +216,7 @@ impl Lineage {
         !self.physics_rules.is_empty() || self.founders.iter().any(|founder| !founder.physics_rules.is_empty())
     }
 
-    /// A cell of a founder with the parameters of its division. Rules override the founder's parameters, and these override the
+    /// A cell of a founder with the parameters of its division. Rules override the founder's parameters and shell, and these override the
     /// run's.
     pub(super) fn parameters(
         &self,
@@ -224,18 +225,18 @@ impl Lineage {
         run: &Cell,
     ) -> Cell {
         let mut cell = Cell { r0, cue: cue.clone(), ..run.clone() };
-        self.founders[founder].physics.apply(&mut cell);
+        self.founders[founder].apply(&mut cell);
         ruled.into_iter().for_each(|physics| physics.apply(&mut cell));
         cell
     }
 
-    /// Sets the parameters that its founder and rules give a cell at a place: of each parameter by the first rule that applies. `cell`
+    /// Sets the shell and the parameters that its founder and rules give a cell at a place: of each parameter by the first rule that applies. `cell`
     /// has the parameters of the run, and the cue.
     ///
     /// # Errors
     /// A rule gives a value that is not allowed: names the parameter, the value and the allowed values.
     pub fn set_physics(&self, place: Place, cell: &mut Cell, mother: Option<Mother<'_>>) -> Result<Ruled, String> {
-        self.founders[place.founder].physics.apply(cell);
+        self.founders[place.founder].apply(cell);
         let (rules, generation) = self.physics_rules_at(place);
         let (own, mut ruled) = (cell.clone(), Ruled::default());
         let mut done: Vec<Parameter> = Vec::new();

@@ -8,7 +8,7 @@ use furrow_lineage::{FounderPhysics, Lineage, parse_cue};
 use furrow_mechanics::cortex::equations::{LENGTH, M, PSI, R, REGULATED, Z};
 use furrow_mechanics::cortex::forces::own_stress;
 use furrow_mechanics::cortex::observables::regulator_at;
-use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::cortex::{Cortex, Domain, Wall};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
 use furrow_mechanics::polarity::resolved;
 use serde::Deserialize;
@@ -59,12 +59,6 @@ struct Request {
     lineage: Option<Lineage>,
 }
 
-/// Half axes a and b of a cell's shell, in L_h: ε = V/(4πab²/3).
-fn shell(cell: &Cell) -> [f64; 2] {
-    let b = (cell.r0.powi(3) / (cell.epsilon * cell.shell.aspect)).cbrt();
-    [cell.shell.aspect * b, b]
-}
-
 /// Computes a division and answers with its record and, as numbers, the drawing of its steps.
 ///
 /// # Errors
@@ -99,12 +93,12 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     for (t, shape) in &shapes {
         film.draw(shape, *t > 0.0, &mut numbers);
     }
-    // Half axes of the shell along the axis of division and across it, in L_h; time, in τ, and radius of the neck, in
+    // The wall of the shell as r and z from the pole u = 0 to the other, in L_h; time, in τ, and radius of the neck, in
     // L_h, of each step. The numbers of a frame are (r, z, drawn cue) at each point, then (r, z, force along r, force
     // along z) at each arrow, then, with a regulator, φ at each point.
     let mut found = serde_json::to_value(&division)?;
     found["cue"] = json!(input.cell.cue);
-    found["shell"] = json!(shell(&input.cell));
+    found["wall"] = json!(Wall::of(&film.cortex).contour());
     found["frames"] = json!(frames);
     found["points"] = json!(film.places.len());
     found["arrows"] = json!(film.arrows.len());
@@ -230,6 +224,30 @@ mod tests {
         let request = json!({ "cell": cell, "numerics": Numerics::default(), "seed": 0, "frames": frames });
         let answer = divide(request.to_string().as_bytes()).unwrap();
         (serde_json::from_str(&answer.text).unwrap(), answer.numbers)
+    }
+
+    /// The wall of an egg is wider towards the pole u = 0, at z > 0, and ends at both poles.
+    #[test]
+    fn the_wall_is_that_of_the_profile() {
+        let wall =
+            |cell: &Cell| -> Vec<[f64; 2]> { serde_json::from_value(asked(cell, "last").0["wall"].take()).unwrap() };
+        let row = |k: usize| {
+            let (sin, cos) = (k as f64 * PI / 24.0).sin_cos();
+            format!("{},{}\n", 1.505 * cos, if k.is_multiple_of(24) { 0.0 } else { sin * (1.0 + 0.2 * cos).sqrt() })
+        };
+        let table = format!("z,r\n{}", (0..=24).map(row).collect::<String>());
+        let egg = furrow_cell::ShellProfile::from_table(table.as_bytes(), "egg", "egg.csv").unwrap();
+        let cell = Cell::new(2.5);
+        let widest = |wall: &[[f64; 2]]| {
+            wall.iter().copied().fold([0.0; 2], |most, place| if place[0] > most[0] { place } else { most })
+        };
+        let [_, z] = widest(&wall(&cell.clone().with_shell_profile(egg)));
+        assert!(z > 0.2, "{z}");
+        let ellipse = wall(&cell);
+        let [along, across] =
+            [cell.shell.aspect, 1.0].map(|axis| axis * (cell.r0.powi(3) / (cell.epsilon * cell.shell.aspect)).cbrt());
+        assert!((widest(&ellipse)[0] / across - 1.0).abs() < 1e-12 && widest(&ellipse)[1].abs() < 1e-12);
+        assert!((ellipse[0][1] / along - 1.0).abs() < 1e-12 && (ellipse[48][1] / along + 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A division as a page: its film as a surface that readers turn.
 
+use std::f64::consts::PI;
 use std::io::{self, Write};
 
 use base64::Engine;
@@ -8,6 +9,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use furrow_cell::{Cell, Settings};
 use furrow_formats::surface::{SurfaceFrame, blended, strongest};
+use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::division::{Division, DivisionInput};
 use serde_json::json;
 
@@ -21,14 +23,17 @@ const SCRIPTS: [&str; 4] = [PARTS, THEME, PLAYING, include_str!("page/turned.js"
 /// The whole numbers of the largest coordinate and of the value with the strongest colour.
 const LARGEST: [f64; 2] = [32767.0, 127.0];
 
+/// Where rings around the shell are, as shares of its half axis if it is an ellipsoid.
+const RINGS: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
+
 /// The film of a division.
 pub struct FilmPage<'a> {
     /// What was divided.
     pub input: &'a DivisionInput,
     /// How it ended.
     pub division: &'a Division,
-    /// Half axes of the shell along x, y and z, in L_h.
-    pub shell: [f64; 3],
+    /// The wall of the shell.
+    pub wall: &'a Wall,
     /// The quantity and unit of the surfaces' values.
     pub value: &'a str,
     /// Its surfaces, with the numbers of each in [`About`](furrow_formats::frames::About).
@@ -41,14 +46,18 @@ impl FilmPage<'_> {
     /// # Errors
     /// Of compression, which does not fail in memory.
     pub fn html(&self) -> io::Result<String> {
-        let FilmPage { input: DivisionInput { cell, numerics, seed }, division, shell, value, frames } = *self;
+        let FilmPage { input: DivisionInput { cell, numerics, seed }, division, wall, value, frames } = *self;
         let Cell { r0, epsilon, xi_s, cue, .. } = cell;
         let coordinates = frames.iter().flat_map(|frame| &frame.surface.points).flatten();
         let extent = coordinates.fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
         let strongest = strongest(frames);
         let colours = [-1.0, 0.0, 1.0].map(blended);
+        let rings = RINGS.map(|along| wall.at(along.acos()));
+        let poles = [0.0, PI].map(|angle| wall.at(angle)[1]);
         let data = json!({
-            "shell": shell,
+            "shell": wall.axes,
+            "rings": rings,
+            "poles": poles,
             "colours": colours,
             "unit": extent / LARGEST[0],
             "steps": LARGEST[1],

@@ -4,7 +4,7 @@ use super::observed_table::{Column, MODEL, decimals, observed_columns};
 use super::summary::{Generation, TreeSummary};
 use furrow_cell::Parameter;
 use furrow_formats::FounderRow;
-use furrow_lineage::{CellId, TerminalReason, Tree, TreeCell};
+use furrow_lineage::{CellId, Founder, TerminalReason, Tree, TreeCell};
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::azimuthal_threshold::grows_one_sided;
 use std::fmt::Write;
@@ -148,12 +148,12 @@ fn cues(tree: &Tree, rows: &[FounderRow]) -> String {
 
 /// Parameters changed by founders.
 fn physics(tree: &Tree) -> String {
-    let changed = tree.lineage.founders.iter().filter(|founder| !founder.physics.is_empty());
-    paragraph(changed.map(|founder| {
-        let values = founder.physics.values().map(|(name, value)| format!("{name} = {value}"));
-        let values = values.collect::<Vec<_>>().join(", ");
-        format!("{} and its descendants up to the next founder: {values}\n", founder.name)
-    })) + &paragraph(ruled(tree))
+    let changes = |founder: &Founder| {
+        let changes: Vec<String> = founder.changes().collect();
+        let told = || format!("{} and its descendants up to the next founder: {}\n", founder.name, changes.join(", "));
+        (!changes.is_empty()).then(told)
+    };
+    paragraph(tree.lineage.founders.iter().filter_map(changes)) + &paragraph(ruled(tree))
 }
 
 /// Parameters set by rules, from the least value to the greatest.

@@ -1,6 +1,7 @@
 //! A division with all its shapes, for pictures and files.
 
 use furrow_cell::Cell;
+use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::division::{DivisionError, DivisionInput, uniform_times};
 use furrow_mechanics::polarity;
 
@@ -67,8 +68,8 @@ pub struct Film {
     pub found: SurfaceDivision,
     /// The cell, with the resolved position of its cue.
     pub cell: Cell,
-    /// The half axes of the shell along x, y and z, in L_h; y = 0 is the mirror plane.
-    pub shell: [f64; 3],
+    /// The wall of the shell; y = 0 is the mirror plane.
+    pub wall: Wall,
     /// The shapes after every step, the first at t = 0.
     pub steps: Vec<Step>,
 }
@@ -83,8 +84,9 @@ impl Film {
         let found = divide(input, &mut |problem, level| steps.push(Step::of(problem, level)))?;
         let cell = polarity::resolved(&input.cell).map_err(|source| DivisionError::Polarity { source })?.into_owned();
         let axes = steps.first().map_or([f64::NAN; 3], |step: &Step| step.problem.inverse_axes2());
-        let shell = axes.map(|inverse: f64| inverse.recip().sqrt());
-        Ok(Film { found, cell, shell, steps })
+        let profile = cell.shell_profile.as_ref().map(|profile| profile.factor().clone());
+        let wall = Wall { axes: axes.map(|inverse: f64| inverse.recip().sqrt()), profile };
+        Ok(Film { found, cell, wall, steps })
     }
 
     /// The last time, in τ.

@@ -7,9 +7,11 @@
 //!
 //! | file | contents |
 //! |---|---|
+//! | `choice` | the ellipsoid or the profile of a table, as settings and files choose |
 //! | `fit` | h, a/b and the origin from a table |
 //! | `file` | tables, and profiles in JSON |
 
+mod choice;
 mod file;
 mod fit;
 #[cfg(test)]
@@ -20,6 +22,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::law::{Algebra, Function};
+
+pub use choice::{ELLIPSOID, ShellChoice, WrittenShell};
 
 /// The most terms of h.
 pub const MOST_TERMS: usize = 25;

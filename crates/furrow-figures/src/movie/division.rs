@@ -56,10 +56,9 @@ impl Movie<'_> {
         let still = |t: f64| &stills[times.partition_point(|time| *time < t).min(last)];
         let surface = |t: f64| surface(still(t), film, phi);
         let forces = |t: f64| forces(still(t));
-        let [along, across] = film.shell();
         use_it(&Scene {
             title: title(cell),
-            shell: [across, across, along],
+            shell: film.wall(),
             times: times.clone(),
             surface: &surface,
             forces: &forces,

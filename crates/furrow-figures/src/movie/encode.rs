@@ -53,15 +53,15 @@ impl MovieFormat {
 pub fn bytes(scene: &Scene<'_>, format: MovieFormat, shown: &dyn Fn(usize, usize)) -> Result<Vec<u8>, FigureError> {
     let counted = |k: usize| shown(k + 1, scene.times.len());
     match format {
-        MovieFormat::Svg => Ok(animated(&Stage::new(scene, DENSITY), &counted)?.into_bytes()),
-        MovieFormat::Gif => gif(&Stage::new(scene, 1.0), &counted),
-        MovieFormat::Png => apng(&Stage::new(scene, 1.0), &counted),
+        MovieFormat::Svg => Ok(animated(&Stage::new(scene, DENSITY)?, &counted)?.into_bytes()),
+        MovieFormat::Gif => gif(&Stage::new(scene, 1.0)?, &counted),
+        MovieFormat::Png => apng(&Stage::new(scene, 1.0)?, &counted),
     }
 }
 
 /// The frame of a scene at a time as a PNG.
 pub fn png(scene: &Scene<'_>, t: f64, density: f64) -> Result<Vec<u8>, FigureError> {
-    let (pixels, size) = Stage::new(scene, density).frame(t)?.pixels()?;
+    let (pixels, size) = Stage::new(scene, density)?.frame(t)?.pixels()?;
     let mut bytes = Vec::new();
     encoder(&mut bytes, size, density).write_header()?.write_image_data(&pixels)?;
     Ok(bytes)

@@ -1,6 +1,6 @@
 //! One frame of a movie.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -10,7 +10,7 @@ use super::light;
 use super::palette::{Palette, png};
 use super::raster::{Part, Window, parts};
 use super::scene::{Force, Scene};
-use super::shell::{GLASS, glass};
+use super::shell::{GLASS, glass, outline};
 use super::view::View;
 use crate::drawing::cell::{ANTERIOR, POSTERIOR};
 use crate::drawing::font;
@@ -52,11 +52,14 @@ pub struct Frame {
 
 impl<'s, 'a> Stage<'s, 'a> {
     /// For the frames of a scene, with `density` pixels in a unit of the canvas.
-    pub fn new(scene: &'s Scene<'a>, density: f64) -> Stage<'s, 'a> {
+    ///
+    /// # Errors
+    /// Of a shell that is not finite.
+    pub fn new(scene: &'s Scene<'a>, density: f64) -> Result<Stage<'s, 'a>, FigureError> {
         let centre = [0.5 * SIZE[0], 0.5 * SIZE[1] + 8.0];
-        let [long, high] = View::new(centre, 1.0).outline(scene.shell);
+        let [long, high] = outline(&scene.shell, &View::new(centre, 1.0));
         let view = View::new(centre, (0.38 * SIZE[0] / long).min(0.36 * SIZE[1] / high));
-        let half = view.outline(scene.shell);
+        let half = outline(&scene.shell, &view);
         let [(left, right), (top, bottom)] = [0, 1].map(|c| {
             let ends = [-1.0, 1.0].map(|side| density * (centre[c] + side * (half[c] + MARGIN)));
             let most = (density * SIZE[c]).round();
@@ -69,8 +72,8 @@ impl<'s, 'a> Stage<'s, 'a> {
         let mut sizes: Vec<f64> = forces.map(|force| length(force.vector)).collect();
         sizes.sort_by(f64::total_cmp);
         let largest = sizes.get(sizes.len() * 97 / 100).map_or(0.0, |size| size.max(1e-9));
-        let glass = glass(scene.shell, &view, density, window);
-        Stage { scene, view, largest, density, window, glass }
+        let glass = glass(&scene.shell, &view, density, window)?;
+        Ok(Stage { scene, view, largest, density, window, glass })
     }
 
     /// The colours of words, arrows and the legend.
@@ -112,19 +115,12 @@ impl<'s, 'a> Stage<'s, 'a> {
 
     /// Rings around the shell; their far halves lie behind the cell.
     fn rings(&self, canvas: &mut Canvas, behind: bool) {
-        let axes = self.scene.shell;
+        let wall = &self.scene.shell;
         let thin = Stroke::solid(if behind { [0xd8; 3] } else { [0xb9; 3] }, 0.9);
         for ring in -2..=2 {
-            let share = 0.4 * f64::from(ring);
-            let r = (1.0 - share * share).sqrt();
-            let place = |k: usize| {
-                let (sin, cos) = (k as f64 / RING as f64 * TAU).sin_cos();
-                [axes[0] * r * cos, axes[1] * r * sin, axes[2] * share]
-            };
-            let hidden = |point: [f64; 3]| {
-                let outwards = [0, 1, 2].map(|k| point[k] / (axes[k] * axes[k]));
-                self.view.turned(outwards)[2] < 0.0
-            };
+            let angle = (0.4 * f64::from(ring)).acos();
+            let place = |k: usize| wall.place(angle, k as f64 / RING as f64 * TAU);
+            let hidden = |point: [f64; 3]| self.view.turned(wall.normal(point))[2] < 0.0;
             let is_shown = |k: usize| hidden(place(k)) == behind;
             // The start of the visible arc; 0 if the whole ring is on one side.
             let first = (1..=RING).find(|k| is_shown(*k) && !is_shown(k - 1)).unwrap_or(0);
@@ -167,11 +163,10 @@ impl<'s, 'a> Stage<'s, 'a> {
             canvas.text([x + 24.0, y], word, text::TICK, Anchor::Start, style::MUTED);
             x += 16.0 + width;
         }
-        let end = shell[2];
-        for (x, z, pole, anchor) in
-            [(20.0, -end, ANTERIOR, Anchor::Start), (SIZE[0] - 20.0, end, POSTERIOR, Anchor::End)]
+        for (x, angle, pole, anchor) in
+            [(20.0, PI, ANTERIOR, Anchor::Start), (SIZE[0] - 20.0, 0.0, POSTERIOR, Anchor::End)]
         {
-            let [_, y] = self.view.point([0.0, 0.0, z]);
+            let [_, y] = self.view.point(shell.place(angle, 0.0));
             canvas.text([x, y + 5.0], pole, text::TICK, anchor, style::MUTED);
         }
         if t >= *from {

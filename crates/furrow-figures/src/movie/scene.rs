@@ -4,6 +4,7 @@ use super::encode::{self, MovieFormat};
 use crate::drawing::FigureError;
 use crate::drawing::style::Colour;
 use furrow_formats::surface::SurfaceGrid;
+use furrow_mechanics::cortex::Wall;
 
 /// A force on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,8 +19,8 @@ pub struct Force {
 pub struct Scene<'a> {
     /// The cell in words.
     pub title: String,
-    /// Half axes of the shell along x, y and z, in L_h.
-    pub shell: [f64; 3],
+    /// The wall of its shell.
+    pub shell: Wall,
     /// The times of the frames, in τ.
     pub times: Vec<f64>,
     /// The surface at one of these times. Its values, from −1 (blue) to 1 (orange), set its tint.

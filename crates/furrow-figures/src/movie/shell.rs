@@ -1,43 +1,50 @@
 //! The shell, as glass that is visible mainly at its edge.
 
-use super::raster::Window;
+use std::f64::consts::{PI, TAU};
+
+use super::raster::{Part, Window, parts};
 use super::view::View;
+use crate::drawing::FigureError;
+use furrow_formats::surface::SurfaceGrid;
+use furrow_mechanics::cortex::Wall;
 
 /// Colour of the glass.
 pub const GLASS: [f32; 3] = [104.0, 130.0, 150.0];
 /// Opacity of the glass where it faces the viewer, and the opacity added at its edge.
-const FACING: f64 = 0.015;
-const EDGE: f64 = 0.30;
-/// Samples of a pixel along each side.
-const SAMPLES: usize = 2;
+const FACING: f32 = 0.015;
+const EDGE: f32 = 0.30;
+/// Rows and columns of its surface, enough for a smooth outline.
+const ROWS: usize = 145;
+const COLUMNS: usize = 192;
 
-/// The share of each pixel of a window that the glass of an ellipsoid, with half axes along x, y and z, covers.
-pub fn glass(axes: [f64; 3], view: &View, density: f64, window: Window) -> Vec<f32> {
-    // In a space where the ellipsoid is the unit sphere.
-    let round = |point: [f64; 3]| [0, 1, 2].map(|k| point[k] / axes[k]);
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let towards = view.back([0.0, 0.0, 1.0]);
-    let ray = round(towards);
-    let share = |x: f64, y: f64| {
-        let right = (x / density - view.centre[0]) / view.scale;
-        let up = (view.centre[1] - y / density) / view.scale;
-        let start = round(view.back([right, up, 0.0]));
-        let (a, b, c) = (dot(ray, ray), dot(start, ray), dot(start, start) - 1.0);
-        let under = b * b - a * c;
-        if under <= 0.0 {
-            return 0.0;
-        }
-        let far = (under.sqrt() - b) / a;
-        let normal = round([0, 1, 2].map(|k| start[k] + far * ray[k]));
-        let grazing = 1.0 - dot(normal, towards) / dot(normal, normal).sqrt();
-        FACING + EDGE * grazing * grazing * grazing
+/// Lengths on the canvas of half the picture of a shell, to the right and upwards.
+pub fn outline(wall: &Wall, view: &View) -> [f64; 2] {
+    let points = (0..ROWS * COLUMNS).map(|k| view.point(place(wall, k)));
+    points.fold([0.0; 2], |most, point| [0, 1].map(|c| f64::max(most[c], (point[c] - view.centre[c]).abs())))
+}
+
+/// A point of the grid.
+fn place(wall: &Wall, k: usize) -> [f64; 3] {
+    let around = (k % COLUMNS) as f64 / COLUMNS as f64 * TAU;
+    match k / COLUMNS {
+        // Rounding leaves sin π above 0, and a pole is one point.
+        row if row + 1 == ROWS => wall.place(PI, 0.0),
+        row => wall.place(row as f64 / (ROWS - 1) as f64 * PI, around),
+    }
+}
+
+/// The share of each pixel of a window that the glass of a shell covers.
+///
+/// # Errors
+/// Of a shell that is not finite.
+pub fn glass(wall: &Wall, view: &View, density: f64, window: Window) -> Result<Vec<f32>, FigureError> {
+    let points: Vec<[f64; 3]> = (0..ROWS * COLUMNS).map(|k| place(wall, k)).collect();
+    let normals = points.iter().map(|point| wall.normal(*point)).collect();
+    let grid = SurfaceGrid { rows: ROWS, columns: COLUMNS, values: vec![0.0; points.len()], points, normals };
+    let share = |part: &Part| {
+        let grazing = 1.0 - part.normal[2].clamp(0.0, 1.0);
+        part.cover * (FACING + EDGE * grazing * grazing * grazing)
     };
-    let [left, top] = window.corner;
-    let pixel = |k: usize| {
-        let (x, y) = (left + k % window.size[0], top + k / window.size[0]);
-        let place = |k: usize, at: usize| at as f64 + (k as f64 + 0.5) / SAMPLES as f64;
-        let all = (0..SAMPLES * SAMPLES).map(|k| share(place(k % SAMPLES, x), place(k / SAMPLES, y)));
-        (all.sum::<f64>() / (SAMPLES * SAMPLES) as f64) as f32
-    };
-    (0..window.size[0] * window.size[1]).map(pixel).collect()
+    let all = parts(&grid.mesh()?, view, density, window);
+    Ok(all.iter().map(|both| both.iter().map(share).sum()).collect())
 }

@@ -35,7 +35,7 @@ impl SurfaceMovie<'_> {
         };
         let scene = Scene {
             title: title(cell),
-            shell: film.shell,
+            shell: film.wall.clone(),
             times: even_times(film.end(), *frames),
             surface: &surface,
             forces: &|_| Vec::new(),

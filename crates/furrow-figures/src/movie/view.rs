@@ -30,12 +30,6 @@ impl View {
         (self.rotation * Vector3::new(z, x, y)).into()
     }
 
-    /// The direction in space of such parts.
-    pub fn back(&self, [right, up, near]: [f64; 3]) -> [f64; 3] {
-        let [z, x, y] = (self.rotation.inverse() * Vector3::new(right, up, near)).into();
-        [x, y, z]
-    }
-
     /// A point on the canvas, and its distance towards the viewer, in units of the canvas.
     pub fn project(&self, point: [f64; 3]) -> [f64; 3] {
         let [right, up, near] = self.turned(point);
@@ -46,11 +40,5 @@ impl View {
     pub fn point(&self, point: [f64; 3]) -> [f64; 2] {
         let [x, y, _] = self.project(point);
         [x, y]
-    }
-
-    /// Lengths on the canvas of half the outline of an ellipsoid, to the right and upwards.
-    pub fn outline(&self, [x, y, z]: [f64; 3]) -> [f64; 2] {
-        let axes = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]].map(|axis| self.turned(axis));
-        [0, 1].map(|c| self.scale * axes.iter().map(|axis| axis[c] * axis[c]).sum::<f64>().sqrt())
     }
 }

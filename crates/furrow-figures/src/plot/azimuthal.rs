@@ -7,8 +7,7 @@ use crate::drawing::legend::{Key, Legend, titled};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_mechanics::azimuthal::mode::{Displacement, Mode};
-use furrow_mechanics::cortex::Cortex;
-use furrow_mechanics::cortex::forces::shell_contour;
+use furrow_mechanics::cortex::{Cortex, Wall};
 
 const WIDTH: f64 = 1000.0;
 /// Height of the row of one mode.
@@ -40,7 +39,7 @@ pub fn draw(cortex: &Cortex, modes: &[Mode]) -> Canvas {
         .with(Key::Area(OUT.map(|c| c as u8)), "moved outwards")
         .with(Key::Area(IN.map(|c| c as u8)), "moved inwards");
     let (mut canvas, top) = titled(WIDTH, ROW * modes.len() as f64 + 10.0, &title, &legend);
-    let wall = shell_contour(cortex);
+    let wall = Wall::of(cortex).contour();
     let axes = extent(&wall);
     let scale = (0.40 * 0.5 * WIDTH / axes[0]).min(0.36 * ROW / axes[1]);
     for (k, mode) in modes.iter().enumerate() {

@@ -10,8 +10,7 @@ use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::{Cell, Parameter};
-use furrow_mechanics::cortex::forces::shell_contour;
-use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::cortex::{Cortex, Domain, Wall};
 use furrow_mechanics::equilibria::{Branch, Criticality, PointKind, ShapePoint};
 
 /// A branch with contours under its name: `symmetric`, `asymmetric` or `cued`.
@@ -113,7 +112,7 @@ fn chosen<'a>(branches: &'a [Named]) -> Vec<Shape<'a>> {
 }
 
 fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f64) {
-    let wall = shell_contour(&Cortex::new(cell, Domain::Full, &[]));
+    let wall = Wall::of(&Cortex::new(cell, Domain::Full, &[])).contour();
     let axes = extent(&wall);
     let width = (WIDTH - 40.0) / shapes.len().max(1) as f64;
     let scale = (0.44 * width / axes[0]).min(0.40 * SHAPES / axes[1]);

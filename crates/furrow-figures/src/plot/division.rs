@@ -31,7 +31,7 @@ pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
     let legend = drawn::cue_legend(&film.cell().cue, film.step(film.times().len().saturating_sub(1)).length, phi);
     let carried = if phi.is_some() { CARRIED } else { 0.0 };
     let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0] + carried, &title, &legend);
-    contours(&mut canvas, film.cell(), (&film.shell_contour(), &stills), phi, top);
+    contours(&mut canvas, film.cell(), (&film.wall().contour(), &stills), phi, top);
     let top = top + CELLS + 22.0;
     over_time(&mut canvas, cell, film, top);
     balance(&mut canvas, &half_way(film), top);

@@ -7,7 +7,6 @@ use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
-use furrow_mechanics::cortex::forces::wall_contour;
 use furrow_surface::film::{Film, Observables, Step};
 
 use super::division::{ending, evenly_passed};
@@ -24,7 +23,7 @@ const STILLS: usize = 6;
 pub fn draw(cell: &Cell, film: &Film) -> Canvas {
     let title = format!("{}, without axial symmetry: {}", style::described(cell, &[]), ending(&film.found.division));
     let (mut canvas, top) = titled(WIDTH, CELLS + 46.0 + CHART, &title, &Legend::default());
-    sections(&mut canvas, cell, film, top);
+    sections(&mut canvas, film, top);
     let what = "sections by the plane in which the neck moves";
     canvas.text([0.5 * WIDTH, top + CELLS + 18.0], what, text::TICK, Anchor::Middle, style::MUTED);
     over_time(&mut canvas, cell, film, top + CELLS + 46.0);
@@ -34,11 +33,11 @@ pub fn draw(cell: &Cell, film: &Film) -> Canvas {
 /// Times between which the neck closes, or the mean meridian grows, by equal parts.
 fn times(film: &Film) -> Vec<f64> {
     let Some(first) = film.steps.first() else { return Vec::new() };
-    let radius = |shape: &Observables| shape.neck.map_or(film.shell[0], |neck| neck.radius);
+    let radius = |shape: &Observables| shape.neck.map_or(film.wall.axes[0], |neck| neck.radius);
     let closes = film.found.division.chi().is_some();
     let progress = |step: &Step| {
         let longer = (step.shape.length / first.shape.length).ln();
-        if closes { 0.5 * longer + 1.0 - radius(&step.shape) / film.shell[0] } else { longer }
+        if closes { 0.5 * longer + 1.0 - radius(&step.shape) / film.wall.axes[0] } else { longer }
     };
     let times: Vec<f64> = film.steps.iter().map(|step| step.shape.t).collect();
     let passed: Vec<f64> = film.steps.iter().map(progress).collect();
@@ -47,10 +46,9 @@ fn times(film: &Film) -> Vec<f64> {
     stills
 }
 
-fn sections(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
+fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
     let width = (WIDTH - 40.0) / STILLS as f64;
-    let profile = cell.shell_profile.as_ref().map(|profile| profile.factor());
-    let shell = wall_contour([film.shell[2], film.shell[0]], profile);
+    let shell = film.wall.contour();
     let [along, across] = drawn::extent(&shell);
     let scale = (0.46 * width / along).min(0.42 * (CELLS - 30.0) / across);
     // The side of the axis on which the neck ends is drawn below.

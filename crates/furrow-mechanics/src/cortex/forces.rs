@@ -22,7 +22,6 @@ use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, 
 use super::own;
 use furrow_cell::cue::Field;
 use furrow_cell::law::Active;
-use furrow_cell::profile::Factor;
 
 /// Closer to the axis than this, relative to R0, cosψ/r and sinψ/r are replaced by their limits.
 const ON_AXIS: f64 = 1e-9;
@@ -340,31 +339,6 @@ fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
         + here.xi_s * (0.5 * mean_s - c_pp_s)
         + here.xi_b * mean_s;
     noise * (along + cot * here.xi_s * (c_uu - c_pp))
-}
-
-/// The wall of the shell as (r, z) from the pole u = 0 to the other, in L_h.
-pub fn shell_contour(cortex: &Cortex) -> Vec<[f64; 2]> {
-    wall_contour(shell_axes(cortex), cortex.constants().shell_factor.as_ref())
-}
-
-/// The wall of a shell with the half axes `[along, across]` of its ellipsoid as (r, z) from pole to pole.
-pub fn wall_contour([along, across]: [f64; 2], factor: Option<&Factor>) -> Vec<[f64; 2]> {
-    let at = |k: usize| {
-        let (sin, cos) = (k as f64 / SHELL_PARTS as f64 * std::f64::consts::PI).sin_cos();
-        let radius = factor.map_or(1.0, |factor| factor.radius(cos));
-        [across * sin * radius, along * cos * radius]
-    };
-    (0..=SHELL_PARTS).map(at).collect()
-}
-
-/// Parts of a shell's contour.
-const SHELL_PARTS: usize = 48;
-
-/// The ellipsoid that confines the cell, or has the volume and second moments of its shell: its half axes along z and across, in
-/// L_h.
-pub fn shell_axes(cortex: &Cortex) -> [f64; 2] {
-    let constants = cortex.constants();
-    [constants.shell.inverse_a2, constants.shell.inverse_b2].map(|inverse| inverse.powf(-0.5))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@
 //! | `amount` | the amount of a regulator without turnover, which belongs to the cell |
 //! | [`forces`] | curvatures, tensions, velocities and normal forces at a place |
 //! | [`resolution`] | the mesh monitor |
+//! | `wall` | the wall of the shell, for pictures |
 
 pub(crate) mod amount;
 mod coefficients;
@@ -35,6 +36,8 @@ pub mod problem;
 pub mod resolution;
 mod sweep;
 pub mod symmetry;
+mod wall;
 
 pub use equations::Domain;
 pub use problem::Cortex;
+pub use wall::Wall;

@@ -8,7 +8,7 @@ use super::run::{DivisionOptions, Frame, divide_with};
 use crate::cortex::equations::{LENGTH, PRESSURE};
 use crate::cortex::forces::{self, Place};
 use crate::cortex::observables::{self, Neck};
-use crate::cortex::{Cortex, Domain};
+use crate::cortex::{Cortex, Domain, Wall};
 use crate::polarity;
 use furrow_cell::Cell;
 use std::borrow::Cow;
@@ -125,15 +125,9 @@ impl Trajectory {
         &self.cortex.cell
     }
 
-    /// The wall of the shell as (r, z) from the pole u = 0 to the other, in L_h.
-    pub fn shell_contour(&self) -> Vec<[f64; 2]> {
-        forces::shell_contour(&self.cortex)
-    }
-
-    /// The half axes of the shell along z and across, in L_h. A profile has the half axes of the ellipsoid with the same
-    /// volume and second moments.
-    pub fn shell(&self) -> [f64; 2] {
-        forces::shell_axes(&self.cortex)
+    /// The wall of its shell.
+    pub fn wall(&self) -> Wall {
+        Wall::of(&self.cortex)
     }
 
     /// The times of all steps, the first at 0. At the last time the neck is narrower than at pinch-off, a little later

@@ -184,7 +184,8 @@ function sections(cell, numerics) {
 /** Options of the command line for what differs from the preset's cell and numerics; `given` stands by itself. */
 function settingOptions(cell, numerics, given) {
   const usual = sections(page.preset.cell, page.preset.numerics);
-  const options = [];
+  // The aspect ratio of the table may be set after it.
+  const options = cell.shell_profile ? [`--set shell_profile=${quoted(tableOf(cell))}`] : [];
   for (const [section, values] of Object.entries(sections(cell, numerics))) {
     for (const [name, value] of Object.entries(values)) {
       if (!given.includes(name) && value !== usual[section][name]) options.push(`--set ${name}=${value}`);
@@ -193,13 +194,17 @@ function settingOptions(cell, numerics, given) {
   return options;
 }
 
+/** The file of a cell's profile, which bears the name of its table. */
+const tableOf = ({ shell_profile }) => `${shell_profile.name}.csv`;
+
 /** A text as one word of a shell. */
 const quoted = (text) => (/^[\w.,:=+@%/-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
 /** A configuration file with these settings; `notes` are comments. */
 function configuration(cell, numerics, notes) {
   const part = ([section, values]) => `    ${section}: (\n${Object.entries(values).map(([name, value]) => `        ${name}: ${value},\n`).join("")}    ),\n`;
-  return `${notes.map((note) => `// ${note}\n`).join("")}Config(\n${Object.entries(sections(cell, numerics)).map(part).join("")})\n`;
+  const table = cell.shell_profile ? `    shell_profile: ${JSON.stringify(tableOf(cell))},\n` : "";
+  return `${notes.map((note) => `// ${note}\n`).join("")}Config(\n${table}${Object.entries(sections(cell, numerics)).map(part).join("")})\n`;
 }
 
 /** Why a cell has no daughters, in words. */
@@ -222,6 +227,14 @@ function endText(ended) {
 /** What the solver needs to compute the division of a cell of a tree. */
 function divisionOf(head, node) {
   const { cell, numerics, seed, r0_step } = head;
-  const physics = { ...head.lineage.founders[node.founder].physics, ...node.cell.physics };
-  return { cell: { ...cell, r0: node.cell.r0, cue: node.cell.cue }, numerics, seed, r0_step, physics };
+  const founder = head.lineage.founders[node.founder];
+  const physics = { ...founder.physics, ...node.cell.physics };
+  return { cell: { ...inShell(cell, founder), r0: node.cell.r0, cue: node.cell.cue }, numerics, seed, r0_step, physics };
+}
+
+/** A cell in the shell of its founder, who may have none of its own. A table has an aspect ratio. */
+function inShell(cell, { shell_profile: own }) {
+  if (own === undefined) return cell;
+  const { shell_profile, ...bare } = cell;
+  return own === "ellipsoid" ? bare : { ...bare, shell_profile: own, shell: { ...cell.shell, aspect: own.aspect } };
 }

@@ -152,7 +152,8 @@ function drawCell(canvas, recording, frame, { forces = true, size = null } = {})
   const [{ paint, width, height }, ink] = [taken, theme()];
   paint.fillStyle = ink.ground;
   paint.fillRect(0, 0, width, height);
-  const [a, b] = recording.answer.shell;
+  const { wall } = recording.answer;
+  const [b, a] = [0, 1].map((c) => Math.max(...wall.map((place) => Math.abs(place[c]))));
   // A contour may leave its shell, which is soft, by a little.
   const scale = Math.min((width - 44) / (2.24 * a), (height - 44) / (2.24 * b));
   const px = (z) => width / 2 + recording.sign * scale * z;
@@ -164,9 +165,8 @@ function drawCell(canvas, recording, frame, { forces = true, size = null } = {})
   paint.setLineDash([6, 4]);
   paint.strokeStyle = ink.shell;
   paint.lineWidth = 1.2;
-  paint.beginPath();
-  paint.ellipse(px(0), py(0), scale * a, scale * b, 0, 0, 2 * Math.PI);
-  paint.stroke();
+  const around = [...wall, ...wall.map(([r, z]) => [-r, z]).reverse()];
+  drawLine(paint, ...around.map(([r, z]) => [px(z), py(r)]));
   paint.setLineDash([]);
 
   const { contour, phi } = frame;

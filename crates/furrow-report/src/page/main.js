@@ -171,8 +171,9 @@ function main() {
     },
     onExplore: (node) => {
       const { head } = lineage.tree;
-      const physics = { ...head.lineage.founders[node.founder].physics, ...node.cell.physics };
-      whatIf.begin({ ...head.cell, ...pick(physics, ["epsilon", "xi_s"]), head, r0: node.cell.r0, cue: node.cell.cue, name: node.cell.name, physics });
+      const founder = head.lineage.founders[node.founder];
+      const physics = { ...founder.physics, ...node.cell.physics };
+      whatIf.begin({ ...head.cell, ...pick(physics, ["epsilon", "xi_s"]), head, founder, r0: node.cell.r0, cue: node.cell.cue, name: node.cell.name, physics });
       element("what-if").scrollIntoView({ behavior: "smooth" });
     },
   });

@@ -64,11 +64,10 @@ function normals(at, rows, columns) {
   return out;
 }
 
-/** Rings around the shell with half axes along x, y and z, as pairs of points. */
-function shellLines([a, b, c]) {
+/** Rings around the shell as pairs of points; its half axes are along x, y and z, and each ring has its r and z in units of them. */
+function shellLines([a, b, c], rings) {
   const lines = [];
-  for (const z of [-0.8, -0.4, 0, 0.4, 0.8]) {
-    const r = Math.sqrt(1 - z * z);
+  for (const [r, z] of rings) {
     const place = (k) => [a * r * Math.cos((k * Math.PI) / 60), b * r * Math.sin((k * Math.PI) / 60), c * z];
     for (let k = 0; k < 120; k++) lines.push(...place(k), ...place(k + 1));
   }
@@ -119,7 +118,7 @@ class Turned extends Playing {
     ["low", "zero", "high"].forEach((name, k) => gl.uniform3fv(this.uniform(name), this.data.colours[k].map((part) => part / 255)));
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles(Math.max(...this.data.rows), this.data.columns), gl.STATIC_DRAW);
-    this.lines = shellLines(this.data.shell);
+    this.lines = shellLines(this.data.shell, this.data.rings);
   }
 
   /** Gives the program a number or more for each vertex. */
@@ -209,7 +208,7 @@ class Turned extends Playing {
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     const size = [canvas.clientWidth, canvas.clientHeight];
     size.forEach((length, c) => (canvas[["width", "height"][c]] = Math.round(length * ratio)));
-    const along = Math.max(...data.shell);
+    const along = Math.max(...data.shell.slice(0, 2), ...data.poles.map((z) => Math.abs(z) * data.shell[2]));
     // There is room for the longest axis in every direction.
     const pixels = (this.zoom * 0.47 * Math.min(...size)) / along;
     gl.viewport(0, 0, canvas.width, canvas.height);
@@ -234,7 +233,7 @@ class Turned extends Playing {
 
   /** Words and numbers of the frame that is shown. */
   tell(pixels, [width, height]) {
-    for (const [name, z] of [["posterior", 1.17], ["anterior", -1.17]]) {
+    for (const [name, z] of [["posterior", 1.17 * this.data.poles[0]], ["anterior", 1.17 * this.data.poles[1]]]) {
       const [x, y] = this.turn.map((row) => pixels * row[2] * z * this.data.shell[2]);
       const within = (place, length) => Math.min(length - 36, Math.max(36, place));
       Object.assign(element(name).style, { left: `${within(width / 2 + x, width)}px`, top: `${within(height / 2 - y, height)}px` });

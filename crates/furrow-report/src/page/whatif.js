@@ -8,6 +8,7 @@ class WhatIf {
     this.solver = solver;
     this.edges = edges;
     this.head = page.head;
+    this.founder = {};
     this.physics = {};
     /** What the sliders are at: lengths in Lₕ. */
     this.values = {};
@@ -64,10 +65,11 @@ class WhatIf {
     this.changed();
   }
 
-  /** Begins at a cell: {head, r0, epsilon, xi_s, cue, name, physics}. */
+  /** Begins at a cell: {head, founder, r0, epsilon, xi_s, cue, name, physics}. */
   begin(start) {
     this.start = start;
     this.head = start.head ?? page.head;
+    this.founder = start.founder ?? {};
     this.physics = start.physics ?? {};
     element("what-if-start").textContent = start.name ? `Starting from ${start.name}.` : "";
     this.widen(start);
@@ -120,7 +122,7 @@ class WhatIf {
 
   /** The cell that the sliders say, with its cue as text. */
   cell() {
-    return { ...this.head.cell, r0: this.get("r0"), epsilon: this.get("epsilon"), xi_s: this.get("xi_s"), cue: this.cue() };
+    return { ...inShell(this.head.cell, this.founder), r0: this.get("r0"), epsilon: this.get("epsilon"), xi_s: this.get("xi_s"), cue: this.cue() };
   }
 
   /** A cell whose cue is text, as the solver reads it: with the lineage, which has names for cues. */
