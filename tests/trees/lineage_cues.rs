@@ -1,9 +1,11 @@
 //! Cues in a lineage: of founders, by rules, and in the table's column.
 
 use crate::common::stand_in::{fake, grown};
-use furrow_cell::Cue;
+use furrow_cell::cue::Quantity;
+use furrow_cell::{Cell, Cue};
 use furrow_formats::{FounderRow, founder_rows};
 use furrow_lineage::{Lineage, Tree};
+use furrow_mechanics::polarity::resolved;
 use furrow_report::{founders_table, html};
 
 const CUES: &str = "cues: {\"polar\": \"kappa:u0=0.4,omega=0.1,amplitude=0.2\", \
@@ -118,6 +120,29 @@ fn a_cue_for_a_lineage_without_cues_goes_along_the_smaller_daughters() {
         let cue = |cue: &Option<String>| cue.clone().filter(|name| name != "none");
         assert_eq!(cue(&founder.cue), cue(&other.cue), "{}", founder.name);
     }
+}
+
+/// Each founder can have constants of PAR polarity of its own. L_h is as long as the file's units say, unless the cue says so.
+#[test]
+fn founders_have_constants_of_polarity_of_their_own() {
+    let text = r#"Lineage(name: "x", units: (length_um: 2.5), cues: {"usual": "kappa:par_band,amplitude=0.3",
+        "weak": "kappa:par_band,k_pa=1.9,amplitude=0.3", "long": "kappa:par_band,length_um=3.2,amplitude=0.3"}, founders: [
+        (name: "Q", r0: 5.0, cue: "usual"), (name: "A", mother: "Q", daughter: larger, cue: "weak"),
+        (name: "B", mother: "Q", daughter: smaller, cue: "long")])"#;
+    let lineage = Lineage::parse(text, "my.ron").unwrap();
+    let place = |name: &str| {
+        let cell = Cell::new(5.0).with_cue(lineage.cue(name).unwrap().clone());
+        let resolved = resolved(&cell).unwrap();
+        resolved.cue.terms()[0].quantity(Quantity::U0).unwrap()
+    };
+    let expected = |cue: &str| {
+        let cell = Cell::new(5.0).with_cue(cue.parse().unwrap());
+        resolved(&cell).unwrap().cue.terms()[0].quantity(Quantity::U0).unwrap()
+    };
+    assert_eq!(place("usual"), expected("kappa:par_band,length_um=2.5,amplitude=0.3"));
+    assert_eq!(place("weak"), expected("kappa:par_band,k_pa=1.9,length_um=2.5,amplitude=0.3"));
+    assert_eq!(place("long"), expected("kappa:par_band,length_um=3.2,amplitude=0.3"));
+    assert!((place("usual") - place("long")).abs() > 1e-3 && (place("usual") - place("weak")).abs() > 1e-2);
 }
 
 /// The table names every founder's cue, counts the cells below that carry one, and explains the names.

@@ -349,6 +349,19 @@ mod tests {
 
     /// Texts and constants are in the key, the law's name and the units of its constants are not.
     #[test]
+    fn constants_of_polarity_are_in_the_key_where_they_differ_from_the_published_ones() {
+        let key = |text: &str| {
+            let cell = Cell::new(4.0).with_cue(format!("kappa:par,amplitude=0.1{text}").parse().unwrap());
+            Key::new(&DivisionInput::new(cell))
+        };
+        assert_eq!(key(""), key(",k_ap=0.19,psi=shape,n_p=1"));
+        let all = ["", ",k_ap=0.2", ",k_pa=0.2", ",psi=0.2", ",n_p=2", ",length_um=2", ",u0=1"].map(key);
+        for (k, one) in all.iter().enumerate() {
+            assert!(!all[..k].contains(one), "{k}");
+        }
+    }
+
+    #[test]
     fn laws_differ_by_their_texts_and_constants() {
         let law = |name: &str, text: &str, constants: &str| {
             let text = format!(
