@@ -126,8 +126,8 @@ def test(
     ``embryo``, ``chi_sd`` and ``mother_um3``, or a file of targets of :func:`furrow.fit.cue`. ``cues`` are texts, of which
     ``"name=CUE"`` names a hypothesis, or cues by name. ``free`` lists the numbers that are fitted, such as ``cue.amplitude`` or
     ``epsilon@somatic``; by default all numbers of each cue, and none for an empty list. ``noise`` says where the errors of χ come
-    from, and ``folded`` that they are errors of the signed χ, whose sign a table of \|χ\| has lost. ``cells`` and ``population`` choose
-    cells and groups. ``names`` and ``root`` match cells with other names than
+    from, and ``folded`` models measured χ as the absolute value of a χ with a normal error. ``cells`` and ``population``
+    choose cells and groups. ``names`` and ``root`` match cells with other names than
     the lineage's, and ``voxel`` is the edge of a voxel in µm, as for :func:`furrow.compare.volumes`. ``class_columns``
     are columns whose texts, joined, name the class of cells of the lineage that each mother is one of. ``samples`` draws so many
     points of each posterior; ``shard=(k, n)`` draws part k of n, each of so many points, for :func:`furrow.merge`.

@@ -73,7 +73,7 @@ pub struct TestArgs {
     /// the table has them, else common
     #[arg(help_heading = "Measurements", long, value_name = "KIND", value_parser = one_of(NoiseKind::NAMED))]
     noise: Option<NoiseKind>,
-    /// The errors are those of the signed χ, whose sign a table of |χ| has lost: an equal division then looks unequal by its error
+    /// Models measured |χ| as the absolute value of a χ with a normal error, so that an equal division may look slightly unequal
     #[arg(help_heading = "Measurements", long)]
     folded: bool,
     /// Cells that are used, such as P0,P1,P2,P3; default all that the lineage has

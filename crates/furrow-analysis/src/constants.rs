@@ -15,7 +15,7 @@ pub(crate) const SOMATIC: &str = "somatic";
 /// In place of a class: the standard deviation of a parameter between embryos.
 pub(crate) const EMBRYO: &str = "embryo";
 
-/// What a constant or a fitted number is.
+/// The kind of a constant or of a fitted number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstantKind {
     /// A parameter of cells; a number of a cue belongs to every cue of the lineage that has it.
@@ -74,7 +74,7 @@ impl std::str::FromStr for ConstantKind {
 /// A constant of all cells, or of a class of cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constant {
-    /// What it is.
+    /// Its kind.
     pub kind: ConstantKind,
     /// The class: `germline`, `somatic` or a founder; `None` for all cells.
     pub class: Option<String>,
@@ -182,7 +182,7 @@ impl Constants {
     }
 }
 
-/// The founders of a class of cells, or, where none is given, the ones that `has` chooses.
+/// The founders of a class of cells. Without a class, all founders for which `has` is true.
 fn of_class(class: Option<&str>, lineage: &Lineage, has: impl Fn(&Founder) -> bool) -> Vec<usize> {
     match class {
         Some(class) => founders_of(class, lineage, "", "").unwrap_or_default(),
@@ -275,7 +275,7 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     Ok(out)
 }
 
-/// What a column has, and the class of cells.
+/// The kind of the numbers in a column, and the class of cells.
 fn parsed(name: &str) -> Option<(ConstantKind, Option<&str>)> {
     let (kind, class) = name.split_once('@').map_or((name, None), |(kind, class)| (kind, Some(class)));
     Some((kind.parse().ok()?, class))

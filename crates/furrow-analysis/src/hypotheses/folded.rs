@@ -1,12 +1,12 @@
-//! Errors of \|χ\|: the signed χ has a normal error, and its sign is lost.
+//! Folded errors: χ has a normal error, and the table has \|χ\| without the sign.
 //!
 //! * \[F.19 folded\] f(x) = \[φ((x − χ)/σ) + φ((x + χ)/σ)\]/σ for x ≥ 0, with φ the standard normal density.
 //!
 //! Where χ is large beside σ this is the normal density. Where χ = 0 the mean of x is 0.8 σ: an equal division looks unequal by about
 //! the error of its measurement.
 //!
-//! Replicates of a cell that divides equally look like those of a slightly unequal one with smaller errors. So a cell may be equal or
-//! have any χ, each with probability ½:
+//! Replicates of an equal division look like replicates of a slightly unequal one with smaller errors. Errors are therefore estimated
+//! with a prior: a cell divides equally with probability ½, else χ is uniform between 0 and 1:
 //!
 //! * \[F.20 spread\] L(σ) = Π_c ½ \[Π_i f(x_ci \| 0) + ∫₀¹ Π_i f(x_ci \| χ) dχ\],
 //!
@@ -31,7 +31,7 @@ const FINENESS: f64 = 4.0;
 const STEPS: usize = 30;
 const MOST: usize = 1000;
 
-/// What the lost sign adds to the logarithm of the normal density.
+/// The second term of F.19, as an addition to the logarithm of the first.
 pub(super) fn log_both_signs(x: f64, chi: f64, sd: f64) -> f64 {
     (-2.0 * x * chi / (sd * sd)).exp().ln_1p()
 }
@@ -55,8 +55,7 @@ pub(super) fn information(m: f64) -> f64 {
     (-count..=count).map(at).sum::<f64>() - m * m
 }
 
-/// The square of the standard normal number that is as improbable as x: the probability of a density as small as the one of x is the
-/// two-sided probability of this number, so that its square is a χ² of one degree of freedom.
+/// A χ² of one degree of freedom for x: its tail probability is the probability of a density no larger than f(x).
 pub(super) fn squared_deviation(x: f64, chi: f64, sd: f64) -> f64 {
     let (x, m) = (x / sd, chi / sd);
     let log = |t: f64| -0.5 * (t - m).powi(2) + (-2.0 * t * m).exp().ln_1p();
@@ -83,7 +82,7 @@ pub(super) fn squared_deviation(x: f64, chi: f64, sd: f64) -> f64 {
     if z.is_finite() { z * z } else { 2.0 * (log(mode) - level) }
 }
 
-/// The common standard deviation of largest likelihood for pairs of x and χ; x of a cell without χ is as wrong as `undivided`.
+/// The most likely common standard deviation for pairs of x and χ. Where the cell does not divide, the deviation is `undivided`.
 pub(super) fn common_sd(pairs: &[(f64, Option<f64>)], undivided: f64) -> f64 {
     let squares = |sd: f64| {
         let of = |(x, chi): &(f64, Option<f64>)| match chi {
@@ -147,15 +146,15 @@ fn log_over_chi(values: &[f64], sd: f64) -> f64 {
     top + (sum * step).ln()
 }
 
-/// s and b of errors s exp(−b size) of largest likelihood for the values of cells, b from 0 to `steepest`; `start` is s
-/// without a lost sign.
+/// The most likely s and b of errors s exp(−b size) for the values of cells, with b from 0 to `steepest`; `start` is s of normal
+/// errors.
 pub(super) fn estimated(cells: &[(Vec<f64>, f64)], steepest: f64, start: f64) -> [f64; 2] {
     let several: Vec<&(Vec<f64>, f64)> = cells.iter().filter(|(values, _)| values.len() > 1).collect();
     let freedom: usize = several.iter().map(|(values, _)| values.len() - 1).sum();
     let likelihood =
         |b: f64, s: f64| several.iter().map(|(values, size)| log_spread(values, s * (-b * size).exp())).sum::<f64>();
     let best = |b: f64| {
-        // Between errors about the means, and none but errors.
+        // The upper limit is the error if all cells divide equally.
         let all = several.iter().flat_map(|(values, size)| values.iter().map(move |x| (x * (b * size).exp()).powi(2)));
         let most = (all.sum::<f64>() / freedom as f64).sqrt().max(start) * 2.0;
         let limits = [0.25 * start.max(LEAST), most.max(LEAST)].map(f64::ln);
@@ -251,8 +250,8 @@ mod tests {
         }
     }
 
-    /// Errors that grow as cells shrink are found from replicates although many of them have lost their sign. Of small cells χ = 0.06
-    /// cannot be told from 0, which makes errors look larger by a tenth.
+    /// Replicates of equal and of unequal cells give the errors and their growth as cells shrink. In small cells χ = 0.06 cannot be
+    /// distinguished from 0, which makes the estimated errors a tenth too large.
     #[test]
     fn errors_are_found_from_replicates() {
         let mut random = Mt64::new(9);

@@ -271,7 +271,7 @@ fn free_of(free: Option<&[Free]>, cell: &Cell) -> Vec<Unknown> {
     free.iter().filter_map(of).collect()
 }
 
-/// Between which values a number is searched that is not among those of a cue; `None` for a number of another cue.
+/// The usual range of a parameter or of growth; `None` for a number of another cue.
 fn usual_range(kind: ConstantKind, cell: &Cell) -> Option<[f64; 2]> {
     match kind {
         ConstantKind::Growth => Some(USUAL_GROWTH),

@@ -50,7 +50,7 @@ pub struct Noise {
     pub exponent: f64,
     /// ν of replicates.
     pub degrees_of_freedom: usize,
-    /// Whether they are errors of the signed χ, whose sign is lost (F.19), rather than of \|χ\|.
+    /// Whether \|χ\| has a folded normal distribution (F.19) in place of a normal one.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub folded: bool,
     /// For each cell (V/V₀)^−b.
@@ -69,8 +69,8 @@ const STEPS: usize = 100;
 pub(crate) const UNDIVIDED: f64 = 1.0;
 
 impl Noise {
-    /// The errors of some observations: given ones if all have them, else one common one, unless a kind is asked for; of the signed χ
-    /// if `folded`. Errors name the table, `source`, and the `option` of the kind.
+    /// The errors of some observations: given ones if all have them, else one common one, unless a kind is asked for. `folded`
+    /// ones are errors of the signed χ. Errors name the table, `source`, and the `option` of the kind.
     ///
     /// # Errors
     /// Errors are asked for that the table does not have.
@@ -150,7 +150,7 @@ impl Noise {
         rows.iter().map(of).collect()
     }
 
-    /// The standard deviation of each of `rows` with its largest likelihood for all rows of a fit, whose cells have these χ.
+    /// The standard deviation of each of `rows`. A common one is the most likely one for the rows `all`, given χ of the cells.
     pub(crate) fn fitted(&self, rows: &[Observation], all: &[Observation], chi: &[Option<f64>]) -> Vec<f64> {
         match (self.kind, self.folded) {
             (NoiseKind::Common, false) => vec![common_sd(&residuals(all, chi)); rows.len()],
@@ -223,7 +223,7 @@ pub fn aicc(log_likelihood: f64, numbers: usize, data: usize) -> Option<f64> {
     (left > 0.0).then(|| 2.0 * k - 2.0 * log_likelihood + 2.0 * k * (k + 1.0) / left)
 }
 
-/// The place of the largest value of a function with one maximum in an interval, by so many golden sections.
+/// Where a function with one maximum in an interval is largest, after `steps` golden sections.
 pub(super) fn highest(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], steps: usize) -> f64 {
     let share = 0.5 * (5.0_f64.sqrt() - 1.0);
     let ends = [low, high];

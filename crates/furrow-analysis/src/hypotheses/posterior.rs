@@ -127,7 +127,7 @@ fn ln_gamma_of_half(n: usize) -> f64 {
     start + (0..count).map(|k| (first + k as f64).ln()).sum::<f64>()
 }
 
-/// ln L of rows whose cells have these χ, with a common σ integrated out.
+/// ln L of rows, given χ of the cells. A common σ is integrated out.
 pub(super) fn log_density_of(rows: &[Observation], chi: &[Option<f64>], noise: &Noise) -> f64 {
     let n = rows.len();
     if noise.kind != NoiseKind::Common {

@@ -210,7 +210,7 @@ impl ParConstants {
         }
     }
 
-    /// Sets one constant by its name; `None` for a name that none has. An error is what is allowed.
+    /// Sets one constant by its name; `None` for an unknown name. An error is the text of the allowed values.
     pub(crate) fn put(&mut self, name: &str, value: &Value) -> Option<Result<(), &'static str>> {
         let number = value.number();
         if name == POWER {

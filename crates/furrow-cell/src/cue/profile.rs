@@ -92,7 +92,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Those of profiles with a place, a width and an amplitude of their own.
+    /// Place, width and amplitude, without the constants of PAR polarity.
     pub const ALL: [Quantity; 3] = [Quantity::U0, Quantity::Omega, Quantity::Amplitude];
 
     /// Its name on the command line and in files.

@@ -1,5 +1,4 @@
-//! Sensitivities of cells whose cue follows PAR polarity. The place and the width of its profiles depend on the cell and on the
-//! chemistry:
+//! Sensitivities where the cue follows PAR polarity, so that places and widths of its profiles change with the parameters:
 //!
 //! * \[P.5 places\] dχ/dp = ∂χ/∂p + Σ ∂χ/∂x · dx/dp, over the places and widths x,
 //!
@@ -22,7 +21,7 @@ const FOLLOWING: [Quantity; 2] = [Quantity::U0, Quantity::Omega];
 /// The profiles of a cue, in their places.
 type Places = Vec<Option<Profile>>;
 
-/// The division, with its derivatives; none if the cell is polarised on one side of its parameter alone.
+/// The division and its derivatives, unless polarity ends next to the value of a parameter.
 pub(super) fn divide(input: &DivisionInput, options: DivisionOptions<'_>) -> Divided {
     let refused = |source: PolarityError| DivisionError::Polarity { source };
     let DivisionOptions { mut observer, cancel, parameters: asked } = options;
@@ -52,7 +51,7 @@ pub(super) fn divide(input: &DivisionInput, options: DivisionOptions<'_>) -> Div
     Ok((division, Some(all)))
 }
 
-/// The places of the numbers that follow polarity among those of the profiles.
+/// The numbers that follow polarity: the index of the profile and the quantity.
 fn following(cell: &Cell, places: &Places) -> Vec<(usize, Quantity)> {
     let mut cue = cell.cue.clone();
     let follows = cue
@@ -116,8 +115,8 @@ mod tests {
     use crate::division::{divide, divide_with};
     use furrow_cell::Numerics;
 
-    /// Derivatives by the size, by confinement and by constants of the chemistry, whose effect is on the place alone, are those of
-    /// divisions at neighbouring values, also where another term comes first.
+    /// Derivatives agree with differences of divisions: by size, confinement and constants of the chemistry, which act through the
+    /// place alone, and where another term precedes the one that follows polarity.
     #[test]
     fn places_that_follow_polarity_move_with_the_parameters() {
         let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };

@@ -80,7 +80,7 @@ pub(crate) fn placed(cell: &Cell) -> Result<Vec<Option<Profile>>, PolarityError>
             None => {
                 let found = match Chemistry::new(constants, um).polarised(cell) {
                     Ok(state) => state.as_ref().and_then(readings),
-                    // Without polarity at any size there is none at this one.
+                    // No cell of this shape is polarised.
                     Err(PolarityError::NoPolarity { .. }) => None,
                     Err(error) => return Err(error),
                 };
