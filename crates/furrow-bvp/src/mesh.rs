@@ -222,7 +222,8 @@ pub(crate) fn redistributed(mesh: &[f64], defects: &[f64], m: usize, intervals: 
 const RATIO: f64 = 2.0;
 
 /// The mesh with intervals halved, and again towards a narrower neighbour, until neighbours are alike. Next to a layer, intervals
-/// as wide as those elsewhere would damp what is left there of its fast solution by next to nothing. It oscillates then, with a defect.
+/// as wide as those elsewhere damp what is left there of its fast solution by next to nothing. It oscillates then, with a
+/// defect, and the mesh would follow that.
 fn graded(mesh: &[f64]) -> Vec<f64> {
     /// Appends what lies between two places, next to intervals of these widths.
     fn halve(out: &mut Vec<f64>, [from, to]: [f64; 2], [left, right]: [f64; 2]) {
@@ -274,6 +275,9 @@ fn changes(y: &Solution) -> Vec<f64> {
 /// Where a defect is larger, a layer is too thin for the mesh to see. The solution then oscillates all over the interval, damped
 /// little from one end of an interval to the other, and its defects do not tell where the layer is.
 const UNSEEN: f64 = 10.0;
+
+/// Where the search does not lead on, it halves the intervals of larger defects.
+const BAD: f64 = 0.1;
 
 /// Parts into which the search for a layer cuts intervals.
 const PARTS: usize = 6;
@@ -337,7 +341,7 @@ impl Refinement {
         let at = changes.iter().position(|change| *change >= most).unwrap_or(0);
         let leads_on = |[from, to]: [f64; 2]| y.mesh[at] >= from && y.mesh[at + 1] <= to;
         if !self.searched.take().is_none_or(leads_on) {
-            return cut(&y.mesh, |i| if defects[i] > UNSEEN { 2 } else { 1 });
+            return cut(&y.mesh, |i| if defects[i] > BAD { 2 } else { 1 });
         }
         let (from, to) = (at.saturating_sub(1), (at + 2).min(y.intervals()));
         self.searched = Some([y.mesh[from], y.mesh[to]]);

@@ -167,7 +167,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 ///
 /// On every mesh Newton solves the collocation equations; a full step that leaves next to no residual ends it, so that a linear problem
 /// takes one solve unless rounding leaves a larger one. Where the defect is too large, the mesh is redistributed so that
-/// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for. Where Newton fails,
+/// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for, and graded towards layers.
+/// As long as a layer is too thin to be seen, intervals are added where the solution changes most. Where Newton fails,
 /// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
 /// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end. All of it
 /// has a budget of work, and ends before the next factorisation once the interrupt of the settings is set.
