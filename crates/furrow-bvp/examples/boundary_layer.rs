@@ -11,7 +11,7 @@ fn main() -> Result<(), SolveError> {
     let gauss = Gauss::new(4)?;
     let settings = Settings { tolerance: 1e-8, ..Settings::default() };
     println!("ε       meshes  intervals  y(ε)          exact");
-    for epsilon in [1e-1, 1e-2, 1e-3, 1e-4f64] {
+    for epsilon in [1e-2, 1e-4, 1e-6, 1e-8f64] {
         let force = move |_: f64, [_, slope]: [f64; 2]| [-slope / epsilon, 0.0, -1.0 / epsilon];
         let mut layer = SecondOrder { force: Box::new(force), ends: [0.0, 1.0] };
         let guess = layer.line(gauss.m, &mesh::uniform(0.0, 1.0, 10));

@@ -164,71 +164,188 @@ pub fn error_of_change(change: f64, m: usize) -> f64 {
 /// Monitor for [`equidistribute`] from the defect: proportional to defect^(1/(m+1)) per unit length, bounded below by a
 /// fraction of its mean so that no region is left empty.
 pub fn defect_monitor(mesh: &[f64], defect: &[f64], m: usize, weight: &mut Vec<f64>) {
+    monitor_above(0.5, mesh, defect, m, weight);
+}
+
+/// [`defect_monitor`] that leaves the fraction `floor` of all intervals to the length.
+fn monitor_above(floor: f64, mesh: &[f64], defect: &[f64], m: usize, weight: &mut Vec<f64>) {
     weight.clear();
     weight.extend(mesh.windows(2).zip(defect).map(|(x, d)| d.max(1e-300).powf(1.0 / (m as f64 + 1.0)) / (x[1] - x[0])));
     let (Some(first), Some(last)) = (mesh.first(), mesh.last()) else { return };
     let length = last - first;
     let mean = mesh.windows(2).zip(weight.iter()).map(|(x, w)| (x[1] - x[0]) * w).sum::<f64>() / length;
     for w in weight.iter_mut() {
-        *w = 0.5 * (*w + mean);
+        *w = (1.0 - floor) * *w + floor * mean;
     }
 }
 
-/// Intervals of an equidistributing mesh with defects below `tolerance`: a defect is proportional to h^(m+1), so that
-/// Σ defect^(1/(m+1)) does not depend on the mesh. The monitor leaves half of the intervals to regions of small defects.
-pub(crate) fn intervals_for(defects: &[f64], m: usize, tolerance: f64) -> usize {
+/// Share of the intervals of a [`redistributed`] mesh that goes by length.
+const FLOOR: f64 = 0.2;
+
+/// Intervals beyond those that the largest defect asks for: the next mesh follows the defects of this one, and not yet its own.
+const MARGIN: f64 = 1.3;
+
+/// Intervals of a [`redistributed`] mesh with defects below `tolerance`. A defect is proportional to h^(m+1), so that
+/// Σ defect^(1/(m+1)) does not depend on the mesh; the largest defect is where the monitor, before its floor, is largest.
+pub(crate) fn intervals_for(mesh: &[f64], defects: &[f64], m: usize, tolerance: f64) -> usize {
     let order = 1.0 / (m as f64 + 1.0);
-    let sum: f64 = defects.iter().map(|d| d.powf(order)).sum();
-    // A float beyond the largest index becomes that one.
-    (2.0 * sum * tolerance.powf(-order)).ceil() as usize
+    let (mut sum, mut peak) = (0.0, 0.0f64);
+    for (x, defect) in mesh.windows(2).zip(defects) {
+        let part = defect.powf(order);
+        (sum, peak) = (sum + part, peak.max(part / (x[1] - x[0])));
+    }
+    if peak.is_infinite() {
+        return usize::MAX;
+    }
+    let mean = sum / (mesh[mesh.len() - 1] - mesh[0]);
+    let needed = sum * tolerance.powf(-order) * peak / ((1.0 - FLOOR) * peak + FLOOR * mean);
+    // A float beyond the largest index becomes that one; no defect at all, 0.
+    (MARGIN * needed).ceil() as usize
 }
 
-/// The mesh of `intervals` that have equal shares of the defects.
-pub(crate) fn redistributed(mesh: &[f64], defects: &[f64], m: usize, intervals: usize) -> Vec<f64> {
+/// A mesh of `intervals` that have equal shares of the defects, and of more where neighbours would differ too much in width,
+/// but for meshes of more than `most`.
+pub(crate) fn redistributed(mesh: &[f64], defects: &[f64], m: usize, intervals: usize, most: usize) -> Vec<f64> {
     let (mut weight, mut grid) = (Vec::new(), Vec::new());
     if defects.iter().all(|defect| defect.is_finite()) {
-        defect_monitor(mesh, defects, m, &mut weight);
+        monitor_above(FLOOR, mesh, defects, m, &mut weight);
     } else {
         // The right-hand side is not defined somewhere between the stages: that says nothing of a better mesh.
         weight.extend(mesh.windows(2).map(|x| 1.0 / (x[1] - x[0])));
     }
     equidistribute(mesh, &weight, intervals, &mut grid);
+    let graded = graded(&grid);
+    if graded.len() <= most.saturating_add(1) { graded } else { grid }
+}
+
+/// Largest width of an interval over that of its neighbour.
+const RATIO: f64 = 2.0;
+
+/// The mesh with intervals halved, and again towards a narrower neighbour, until neighbours are alike. Next to a layer, intervals
+/// as wide as those elsewhere damp what is left there of its fast solution by next to nothing. It oscillates then, with a
+/// defect, and the mesh would follow that.
+fn graded(mesh: &[f64]) -> Vec<f64> {
+    /// Appends what lies between two places, next to intervals of these widths.
+    fn halve(out: &mut Vec<f64>, [from, to]: [f64; 2], [left, right]: [f64; 2]) {
+        let (half, least) = (0.5 * (to - from), left.min(right));
+        let middle = from + half;
+        if 2.0 * half > RATIO * least && from < middle && middle < to {
+            halve(out, [from, middle], [left, least + half]);
+            halve(out, [middle, to], [least + half, right]);
+        } else {
+            out.push(to);
+        }
+    }
+    let width = |i: usize| mesh.get(i..i + 2).map_or(f64::INFINITY, |x| x[1] - x[0]);
+    let mut out = mesh[..1].to_vec();
+    for (i, x) in mesh.windows(2).enumerate() {
+        halve(&mut out, [x[0], x[1]], [width(i.wrapping_sub(1)), width(i + 1)]);
+    }
+    out
+}
+
+/// The mesh with every interval cut into as many equal parts as `parts` says.
+fn cut(mesh: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> {
+    let mut grid = mesh[..1].to_vec();
+    for (i, pair) in mesh.windows(2).enumerate() {
+        grid.extend(&subdivided(pair, parts(i))[1..]);
+    }
     grid
 }
+
+/// By how much the components change within every interval: the largest share of its whole range that any of them passes.
+fn changes(y: &Solution) -> Vec<f64> {
+    let (n, m) = (y.components, y.m);
+    let span = |values: &mut dyn Iterator<Item = f64>| {
+        let [least, most] = values.fold([f64::INFINITY, -f64::INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
+        most - least
+    };
+    let mut all = vec![0.0f64; y.intervals()];
+    for c in 0..n {
+        let range = span(&mut y.nodes.iter().chain(&y.stages).skip(c).step_by(n).copied());
+        for (i, change) in all.iter_mut().enumerate() {
+            let stages = &y.stages[i * m * n..(i + 1) * m * n];
+            let within = span(&mut y.nodes[i * n..(i + 2) * n].iter().chain(stages).skip(c).step_by(n).copied());
+            *change = change.max(within / range.max(f64::MIN_POSITIVE));
+        }
+    }
+    all
+}
+
+/// Where a defect is larger, a layer is too thin for the mesh to see. The solution then oscillates all over the interval, damped
+/// little from one end of an interval to the other, and its defects do not tell where the layer is.
+const UNSEEN: f64 = 10.0;
+
+/// Where the search does not lead on, it halves the intervals of larger defects.
+const BAD: f64 = 0.1;
+
+/// Parts into which the search for a layer cuts intervals.
+const PARTS: usize = 6;
 
 /// A redistributed mesh is worth another try with as many intervals if the last one brought the defect down to this
 /// fraction.
 const PROGRESS: f64 = 0.5;
 
 /// Largest growth of the number of intervals from one mesh to the next: a coarse mesh gives a rough estimate only.
-const GROWTH: usize = 2;
+const GROWTH: usize = 4;
 
-/// Numbers of intervals from mesh to mesh, until the defect is below a tolerance.
+/// Meshes, until the defect is below a tolerance.
 pub(crate) struct Refinement {
     tolerance: f64,
     limit: usize,
-    /// The defect on the last mesh, if that had as many intervals.
-    before: Option<f64>,
+    /// Intervals and defect of the last mesh, if that was redistributed.
+    before: Option<(usize, f64)>,
+    /// Where the search for a layer has cut intervals.
+    searched: Option<[f64; 2]>,
 }
 
 impl Refinement {
     pub fn new(tolerance: f64, limit: usize) -> Refinement {
-        Refinement { tolerance, limit, before: None }
+        Refinement { tolerance, limit, before: None, searched: None }
     }
 
-    /// Intervals of the next mesh after one with these defects; `None` if more are not allowed and the same number does not help.
-    pub fn next(&mut self, defects: &[f64], m: usize) -> Option<usize> {
-        let (intervals, defect) = (defects.len(), defects.iter().copied().fold(0.0, f64::max));
+    /// The next mesh after a solution with these defects; `None` if more intervals are not allowed and the same number does not
+    /// help.
+    pub fn next(&mut self, y: &Solution, defects: &[f64]) -> Option<Vec<f64>> {
+        let (intervals, defect) = (y.intervals(), defects.iter().copied().fold(0.0, f64::max));
+        let room = self.limit.max(intervals);
+        // With more intervals there may be no progress yet where the first layers come into sight.
+        let (again, goal) = match self.before.take() {
+            Some((last, before)) if last == intervals => (true, PROGRESS * before),
+            Some((_, before)) => (false, before),
+            None => (false, f64::INFINITY),
+        };
         // A defect that is infinite twice is no progress either.
-        let stagnates = self.before.is_some_and(|before| defect > PROGRESS * before || !defect.is_finite());
-        if intervals >= self.limit && stagnates {
+        let stagnates = defect > goal || (again && !defect.is_finite());
+        if again && stagnates && intervals >= self.limit {
             return None;
         }
-        let needed = if stagnates { usize::MAX } else { intervals_for(defects, m, self.tolerance) };
-        let next = needed.clamp(intervals, GROWTH * intervals).min(self.limit.max(intervals));
-        // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
-        self.before = (next == intervals).then_some(defect);
-        Some(next)
+        if defect > UNSEEN && defect.is_finite() {
+            let grid = self.toward_layer(y, defects);
+            if grid.len() <= room {
+                return Some(grid);
+            }
+        }
+        self.before = Some((intervals, defect));
+        let needed = intervals_for(&y.mesh, defects, y.m, self.tolerance).clamp(intervals, GROWTH * intervals);
+        let next = if stagnates { 2 * intervals } else { needed };
+        Some(redistributed(&y.mesh, defects, y.m, next.min(room), room))
+    }
+
+    /// The mesh with more intervals where the solution changes most, and next to it, as long as that leads on; then with all
+    /// intervals halved that have too large a defect.
+    fn toward_layer(&mut self, y: &Solution, defects: &[f64]) -> Vec<f64> {
+        let changes = changes(y);
+        // Changes that differ by rounding are alike: the first of them.
+        let most = changes.iter().copied().fold(0.0, f64::max) * (1.0 - 1e-9);
+        let at = changes.iter().position(|change| *change >= most).unwrap_or(0);
+        let leads_on = |[from, to]: [f64; 2]| y.mesh[at] >= from && y.mesh[at + 1] <= to;
+        if !self.searched.take().is_none_or(leads_on) {
+            return cut(&y.mesh, |i| if defects[i] > BAD { 2 } else { 1 });
+        }
+        let (from, to) = (at.saturating_sub(1), (at + 2).min(y.intervals()));
+        self.searched = Some([y.mesh[from], y.mesh[to]]);
+        cut(&y.mesh, |i| if (from..to).contains(&i) { PARTS } else { 1 })
     }
 }
 
@@ -239,10 +356,11 @@ mod tests {
     #[test]
     fn refinement_ends_on_a_defect_that_stays_infinite() {
         let mut refinement = Refinement::new(1e-3, 4);
-        assert_eq!(
-            [3, 4, 4].map(|intervals| refinement.next(&vec![f64::INFINITY; intervals], 4)),
-            [Some(4), Some(4), None]
-        );
+        let mut next = |intervals: usize| {
+            let y = Solution::constant(4, &uniform(0.0, 1.0, intervals), &[1.0], &[]);
+            refinement.next(&y, &vec![f64::INFINITY; intervals]).map(|mesh| mesh.len() - 1)
+        };
+        assert_eq!([3, 4, 4].map(&mut next), [Some(4), Some(4), None]);
     }
 
     #[test]

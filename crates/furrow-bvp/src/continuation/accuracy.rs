@@ -95,8 +95,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             if largest(&defects) <= tolerance {
                 return Ok(defect);
             }
-            let y = &self.state.solution;
-            let grid = refinement.next(&defects, y.m).map(|next| mesh::redistributed(&y.mesh, &defects, y.m, next));
+            let grid = refinement.next(&self.state.solution, &defects);
             let Some(grid) = grid.filter(|grid| mesh::check(grid).is_ok()) else {
                 if defect <= tolerance {
                     // As well as the mesh allows for its directions.
@@ -118,9 +117,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let (_, defects) = self.defects(tolerance);
         let y = &self.state.solution;
         let intervals = y.intervals();
-        let needed = mesh::intervals_for(&defects, y.m, tolerance).max(FEWEST);
+        let needed = mesh::intervals_for(&y.mesh, &defects, y.m, tolerance).max(FEWEST);
         if (needed as f64) < TOO_MANY * intervals as f64 {
-            let grid = mesh::redistributed(&y.mesh, &defects, y.m, needed);
+            let grid = mesh::redistributed(&y.mesh, &defects, y.m, needed, intervals);
             if mesh::check(&grid).is_ok() {
                 self.move_to(&grid);
             }

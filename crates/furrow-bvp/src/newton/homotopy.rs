@@ -260,13 +260,13 @@ impl<P: BoundaryValueProblem> Path<'_, P> {
                 return None;
             }
             let intervals = y.intervals();
-            let needed = mesh::intervals_for(&defects, y.m, TOLERANCE).clamp(intervals / 2, 2 * intervals);
+            let needed = mesh::intervals_for(&y.mesh, &defects, y.m, TOLERANCE).clamp(intervals / 2, 2 * intervals);
             mesh::defect_monitor(&y.mesh, &defects, y.m, &mut weight);
             if largest <= BOUND && (round > 1 || mesh::imbalance(&y.mesh, &weight) < BALANCED) {
                 return Some(y);
             }
-            let mut grid = Vec::new();
-            mesh::equidistribute(&y.mesh, &weight, needed.min(self.max_intervals).max(1), &mut grid);
+            let most = self.max_intervals.max(1);
+            let grid = mesh::redistributed(&y.mesh, &defects, y.m, needed.clamp(1, most), most);
             self.work.remeshings += 1;
             y = self.corrected(y.on_mesh(&self.system.gauss, &grid))?.0;
         }

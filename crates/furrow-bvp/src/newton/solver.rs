@@ -167,7 +167,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 ///
 /// On every mesh Newton solves the collocation equations; a full step that leaves next to no residual ends it, so that a linear problem
 /// takes one solve unless rounding leaves a larger one. Where the defect is too large, the mesh is redistributed so that
-/// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for. Where Newton fails,
+/// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for, and graded towards layers.
+/// As long as a layer is too thin to be seen, intervals are added where the solution changes most. Where Newton fails,
 /// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
 /// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end. All of it
 /// has a budget of work, and ends before the next factorisation once the interrupt of the settings is set.
@@ -267,14 +268,13 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 return self.accepted(y, &defects);
             }
             self.keep_best(&y, defect);
-            let Some(intervals) = refinement.next(&defects, y.m) else {
+            let Some(grid) = refinement.next(&y, &defects) else {
                 return Err(SolveError::MeshLimit { limit, best: self.take_best_or(y, defect) });
             };
-            let moved = self.moved(&y, &defects, intervals);
-            if is_degenerate(&moved.mesh) {
+            if is_degenerate(&grid) {
                 return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
-            y = moved;
+            y = self.moved(&y, &grid);
         }
     }
 
@@ -282,7 +282,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     fn accepted(&mut self, mut y: Solution, defects: &[f64]) -> Result<Solved, SolveError> {
         let mut condition = condition::estimate(&mut self.system, &y);
         let mut defect = defects.iter().copied().fold(0.0, f64::max);
-        let needed = mesh::intervals_for(defects, y.m, self.settings.tolerance);
+        let needed = mesh::intervals_for(&y.mesh, defects, y.m, self.settings.tolerance).max(2);
         if condition * defect > SUSPECT {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
             match self.newton(&mut finer) {
@@ -294,9 +294,8 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             if on_finer > GROWN * condition || on_finer > SINGULAR {
                 return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
             }
-        } else if WASTEFUL * needed.max(2) <= y.intervals() {
-            // Half as many again: the mesh does not yet follow the defects on it.
-            let mut coarser = self.moved(&y, defects, needed.max(2).div_ceil(2) * 3);
+        } else if WASTEFUL * needed <= y.intervals() {
+            let mut coarser = self.moved(&y, &mesh::redistributed(&y.mesh, defects, y.m, needed, y.intervals()));
             let largest = self.newton(&mut coarser).map_or(f64::INFINITY, |()| self.defect(&coarser));
             if largest <= self.settings.tolerance {
                 (y, defect) = (coarser, largest);
@@ -361,15 +360,14 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 }
                 return Err(SolveError::Newton { intervals, source, best: self.take_best() });
             }
-            start = start.on_mesh(&self.system.gauss, &mesh::halved(&start.mesh));
-            self.work.remeshings += 1;
+            start = self.moved(&start, &mesh::halved(&start.mesh));
         }
     }
 
-    /// The solution on a mesh of `intervals` that share the defects equally.
-    fn moved(&mut self, y: &Solution, defects: &[f64], intervals: usize) -> Solution {
+    /// The solution on another mesh.
+    fn moved(&mut self, y: &Solution, mesh: &[f64]) -> Solution {
         self.work.remeshings += 1;
-        y.on_mesh(&self.system.gauss, &mesh::redistributed(&y.mesh, defects, y.m, intervals))
+        y.on_mesh(&self.system.gauss, mesh)
     }
 
     /// Keeps a solution that has the smallest defect so far. Its condition is estimated if it is asked for.

@@ -148,6 +148,32 @@ fn test_problems_with_known_solutions_are_solved() {
 }
 
 #[test]
+fn layers_of_a_hundred_millionth_of_the_interval_are_found_from_a_line() {
+    // At the left or right end, of width ε = 1e-8; in the problems 6, 7 and 10 at a turning point x = 0, of width √ε.
+    for number in [2, 4, 6, 7, 8, 10, 18] {
+        let (problem, outcome) = test_problem(number, 1e-8);
+        let solved = outcome.unwrap();
+        let (error, intervals) = (problem.error(&solved.solution).unwrap(), solved.solution.intervals());
+        assert!(error < 1e-6 && solved.defect <= 1e-6, "{number}: {error:.1e}");
+        assert!(intervals < 1000 && solved.work.factorisations < 20, "{number}: {intervals} {:?}", solved.work);
+    }
+}
+
+#[test]
+fn thin_layers_are_followed_on_few_intervals() {
+    // A turning point, two corners, and shocks inside.
+    for number in [6, 7, 20, 24, 26, 30] {
+        let (mut epsilon, mut y) = (0.1, test_problem(number, 0.1).1.unwrap().solution);
+        while epsilon > 1e-8 {
+            epsilon = f64::max(1e-8, 0.5 * epsilon);
+            let mut problem = cash_mazzia::problem(number, epsilon).unwrap();
+            y = solve(&mut problem, &y, &Settings::default()).unwrap().solution;
+            assert!(y.intervals() < 1200, "{number} at {epsilon:.0e}: {}", y.intervals());
+        }
+    }
+}
+
+#[test]
 fn a_homotopy_leads_to_layers_that_newton_does_not_find() {
     // A corner of width ε that starts at an end and ends at 0.745.
     let (problem, outcome) = test_problem(20, 1e-3);
