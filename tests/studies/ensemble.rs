@@ -6,7 +6,7 @@ use std::path::Path;
 
 use furrow_analysis::ensemble::{ConstantsSearch, EnsembleError, JOURNAL_COLUMNS};
 use furrow_analysis::{
-    Constant, Constants, ConstraintCheck, Extent, Journal, check_constraints, ensemble, front, ranges,
+    Constant, ConstantKind, Constants, ConstraintCheck, Extent, Journal, check_constraints, ensemble, front, ranges,
 };
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::{Lineage, TreeSettings};
@@ -182,7 +182,7 @@ fn an_interrupted_front_resumes_with_the_same_result() {
 fn ranges_of_one_set_are_its_tree() {
     let lineage = Lineage::c_elegans().unwrap();
     let set = |aspect: f64, weight: f64| Constants {
-        values: vec![Constant { parameter: Parameter::Aspect, class: None, value: aspect }],
+        values: vec![Constant { kind: ConstantKind::Parameter(Parameter::Aspect), class: None, value: aspect }],
         weight,
     };
     let settings = TreeSettings::default();

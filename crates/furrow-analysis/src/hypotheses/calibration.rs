@@ -7,10 +7,10 @@ use furrow_measured::significance::chi_squared_tail;
 use rand_mt::Mt64;
 use rayon::prelude::*;
 
+use super::fit_test::fit_test;
 use super::free::Free;
 use super::observations::Observation;
 use super::posterior::{log_density_of, posterior};
-use super::scores::fit_test;
 use super::tests::{SETS, agrees, coarse, synthetic};
 use super::*;
 use crate::ensemble::{normal, uniform};

@@ -3,6 +3,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`observations`] | the measured χ, by cell and embryo |
+//! | `fit_test` | whether a fit meets the measurements |
 //! | `folded` | errors where χ has lost its sign |
 //! | [`free`] | hypotheses, and the numbers that are fitted |
 //! | `hierarchy` | a number that differs between embryos |
@@ -30,6 +31,7 @@
 
 #[cfg(test)]
 mod calibration;
+mod fit_test;
 mod folded;
 pub mod free;
 mod hierarchy;
@@ -44,6 +46,7 @@ mod scores;
 mod tests;
 mod text;
 
+pub use fit_test::FitTest;
 pub use free::{Hypothesis, Named};
 pub use hierarchy::EmbryoNumber;
 pub use noise::{Noise, NoiseKind};
@@ -52,7 +55,7 @@ pub use others::{OtherScore, Others, OthersScore, Quantity};
 pub use pairs::Pair;
 pub use parts::{MergedSample, merge_parts};
 pub use posterior::{Posterior, samples_csv};
-pub use scores::{CellScore, FitTest, FittedNumber, TestedHypothesis};
+pub use scores::{CellScore, FittedNumber, TestedHypothesis};
 
 use furrow_input::InputError;
 use furrow_lineage::batch::{Memo, scheduler};

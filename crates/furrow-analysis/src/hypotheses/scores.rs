@@ -1,12 +1,13 @@
 //! The fit of each hypothesis, and how it predicts what was left out.
 
-use furrow_measured::significance::{chi_squared_tail, f_tail, mean_interval};
+use furrow_measured::significance::mean_interval;
 use furrow_measured::statistics::{mean, sd};
 use furrow_spectra::Svd;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
+use super::fit_test::{FitTest, fit_test, squared};
 use super::folded;
 use super::noise::{Noise, NoiseKind, UNDIVIDED, aicc};
 use super::observations::{Observation, Observations};
@@ -68,38 +69,6 @@ pub struct CellScore {
     pub has_cue: bool,
     /// What its divisions add to the log likelihood.
     pub log_likelihood: f64,
-}
-
-/// Whether the deviations of a fit are larger than the errors explain.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(tag = "test", rename_all = "snake_case")]
-pub enum FitTest {
-    /// χ² of divisions with known errors.
-    ChiSquared {
-        /// Σ (deviation/σ)².
-        statistic: f64,
-        /// Divisions less fitted numbers.
-        degrees_of_freedom: usize,
-        /// Probability of a χ² as large if the hypothesis were right.
-        p: Option<f64>,
-    },
-    /// Deviations of the cells' means over the spread of replicates.
-    LackOfFit {
-        /// The ratio F.
-        statistic: f64,
-        /// Cells less fitted numbers, and replicates less cells.
-        degrees_of_freedom: [usize; 2],
-        /// Probability of an F as large if the hypothesis were right.
-        p: Option<f64>,
-    },
-}
-
-impl FitTest {
-    /// The probability.
-    pub fn p(&self) -> Option<f64> {
-        let (FitTest::ChiSquared { p, .. } | FitTest::LackOfFit { p, .. }) = self;
-        *p
-    }
 }
 
 /// A hypothesis with its fit.
@@ -199,7 +168,7 @@ pub(super) fn tested(
     let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
     let deviance = folded_deviance(rows, cells, noise);
     let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).with(beside);
-    let objective = objective.by(deviance.as_deref());
+    let objective = if noise.folded { objective.by(Some(&deviance)) } else { objective };
     let found = objective.search(effort)?;
     let posterior = question
         .sampling
@@ -304,7 +273,8 @@ impl Fitted<'_> {
         } else {
             let measured = means(&kept, &own.sds(&kept), &observations.cells);
             let deviance = folded_deviance(&kept, &observations.cells, &own);
-            let objective = beside_all(model, &measured, beside).by(deviance.as_deref());
+            let objective = beside_all(model, &measured, beside);
+            let objective = if noise.folded { objective.by(Some(&deviance)) } else { objective };
             let place = self.refitted(&objective);
             objective.check_cancelled()?;
             // Also of a cell that only this unit has.
@@ -465,56 +435,17 @@ impl Fitted<'_> {
     }
 }
 
-/// −2 ln L of rows with a lost sign, up to a number, by χ of the measured cells; `None` of normal errors, for which their means are
-/// enough.
+/// −2 ln L of rows by χ of the measured cells. Under normal errors their means are enough for a fit.
 fn folded_deviance<'a>(
     rows: &'a [Observation],
     cells: &'a [String],
     noise: &'a Noise,
-) -> Option<Box<dyn Fn(&[ChiResidual]) -> f64 + Sync + 'a>> {
-    noise.folded.then(|| -> Box<dyn Fn(&[ChiResidual]) -> f64 + Sync + 'a> {
-        Box::new(|found: &[ChiResidual]| {
-            let of = |cell: &String| found.iter().find(|found| found.cell == *cell)?.computed;
-            let chi: Vec<Option<f64>> = cells.iter().map(of).collect();
-            -2.0 * noise.log_likelihood(rows, &chi, &noise.fitted(rows, rows, &chi))
-        })
-    })
-}
-
-/// How far a row lies from χ, squared, in standard deviations.
-fn squared(noise: &Noise, row: &Observation, chi: f64, sd: f64) -> f64 {
-    if noise.folded { folded::squared_deviation(row.chi, chi, sd) } else { ((row.chi - chi) / sd).powi(2) }
-}
-
-/// Whether a fit of some numbers meets the measurements: by given errors, or else by the spread of replicates.
-pub(super) fn fit_test(
-    observations: &Observations,
-    noise: &Noise,
-    chi: &[Option<f64>],
-    fitted: usize,
-) -> Option<FitTest> {
-    let rows = &observations.rows;
-    if noise.kind == NoiseKind::Given {
-        let undivided = |sd: f64| (UNDIVIDED / sd).powi(2);
-        let off =
-            |(row, sd): (&Observation, f64)| chi[row.cell].map_or(undivided(sd), |chi| squared(noise, row, chi, sd));
-        let statistic = rows.iter().zip(noise.sds(rows)).map(off).sum();
-        let degrees_of_freedom = rows.len().saturating_sub(fitted);
-        let p = chi_squared_tail(statistic, degrees_of_freedom);
-        return Some(FitTest::ChiSquared { statistic, degrees_of_freedom, p });
+) -> impl Fn(&[ChiResidual]) -> f64 + Sync + 'a {
+    move |found| {
+        let of = |cell: &String| found.iter().find(|found| found.cell == *cell)?.computed;
+        let chi: Vec<Option<f64>> = cells.iter().map(of).collect();
+        -2.0 * noise.log_likelihood(rows, &chi, &noise.fitted(rows, rows, &chi))
     }
-    let spread = noise.sd?;
-    let of = |cell: usize| {
-        let (measured, sd) = (observations.chi_of(cell), spread * noise.shapes[cell]);
-        match chi[cell] {
-            Some(chi) if noise.folded => folded::deviance(&measured, chi, sd),
-            chi => measured.len() as f64 * (chi.map_or(UNDIVIDED, |chi| mean(&measured) - chi) / sd).powi(2),
-        }
-    };
-    let above = observations.cells.len().saturating_sub(fitted);
-    let statistic = (0..observations.cells.len()).map(of).sum::<f64>() / above as f64;
-    let degrees_of_freedom = [above, noise.degrees_of_freedom];
-    (above > 0).then(|| FitTest::LackOfFit { statistic, degrees_of_freedom, p: f_tail(statistic, degrees_of_freedom) })
 }
 
 /// The hypotheses with differences of AICc and Akaike's weights.

@@ -9,11 +9,12 @@ use furrow_lineage::{Lineage, TreeSettings};
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use rand_mt::Mt64;
 
+use super::fit_test::fit_test;
 use super::free::Free;
 use super::noise::residuals;
 use super::noise::{aicc, common_sd, log_likelihood};
 use super::observations::{Chosen, LeftOut, Observation};
-use super::scores::{fit_test, held_out, without};
+use super::scores::{held_out, without};
 use super::*;
 use crate::compare::names_of;
 use crate::ensemble::normal;

@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
+use super::fit_test::FitTest;
 use super::free::NOTHING;
 use super::hierarchy::EmbryoNumber;
 use super::noise::{Noise, NoiseKind};
@@ -9,7 +10,7 @@ use super::observations::Unused;
 use super::others::{OtherScore, OthersScore, Quantity};
 use super::pairs::LEAST;
 use super::posterior::{Posterior, PredictedCell, Ridge};
-use super::scores::{CellScore, FitTest, TestedHypothesis};
+use super::scores::{CellScore, TestedHypothesis};
 use super::{HypothesisTest, Pair};
 use crate::ranges::Range;
 
