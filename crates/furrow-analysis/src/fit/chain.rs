@@ -160,17 +160,33 @@ impl Model<'_> {
 
     /// The place in the unit cube of the values that the lineage, the run and the cue give; `None` where one is outside its range.
     pub fn given(&self) -> Option<Vec<f64>> {
+        self.unknowns.iter().map(|unknown| unknown.share(self.given_value(unknown)?)).collect()
+    }
+
+    fn given_value(&self, unknown: &Unknown) -> Option<f64> {
         let FitRun { lineage, settings, .. } = self.run;
+        let founder = self.a_founder_of(unknown)?;
+        let ConstantKind::Parameter(parameter) = unknown.kind else { return Some(lineage.growth(founder)) };
+        let r0 = self.first_r0();
+        let place = Place { founder, round: 0, generation: lineage.generation(founder), r0, apart: 0 };
+        let mut cell = Cell { r0, cue: self.template.clone(), ..settings.cell.clone() };
+        lineage.set_physics(place, &mut cell, None).ok()?;
+        Some(parameter.get(&cell))
+    }
+
+    /// The first founder that has an unknown.
+    fn a_founder_of(&self, unknown: &Unknown) -> Option<usize> {
+        (0..self.run.lineage.founders.len()).find(|founder| unknown.is_of(*founder))
+    }
+
+    /// The place in the unit cube of the values of another model of the same cue, which may have fewer unknowns; `None` where one is
+    /// outside its range.
+    pub fn place_of(&self, unknowns: &[Unknown], values: &[f64]) -> Option<Vec<f64>> {
         let value = |unknown: &Unknown| {
-            let founder = (0..lineage.founders.len()).find(|founder| unknown.is_of(*founder))?;
-            let ConstantKind::Parameter(parameter) = unknown.kind else {
-                return unknown.share(lineage.growth(founder));
-            };
-            let r0 = self.first_r0();
-            let place = Place { founder, round: 0, generation: lineage.generation(founder), r0, apart: 0 };
-            let mut cell = Cell { r0, cue: self.template.clone(), ..settings.cell.clone() };
-            lineage.set_physics(place, &mut cell, None).ok()?;
-            unknown.share(parameter.get(&cell))
+            let founder = self.a_founder_of(unknown)?;
+            let same = |(other, _): &(&Unknown, &f64)| other.kind == unknown.kind && other.is_of(founder);
+            let known = unknowns.iter().zip(values).find(same).map(|(_, value)| *value);
+            unknown.share(known.or_else(|| self.given_value(unknown))?)
         };
         self.unknowns.iter().map(value).collect()
     }

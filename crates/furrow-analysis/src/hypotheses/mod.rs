@@ -163,10 +163,20 @@ pub struct HypothesisTest {
 /// [`FitError`]: the run was stopped, or no candidate gives a number. A cell that does not divide or cannot be computed is no error.
 pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest, FitError> {
     let Question { observations, hypotheses, noise, .. } = question;
-    let tested = scheduler::pool(run.threads)?.install(|| {
-        hypotheses.iter().map(|hypothesis| scores::tested(run, question, hypothesis)).collect::<Result<Vec<_>, _>>()
+    // Those with few numbers first: others start from their fits too.
+    let mut order: Vec<usize> = (0..hypotheses.len()).collect();
+    order.sort_by_key(|k| hypotheses[*k].free());
+    let mut tested = scheduler::pool(run.threads)?.install(|| {
+        let (mut all, mut before) = (Vec::new(), Vec::new());
+        for k in order {
+            let (tested, values) = scores::tested(run, question, &hypotheses[k], &before)?;
+            before.push(scores::Before { hypothesis: &hypotheses[k], values });
+            all.push((k, tested));
+        }
+        Ok::<_, FitError>(all)
     })?;
-    let tested = scores::weighed(tested);
+    tested.sort_by_key(|(k, _)| *k);
+    let tested = scores::weighed(tested.into_iter().map(|(_, tested)| tested).collect());
     Ok(HypothesisTest {
         n: observations.rows.len(),
         left_out: observations.left_out,

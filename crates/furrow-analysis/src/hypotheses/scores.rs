@@ -144,12 +144,45 @@ pub(super) fn held_out(
     noise.log_likelihood(&own, chi, &noise.fitted(&own, kept, chi))
 }
 
-/// The fit of a hypothesis, with the scores of what was left out.
+/// The fit of a hypothesis.
+pub(super) struct Before<'a> {
+    pub hypothesis: &'a Hypothesis,
+    /// Values of its numbers.
+    pub values: Vec<f64>,
+}
+
+/// The place of the least misfit: by a search, and from the best places of other fits where they are better. These are the fit to χ
+/// alone, `of_chi`, whose search is cheap, and fits of the same cue with fewer numbers: a hypothesis fits no worse than one that it
+/// includes.
+fn searched(
+    objective: &Objective<'_>,
+    of_chi: Option<&Objective<'_>>,
+    effort: SearchBudget,
+    before: &[Before<'_>],
+) -> Result<(Vec<f64>, f64), FitError> {
+    let mut found = objective.search(effort)?;
+    let Model { template, unknowns, .. } = &objective.model;
+    if unknowns.is_empty() {
+        return Ok(found);
+    }
+    if let Some(of_chi) = of_chi {
+        found = objective.refined(found, &of_chi.search(effort)?.0)?;
+    }
+    for Before { hypothesis, values } in before.iter().filter(|before| before.hypothesis.template == **template) {
+        if let Some(place) = objective.model.place_of(&hypothesis.unknowns, values) {
+            found = objective.refined(found, &place)?;
+        }
+    }
+    Ok(found)
+}
+
+/// The fit of a hypothesis, with the scores of what was left out, and the values of its numbers. `before` are other fits.
 pub(super) fn tested(
     run: &FitRun<'_>,
     question: &Question<'_>,
     hypothesis: &Hypothesis,
-) -> Result<TestedHypothesis, FitError> {
+    before: &[Before<'_>],
+) -> Result<(TestedHypothesis, Vec<f64>), FitError> {
     let Question { observations, noise, effort, memo, .. } = *question;
     let Hypothesis { lineage, template, unknowns, .. } = hypothesis;
     let effort = effort.budget(unknowns.len());
@@ -167,9 +200,10 @@ pub(super) fn tested(
     let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&of_all, model, values);
     let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
     let deviance = folded_deviance(rows, cells, noise);
-    let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).with(beside);
-    let objective = if noise.folded { objective.by(Some(&deviance)) } else { objective };
-    let found = objective.search(effort)?;
+    let of_chi = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort);
+    let of_chi = if noise.folded { of_chi.by(Some(&deviance)) } else { of_chi };
+    let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).with(beside).by(of_chi.deviance);
+    let found = searched(&objective, beside.map(|_| &of_chi), effort, before)?;
     let posterior = question
         .sampling
         .map(|sampling| posterior(question, (&objective.model, hypothesis.by_embryo), sampling))
@@ -199,7 +233,7 @@ pub(super) fn tested(
     let numbers = fit.numbers(&chi, &sds)?;
     let at_limit = at_limit(&numbers, &place);
     let cells = fit.cells(&densities);
-    Ok(TestedHypothesis {
+    let tested = TestedHypothesis {
         name: hypothesis.name.clone(),
         cue: objective.model.cue(&values).to_string(),
         log_likelihood,
@@ -221,7 +255,8 @@ pub(super) fn tested(
         others,
         tried: objective.tried(),
         posterior,
-    })
+    };
+    Ok((tested, values))
 }
 
 impl From<CueNumber> for FittedNumber {

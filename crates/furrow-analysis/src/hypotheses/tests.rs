@@ -280,6 +280,24 @@ fn a_fitted_number_fits_no_worse_than_the_given_one() {
     assert_eq!(fitted.hypotheses[0].parameters[2].searched, [2.7, 10.8]);
 }
 
+/// A hypothesis with numbers by founder fits no worse than the one with shared numbers that it includes, in any order, however short
+/// its search is.
+#[test]
+fn a_hypothesis_fits_no_worse_than_one_that_it_includes() {
+    let observations = table(TABLE, Chosen::default()).unwrap();
+    let named = |name: &str, free: &[&str]| Named {
+        name: name.to_owned(),
+        cue: "germline".to_owned(),
+        free: Some(free.iter().map(|free| (*free).to_owned()).collect()),
+    };
+    let large = named("large", &["cue.amplitude", "cue.amplitude@P1", "cue.amplitude@P2", "epsilon", "epsilon@P2"]);
+    let small = named("small", &["cue.amplitude", "epsilon"]);
+    let found = asked(&observations, None, (&[large, small], None), (2, None));
+    let [large, small] = &found.hypotheses[..] else { panic!("{found:?}") };
+    assert_eq!((large.name.as_str(), small.name.as_str()), ("large", "small"));
+    assert!(large.log_likelihood >= small.log_likelihood - 1e-9, "{found}");
+}
+
 #[test]
 fn free_numbers_have_classes_that_do_not_overlap() {
     let lineage = Lineage::c_elegans().unwrap();
@@ -433,12 +451,23 @@ fn sampled(
     free: &str,
     (threads, sampling): (usize, Option<Sampling>),
 ) -> HypothesisTest {
-    let (lineage, settings, cancel) = (Lineage::c_elegans().unwrap(), coarse(), AtomicBool::new(false));
+    let lineage = Lineage::c_elegans().unwrap();
     let cues: Vec<String> = cues.iter().map(|cue| (*cue).to_owned()).collect();
     let free: Vec<String> = free.split(',').map(str::to_owned).collect();
     let free = Free::list(&free, &lineage, "--free").unwrap();
     let cues = Named::list(&cues, "--cue").unwrap();
-    let hypotheses = Hypothesis::all(&cues, Some(&free), &lineage, &settings.cell, ["--cue", "--free"]).unwrap();
+    asked(observations, kind, (&cues, Some(&free)), (threads, sampling))
+}
+
+/// The hypotheses of a list, which may have free numbers of their own.
+fn asked(
+    observations: &Observations,
+    kind: Option<NoiseKind>,
+    (named, free): (&[Named], Option<&[Free]>),
+    (threads, sampling): (usize, Option<Sampling>),
+) -> HypothesisTest {
+    let (lineage, settings, cancel) = (Lineage::c_elegans().unwrap(), coarse(), AtomicBool::new(false));
+    let hypotheses = Hypothesis::all(named, free, &lineage, &settings.cell, ["--cue", "--free"]).unwrap();
     let noise = Noise::of(observations, kind, false, ("t.csv", "--noise")).unwrap();
     let memo = Memo::new(Quantisation::EXACT);
     let SearchBudget { particles, moves, seed } = EFFORT;
