@@ -218,12 +218,12 @@ pub(crate) fn redistributed(mesh: &[f64], defects: &[f64], m: usize, intervals: 
     if graded.len() <= most.saturating_add(1) { graded } else { grid }
 }
 
-/// Largest width of an interval over that of its neighbour.
+/// Largest ratio of the widths of neighbouring intervals.
 const RATIO: f64 = 2.0;
 
-/// The mesh with intervals halved, and again towards a narrower neighbour, until neighbours are alike. Next to a layer, intervals
-/// as wide as those elsewhere damp what is left there of its fast solution by next to nothing. It oscillates then, with a
-/// defect, and the mesh would follow that.
+/// The mesh with intervals halved towards narrower neighbours until the widths of neighbours differ at most by [`RATIO`]. On a wide
+/// interval next to a layer, collocation hardly damps the fast component of the solution: it oscillates, and the mesh would follow
+/// the defect of these oscillations.
 fn graded(mesh: &[f64]) -> Vec<f64> {
     /// Appends what lies between two places, next to intervals of these widths.
     fn halve(out: &mut Vec<f64>, [from, to]: [f64; 2], [left, right]: [f64; 2]) {

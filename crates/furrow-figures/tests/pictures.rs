@@ -222,11 +222,11 @@ fn a_movie_shows_a_furrow_on_one_side() {
     assert!(above < 0.93 * whole && (below / also - 1.0).abs() < 0.01, "{above} {whole} {below} {also}");
 }
 
-/// Heights of the glass around a small cell, one third of its width from either end.
-fn heights(shell: Wall) -> [f64; 2] {
+/// The pixels of a shell around a small cell, and how many there are in a row.
+fn glass(shell: Wall, size: f64) -> (Vec<[f64; 3]>, usize) {
     let surface = |_: f64| {
         let mut grid = notched(0.0);
-        grid.points.iter_mut().flatten().for_each(|x| *x *= 0.2);
+        grid.points.iter_mut().flatten().for_each(|x| *x *= size);
         grid
     };
     let scene = Scene {
@@ -238,7 +238,12 @@ fn heights(shell: Wall) -> [f64; 2] {
         legend: Vec::new(),
         outcome: (2.0, String::new(), [0; 3]),
     };
-    let (pixels, width) = decoded(&scene.png(0.0, 1.0).unwrap());
+    decoded(&scene.png(0.0, 1.0).unwrap())
+}
+
+/// Heights of the glass, one third of its width from either end.
+fn heights(shell: Wall) -> [f64; 2] {
+    let (pixels, width) = glass(shell, 0.2);
     let tinted = |x: usize, y: &usize| pixels[y * width + x] != [255.0; 3];
     let high = |x: usize| (50..400).filter(|y| tinted(x, y)).max().zip((50..400).find(|y| tinted(x, y)));
     let columns: Vec<(usize, f64)> =
@@ -266,21 +271,7 @@ fn a_movie_shows_the_profile_of_a_shell() {
 #[test]
 fn a_movie_shows_a_flattened_shell() {
     let extent = |x: f64| {
-        let surface = |_: f64| {
-            let mut grid = notched(0.0);
-            grid.points.iter_mut().flatten().for_each(|x| *x *= 0.3);
-            grid
-        };
-        let scene = Scene {
-            title: String::new(),
-            shell: Wall { axes: [x, 2.75, 2.9], profile: None },
-            times: vec![0.0, 1.0],
-            surface: &surface,
-            forces: &|_| Vec::new(),
-            legend: Vec::new(),
-            outcome: (2.0, String::new(), [0; 3]),
-        };
-        let (pixels, width) = decoded(&scene.png(0.0, 1.0).unwrap());
+        let (pixels, width) = glass(Wall { axes: [x, 2.75, 2.9], profile: None }, 0.3);
         let tinted = |k: usize| pixels[k].map(f64::from) != [255.0; 3];
         // Between the words at the top and at the bottom, and between the names of the poles.
         let inside = (50..400).flat_map(|y| (100..width - 100).map(move |x| (x, y)));

@@ -20,20 +20,39 @@ use furrow_measured::statistics::mean;
 use std::f64::consts::{PI, TAU};
 
 use super::noise::{LEAST, highest, log_density};
-use super::observations::Observation;
 
 /// The sum over the lost sign matters for less than this many standard deviations.
 const FAR: f64 = 6.0;
 /// Reach of integrals over a normal density, and their points within a standard deviation.
 const REACH: f64 = 8.0;
 const FINENESS: f64 = 4.0;
-/// Steps of each search for the largest likelihood, and most steps of a fixed point.
+/// Steps of each search for the largest likelihood.
 const STEPS: usize = 30;
+/// Most steps to a fixed point, and where they end.
 const MOST: usize = 1000;
+const ROUNDING: f64 = 1e-13;
 
 /// The second term of F.19, as an addition to the logarithm of the first.
 pub(super) fn log_both_signs(x: f64, chi: f64, sd: f64) -> f64 {
     (-2.0 * x * chi / (sd * sd)).exp().ln_1p()
+}
+
+/// ln Π f(x_i).
+fn log_likelihood(values: &[f64], chi: f64, sd: f64) -> f64 {
+    values.iter().map(|x| log_density(x - chi, sd) + log_both_signs(*x, chi, sd)).sum()
+}
+
+/// The value that `next` leaves as it is, to rounding errors of numbers as large as `scale`.
+fn fixed_point(start: f64, scale: f64, next: impl Fn(f64) -> f64) -> f64 {
+    let mut found = start;
+    for _ in 0..MOST {
+        let last = found;
+        found = next(last);
+        if (found - last).abs() <= ROUNDING * scale {
+            break;
+        }
+    }
+    found
 }
 
 /// Mean and standard deviation of x.
@@ -61,7 +80,7 @@ pub(super) fn squared_deviation(x: f64, chi: f64, sd: f64) -> f64 {
     let log = |t: f64| -0.5 * (t - m).powi(2) + (-2.0 * t * m).exp().ln_1p();
     let above = |t: f64| normal_tail(t - m) + normal_tail(t + m);
     let below = |t: f64| normal_tail(m - t) - normal_tail(m + t);
-    let mode = (0..MOST).fold(m, |t, _| m * (t * m).tanh());
+    let mode = fixed_point(m, 1.0, |t| m * (t * m).tanh());
     let level = log(x);
     // The other place where the density is the same lies between one where it is smaller and the mode.
     let other = |mut small: f64| {
@@ -84,7 +103,7 @@ pub(super) fn squared_deviation(x: f64, chi: f64, sd: f64) -> f64 {
 
 /// The most likely common standard deviation for pairs of x and χ. Where the cell does not divide, the deviation is `undivided`.
 pub(super) fn common_sd(pairs: &[(f64, Option<f64>)], undivided: f64) -> f64 {
-    let squares = |sd: f64| {
+    let most_likely = |sd: f64| {
         let of = |(x, chi): &(f64, Option<f64>)| match chi {
             // The mean over both signs, by their probabilities.
             Some(chi) => x * x + chi * chi - 2.0 * x * chi * (x * chi / (sd * sd)).tanh(),
@@ -93,15 +112,8 @@ pub(super) fn common_sd(pairs: &[(f64, Option<f64>)], undivided: f64) -> f64 {
         mean(&pairs.iter().map(of).collect::<Vec<_>>()).max(0.0).sqrt().max(LEAST)
     };
     let off = |(x, chi): &(f64, Option<f64>)| chi.map_or(undivided, |chi| x - chi).powi(2);
-    let mut sd = mean(&pairs.iter().map(off).collect::<Vec<_>>()).sqrt().max(LEAST);
-    for _ in 0..MOST {
-        let next = squares(sd);
-        if (next - sd).abs() <= 1e-13 * sd {
-            break;
-        }
-        sd = next;
-    }
-    sd
+    let start = mean(&pairs.iter().map(off).collect::<Vec<_>>()).sqrt().max(LEAST);
+    fixed_point(start, start, most_likely)
 }
 
 /// ln ∫ exp(ln L) d ln σ for a logarithm of a likelihood of `count` values that has its maximum at `sd`.
@@ -117,8 +129,7 @@ pub(super) fn over_sd(log_likelihood: impl Fn(f64) -> f64, sd: f64, count: usize
 
 /// The likelihood of the standard deviation of a cell's values alone, F.20.
 fn log_spread(values: &[f64], sd: f64) -> f64 {
-    let equal: f64 = values.iter().map(|x| log_density(*x, sd) + 2.0_f64.ln()).sum();
-    let [small, large] = [equal, log_over_chi(values, sd)].map(|log| log - 2.0_f64.ln());
+    let [small, large] = [log_likelihood(values, 0.0, sd), log_over_chi(values, sd)].map(|log| log - 2.0_f64.ln());
     small.max(large) + (-(small - large).abs()).exp().ln_1p()
 }
 
@@ -135,11 +146,7 @@ fn log_over_chi(values: &[f64], sd: f64) -> f64 {
     let last = (most + REACH * sd / n.sqrt()).min(1.0);
     let count = (last * FINENESS * n.sqrt() / sd).ceil();
     let step = last / count;
-    let log = |k: usize| {
-        let chi = step * k as f64;
-        values.iter().map(|x| log_density(x - chi, sd) + log_both_signs(*x, chi, sd)).sum::<f64>()
-    };
-    let logs: Vec<f64> = (0..=count as usize).map(log).collect();
+    let logs: Vec<f64> = (0..=count as usize).map(|k| log_likelihood(values, step * k as f64, sd)).collect();
     let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     // The integrand is even in χ, so that the sum of the trapezoid rule has half of its first value.
     let sum: f64 = logs.iter().map(|log| (log - top).exp()).sum::<f64>() - 0.5 * (logs[0] - top).exp();
@@ -166,22 +173,10 @@ pub(super) fn estimated(cells: &[(Vec<f64>, f64)], steepest: f64, start: f64) ->
 
 /// How far the likelihood of a cell's values lies below its maximum over χ, as a χ² of one degree of freedom.
 pub(super) fn deviance(values: &[f64], chi: f64, sd: f64) -> f64 {
-    let log = |chi: f64| values.iter().map(|x| log_density(x - chi, sd) + log_both_signs(*x, chi, sd)).sum::<f64>();
     // The fixed point of the mean over both signs climbs to the maximum.
-    let mut best = mean(values);
-    for _ in 0..MOST {
-        let next = mean(&values.iter().map(|x| x * (x * best / (sd * sd)).tanh()).collect::<Vec<_>>());
-        if (next - best).abs() <= 1e-12 * sd {
-            break;
-        }
-        best = next;
-    }
-    (2.0 * (log(best) - log(chi))).max(0.0)
-}
-
-/// The values of a cell.
-pub(super) fn values_of(rows: &[Observation], cell: usize) -> Vec<f64> {
-    rows.iter().filter(|row| row.cell == cell).map(|row| row.chi).collect()
+    let over_signs = |chi: f64| mean(&values.iter().map(|x| x * (x * chi / (sd * sd)).tanh()).collect::<Vec<_>>());
+    let best = fixed_point(mean(values), sd, over_signs);
+    (2.0 * (log_likelihood(values, best, sd) - log_likelihood(values, chi, sd))).max(0.0)
 }
 
 #[cfg(test)]
@@ -198,7 +193,7 @@ mod tests {
     /// Beside `scipy.stats.foldnorm`, its largest likelihoods by `minimize_scalar` and integrals by the trapezoid rule.
     #[test]
     fn densities_and_estimates_are_those_of_scipy() {
-        let log = |x: f64, chi: f64, sd: f64| log_density(x - chi, sd) + log_both_signs(x, chi, sd);
+        let log = |x: f64, chi: f64, sd: f64| log_likelihood(&[x], chi, sd);
         close(log(0.03, 0.01, 0.02), 2.6944977502062257, 1e-12);
         close(log(0.2, 0.16, 0.03), 1.6987304752264207, 1e-12);
         for (chi, expected) in

@@ -126,8 +126,9 @@ impl Noise {
         let exponent = if has_volumes { highest(likelihood, [0.0, STEEPEST], STEPS) } else { 0.0 };
         let sd = variance(exponent).sqrt().max(LEAST);
         let [sd, exponent] = if folded {
+            let values = |cell: usize| of_cell(cell).map(|row| row.chi).collect();
             let cells: Vec<(Vec<f64>, f64)> =
-                sizes.iter().enumerate().map(|(cell, size)| (folded::values_of(rows, cell), *size)).collect();
+                sizes.iter().enumerate().map(|(cell, size)| (values(cell), *size)).collect();
             folded::estimated(&cells, if has_volumes { STEEPEST } else { 0.0 }, sd)
         } else {
             [sd, exponent]

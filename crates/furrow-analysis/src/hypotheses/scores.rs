@@ -151,9 +151,8 @@ pub(super) struct Before<'a> {
     pub values: Vec<f64>,
 }
 
-/// The place of the least misfit: by a search, and from the best places of other fits where they are better. These are the fit to χ
-/// alone, `of_chi`, whose search is cheap, and fits of the same cue with fewer numbers: a hypothesis fits no worse than one that it
-/// includes.
+/// The place of the least misfit. A search may miss it, so that descents also start from two kinds of fits: the fit to χ alone,
+/// `of_chi`, which needs no trees, and fits of the same cue with fewer numbers. A hypothesis then fits no worse than one that it includes.
 fn searched(
     objective: &Objective<'_>,
     of_chi: Option<&Objective<'_>>,
@@ -200,9 +199,9 @@ pub(super) fn tested(
     let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&of_all, model, values);
     let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
     let deviance = folded_deviance(rows, cells, noise);
-    let of_chi = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort);
-    let of_chi = if noise.folded { of_chi.by(Some(&deviance)) } else { of_chi };
-    let objective = Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).with(beside).by(of_chi.deviance);
+    let alone =
+        || Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).by(deviance.as_ref().map(|of| of as _));
+    let (of_chi, objective) = (alone(), alone().with(beside));
     let found = searched(&objective, beside.map(|_| &of_chi), effort, before)?;
     let posterior = question
         .sampling
@@ -308,8 +307,7 @@ impl Fitted<'_> {
         } else {
             let measured = means(&kept, &own.sds(&kept), &observations.cells);
             let deviance = folded_deviance(&kept, &observations.cells, &own);
-            let objective = beside_all(model, &measured, beside);
-            let objective = if noise.folded { objective.by(Some(&deviance)) } else { objective };
+            let objective = beside_all(model, &measured, beside).by(deviance.as_ref().map(|of| of as _));
             let place = self.refitted(&objective);
             objective.check_cancelled()?;
             // Also of a cell that only this unit has.
@@ -418,6 +416,9 @@ impl Fitted<'_> {
     /// The measured cells with the errors that say as much about the signed χ as the measurements do.
     fn informative(&self, chi: &[Option<f64>]) -> Vec<MeasuredChi> {
         let Question { noise, observations, .. } = self.question;
+        if !noise.folded {
+            return self.objective.measured.to_vec();
+        }
         let sds = noise.fitted(&observations.rows, &observations.rows, chi);
         let known = |measured: &MeasuredChi| {
             let cell = observations.cells.iter().position(|cell| *cell == measured.cell)?;
@@ -425,7 +426,7 @@ impl Fitted<'_> {
             Some(folded::information(chi[cell]? / sds[own]))
         };
         let of = |measured: &MeasuredChi| {
-            let share = if noise.folded { known(measured).unwrap_or(1.0) } else { 1.0 };
+            let share = known(measured).unwrap_or(1.0);
             MeasuredChi { sd: measured.sd / share.max(f64::MIN_POSITIVE).sqrt(), ..measured.clone() }
         };
         self.objective.measured.iter().map(of).collect()
@@ -470,17 +471,18 @@ impl Fitted<'_> {
     }
 }
 
-/// −2 ln L of rows by χ of the measured cells. Under normal errors their means are enough for a fit.
+/// −2 ln L of rows by χ of the measured cells; `None` under normal errors, where the means of the cells are enough for a fit.
 fn folded_deviance<'a>(
     rows: &'a [Observation],
     cells: &'a [String],
     noise: &'a Noise,
-) -> impl Fn(&[ChiResidual]) -> f64 + Sync + 'a {
-    move |found| {
+) -> Option<impl Fn(&[ChiResidual]) -> f64 + Sync + 'a> {
+    let deviance = move |found: &[ChiResidual]| {
         let of = |cell: &String| found.iter().find(|found| found.cell == *cell)?.computed;
         let chi: Vec<Option<f64>> = cells.iter().map(of).collect();
         -2.0 * noise.log_likelihood(rows, &chi, &noise.fitted(rows, rows, &chi))
-    }
+    };
+    noise.folded.then_some(deviance)
 }
 
 /// The hypotheses with differences of AICc and Akaike's weights.

@@ -238,6 +238,12 @@ impl Cue {
     }
 
     /// Its profiles, of terms and of the regulator's source.
+    pub fn profiles(&self) -> impl Iterator<Item = Profile> {
+        let source = self.regulator.iter().filter_map(|regulator| regulator.source.map(|source| source.profile));
+        self.terms.iter().map(|term| term.profile).chain(source)
+    }
+
+    /// The same, for changes, which are not checked.
     pub fn profiles_mut(&mut self) -> impl Iterator<Item = &mut Profile> {
         let source = self.regulator.iter_mut().filter_map(|regulator| regulator.source.as_mut());
         self.terms.iter_mut().map(|term| &mut term.profile).chain(source.map(|source| &mut source.profile))
@@ -245,9 +251,7 @@ impl Cue {
 
     /// Whether a term, or the regulator's source, follows PAR polarity: its place is then another on every cell.
     pub fn follows_par(&self) -> bool {
-        let source = self.regulator.iter().filter_map(|regulator| regulator.source.map(|source| source.profile));
-        let mut profiles = self.terms.iter().map(|term| term.profile).chain(source);
-        profiles.any(|profile| matches!(profile, Profile::Par { .. }))
+        self.profiles().any(|profile| matches!(profile, Profile::Par { .. }))
     }
 
     /// Whether a term is at one side of the axis.

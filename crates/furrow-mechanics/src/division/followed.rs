@@ -53,13 +53,9 @@ pub(super) fn divide(input: &DivisionInput, options: DivisionOptions<'_>) -> Div
 
 /// The numbers that follow polarity: the index of the profile and the quantity.
 fn following(cell: &Cell, places: &Places) -> Vec<(usize, Quantity)> {
-    let mut cue = cell.cue.clone();
-    let follows = cue
-        .profiles_mut()
-        .zip(places)
-        .map(|(profile, place)| matches!(profile, Profile::Par { .. }) && place.is_some());
-    let follows: Vec<usize> = follows.enumerate().filter_map(|(k, follows)| follows.then_some(k)).collect();
-    follows.into_iter().flat_map(|k| FOLLOWING.map(|quantity| (k, quantity))).collect()
+    let profiles = cell.cue.profiles().zip(places).enumerate();
+    let follows = profiles.filter(|(_, (profile, place))| matches!(profile, Profile::Par { .. }) && place.is_some());
+    follows.flat_map(|(k, _)| FOLLOWING.map(|quantity| (k, quantity))).collect()
 }
 
 /// A number of a profile as a parameter of the cell with profiles in their places, which may lack terms.

@@ -72,8 +72,8 @@ pub fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>, PolarityError> {
 /// one of a chemistry that does not polarise the cell.
 pub(crate) fn placed(cell: &Cell) -> Result<Vec<Option<Profile>>, PolarityError> {
     let mut known: Vec<(ParConstants, f64, Option<Readings>)> = Vec::new();
-    let mut place = |profile: &mut Profile| {
-        let Profile::Par { band, far, constants, length_um } = *profile else { return Ok(Some(*profile)) };
+    let mut place = |profile: Profile| {
+        let Profile::Par { band, far, constants, length_um } = profile else { return Ok(Some(profile)) };
         let um = length_um.unwrap_or(LENGTH_UM);
         let found = match known.iter().find(|(others, length, _)| *others == constants && *length == um) {
             Some((.., found)) => *found,
@@ -91,7 +91,7 @@ pub(crate) fn placed(cell: &Cell) -> Result<Vec<Option<Profile>>, PolarityError>
         let followed = |found: Readings| if far { found.followed(band).mirrored().0 } else { found.followed(band) };
         Ok(found.map(followed))
     };
-    cell.cue.clone().profiles_mut().map(&mut place).collect()
+    cell.cue.profiles().map(&mut place).collect()
 }
 
 /// The cell with these profiles in its cue. A term without a profile is left out, and so is a source.
