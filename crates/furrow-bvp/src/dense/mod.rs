@@ -210,31 +210,21 @@ fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane
     *sums = sum;
 }
 
-/// Largest |d| / (1 + |v|), NaN if any d is not a number. Quotients are compared by products, ten times as fast as a division.
+/// Largest |d| / (1 + |v|), NaN if any d is not a number: quotients are compared by their bits, of which NaN has the largest.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
-    let (mut above, mut below, mut poison) = ([0.0; SUMS], [1.0; SUMS], [0.0; SUMS]);
+    let mut largest = [0; SUMS];
     let (d_lanes, d_rest) = d.as_chunks::<SUMS>();
     let (v_lanes, v_rest) = v.as_chunks::<SUMS>();
     for (d, v) in d_lanes.iter().zip(v_lanes) {
         for t in 0..SUMS {
-            let (size, scale) = (d[t].abs(), 1.0 + v[t].abs());
-            let larger = size * below[t] > above[t] * scale;
-            above[t] = if larger { size } else { above[t] };
-            below[t] = if larger { scale } else { below[t] };
-            poison[t] += size * 0.0;
+            largest[t] = i64::max(largest[t], (d[t].abs() / (1.0 + v[t].abs())).to_bits().cast_signed());
         }
     }
-    let mut largest = 0.0f64;
-    for t in 0..SUMS {
-        largest = largest.max(above[t] / below[t]);
-    }
     for (d, v) in d_rest.iter().zip(v_rest) {
-        let e = d.abs() / (1.0 + v.abs());
-        largest = largest.max(e);
-        poison[0] += e * 0.0;
+        largest[0] = i64::max(largest[0], (d.abs() / (1.0 + v.abs())).to_bits().cast_signed());
     }
-    if poison.iter().any(|p| p.is_nan()) { f64::NAN } else { largest }
+    f64::from_bits(largest.into_iter().fold(0, i64::max).cast_unsigned())
 }
 
 #[cfg(test)]
