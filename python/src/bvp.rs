@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use furrow_bvp::{
     CollocationPoints, Deflation, DeflationError, Gauss, Interrupt, PointJacobian, Settings, Solution, SolveError,
-    TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides,
+    Solved, TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -206,7 +206,7 @@ impl TwoPoint for Functions<'_, '_> {
 /// The polynomials of a solution.
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Collocation {
-    solution: Solution,
+    solved: Solved,
     gauss: Gauss,
 }
 
@@ -214,15 +214,12 @@ pub struct Collocation {
 impl Collocation {
     /// Values or slopes at x; points × components, flattened.
     fn at<'py>(&self, py: Python<'py>, x: PyReadonlyArray1<'py, f64>, slope: bool) -> Bound<'py, PyArray1<f64>> {
-        let n = self.solution.components;
+        let n = self.solved.solution.components;
         let mut out = vec![0.0; x.as_array().len() * n];
         for (x, out) in x.as_array().iter().zip(out.chunks_exact_mut(n)) {
-            let i = self.solution.interval_of(*x);
-            let [from, to] = [self.solution.mesh[i], self.solution.mesh[i + 1]];
-            let theta = (x - from) / (to - from);
             match slope {
-                true => self.solution.slope_in(&self.gauss, i, theta, out),
-                false => self.solution.eval_in(&self.gauss, i, theta, out),
+                true => self.solved.slope(&self.gauss, *x, out),
+                false => self.solved.eval(&self.gauss, *x, out),
             }
         }
         PyArray1::from_vec(py, out)
@@ -267,7 +264,7 @@ pub fn solve_bvp<'py>(
     let found = if known.is_empty() {
         solve_two_point(&problem, &mesh, &rows, &p, &settings).map_err(DeflationError::from)
     } else {
-        let known: Vec<&Solution> = known.iter().map(|known| &known.solution).collect();
+        let known: Vec<&Solution> = known.iter().map(|known| &known.solved.solution).collect();
         let deflation = Deflation { settings, ..Deflation::default() };
         solve_two_point_besides(&problem, &mesh, &rows, &p, &known, &deflation)
     };
@@ -285,5 +282,6 @@ pub fn solve_bvp<'py>(
     let p = PyArray1::from_slice(py, &found.solution.scalars);
     let quality = [found.defect, found.condition];
     let gauss = found.solution.gauss();
-    Ok((nodes, p, Collocation { solution: found.solution, gauss }, quality, found.work.iterations))
+    let iterations = found.work.iterations;
+    Ok((nodes, p, Collocation { solved: found, gauss }, quality, iterations))
 }

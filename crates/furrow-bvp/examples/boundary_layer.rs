@@ -17,7 +17,7 @@ fn main() -> Result<(), SolveError> {
         let guess = layer.line(gauss.m, &mesh::uniform(0.0, 1.0, 10));
         let solved = solve(&mut layer, &guess, &settings)?;
         let mut y = [0.0; 2];
-        solved.solution.eval(&gauss, epsilon, &mut y);
+        solved.eval(&gauss, epsilon, &mut y);
         let exact = (1.0 - (-1.0f64).exp()) / (1.0 - (-1.0 / epsilon).exp());
         let (meshes, intervals) = (solved.work.steps, solved.solution.intervals());
         println!("{epsilon:.0e}  {meshes:6}  {intervals:9}  {:.10}  {exact:.10}", y[0]);

@@ -45,7 +45,7 @@ fn main() -> std::io::Result<()> {
             print!("{number:7}  {epsilon:.0e}  ");
             match &outcome {
                 Ok(found) => {
-                    let error = problem.error(&found.solution).or_else(|| reference.error(&found.solution, epsilon));
+                    let error = problem.error(found).or_else(|| reference.error(found, epsilon));
                     print_row(found, error);
                     solved += 1;
                     wrong += usize::from(error.is_some_and(|error| error > WRONG));
@@ -103,7 +103,7 @@ impl Reference {
     }
 
     /// Largest difference of the first component from the reference.
-    fn error(&mut self, y: &Solution, epsilon: f64) -> Option<f64> {
+    fn error(&mut self, y: &Solved, epsilon: f64) -> Option<f64> {
         while self.epsilon > epsilon {
             self.epsilon = epsilon.max(self.epsilon / 1.5);
             self.step()

@@ -101,12 +101,13 @@ fn print_case(case: &str, tolerance: &str) -> Result<(), Box<dyn Error>> {
     let guess = problem.line(STAGES, INTERVALS);
     let outcome = measured(&mut problem, &guess, &settings);
     let (mut error, [mut intervals, mut factorisations]) = (f64::INFINITY, [0; 2]);
-    if let Ok(Solved { solution, work, .. }) = &outcome {
+    if let Ok(solved) = &outcome {
+        let Solved { solution, work, .. } = solved;
         (error, intervals, factorisations) = (0.0, solution.intervals(), work.factorisations);
         let (gauss, mut y) = (solution.gauss(), vec![0.0; solution.components]);
         for (x, value) in places.split(' ').zip(values.split(' ')) {
             let (x, value): (f64, f64) = (x.parse()?, value.parse()?);
-            solution.eval(&gauss, x, &mut y);
+            solved.eval(&gauss, x, &mut y);
             error = error.max((y[0] - value).abs() / (1.0 + value.abs()));
         }
     }

@@ -177,6 +177,37 @@ impl Gauss {
     }
 }
 
+/// The polynomials that correct a collocation polynomial between the nodes for its slopes there, see [`Gauss::corrections`].
+pub(crate) struct Corrections {
+    /// Values, those for the slope at the left node first.
+    pub values: [f64; 2],
+    /// Derivatives with respect to θ.
+    pub slopes: [f64; 2],
+}
+
+impl Gauss {
+    /// Two polynomials of degree m + 2 at θ. They vanish at both nodes; their derivatives vanish at the Gauss points and at one node, and are 1 at the
+    /// other: (1 − θ)P_m(1 − 2θ) and θP_m(2θ − 1) of the Legendre polynomial P_m.
+    pub(crate) fn corrections(&self, theta: f64) -> Corrections {
+        let (m, x) = (self.m, 2.0 * theta - 1.0);
+        let mut p = [1.0; MAX_STAGES + 3];
+        p[1] = x;
+        for k in 2..=m + 2 {
+            let order = k as f64;
+            p[k] = ((2.0 * order - 1.0) * x * p[k - 1] - (order - 1.0) * p[k - 2]) / order;
+        }
+        // ∫ P_k from −1 to x, and ∫ x P_m by (2m + 1)x P_m = (m + 1)P_{m+1} + m P_{m−1}.
+        let integral = |k: usize| if k == 0 { x + 1.0 } else { (p[k + 1] - p[k - 1]) / (2.0 * k as f64 + 1.0) };
+        let order = m as f64;
+        let weighted = ((order + 1.0) * integral(m + 1) + order * integral(m - 1)) / (2.0 * order + 1.0);
+        let sign = if m.is_multiple_of(2) { 1.0 } else { -1.0 };
+        Corrections {
+            values: [sign * 0.25 * (integral(m) - weighted), 0.25 * (integral(m) + weighted)],
+            slopes: [sign * (1.0 - theta) * p[m], theta * p[m]],
+        }
+    }
+}
+
 /// Inverse of a small well-conditioned matrix (n ≤ 5) by Gauss–Jordan elimination with row pivoting.
 fn inverse(n: usize, a: &[f64]) -> Vec<f64> {
     let mut left = a.to_vec();
@@ -227,6 +258,24 @@ mod tests {
                     let q: f64 = (0..m).map(|k| g.a[j * m + k] * g.c[k].powi(degree as i32)).sum();
                     let exact = g.c[j].powi(degree as i32 + 1) / (degree as f64 + 1.0);
                     assert!((q - exact).abs() < 1e-15);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn corrections_are_integrals_of_the_polynomials_for_slopes_at_one_node() {
+        let (points, weights) = gauss_rule(6);
+        for m in 1..=MAX_STAGES {
+            let g = Gauss::nearest(m);
+            let product = |t: f64| g.c.iter().map(|c| t - c).product::<f64>();
+            let slopes = |t: f64| [(1.0 - t) * product(t) / product(0.0), t * product(t) / product(1.0)];
+            for theta in [0.0, 0.2, 0.5, 0.9, 1.0] {
+                let found = g.corrections(theta);
+                for end in 0..2 {
+                    let integral: f64 = points.iter().zip(&weights).map(|(x, w)| theta * w * slopes(theta * x)[end]).sum();
+                    assert!((found.values[end] - integral).abs() < 1e-15, "m={m} θ={theta}");
+                    assert!((found.slopes[end] - slopes(theta)[end]).abs() < 1e-14, "m={m} θ={theta}");
                 }
             }
         }

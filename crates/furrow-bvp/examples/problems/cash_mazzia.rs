@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use furrow_bvp::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, PointJacobian, Solution, mesh,
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, PointJacobian, Solution, Solved, mesh,
 };
 
 /// A value of one component at an end.
@@ -53,20 +53,21 @@ impl TestProblem {
     }
 
     /// Largest difference of the first component from the exact one over 1 + |value|, sampled between the nodes too.
-    pub fn error(&self, y: &Solution) -> Option<f64> {
+    pub fn error(&self, y: &Solved) -> Option<f64> {
         let exact = self.exact?;
         Some(largest_difference(y, |x| exact(x, self.epsilon)))
     }
 }
 
 /// Largest difference of the first component from a function over 1 + |value|, at nine points of every interval.
-pub fn largest_difference(y: &Solution, mut exact: impl FnMut(f64) -> f64) -> f64 {
+pub fn largest_difference(solved: &Solved, mut exact: impl FnMut(f64) -> f64) -> f64 {
+    let y = &solved.solution;
     let (gauss, mut value, mut largest) = (y.gauss(), vec![0.0; y.components], 0.0f64);
     for i in 0..y.intervals() {
         for k in 0..=8 {
-            let theta = k as f64 / 8.0;
-            let expected = exact(y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]));
-            y.eval_in(&gauss, i, theta, &mut value);
+            let x = y.mesh[i] + k as f64 / 8.0 * (y.mesh[i + 1] - y.mesh[i]);
+            let expected = exact(x);
+            solved.eval(&gauss, x, &mut value);
             let difference = (value[0] - expected).abs() / (1.0 + expected.abs());
             largest = if difference.is_nan() { f64::INFINITY } else { largest.max(difference) };
         }

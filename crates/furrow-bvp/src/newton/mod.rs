@@ -4,6 +4,7 @@ mod condition;
 mod homotopy;
 mod iteration;
 mod limits;
+mod solved;
 mod solver;
 mod work;
 
@@ -11,5 +12,6 @@ pub use iteration::{Newton, NewtonError, NewtonReport, NewtonScratch};
 pub(crate) use limits::WorkLimit;
 pub use limits::{Interrupt, Stop};
 pub(crate) use solver::{BUDGET, NEWTON_SHARE};
-pub use solver::{Settings, SolveError, Solved, solve};
+pub use solved::Solved;
+pub use solver::{Settings, SolveError, solve};
 pub use work::Work;

@@ -15,6 +15,7 @@ use super::condition;
 use super::homotopy;
 use super::iteration::{Newton, NewtonError, NewtonScratch};
 use super::limits::{Interrupt, Stop, WorkLimit};
+use super::solved::{Solved, slopes_at_nodes};
 use super::work::Work;
 
 /// Settings of [`solve`].
@@ -60,21 +61,6 @@ impl Settings {
         invalid::setting("the budget", self.budget, self.budget > 0.0, "a number above 0")?;
         self.newton.check()
     }
-}
-
-/// A solution, its defect and its cost.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Solved {
-    /// The solution, on a mesh of its own.
-    pub solution: Solution,
-    /// Its largest defect.
-    pub defect: f64,
-    /// Estimated condition of the problem there, from a few solves: by how much the solution changes at most, in |δ|/(1 + |value|),
-    /// per change of the right-hand side by 1 + |value| and of the conditions by 1. Infinite for the best solution of a solve that was
-    /// stopped, which has no factors to estimate it with.
-    pub condition: f64,
-    /// Steps are meshes on which Newton converged, those rejected meshes on which it did not.
-    pub work: Work,
 }
 
 /// Why a problem was not solved to the accuracy asked for.
@@ -208,7 +194,7 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 /// let guess = Solution::from_fn(&gauss, &furrow_bvp::mesh::uniform(0.0, 1.0, 4), 2, &[], line)?;
 /// let solved = furrow_bvp::solve(&mut Example, &guess, &Settings { tolerance: 1e-9, ..Settings::default() })?;
 /// let mut y = [0.0; 2];
-/// solved.solution.eval(&gauss, 0.5, &mut y);
+/// solved.eval(&gauss, 0.5, &mut y);
 /// assert!((y[0] - 4.0 / 1.5f64.powi(2)).abs() < 1e-9);
 /// # Ok::<(), furrow_bvp::SolveError>(())
 /// ```
@@ -258,14 +244,14 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         let mut refinement = mesh::Refinement::new(tolerance, limit);
         loop {
             y = self.solve_with_refinement(y)?;
-            let defects = mesh::defect(&self.system.gauss, self.problem, &y);
-            let defect = defects.iter().copied().fold(0.0, f64::max);
+            let defects = self.defects(&y);
+            let defect = largest(&defects);
             let halved = self.best.as_ref().is_some_and(|best| WASTEFUL * best.solution.intervals() <= y.intervals());
             if halved && defect <= ROUNDING && self.best.as_ref().is_some_and(|best| defect >= PROGRESS * best.defect) {
                 return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
             if defect <= tolerance {
-                return self.accepted(y, &defects);
+                return self.accepted(y, defects);
             }
             self.keep_best(&y, defect);
             let Some(grid) = refinement.next(&y, &defects) else {
@@ -279,10 +265,10 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     }
 
     /// The solution, on a coarser mesh if that is fine enough; an error if the problem is singular.
-    fn accepted(&mut self, mut y: Solution, defects: &[f64]) -> Result<Solved, SolveError> {
+    fn accepted(&mut self, mut y: Solution, mut defects: Vec<f64>) -> Result<Solved, SolveError> {
         let mut condition = condition::estimate(&mut self.system, &y);
-        let mut defect = defects.iter().copied().fold(0.0, f64::max);
-        let needed = mesh::intervals_for(&y.mesh, defects, y.m, self.settings.tolerance).max(2);
+        let mut defect = largest(&defects);
+        let needed = mesh::intervals_for(&y.mesh, &defects, y.m, self.settings.tolerance).max(2);
         if condition * defect > SUSPECT {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
             match self.newton(&mut finer) {
@@ -295,22 +281,23 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
                 return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
             }
         } else if WASTEFUL * needed <= y.intervals() {
-            let mut coarser = self.moved(&y, &mesh::redistributed(&y.mesh, defects, y.m, needed, y.intervals()));
-            let largest = self.newton(&mut coarser).map_or(f64::INFINITY, |()| self.defect(&coarser));
-            if largest <= self.settings.tolerance {
-                (y, defect) = (coarser, largest);
+            let mut coarser = self.moved(&y, &mesh::redistributed(&y.mesh, &defects, y.m, needed, y.intervals()));
+            let on_coarser = self.newton(&mut coarser).ok().map(|()| self.defects(&coarser));
+            if let Some(on_coarser) = on_coarser.filter(|defects| largest(defects) <= self.settings.tolerance) {
+                (y, defect, defects) = (coarser, largest(&on_coarser), on_coarser);
                 condition = condition::estimate(&mut self.system, &y);
             }
         }
-        Ok(Solved { solution: y, defect, condition, work: self.work })
+        let slopes = slopes_at_nodes(&self.system.gauss, self.problem, &y, &defects);
+        Ok(Solved { solution: y, defect, condition, work: self.work, slopes })
     }
 
     fn stopped(&mut self, reason: Stop, intervals: usize) -> SolveError {
         SolveError::Stopped { reason, intervals, best: self.best.take() }
     }
 
-    fn defect(&mut self, y: &Solution) -> f64 {
-        mesh::defect(&self.system.gauss, self.problem, y).into_iter().fold(0.0, f64::max)
+    fn defects(&mut self, y: &Solution) -> Vec<f64> {
+        mesh::defect(&self.system.gauss, self.problem, y)
     }
 
     /// Newton on the mesh of `y`.
@@ -374,7 +361,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     fn keep_best(&mut self, y: &Solution, defect: f64) {
         if self.best.as_ref().is_none_or(|best| defect < best.defect) {
             let (solution, work) = (y.clone(), self.work);
-            self.best = Some(Box::new(Solved { solution, defect, condition: f64::INFINITY, work }));
+            self.best = Some(Box::new(Solved { solution, defect, condition: f64::INFINITY, work, slopes: Vec::new() }));
         }
     }
 
@@ -390,11 +377,17 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
 
     /// The best solution; without another, the one on this mesh.
     fn take_best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
-        let this = || Box::new(Solved { solution, defect, condition: f64::INFINITY, work: Work::default() });
-        let mut best = self.take_best().unwrap_or_else(this);
+        let mut best = self.take_best().unwrap_or_else(|| {
+            let (condition, work, slopes) = (f64::INFINITY, Work::default(), Vec::new());
+            Box::new(Solved { solution, defect, condition, work, slopes })
+        });
         best.work = self.work;
         best
     }
+}
+
+fn largest(defects: &[f64]) -> f64 {
+    defects.iter().copied().fold(0.0, f64::max)
 }
 
 /// Some interval is as narrow as the spacing of numbers there.

@@ -1,0 +1,93 @@
+//! A solution between its nodes.
+//!
+//! The collocation polynomial p of degree m has an error of order h^(m+1) between the nodes, though h^(2m) at them. Its slopes at the Gauss points
+//! are those of the equations, f(Y_j). Together with f at both nodes they determine a polynomial of degree m + 1 whose integral,
+//! N.22, has an error of order h^(m+2).
+//!
+//! # References
+//! Enright & Muir, SIAM J. Sci. Comput. 17, 479 (1996) (interpolants of Runge–Kutta formulas by evaluations at nodes).
+
+use crate::gauss::Gauss;
+use crate::problem::{BoundaryValueProblem, CollocationPoints};
+use crate::solution::Solution;
+
+use super::work::Work;
+
+/// A solution, its defect and its cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solved {
+    /// The solution, on a mesh of its own.
+    pub solution: Solution,
+    /// Its largest defect.
+    pub defect: f64,
+    /// Estimated condition of the problem there, from a few solves: by how much the solution changes at most, in |δ|/(1 + |value|),
+    /// per change of the right-hand side by 1 + |value| and of the conditions by 1. Infinite for the best solution of a solve that was
+    /// stopped, which has no factors to estimate it with.
+    pub condition: f64,
+    /// Steps are meshes on which Newton converged, those rejected meshes on which it did not.
+    pub work: Work,
+    /// h (f − p′) at both nodes of every interval; N × 2 × n. Empty for a solution that is not accurate enough.
+    pub(super) slopes: Vec<f64>,
+}
+
+impl Solved {
+    /// The solution at x, all components into `out`, between nodes more accurate than [`Solution::eval`].
+    pub fn eval(&self, gauss: &Gauss, x: f64, out: &mut [f64]) {
+        self.solution.eval(gauss, x, out);
+        self.correct(x, |theta, _| gauss.corrections(theta).values, out);
+    }
+
+    /// Its derivative with respect to x.
+    pub fn slope(&self, gauss: &Gauss, x: f64, out: &mut [f64]) {
+        let Some((i, theta, _)) = self.place(x) else { return out.fill(f64::NAN) };
+        self.solution.slope_in(gauss, i, theta, out);
+        self.correct(x, |theta, h| gauss.corrections(theta).slopes.map(|slope| slope / h), out);
+    }
+
+    /// The interval of x, its place there from 0 to 1, and the width of the interval.
+    fn place(&self, x: f64) -> Option<(usize, f64, f64)> {
+        let i = self.solution.interval_of(x);
+        let [left, right] = *self.solution.mesh.get(i..i + 2)? else { return None };
+        Some((i, (x - left) / (right - left), right - left))
+    }
+
+    /// Adds both corrections at x with their weights at a place in an interval of some width.
+    fn correct(&self, x: f64, weights: impl Fn(f64, f64) -> [f64; 2], out: &mut [f64]) {
+        let (Some((i, theta, h)), n) = (self.place(x), self.solution.components) else { return };
+        let Some(slopes) = self.slopes.get(2 * i * n..2 * (i + 1) * n) else { return };
+        let weights = weights(theta, h);
+        for (weight, slopes) in weights.into_iter().zip(slopes.chunks_exact(n)) {
+            out.iter_mut().zip(slopes).for_each(|(out, slope)| *out += weight * slope);
+        }
+    }
+}
+
+/// A smooth f differs from p′ at a node at most by this many times the defect of the interval.
+const SMOOTH: f64 = 10.0;
+
+/// [`Solved::slopes`] of a solution with these defects. They are 0 at a node where f is not a number or jumps, as at a singular end or where
+/// coefficients change.
+pub(super) fn slopes_at_nodes<P: BoundaryValueProblem>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+    defects: &[f64],
+) -> Vec<f64> {
+    let (n, integrals) = (y.components, problem.dimensions().integrals);
+    let (mut f, mut g) = (vec![0.0; y.nodes.len()], vec![0.0; y.mesh.len() * integrals]);
+    problem.prepare(&y.scalars);
+    problem.rhs_many(CollocationPoints { first: 0, x: &y.mesh, y: &y.nodes }, &y.scalars, &mut f, &mut g);
+    let mut slopes = vec![0.0; 2 * n * y.intervals()];
+    for (k, slopes) in slopes.chunks_exact_mut(n).enumerate() {
+        let (i, end) = (k / 2, k % 2);
+        let (h, node) = (y.mesh[i + 1] - y.mesh[i], i + end);
+        y.slope_in(gauss, i, end as f64, slopes);
+        let (f, values) = (&f[node * n..(node + 1) * n], y.node(node));
+        slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope = h * (f - *slope));
+        let most = SMOOTH * defects.get(i).copied().unwrap_or(0.0);
+        if !slopes.iter().zip(values).all(|(slope, value)| slope.abs() <= most * (1.0 + value.abs())) {
+            slopes.fill(0.0);
+        }
+    }
+    slopes
+}
