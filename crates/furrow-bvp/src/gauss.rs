@@ -273,7 +273,8 @@ mod tests {
             for theta in [0.0, 0.2, 0.5, 0.9, 1.0] {
                 let found = g.corrections(theta);
                 for end in 0..2 {
-                    let integral: f64 = points.iter().zip(&weights).map(|(x, w)| theta * w * slopes(theta * x)[end]).sum();
+                    let integral: f64 =
+                        points.iter().zip(&weights).map(|(x, w)| theta * w * slopes(theta * x)[end]).sum();
                     assert!((found.values[end] - integral).abs() < 1e-15, "m={m} θ={theta}");
                     assert!((found.slopes[end] - slopes(theta)[end]).abs() < 1e-14, "m={m} θ={theta}");
                 }

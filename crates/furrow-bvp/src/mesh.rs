@@ -82,18 +82,36 @@ pub fn rebalanced(mesh: &[f64], weight: &[f64], above: f64) -> Option<Vec<f64>> 
     check(&grid).is_ok().then_some(grid)
 }
 
-/// Where [`defect`] is sampled: as many points as stages in every interval.
-pub(crate) fn samples(gauss: &Gauss, mesh: &[f64]) -> Vec<f64> {
+/// Where in an interval [`defect`] is sampled: at as many places as there are stages.
+fn places(gauss: &Gauss) -> Vec<f64> {
     let m = gauss.m;
-    let theta = |k: usize| if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] };
-    mesh.windows(2).flat_map(|x| (1..=m).map(move |k| x[0] + theta(k) * (x[1] - x[0]))).collect()
+    (1..=m).map(|k| if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] }).collect()
+}
+
+/// All points at which [`defect`] is sampled.
+pub(crate) fn samples(gauss: &Gauss, mesh: &[f64]) -> Vec<f64> {
+    at_places(&places(gauss), mesh)
+}
+
+fn at_places(places: &[f64], mesh: &[f64]) -> Vec<f64> {
+    mesh.windows(2).flat_map(|x| places.iter().map(move |theta| x[0] + theta * (x[1] - x[0]))).collect()
 }
 
 /// Largest defect |u′ − f(u)| · h / (1 + |u|) (N.6) of the collocation polynomial u on every interval of width h, sampled midway
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
 /// themselves it is zero.) It is infinite where f is not a number, and everywhere if `y` does not fit the problem.
 pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
-    match residuals(gauss, problem, y) {
+    defect_at(&places(gauss), gauss, problem, y)
+}
+
+/// The defect midway between the last Gauss point and the right node, where [`defect`] is not sampled: for a smooth f it is the one between
+/// the left node and the first Gauss point.
+pub(crate) fn defect_before_nodes<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
+    defect_at(&[0.5 * (gauss.c[gauss.m - 1] + 1.0)], gauss, problem, y)
+}
+
+fn defect_at<P: BoundaryValueProblem>(places: &[f64], gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
+    match residuals(places, gauss, problem, y) {
         Some([residuals, values]) => largest_of_intervals(y, &residuals, &values),
         None => vec![f64::INFINITY; y.intervals()],
     }
@@ -111,7 +129,7 @@ pub(crate) fn direction_defect<P: BoundaryValueProblem>(
     let mut at = |share: f64| {
         let mut moved = y.clone();
         direction.apply(share / direction.norm(y), &mut moved);
-        residuals(gauss, problem, &moved)
+        residuals(&places(gauss), gauss, problem, &moved)
     };
     let sides = [SHARE, -SHARE].map(&mut at);
     problem.prepare(&y.scalars);
@@ -122,35 +140,40 @@ pub(crate) fn direction_defect<P: BoundaryValueProblem>(
 
 /// The largest residual over 1 + |value| of every interval, infinite where it is not a number.
 fn largest_of_intervals(y: &Solution, residuals: &[f64], values: &[f64]) -> Vec<f64> {
-    let width = y.m * y.components;
+    let width = residuals.len() / y.intervals().max(1);
     let intervals = residuals.chunks_exact(width).zip(values.chunks_exact(width));
     intervals.map(|(r, v)| weighted_maximum(r, v)).map(|r| if r.is_nan() { f64::INFINITY } else { r }).collect()
 }
 
-/// (u′ − f(u)) h where the defect is sampled, and u there. None if `y` does not fit the problem.
-fn residuals<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Option<[Vec<f64>; 2]> {
+/// (u′ − f(u)) h at some places of every interval, and u there. None if `y` does not fit the problem.
+fn residuals<P: BoundaryValueProblem>(
+    places: &[f64],
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+) -> Option<[Vec<f64>; 2]> {
     let dims = problem.dimensions();
     if y.fits(dims).is_err() || gauss.m != y.m {
         return None;
     }
     problem.prepare(&y.scalars);
-    let (n, m) = (y.components, y.m);
-    let points = y.intervals() * m;
-    let (x, mut values, mut slopes) = (samples(gauss, &y.mesh), vec![0.0; points * n], vec![0.0; points * n]);
+    let (n, m, count) = (y.components, y.m, places.len());
+    let points = y.intervals() * count;
+    let (x, mut values, mut slopes) = (at_places(places, &y.mesh), vec![0.0; points * n], vec![0.0; points * n]);
     let [mut basis, mut slope] = [[0.0; MAX_STAGES + 1]; 2];
-    for k in 0..m {
+    for k in 0..count {
         let theta = (x[k] - y.mesh[0]) / (y.mesh[1] - y.mesh[0]);
         gauss.basis(theta, &mut basis[..=m]);
         gauss.basis_derivative(theta, &mut slope[..=m]);
         for i in 0..y.intervals() {
-            let point = (i * m + k) * n..(i * m + k + 1) * n;
+            let point = (i * count + k) * n..(i * count + k + 1) * n;
             y.combine(i, &basis, &mut values[point.clone()]);
             y.combine(i, &slope, &mut slopes[point]);
         }
     }
     let (mut f, mut g) = (vec![0.0; points * n], vec![0.0; points * dims.integrals]);
     problem.rhs_many(CollocationPoints { first: 0, x: &x, y: &values }, &y.scalars, &mut f, &mut g);
-    for (x, (slopes, f)) in y.mesh.windows(2).zip(slopes.chunks_exact_mut(m * n).zip(f.chunks_exact(m * n))) {
+    for (x, (slopes, f)) in y.mesh.windows(2).zip(slopes.chunks_exact_mut(count * n).zip(f.chunks_exact(count * n))) {
         slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope -= (x[1] - x[0]) * f);
     }
     Some([slopes, values])

@@ -193,35 +193,39 @@ impl Solution {
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
     pub(crate) fn combine<'a>(&'a self, i: usize, basis: &[f64], out: &mut [f64]) {
         /// Sums of N components are kept in registers.
-        fn sized<const N: usize>(stages: &[f64], basis: &[f64], out: &mut [f64]) {
-            let Some(out) = out.first_chunk_mut::<N>() else { return };
-            let mut sum = *out;
-            for (weight, y) in basis.iter().zip(stages.as_chunks::<N>().0) {
-                for c in 0..N {
-                    sum[c] += weight * y[c];
+        #[inline(always)]
+        fn sized<const N: usize>(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
+            let (Some(node), Some(out)) = (node.first_chunk::<N>(), out.first_chunk_mut::<N>()) else { return };
+            let mut sum = node.map(|y| basis[0] * y);
+            let stages = stages.as_chunks::<N>().0;
+            let add = |sum: &mut [f64; N], weight: f64, y: &[f64; N]| (0..N).for_each(|c| sum[c] += weight * y[c]);
+            match (stages, basis) {
+                // The usual four stages.
+                ([y1, y2, y3, y4], [_, b1, b2, b3, b4, ..]) => {
+                    [(b1, y1), (b2, y2), (b3, y3), (b4, y4)].into_iter().for_each(|(b, y)| add(&mut sum, *b, y));
                 }
+                _ => stages.iter().zip(&basis[1..]).for_each(|(y, b)| add(&mut sum, *b, y)),
             }
             *out = sum;
         }
-        fn any(stages: &[f64], basis: &[f64], out: &mut [f64]) {
-            for (weight, y) in basis.iter().zip(stages.chunks_exact(out.len().max(1))) {
-                for (o, y) in out.iter_mut().zip(y) {
-                    *o += weight * y;
-                }
+        fn any(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
+            out.iter_mut().zip(node).for_each(|(o, y)| *o = basis[0] * y);
+            for (weight, y) in basis[1..].iter().zip(stages.chunks_exact(out.len().max(1))) {
+                out.iter_mut().zip(y).for_each(|(o, y)| *o += weight * y);
             }
         }
         let (n, m) = (self.components, self.m);
         let part = |values: &'a [f64], size: usize| values.get(i * size..(i + 1) * size).unwrap_or(&[]);
-        for (o, y) in out.iter_mut().zip(part(&self.nodes, n)) {
-            *o = basis[0] * y;
+        let (node, stages) = (part(&self.nodes, n), part(&self.stages, m * n));
+        match n {
+            1 => sized::<1>(node, stages, basis, out),
+            2 => sized::<2>(node, stages, basis, out),
+            3 => sized::<3>(node, stages, basis, out),
+            4 => sized::<4>(node, stages, basis, out),
+            6 => sized::<6>(node, stages, basis, out),
+            7 => sized::<7>(node, stages, basis, out),
+            _ => any(node, stages, basis, out),
         }
-        type Sum = fn(&[f64], &[f64], &mut [f64]);
-        const SIZED: [Sum; 10] = [
-            any, sized::<1>, sized::<2>, sized::<3>, sized::<4>, sized::<5>, sized::<6>, sized::<7>, sized::<8>,
-            sized::<9>,
-        ];
-        let sum = SIZED.get(n).copied().unwrap_or(any);
-        sum(part(&self.stages, m * n), &basis[1..], out);
     }
 
     /// The same function on another mesh of the same stage count, by the polynomials through both nodes and the stages of

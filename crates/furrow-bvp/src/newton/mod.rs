@@ -11,7 +11,7 @@ mod work;
 pub use iteration::{Newton, NewtonError, NewtonReport, NewtonScratch};
 pub(crate) use limits::WorkLimit;
 pub use limits::{Interrupt, Stop};
-pub(crate) use solver::{BUDGET, NEWTON_SHARE};
 pub use solved::Solved;
+pub(crate) use solver::{BUDGET, NEWTON_SHARE};
 pub use solver::{Settings, SolveError, solve};
 pub use work::Work;

@@ -7,7 +7,7 @@
 //! # References
 //! Enright & Muir, SIAM J. Sci. Comput. 17, 479 (1996) (interpolants of Runge–Kutta formulas by evaluations at nodes).
 
-use crate::gauss::Gauss;
+use crate::gauss::{Gauss, MAX_STAGES};
 use crate::problem::{BoundaryValueProblem, CollocationPoints};
 use crate::solution::Solution;
 
@@ -77,13 +77,15 @@ pub(super) fn slopes_at_nodes<P: BoundaryValueProblem>(
     let (mut f, mut g) = (vec![0.0; y.nodes.len()], vec![0.0; y.mesh.len() * integrals]);
     problem.prepare(&y.scalars);
     problem.rhs_many(CollocationPoints { first: 0, x: &y.mesh, y: &y.nodes }, &y.scalars, &mut f, &mut g);
+    let mut bases = [[0.0; MAX_STAGES + 1]; 2];
+    bases.iter_mut().zip([0.0, 1.0]).for_each(|(basis, end)| gauss.basis_derivative(end, &mut basis[..=gauss.m]));
     let mut slopes = vec![0.0; 2 * n * y.intervals()];
     for (k, slopes) in slopes.chunks_exact_mut(n).enumerate() {
         let (i, end) = (k / 2, k % 2);
         let (h, node) = (y.mesh[i + 1] - y.mesh[i], i + end);
-        y.slope_in(gauss, i, end as f64, slopes);
+        y.combine(i, &bases[end], slopes);
         let (f, values) = (&f[node * n..(node + 1) * n], y.node(node));
-        slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope = h * (f - *slope));
+        slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope = h * f - *slope);
         let most = SMOOTH * defects.get(i).copied().unwrap_or(0.0);
         if !slopes.iter().zip(values).all(|(slope, value)| slope.abs() <= most * (1.0 + value.abs())) {
             slopes.fill(0.0);

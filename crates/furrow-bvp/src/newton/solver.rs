@@ -131,6 +131,9 @@ const SINGULAR: f64 = 1e12;
 /// Where Newton stalls with a correction as small as this, rounding stops it.
 const STALLED_BY_ROUNDING: f64 = 1e-9;
 
+/// A smooth f has no defect between the last Gauss point and a node that is this much larger than elsewhere in the interval.
+const SMOOTH: f64 = 10.0;
+
 /// A defect below this that twice as many intervals do not make smaller is one of rounding.
 const ROUNDING: f64 = 1e-8;
 
@@ -296,8 +299,20 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         SolveError::Stopped { reason, intervals, best: self.best.take() }
     }
 
+    /// Defects of the intervals; of those that a tolerance allows, also the ones before the right nodes where f jumps there.
     fn defects(&mut self, y: &Solution) -> Vec<f64> {
-        mesh::defect(&self.system.gauss, self.problem, y)
+        let mut defects = mesh::defect(&self.system.gauss, self.problem, y);
+        let tolerance = self.settings.tolerance;
+        if largest(&defects) <= tolerance {
+            let before_nodes = mesh::defect_before_nodes(&self.system.gauss, self.problem, y);
+            let jumps = |other: &f64| *other > SMOOTH * tolerance;
+            defects
+                .iter_mut()
+                .zip(before_nodes)
+                .filter(|(_, other)| jumps(other))
+                .for_each(|(own, other)| *own = other);
+        }
+        defects
     }
 
     /// Newton on the mesh of `y`.

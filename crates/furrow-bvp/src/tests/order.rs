@@ -7,7 +7,10 @@
 
 use super::problems::{Growth, quadratic, solve_fully, solved};
 use crate::gauss::MAX_STAGES;
-use crate::{Gauss, Solution, mesh};
+use crate::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, PointJacobian, Settings, Solution,
+    mesh, solve,
+};
 
 /// An uneven mesh on [0, 1], denser towards 0 where 4/(1 + x)² is steep, of 2, 4, 8 … intervals.
 pub fn uneven(intervals: usize) -> Vec<f64> {
@@ -22,9 +25,12 @@ fn exact(x: f64) -> [f64; 2] {
     [4.0 / ((1.0 + x) * (1.0 + x)), -8.0 / ((1.0 + x) * (1.0 + x) * (1.0 + x))]
 }
 
+fn off(x: f64, found: &[f64]) -> f64 {
+    exact(x).iter().zip(found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
 /// Largest error of (y, y′) at the nodes and anywhere.
 fn errors(gauss: &Gauss, y: &Solution) -> [f64; 2] {
-    let off = |x: f64, v: &[f64]| exact(x).iter().zip(v).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let nodes = (0..y.mesh.len()).map(|i| off(y.mesh[i], y.node(i))).fold(0.0, f64::max);
     let mut between: f64 = 0.0;
     for i in 0..y.intervals() {
@@ -64,6 +70,74 @@ fn order_m_plus_1_between_the_nodes() {
     for m in 1..=MAX_STAGES {
         let order = order_seen(m, 16, 1);
         assert!((order - (m as f64 + 1.0)).abs() < HALF, "m={m}: {order}");
+    }
+}
+
+/// Largest errors of a result between its nodes, of values and of y″ by the slope of y′.
+fn errors_of_result(m: usize, intervals: usize) -> [f64; 2] {
+    let gauss = Gauss::new(m).unwrap();
+    let on_mesh = solved(&mut quadratic(), m, &uneven(intervals));
+    // So that this mesh is neither refined nor found wasteful.
+    let tolerance = 1.01 * mesh::defect(&gauss, &mut quadratic(), &on_mesh).into_iter().fold(0.0, f64::max);
+    let result = solve(&mut quadratic(), &on_mesh, &Settings { tolerance, ..Settings::default() }).unwrap();
+    assert_eq!(result.solution.mesh, on_mesh.mesh);
+    let (mut values, mut slopes): (f64, f64) = (0.0, 0.0);
+    for k in 0..=200 {
+        let (x, mut v) = (k as f64 / 200.0, [0.0; 2]);
+        result.eval(&gauss, x, &mut v);
+        values = values.max(off(x, &v));
+        result.slope(&gauss, x, &mut v);
+        slopes = slopes.max((v[1] - 24.0 / (1.0 + x).powi(4)).abs());
+    }
+    [values, slopes]
+}
+
+#[test]
+fn order_m_plus_2_between_the_nodes_of_a_result() {
+    // With two stages or more: one is of second order at the nodes.
+    for m in 2..=MAX_STAGES {
+        let (coarse, fine) = (errors_of_result(m, 16), errors_of_result(m, 32));
+        let orders = [0, 1].map(|which| (coarse[which] / fine[which]).log2());
+        let expected = [m as f64 + 2.0, m as f64 + 1.0];
+        assert!(orders.iter().zip(expected).all(|(order, at)| (order - at).abs() < HALF), "m={m}: {orders:?}");
+    }
+}
+
+/// y′ = 1 from ½ on and 0 before, of values NaN where x is 0.
+struct Jump;
+
+impl BoundaryValueProblem for Jump {
+    fn dimensions(&self) -> Dimensions {
+        Dimensions { components: 1, left: 1, ..Dimensions::default() }
+    }
+
+    fn rhs(&self, at: CollocationPoint, _: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
+        f[0] = if at.x == 0.0 { f64::NAN } else { f64::from(at.x >= 0.5) };
+    }
+
+    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+        self.rhs(at, y, p, out.f, out.g);
+    }
+
+    fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+        (out.r[0], out.ry[0]) = (y[0], 1.0);
+    }
+
+    fn right(&self, _: &[f64], _: &[f64], _: &mut BoundaryJacobian<'_>) {}
+}
+
+/// The jump is at a node, or between the last Gauss point and a node.
+#[test]
+fn jumps_and_undefined_values_at_nodes_leave_a_result_as_it_is() {
+    let gauss = Gauss::default();
+    for mesh in [mesh::uniform(0.0, 1.0, 4), vec![0.0, 0.51, 1.0]] {
+        let guess = Solution::constant(gauss.m, &mesh, &[0.3], &[]);
+        let result = solve(&mut Jump, &guess, &Settings::default()).unwrap();
+        for x in [0.0, 0.1, 0.26, 0.4, 0.49, 0.505, 0.6, 1.0] {
+            let mut value = [0.0];
+            result.eval(&gauss, x, &mut value);
+            assert!((value[0] - f64::max(0.0, x - 0.5)).abs() < 1e-6, "{x} from {mesh:?}: {value:?}");
+        }
     }
 }
 
