@@ -101,20 +101,53 @@ fn at_places(places: &[f64], mesh: &[f64]) -> Vec<f64> {
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
 /// themselves it is zero.) It is infinite where f is not a number, and everywhere if `y` does not fit the problem.
 pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
-    defect_at(&places(gauss), gauss, problem, y)
-}
-
-/// The defect midway between the last Gauss point and the right node, where [`defect`] is not sampled: for a smooth f it is the one between
-/// the left node and the first Gauss point.
-pub(crate) fn defect_before_nodes<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
-    defect_at(&[0.5 * (gauss.c[gauss.m - 1] + 1.0)], gauss, problem, y)
-}
-
-fn defect_at<P: BoundaryValueProblem>(places: &[f64], gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
-    match residuals(places, gauss, problem, y) {
+    match residuals(&places(gauss), gauss, problem, y) {
         Some([residuals, values]) => largest_of_intervals(y, &residuals, &values),
         None => vec![f64::INFINITY; y.intervals()],
     }
+}
+
+/// So far from a node, as a share of the interval, f counts as its value at this side of the node.
+const BESIDE: f64 = 1e-7;
+
+/// (f(u) − u′) h beside both nodes of every interval, N × 2 × n, and its largest size over 1 + |u| in every interval.
+pub(crate) fn beside_nodes<P: BoundaryValueProblem>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+) -> Option<[Vec<f64>; 2]> {
+    let [mut differences, values] = residuals(&[BESIDE, 1.0 - BESIDE], gauss, problem, y)?;
+    let largest = largest_of_intervals(y, &differences, &values);
+    differences.iter_mut().for_each(|difference| *difference = -*difference);
+    Some([differences, largest])
+}
+
+/// Halvings of the distance from a node at which [`missed`] looks.
+const HALVINGS: usize = 24;
+
+/// What the Gauss points of every interval miss beside its nodes, over 1 + |u|: the integral of |u′ − f(u)| between a node and the next of
+/// them, and the largest of it times h. [`defect`] does not see all of a jump of f there, and the solution would be wrong by this integral.
+pub(crate) fn missed<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<[f64; 2]> {
+    let gap = gauss.c[0];
+    let distance = |k: usize| gap * 0.75 * 0.5f64.powi(k as i32);
+    let places: Vec<f64> = (0..HALVINGS).flat_map(|k| [distance(k), 1.0 - distance(k)]).collect();
+    let Some([residuals, values]) = residuals(&places, gauss, problem, y) else {
+        return vec![[f64::INFINITY; 2]; y.intervals()];
+    };
+    let (n, width) = (y.components, 2 * HALVINGS * y.components);
+    let of_interval = |(residuals, values): (&[f64], &[f64])| {
+        let (mut integral, mut largest) = (vec![0.0; n], 0.0f64);
+        for (k, (residual, value)) in residuals.iter().zip(values).enumerate() {
+            // Place k/n stands for what lies between three quarters and one and a half of its distance.
+            let (size, share) = (residual.abs() / (1.0 + value.abs()), distance(k / n / 2) / 1.5);
+            if size.is_finite() {
+                integral[k % n] += share * size;
+                largest = largest.max(size);
+            }
+        }
+        [integral.into_iter().fold(0.0, f64::max), largest]
+    };
+    residuals.chunks_exact(width).zip(values.chunks_exact(width)).map(of_interval).collect()
 }
 
 /// [`defect`] of a direction at `y`, of the linearised equation: |d′ − f′(u)d| · h / (1 + |u|) where |d| / (1 + |u|) is 1 at most.

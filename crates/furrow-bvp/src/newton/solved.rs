@@ -7,8 +7,7 @@
 //! # References
 //! Enright & Muir, SIAM J. Sci. Comput. 17, 479 (1996) (interpolants of Runge–Kutta formulas by evaluations at nodes).
 
-use crate::gauss::{Gauss, MAX_STAGES};
-use crate::problem::{BoundaryValueProblem, CollocationPoints};
+use crate::gauss::Gauss;
 use crate::solution::Solution;
 
 use super::work::Work;
@@ -26,7 +25,7 @@ pub struct Solved {
     pub condition: f64,
     /// Steps are meshes on which Newton converged, those rejected meshes on which it did not.
     pub work: Work,
-    /// h (f − p′) at both nodes of every interval; N × 2 × n. Empty for a solution that is not accurate enough.
+    /// h (f − p′) at both nodes of every interval, from its side; N × 2 × n. Empty for a solution that is not accurate enough.
     pub(super) slopes: Vec<f64>,
 }
 
@@ -63,33 +62,17 @@ impl Solved {
 }
 
 /// A smooth f differs from p′ at a node at most by this many times the defect of the interval.
-const SMOOTH: f64 = 10.0;
+pub(super) const SMOOTH: f64 = 10.0;
 
-/// [`Solved::slopes`] of a solution with these defects. They are 0 at a node where f is not a number or jumps, as at a singular end or where
-/// coefficients change.
-pub(super) fn slopes_at_nodes<P: BoundaryValueProblem>(
-    gauss: &Gauss,
-    problem: &mut P,
-    y: &Solution,
-    defects: &[f64],
-) -> Vec<f64> {
-    let (n, integrals) = (y.components, problem.dimensions().integrals);
-    let (mut f, mut g) = (vec![0.0; y.nodes.len()], vec![0.0; y.mesh.len() * integrals]);
-    problem.prepare(&y.scalars);
-    problem.rhs_many(CollocationPoints { first: 0, x: &y.mesh, y: &y.nodes }, &y.scalars, &mut f, &mut g);
-    let mut bases = [[0.0; MAX_STAGES + 1]; 2];
-    bases.iter_mut().zip([0.0, 1.0]).for_each(|(basis, end)| gauss.basis_derivative(end, &mut basis[..=gauss.m]));
-    let mut slopes = vec![0.0; 2 * n * y.intervals()];
-    for (k, slopes) in slopes.chunks_exact_mut(n).enumerate() {
+/// [`Solved::slopes`] from (f − p′) h beside the nodes of intervals with these defects: 0 where f is not smooth, as at a singular end.
+pub(super) fn smooth_slopes(y: &Solution, mut beside_nodes: Vec<f64>, defects: &[f64]) -> Vec<f64> {
+    let n = y.components;
+    for (k, slopes) in beside_nodes.chunks_exact_mut(n).enumerate() {
         let (i, end) = (k / 2, k % 2);
-        let (h, node) = (y.mesh[i + 1] - y.mesh[i], i + end);
-        y.combine(i, &bases[end], slopes);
-        let (f, values) = (&f[node * n..(node + 1) * n], y.node(node));
-        slopes.iter_mut().zip(f).for_each(|(slope, f)| *slope = h * f - *slope);
         let most = SMOOTH * defects.get(i).copied().unwrap_or(0.0);
-        if !slopes.iter().zip(values).all(|(slope, value)| slope.abs() <= most * (1.0 + value.abs())) {
+        if !slopes.iter().zip(y.node(i + end)).all(|(slope, value)| slope.abs() <= most * (1.0 + value.abs())) {
             slopes.fill(0.0);
         }
     }
-    slopes
+    beside_nodes
 }

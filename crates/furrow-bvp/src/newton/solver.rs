@@ -15,7 +15,7 @@ use super::condition;
 use super::homotopy;
 use super::iteration::{Newton, NewtonError, NewtonScratch};
 use super::limits::{Interrupt, Stop, WorkLimit};
-use super::solved::{Solved, slopes_at_nodes};
+use super::solved::{SMOOTH, Solved, smooth_slopes};
 use super::work::Work;
 
 /// Settings of [`solve`].
@@ -131,9 +131,6 @@ const SINGULAR: f64 = 1e12;
 /// Where Newton stalls with a correction as small as this, rounding stops it.
 const STALLED_BY_ROUNDING: f64 = 1e-9;
 
-/// A smooth f has no defect between the last Gauss point and a node that is this much larger than elsewhere in the interval.
-const SMOOTH: f64 = 10.0;
-
 /// A defect below this that twice as many intervals do not make smaller is one of rounding.
 const ROUNDING: f64 = 1e-8;
 
@@ -247,14 +244,14 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         let mut refinement = mesh::Refinement::new(tolerance, limit);
         loop {
             y = self.solve_with_refinement(y)?;
-            let defects = self.defects(&y);
+            let (defects, slopes) = self.defects(&y);
             let defect = largest(&defects);
             let halved = self.best.as_ref().is_some_and(|best| WASTEFUL * best.solution.intervals() <= y.intervals());
             if halved && defect <= ROUNDING && self.best.as_ref().is_some_and(|best| defect >= PROGRESS * best.defect) {
                 return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
             if defect <= tolerance {
-                return self.accepted(y, defects);
+                return self.accepted(y, defects, slopes);
             }
             self.keep_best(&y, defect);
             let Some(grid) = refinement.next(&y, &defects) else {
@@ -268,10 +265,11 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
     }
 
     /// The solution, on a coarser mesh if that is fine enough; an error if the problem is singular.
-    fn accepted(&mut self, mut y: Solution, mut defects: Vec<f64>) -> Result<Solved, SolveError> {
-        let mut condition = condition::estimate(&mut self.system, &y);
-        let mut defect = largest(&defects);
+    fn accepted(&mut self, y: Solution, defects: Vec<f64>, slopes: Vec<f64>) -> Result<Solved, SolveError> {
+        let (condition, defect) = (condition::estimate(&mut self.system, &y), largest(&defects));
         let needed = mesh::intervals_for(&y.mesh, &defects, y.m, self.settings.tolerance).max(2);
+        let solved = Solved { solution: y, defect, condition, work: self.work, slopes };
+        let y = &solved.solution;
         if condition * defect > SUSPECT {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
             match self.newton(&mut finer) {
@@ -283,36 +281,55 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             if on_finer > GROWN * condition || on_finer > SINGULAR {
                 return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
             }
-        } else if WASTEFUL * needed <= y.intervals() {
-            let mut coarser = self.moved(&y, &mesh::redistributed(&y.mesh, &defects, y.m, needed, y.intervals()));
-            let on_coarser = self.newton(&mut coarser).ok().map(|()| self.defects(&coarser));
-            if let Some(on_coarser) = on_coarser.filter(|defects| largest(defects) <= self.settings.tolerance) {
-                (y, defect, defects) = (coarser, largest(&on_coarser), on_coarser);
-                condition = condition::estimate(&mut self.system, &y);
-            }
+        } else if WASTEFUL * needed <= y.intervals()
+            && let Some(coarser) = self.on_coarser(&solved, &defects, needed)
+        {
+            return Ok(coarser);
         }
-        let slopes = slopes_at_nodes(&self.system.gauss, self.problem, &y, &defects);
-        Ok(Solved { solution: y, defect, condition, work: self.work, slopes })
+        Ok(Solved { work: self.work, ..solved })
+    }
+
+    /// The solution on the number of intervals that it needs, if it is the same there.
+    fn on_coarser(&mut self, solved: &Solved, defects: &[f64], needed: usize) -> Option<Solved> {
+        let (y, tolerance) = (&solved.solution, self.settings.tolerance);
+        let mut coarser = self.moved(y, &mesh::redistributed(&y.mesh, defects, y.m, needed, y.intervals()));
+        self.newton(&mut coarser).ok()?;
+        let (defects, slopes) = self.defects(&coarser);
+        let defect = largest(&defects);
+        if defect > tolerance {
+            return None;
+        }
+        let condition = condition::estimate(&mut self.system, &coarser);
+        let coarser = Solved { solution: coarser, defect, condition, work: self.work, slopes };
+        let (gauss, mut value) = (&self.system.gauss, vec![0.0; y.components]);
+        let most = SMOOTH * tolerance * condition.max(1.0);
+        let agrees = |(x, node): (&f64, &[f64])| {
+            coarser.eval(gauss, *x, &mut value);
+            value.iter().zip(node).all(|(a, b)| (a - b).abs() <= most * (1.0 + b.abs()))
+        };
+        y.mesh.iter().zip(y.nodes.chunks_exact(y.components)).all(agrees).then_some(coarser)
     }
 
     fn stopped(&mut self, reason: Stop, intervals: usize) -> SolveError {
         SolveError::Stopped { reason, intervals, best: self.best.take() }
     }
 
-    /// Defects of the intervals; of those that a tolerance allows, also the ones before the right nodes where f jumps there.
-    fn defects(&mut self, y: &Solution) -> Vec<f64> {
-        let mut defects = mesh::defect(&self.system.gauss, self.problem, y);
-        let tolerance = self.settings.tolerance;
-        if largest(&defects) <= tolerance {
-            let before_nodes = mesh::defect_before_nodes(&self.system.gauss, self.problem, y);
-            let jumps = |other: &f64| *other > SMOOTH * tolerance;
-            defects
-                .iter_mut()
-                .zip(before_nodes)
-                .filter(|(_, other)| jumps(other))
-                .for_each(|(own, other)| *own = other);
+    /// Defects of the intervals. If a tolerance allows them, intervals with a jump of f beside a node have the size of the jump, and the slopes
+    /// at the nodes are the second result.
+    fn defects(&mut self, y: &Solution) -> (Vec<f64>, Vec<f64>) {
+        let (gauss, tolerance) = (&self.system.gauss, self.settings.tolerance);
+        let mut defects = mesh::defect(gauss, self.problem, y);
+        if largest(&defects) > tolerance {
+            return (defects, Vec::new());
         }
-        defects
+        let Some([slopes, beside]) = mesh::beside_nodes(gauss, self.problem, y) else { return (defects, Vec::new()) };
+        let slopes = smooth_slopes(y, slopes, &defects);
+        if beside.iter().any(|size| *size > SMOOTH * tolerance) {
+            for (defect, [integral, size]) in defects.iter_mut().zip(mesh::missed(gauss, self.problem, y)) {
+                *defect = if 2.0 * integral > tolerance { size.max(*defect) } else { *defect };
+            }
+        }
+        (defects, slopes)
     }
 
     /// Newton on the mesh of `y`.

@@ -103,8 +103,11 @@ fn order_m_plus_2_between_the_nodes_of_a_result() {
     }
 }
 
-/// y′ = 1 from ½ on and 0 before, of values NaN where x is 0.
-struct Jump;
+/// y′ = 1 from some place on and 0 before, and NaN where x is 0.
+struct Jump {
+    from: f64,
+    to: f64,
+}
 
 impl BoundaryValueProblem for Jump {
     fn dimensions(&self) -> Dimensions {
@@ -112,7 +115,7 @@ impl BoundaryValueProblem for Jump {
     }
 
     fn rhs(&self, at: CollocationPoint, _: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
-        f[0] = if at.x == 0.0 { f64::NAN } else { f64::from(at.x >= 0.5) };
+        f[0] = if at.x == 0.0 { f64::NAN } else { f64::from((self.from..self.to).contains(&at.x)) };
     }
 
     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
@@ -126,18 +129,37 @@ impl BoundaryValueProblem for Jump {
     fn right(&self, _: &[f64], _: &[f64], _: &mut BoundaryJacobian<'_>) {}
 }
 
-/// The jump is at a node, or between the last Gauss point and a node.
-#[test]
-fn jumps_and_undefined_values_at_nodes_leave_a_result_as_it_is() {
+/// Largest error of the solution of a jump from a guess on equal intervals.
+fn error_of_jump(mut problem: Jump, intervals: usize, tolerance: f64) -> f64 {
     let gauss = Gauss::default();
-    for mesh in [mesh::uniform(0.0, 1.0, 4), vec![0.0, 0.51, 1.0]] {
-        let guess = Solution::constant(gauss.m, &mesh, &[0.3], &[]);
-        let result = solve(&mut Jump, &guess, &Settings::default()).unwrap();
-        for x in [0.0, 0.1, 0.26, 0.4, 0.49, 0.505, 0.6, 1.0] {
-            let mut value = [0.0];
-            result.eval(&gauss, x, &mut value);
-            assert!((value[0] - f64::max(0.0, x - 0.5)).abs() < 1e-6, "{x} from {mesh:?}: {value:?}");
+    let guess = Solution::constant(gauss.m, &mesh::uniform(0.0, 1.0, intervals), &[0.3], &[]);
+    let result = solve(&mut problem, &guess, &Settings { tolerance, ..Settings::default() }).unwrap();
+    let error = |k: usize| {
+        let (x, mut value) = (k as f64 / 200.0, [0.0]);
+        result.eval(&gauss, x, &mut value);
+        (value[0] - (x.min(problem.to) - problem.from).max(0.0)).abs()
+    };
+    (0..=200).map(error).fold(0.0, f64::max)
+}
+
+#[test]
+fn jumps_anywhere_in_an_interval_are_found() {
+    for k in 1..200 {
+        let from = k as f64 / 200.0 + 3e-4;
+        for tolerance in [1e-6, 1e-9] {
+            let error = error_of_jump(Jump { from, to: 2.0 }, 4, tolerance);
+            assert!(error < 10.0 * tolerance, "{from} at {tolerance}: {error:e}");
         }
+    }
+    // At nodes of the guess.
+    assert!([0.25, 0.5].into_iter().all(|from| error_of_jump(Jump { from, to: 2.0 }, 4, 1e-6) < 1e-12));
+}
+
+#[test]
+fn a_pulse_that_the_mesh_of_the_guess_sees_is_kept() {
+    for from in [0.31, 0.4303, 0.77] {
+        let error = error_of_jump(Jump { from, to: from + 0.004 }, 400, 1e-6);
+        assert!(error < 1e-5, "{from}: {error:e}");
     }
 }
 
