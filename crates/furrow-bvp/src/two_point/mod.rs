@@ -7,7 +7,7 @@ mod closures;
 pub use closures::solve_bvp;
 
 use crate::deflation::{Deflation, DeflationError};
-use crate::dimensions::Dimensions;
+use crate::dimensions::{Dimensions, MAX_STAGE_UNKNOWNS};
 use crate::gauss::Gauss;
 use crate::invalid::{self, InvalidInput};
 use crate::newton::{Settings, SolveError, Solved, solve};
@@ -54,6 +54,8 @@ enum Separation {
 struct Separated<'a, T> {
     problem: &'a T,
     separation: Separation,
+    /// Values at the ends of the guess: conditions at one end are computed with those at the other.
+    ends: [Vec<f64>; 2],
 }
 
 /// All derivatives of the conditions.
@@ -113,15 +115,57 @@ impl Separation {
     }
 }
 
-impl<T: TwoPoint> Separated<'_, T> {
+impl<'a, T: TwoPoint> Separated<'a, T> {
+    fn new(problem: &'a T, guess: &Solution) -> Separated<'a, T> {
+        let ends = [guess.node(0), guess.node(guess.intervals())].map(<[f64]>::to_vec);
+        Separated { problem, separation: Separation::of(problem, guess), ends }
+    }
+
+    /// A solution from a guess, in which all conditions hold to a tolerance.
+    fn solve<E>(
+        mut self,
+        guess: &Solution,
+        tolerance: f64,
+        solve: impl Fn(&mut Self, &Solution) -> Result<Solved, E>,
+    ) -> Result<Solved, E> {
+        let stated = self.separation.stated(guess);
+        let mut solved = solve(&mut self, &stated)?;
+        if self.separation != Separation::Copied && !self.holds(&solved.solution, tolerance) {
+            self.separation = Separation::Copied;
+            let stated = self.separation.stated(guess);
+            solved = solve(&mut self, &stated)?;
+        }
+        solved.solution.scalars.truncate(guess.scalars.len());
+        Ok(solved)
+    }
+
+    /// Whether all conditions hold at the ends of a solution. A condition that depends on an end only far from the guess, or by a tiny
+    /// coefficient, has been taken for one at the other end, and then does not.
+    fn holds(&self, y: &Solution, tolerance: f64) -> bool {
+        let ([n, np], p) = (self.problem.sizes(), &y.scalars);
+        let ends = [y.node(0), y.node(y.intervals())];
+        let all = Conditions::of(self.problem, ends, &p[..np]);
+        let size = |derivatives: &[f64], values: &[f64]| -> f64 {
+            derivatives.iter().zip(values).map(|(d, value)| (d * value).abs()).sum()
+        };
+        (0..n + np).all(|row| {
+            let parts = size(&all.by_left[row * n..], ends[0])
+                + size(&all.by_right[row * n..], ends[1])
+                + size(&all.by_p[row * np..], &p[..np]);
+            all.r[row].abs() <= tolerance.max(HELD) * (1.0 + parts)
+        })
+    }
+
     /// Writes the conditions at one end and their derivatives by y and p.
     fn at_end(&self, end: usize, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
         let [n, np] = self.problem.sizes();
         let columns = out.rp.len() / out.r.len().max(1);
         match &self.separation {
             Separation::Separated(rows) => {
-                // The other end does not matter to these rows.
-                let all = Conditions::of(self.problem, [y, y], p);
+                // The other end does not matter to these rows, but the function may not be defined everywhere.
+                let [left, right] = &self.ends;
+                let ends = if end == 0 { [y, right] } else { [left, y] };
+                let all = Conditions::of(self.problem, ends, p);
                 let by_y = if end == 0 { &all.by_left } else { &all.by_right };
                 for (k, &row) in rows[end].iter().enumerate() {
                     out.r[k] = all.r[row];
@@ -206,10 +250,9 @@ pub fn solve_two_point<T: TwoPoint>(
     p: &[f64],
     settings: &Settings,
 ) -> Result<Solved, SolveError> {
-    let (mut separated, guess) = separated(problem, mesh, guess, p)?;
-    let mut solved = solve(&mut separated, &guess, settings)?;
-    solved.solution.scalars.truncate(p.len());
-    Ok(solved)
+    let guess = guess_on_mesh(problem, mesh, guess, p)?;
+    Separated::new(problem, &guess)
+        .solve(&guess, settings.tolerance, |separated, guess| solve(separated, guess, settings))
 }
 
 /// [`solve_two_point`] for a solution besides the known ones, which are results of these functions. The norm of distances has all
@@ -225,21 +268,21 @@ pub fn solve_two_point_besides<T: TwoPoint>(
     known: &[&Solution],
     deflation: &Deflation,
 ) -> Result<Solved, DeflationError> {
-    let (mut separated, guess) = separated(problem, mesh, guess, p)?;
-    let known: Vec<Solution> = known.iter().map(|y| separated.separation.stated(y)).collect();
+    let guess = guess_on_mesh(problem, mesh, guess, p)?;
     let deflation = Deflation { metric: None, ..deflation.clone() };
-    let mut solved = deflation.solve(&mut separated, &guess, &known)?;
-    solved.solution.scalars.truncate(p.len());
-    Ok(solved)
+    Separated::new(problem, &guess).solve(&guess, deflation.settings.tolerance, |separated, guess| {
+        let known: Vec<Solution> = known.iter().map(|y| separated.separation.stated(y)).collect();
+        deflation.solve(separated, guess, &known)
+    })
 }
 
-/// The problem with separated conditions, and its guess.
-fn separated<'a, T: TwoPoint>(
-    problem: &'a T,
+/// The guess of a problem, linear between its values.
+fn guess_on_mesh<T: TwoPoint>(
+    problem: &T,
     mesh: &[f64],
     guess: &[&[f64]],
     p: &[f64],
-) -> Result<(Separated<'a, T>, Solution), InvalidInput> {
+) -> Result<Solution, InvalidInput> {
     let [n, np] = problem.sizes();
     invalid::mesh(mesh)?;
     let rows = guess.iter().map(|row| ("values in a row of the guess", row.len(), mesh.len()));
@@ -249,18 +292,18 @@ fn separated<'a, T: TwoPoint>(
             return Err(InvalidInput::Length { name, length, expected });
         }
     }
-    let gauss = Gauss::new(STAGES)?;
-    let guess = Solution::from_fn(&gauss, mesh, n, p, |x, y| {
+    let gauss = Gauss::new((MAX_STAGE_UNKNOWNS / n.max(1)).clamp(1, STAGES))?;
+    Solution::from_fn(&gauss, mesh, n, p, |x, y| {
         let i = mesh.partition_point(|node| *node <= x).clamp(1, mesh.len() - 1);
         let share = (x - mesh[i - 1]) / (mesh[i] - mesh[i - 1]);
         for (y, row) in y.iter_mut().zip(guess) {
             *y = row[i - 1] + share * (row[i] - row[i - 1]);
         }
-    })?;
-    let separation = Separation::of(problem, &guess);
-    let guess = separation.stated(&guess);
-    Ok((Separated { problem, separation }, guess))
+    })
 }
 
-/// Stages of the collocation.
+/// Conditions that hold do so to this share of their terms, or to the tolerance.
+const HELD: f64 = 1e-6;
+
+/// Stages of the collocation, of fewer components than 17.
 const STAGES: usize = 4;

@@ -85,3 +85,59 @@ fn a_guess_that_does_not_fit_the_mesh_is_refused() {
     let expected = InvalidInput::Length { name: "values in a row of the guess", length: 4, expected: 5 };
     assert_eq!(refused.unwrap_err(), SolveError::Invalid(expected));
 }
+
+/// y″ = 0 with y′(0) = 3 and y(0) + max(y(1) − 2, 0) = 2: y = ½ + 3x. Near the guess the second condition does not depend on y(1).
+#[test]
+fn a_condition_may_depend_on_an_end_far_from_the_guess_alone() {
+    let zeros = [0.0; 5];
+    let solved = solve_bvp(
+        |_, y: &[Jet], _, f: &mut [Jet]| (f[0], f[1]) = (y[1], 0.0.into()),
+        |ya, yb, _, r| {
+            r[0] = ya[0] + if yb[0].re > 2.0 { yb[0] - 2.0 } else { 0.0.into() } - 2.0;
+            r[1] = ya[1] - 3.0;
+        },
+        &mesh::uniform(0.0, 1.0, 4),
+        &[&zeros, &zeros],
+        &[],
+        &fine(),
+    )
+    .unwrap();
+    assert!((solved.solution.node(0)[0] - 0.5).abs() < 1e-9);
+}
+
+/// y″ = 0 with y(0) = 0 and ln y(1) = 1. At the left end the logarithm has no value.
+#[test]
+fn conditions_at_one_end_are_computed_with_the_guess_at_the_other() {
+    let grid = mesh::uniform(0.0, 1.0, 4);
+    let line: Vec<f64> = grid.iter().map(|x| 2.0 * x).collect();
+    let solved = solve_bvp(
+        |_, y: &[Jet], _, f: &mut [Jet]| (f[0], f[1]) = (y[1], 0.0.into()),
+        |ya, yb, _, r| {
+            r[0] = if yb[0].re > 0.0 { ya[0] } else { f64::NAN.into() };
+            r[1] = yb[0].ln() - 1.0;
+        },
+        &grid,
+        &[&line, &[2.0; 5]],
+        &[],
+        &fine(),
+    )
+    .unwrap();
+    assert!((solved.solution.node(solved.solution.intervals())[0] - 1f64.exp()).abs() < 1e-9);
+}
+
+/// Twenty-four equations y′ = −y: two stages instead of four.
+#[test]
+fn many_equations_have_fewer_stages() {
+    let (ones, rows) = ([1.0; 5], 24);
+    let solved = solve_bvp(
+        |_, y: &[Jet], _, f: &mut [Jet]| f.iter_mut().zip(y).for_each(|(f, y)| *f = -*y),
+        |ya, _, _, r| r.iter_mut().zip(ya).for_each(|(r, y)| *r = *y - 1.0),
+        &mesh::uniform(0.0, 1.0, 4),
+        &vec![&ones[..]; rows],
+        &[],
+        &fine(),
+    )
+    .unwrap();
+    let last = solved.solution.node(solved.solution.intervals());
+    assert!(last.iter().all(|y| (y - (-1f64).exp()).abs() < 1e-8), "{last:?}");
+}
