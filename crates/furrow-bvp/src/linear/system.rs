@@ -364,6 +364,15 @@ impl System {
         Ok(())
     }
 
+    /// The largest derivative of each condition at the left and at the right end, 1 where there is none.
+    pub(crate) fn scales_of_conditions(&self) -> [Vec<f64>; 2] {
+        [&self.ends.left, &self.ends.right].map(|[by_y, _]| {
+            let rows = by_y.chunks_exact(self.dimensions().components.max(1));
+            let largest = rows.map(|row| row.iter().fold(0.0, |largest: f64, d| largest.max(d.abs())));
+            largest.map(|size| if size > 0.0 { size } else { 1.0 }).collect()
+        })
+    }
+
     /// Solves with the residual of the last evaluation.
     ///
     /// # Errors

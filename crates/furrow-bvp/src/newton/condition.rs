@@ -8,7 +8,7 @@ use crate::solution::Solution;
 const SOLVES: u64 = 3;
 
 /// Estimates the condition of the problem at `y`, with the factors in `system`: the largest change |δ|/(1 + |value|) of the
-/// solution where the right-hand side changes by at most 1 + |value| and the conditions by at most 1. It is the ‖J⁻¹‖ of the
+/// solution where the right-hand side changes by at most 1 + |value|, conditions at the ends by at most their largest derivative and others by 1. It is the ‖J⁻¹‖ of the
 /// differential equation, which settles as the mesh is refined unless the problem is singular.
 pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
     let (mut residual, mut change) = (system.zero_residual(), Direction::default());
@@ -16,8 +16,9 @@ pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
         // Newton has failed before it had factors on this mesh: nothing is known.
         return 0.0;
     }
+    let scales = system.scales_of_conditions();
     let estimates = (0..SOLVES).map(|k| {
-        perturb(&mut residual, y, k);
+        perturb(&mut residual, &scales, y, k);
         system.solve(&residual, &mut change).map_or(f64::INFINITY, |()| change.norm(y))
     });
     // A matrix that is singular to rounding gives NaN.
@@ -25,7 +26,7 @@ pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
 }
 
 /// Perturbations of one sign per component on the whole interval, or (from the second on) of a random one per interval.
-fn perturb(residual: &mut Residual, y: &Solution, which: u64) {
+fn perturb(residual: &mut Residual, scales: &[Vec<f64>; 2], y: &Solution, which: u64) {
     let mut state = 0x9e37_79b9_7f4a_7c15 ^ which;
     let mut sign = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -41,7 +42,8 @@ fn perturb(residual: &mut Residual, y: &Solution, which: u64) {
             residual.stages[k] = h * signs[k % n] * (1.0 + y.stages[k].abs());
         }
     }
-    for part in [&mut residual.left, &mut residual.right, &mut residual.border] {
-        part.fill_with(&mut sign);
+    residual.border.fill_with(&mut sign);
+    for (part, scales) in [&mut residual.left, &mut residual.right].into_iter().zip(scales) {
+        part.iter_mut().zip(scales).for_each(|(condition, scale)| *condition = scale * sign());
     }
 }

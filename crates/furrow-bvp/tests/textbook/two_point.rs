@@ -141,3 +141,22 @@ fn many_equations_have_fewer_stages() {
     let last = solved.solution.node(solved.solution.intervals());
     assert!(last.iter().all(|y| (y - (-1f64).exp()).abs() < 1e-8), "{last:?}");
 }
+
+/// y″ = 3/2 y² with y(0) = 4 and y(1) = 1, conditions divided by 1e13.
+#[test]
+fn the_scale_of_conditions_does_not_matter() {
+    let grid = mesh::uniform(0.0, 1.0, 4);
+    let line: Vec<f64> = grid.iter().map(|x| 4.0 - 3.0 * x).collect();
+    let solved = solve_bvp(
+        |_, y: &[Jet], _, f: &mut [Jet]| (f[0], f[1]) = (y[1], y[0] * y[0] * 1.5),
+        |ya, yb, _, r| (r[0], r[1]) = ((ya[0] - 4.0) * 1e-13, (yb[0] - 1.0) * 1e-13),
+        &grid,
+        &[&line, &[-3.0; 5]],
+        &[],
+        &fine(),
+    )
+    .unwrap();
+    let mut y = [0.0; 2];
+    solved.eval(&solved.solution.gauss(), 0.5, &mut y);
+    assert!((y[0] - 16.0 / 9.0).abs() < 1e-9 && solved.condition < 100.0, "{y:?}, {}", solved.condition);
+}
