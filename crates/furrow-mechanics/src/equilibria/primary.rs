@@ -57,7 +57,8 @@ pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solut
             Err(source) => {
                 step *= 0.5;
                 if step < SMALLEST_PART {
-                    return Err(ShapeError::Cue { cell: name, source });
+                    // A regulator that acts through the law alone has no amplitude that could be smaller.
+                    return Err(ShapeError::Cue { cell: name, source, painted: !cell.cue.is_none() });
                 }
             }
         }
