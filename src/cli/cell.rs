@@ -102,7 +102,9 @@ impl CellArgs {
         warn_of_size(&context.units, [self.r0]);
         context.settings.check_cue("--cue", &cue)?;
         let cell = context.settings.cell.clone().with_cue(cue);
-        cell.check_law("--cue").map(|()| cell)
+        cell.check_law("--cue")?;
+        warn_of_regulator(&cell);
+        Ok(cell)
     }
 }
 
@@ -206,6 +208,11 @@ pub fn warn_of_size(units: &Units, radii: impl IntoIterator<Item = Length>) {
     if let Some(doubt) = radii.into_iter().find_map(|r0| size_doubt(r0, units)) {
         messages::warning!("{doubt}");
     }
+}
+
+/// Warns of a law that reads a regulator which the cell does not have.
+pub fn warn_of_regulator(cell: &Cell) {
+    messages::warn_of(cell.lacks_regulator().map(|doubt| format!("--cue: {doubt}")));
 }
 
 /// Reads one of several values by its name.

@@ -447,7 +447,7 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
     let first = &replicates[0].division;
     let size = units.in_micrometres(cell.r0);
     let mut out = format!("R0 = {}{size}, ε = {}, ξ_s = {}", cell.r0, cell.epsilon, cell.xi_s);
-    if !cell.cue.is_none() {
+    if cell.has_cue() {
         let _ = write!(out, ", {}", cell.cue);
     }
     if let Some(Perturbation { start_growth_rate: rate, .. }) = &replicates[0].perturbation {
