@@ -215,6 +215,14 @@ pub fn warn_of_regulator(cell: &Cell) {
     messages::warn_of(cell.lacks_regulator().map(|doubt| format!("--cue: {doubt}")));
 }
 
+/// A cell as answers begin: its size and confinement, its activity if that is given, and its law unless that is the built-in one.
+pub fn described(cell: &Cell, units: &Units, xi_s: Option<f64>) -> String {
+    let size = units.in_micrometres(cell.r0);
+    let xi_s = xi_s.map_or(String::new(), |xi_s| format!(", ξ_s = {xi_s}"));
+    let law = cell.law.as_ref().map_or(String::new(), |law| format!(", law {}", law.name()));
+    format!("R0 = {}{size}, ε = {}{xi_s}{law}", cell.r0, cell.epsilon)
+}
+
 /// Reads one of several values by its name.
 pub fn one_of<T>(values: impl IntoIterator<Item = (&'static str, T)>) -> impl TypedValueParser<Value = T>
 where
