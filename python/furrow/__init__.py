@@ -14,7 +14,7 @@ and share cached ones.
 from __future__ import annotations
 
 from . import bvp, cache, compare, fit
-from ._branches import Branch, Crossing, Curve, Event, Pitchfork, Steady
+from ._branches import Branch, Crossing, Curve, Event, HopfPoint, Pitchfork, Steady
 from ._cell import Cell, Value
 from ._errors import InputError, Interrupted, NoOutcome
 from ._files import Reproduction, explore, merge, new_lineage, reproduce, tree_schema
@@ -50,6 +50,7 @@ __all__ = [
     "Frame",
     "Frames",
     "Front",
+    "HopfPoint",
     "Hypotheses",
     "InputError",
     "Interrupted",

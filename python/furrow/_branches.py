@@ -99,6 +99,7 @@ class Pitchfork(Result):
     ``p``: Pressure, in κ0/L_h³.
     ``residual``: Size of the last Newton correction.
     ``iterations``: Newton iterations.
+    ``beyond_fold``: ξ_s of the first fold of the branch of the passive shape, if the branch turns before the pitchfork; else None.
     """
 
     cell: Cell = field(repr=False)
@@ -110,6 +111,7 @@ class Pitchfork(Result):
     p: float
     residual: float
     iterations: int
+    beyond_fold: float | None = None
 
 
 @dataclass(frozen=True)
@@ -153,6 +155,24 @@ class Crossing(Result):
     branch: str
     xi_s: float
     H: float
+    grows_beyond: bool
+
+
+@dataclass(frozen=True)
+class HopfPoint(Result):
+    """A shape of a branch where an oscillation begins or ceases to grow, and all other disturbances decay.
+
+    ``branch``: Name of the branch.
+    ``xi_s``: Activity ξ_s.
+    ``H``: Elongation.
+    ``period``: Period of the oscillation, in τ.
+    ``grows_beyond``: Whether it grows beyond it, along the branch.
+    """
+
+    branch: str
+    xi_s: float
+    H: float
+    period: float
     grows_beyond: bool
 
 
@@ -219,6 +239,7 @@ class Branch(Result):
     ``exponent``: Exponent in |Δu| = prefactor |ξ_s − ξ_s*|^exponent near the pitchfork.
     ``prefactor``: Its prefactor.
     ``crossings``: Where growth rates of disturbances cos mφ change sign; None unless asked for.
+    ``hopf``: Where shapes begin or cease to oscillate.
     ``warnings``: What could not be computed.
     ``bent``: Without axial symmetry, where the ``bent`` curve begins, its odd pitchfork and its fold, with the keys of
         ``furrow branch --json``; None if bent states were not followed.
@@ -232,6 +253,7 @@ class Branch(Result):
     crossings: tuple[Crossing, ...] | None = None
     warnings: tuple[str, ...] = ()
     bent: dict[str, Any] | None = field(default=None, repr=False)
+    hopf: tuple[HopfPoint, ...] = ()
 
     def __getitem__(self, name: str) -> Curve:
         for curve in self.curves:
@@ -264,4 +286,5 @@ class Branch(Result):
     def _rows(self) -> list[tuple[str, str]]:
         rows = [(curve.name, f"{len(curve)} shapes, {curve.ended}") for curve in self.curves]
         rows += [(event.kind, f"{event.branch}, ξ_s = {event.xi_s:.6g}") for event in self.events]
+        rows += [("Hopf point", f"{point.branch}, ξ_s = {point.xi_s:.6g}, period {point.period:.6g} τ") for point in self.hopf]
         return rows + [(f"m = {c.m}", f"{c.branch}, ξ_s = {c.xi_s:.6g}") for c in self.crossings or ()]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
-from ._branches import Branch, Crossing, Curve, Event, Pitchfork, Steady
+from ._branches import Branch, Crossing, Curve, Event, HopfPoint, Pitchfork, Steady
 from ._checks import given_of, optional_path, path_of, refused, seed_of, text_of, threads_of, whole
 from ._errors import InputError
 from ._memo import memo as shared_memo
@@ -511,6 +511,7 @@ class Cell:
             crossings=None if most is None else tuple(Crossing(**crossing) for crossing in found["crossings"]),
             warnings=tuple(found["warnings"]),
             bent=found["bent"],
+            hopf=tuple(HopfPoint(**point) for point in found["hopf"]),
         )
 
 

@@ -10,7 +10,9 @@ use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
 use furrow_report::surfaces::bent_report;
-use furrow_report::{AzimuthalStability, crossing_report, event_report, stationary_report, threshold_report};
+use furrow_report::{
+    AzimuthalStability, crossing_report, event_report, hopf_report, stationary_report, threshold_report,
+};
 use furrow_surface::bent::BentBranch;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -214,7 +216,7 @@ pub fn branch<'py>(
     Ok((described(&found, bent.as_ref()), points))
 }
 
-/// Events, crossings and ends of branches, warnings, and the exponent, prefactor, coefficient and number of points of
+/// Events, crossings, Hopf points and ends of branches, warnings, and the exponent, prefactor, coefficient and number of points of
 /// |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
 fn described(found: &Diagram, bent: Option<&BentBranch>) -> Document {
     let branches = || found.branches.iter();
@@ -226,10 +228,12 @@ fn described(found: &Diagram, bent: Option<&BentBranch>) -> Document {
     let crossings = branches().flat_map(|(name, branch)| {
         branch.azimuthal.crossings.iter().map(move |crossing| crossing_report(name, crossing))
     });
+    let hopf = branches().flat_map(|(name, branch)| branch.hopf.iter().map(|hopf| hopf_report(name, hopf)));
     let scaling = found.scaling.as_ref().map(|s| (s.exponent, s.prefactor, s.coefficient, s.points));
     json!({
         "events": events.collect::<Vec<_>>(),
         "crossings": crossings.collect::<Vec<_>>(),
+        "hopf": hopf.collect::<Vec<_>>(),
         "warnings": found.all_warnings(),
         "scaling": scaling,
         "ends": ends.collect::<Vec<_>>(),

@@ -1,5 +1,6 @@
 //! A cell and how it is computed, every value checked.
 
+use std::ffi::CString;
 use std::path::{Path, PathBuf};
 
 use furrow_analysis::Shard;
@@ -13,6 +14,7 @@ use furrow_measured::names::Names;
 use furrow_measured::per_embryo::PerEmbryo;
 use furrow_mechanics::division::DivisionInput;
 use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyInt, PyString};
 use serde::{Deserialize, Serialize};
@@ -259,11 +261,16 @@ impl Inputs {
     /// A cell from parameters, a preset and a configuration file, and a cue, which may be one that a lineage names.
     #[new]
     #[pyo3(signature = (given, cue="none", lineage=None))]
-    fn new(mut given: Given, cue: &str, lineage: Option<&str>) -> Result<Inputs, Error> {
+    fn new(py: Python<'_>, mut given: Given, cue: &str, lineage: Option<&str>) -> Result<Inputs, Error> {
         let lineage = lineage_of(lineage)?;
         given.parameters.scale_radius(&lineage)?;
         let settings = given.settings()?;
-        Ok(Inputs::checked(settings, lineage.parse_cue(cue).map_err(bad_cue)?)?)
+        let inputs = Inputs::checked(settings, lineage.parse_cue(cue).map_err(bad_cue)?)?;
+        if let Some(doubt) = inputs.cell.lacks_regulator() {
+            // Level 2 is the line that makes the Cell.
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(doubt).unwrap_or_default(), 2)?;
+        }
+        Ok(inputs)
     }
 
     /// The same with other values of some parameters, and another cue if one is given.

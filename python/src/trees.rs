@@ -90,8 +90,9 @@ fn named(Scenario { name, folder, label, cue, .. }: Scenario, tree: Tree) -> Nam
 }
 
 /// The work of a run and its warnings.
-fn work(summary: &Summary, unknown: usize) -> Document {
+fn work(summary: &Summary, unknown: usize, trees: &[Tree]) -> Document {
     let mut warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
+    warnings.extend(trees.iter().filter_map(Tree::lacks_regulator));
     if unknown > 0 {
         warnings.push(format!("{unknown} cues have no critical radius: all divisions of their cells were computed"));
     }
@@ -119,7 +120,7 @@ pub fn grow(
         let found = watch.scheduled(threads, |options| grown(&scenarios, dynamics, &memo, *options, &watch.stop))?;
         Ok((scenarios, found))
     })?;
-    let work = work(&summary, unknown.len());
+    let work = work(&summary, unknown.len(), &trees);
     Ok((scenarios.into_iter().zip(trees).map(|(scenario, tree)| named(scenario, tree)).collect(), work))
 }
 
@@ -152,7 +153,7 @@ pub fn grow_spread(
         };
         let drawing = Drawing::of(plot::rounds::draw_ranges(&tree.lineage, ranges));
         let page = report::html(&tree, &founder_rows(&tree), Some(ranges));
-        let work = work(&found.summary, found.unknown.len());
+        let work = work(&found.summary, found.unknown.len(), std::slice::from_ref(&tree));
         Ok((GrownTree { tree: Arc::new(tree) }, Document::of(ranges)?, drawing, page, work))
     })
 }

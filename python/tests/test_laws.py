@@ -47,6 +47,19 @@ def test_wrong_laws_are_refused() -> None:
         furrow.Cell(2.0, law=ring, modes=4)
 
 
+def test_a_law_that_reads_a_regulator() -> None:
+    carried = PAPER.replace("a*gain*(xi_s*(c1 - c2)/2 + xi_b*C)", "a*gain*xi_s*2*(1 + phi)^2/(1 + (1 + phi)^2)")
+    carried = carried.replace("a*gain*(xi_b*C - xi_s*(c1 - c2)/2)", "a*gain*xi_s*2*(1 + phi)^2/(1 + (1 + phi)^2)")
+    with pytest.warns(UserWarning, match="names phi and the cell has no regulator"):
+        furrow.Cell(2.0, law=carried)
+    cell = furrow.Cell(2.0, law=carried, cue="regulator:none,turnover=1,diffusion=1,activity=0")
+    (hopf, *_) = cell.branch(xi_max=12.0).hopf
+    assert (hopf.branch, hopf.grows_beyond) == ("symmetric", True)
+    assert hopf.xi_s == pytest.approx(9.5645, abs=1e-3)
+    assert hopf.period == pytest.approx(15.27, abs=0.01)
+    assert cell.pitchfork().beyond_fold is None
+
+
 def test_the_papers_law_as_text_bends_a_cell() -> None:
     built_in = furrow.Cell(2.0, modes=2).divide()
     own = furrow.Cell(2.0, law=PAPER, modes=2).divide()

@@ -72,7 +72,14 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     let Varied { cell, parameter, range } = &varied;
     let numerics = &context.settings.numerics;
     if let Some(path) = &args.write {
-        let cues: Vec<Cue> = args.vary.cue.lineage()?.cues.into_values().filter(|cue| !cue.is_none()).collect();
+        let cues: Vec<Cue> = args
+            .vary
+            .cue
+            .lineage()?
+            .cues
+            .into_values()
+            .filter(|cue| cell.clone().with_cue(cue.clone()).has_cue())
+            .collect();
         let stored = Stored::compute(cell, numerics, &[vec![Cue::none()], cues].concat(), *range)?;
         write_deferred(path, to_json(&stored)?.as_bytes())?;
     }

@@ -1,6 +1,6 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
-use super::cell::{AxisArgs, CellArgs, positive};
+use super::cell::{AxisArgs, CellArgs, described, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::messages;
@@ -14,11 +14,12 @@ use furrow_analysis::diagram::reduced_volume;
 use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
+use furrow_input::rounded_number;
 use furrow_lineage::Units;
 use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
-use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, Criticality, ShapePoint};
+use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, Criticality, HopfPoint, ShapePoint};
 use furrow_report::surfaces::bent_report;
-use furrow_report::{crossing_report, event_report};
+use furrow_report::{crossing_report, event_report, hopf_report};
 use furrow_surface::bent::{BentBranch, BentPoint, NormalForm};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -164,6 +165,7 @@ fn document(cell: &Cell, found: &Diagram) -> Value {
         "cue": cell.cue,
         "points": of(found, points),
         "events": of(found, |name, branch| branch.events.iter().map(|event| event_report(name, event)).collect()),
+        "hopf": of(found, |name, branch| branch.hopf.iter().map(|hopf| hopf_report(name, hopf)).collect()),
         "azimuthal": azimuthal(found),
         "scaling": found.scaling,
         "steps": found.branches.iter().map(|(_, branch)| branch.work.steps).sum::<usize>(),
@@ -178,8 +180,7 @@ fn document(cell: &Cell, found: &Diagram) -> Value {
 }
 
 fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String {
-    let mut out =
-        format!("R0 = {}{}, ε = {}, cue {}\n", cell.r0, units.in_micrometres(cell.r0), cell.epsilon, cell.cue);
+    let mut out = format!("{}, cue {}\n", described(cell, units, None), cell.cue);
     if points {
         out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
         for (name, p) in found.branches.iter().flat_map(|(name, branch)| branch.points.iter().map(move |p| (name, p))) {
@@ -198,6 +199,16 @@ fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String
         // More than the last digit shows.
         let error = Some(event.error()).filter(|error| *error >= 5e-7).map_or(String::new(), |e| format!(" ± {e:.0e}"));
         let _ = writeln!(out, "{kind} of the {name} branch at ξ_s = {xi_s:.6}{error}, H = {h:.6}: {of}");
+    }
+    for (name, branch) in &found.branches {
+        for HopfPoint { point, period, grows } in &branch.hopf {
+            let (verb, period) = (if *grows { "begin to grow" } else { "stop growing" }, rounded_number(*period, 5));
+            let ShapePoint { xi_s, elongation: h, .. } = point;
+            let _ = writeln!(
+                out,
+                "Hopf point of the {name} branch at ξ_s = {xi_s:.6}, H = {h:.6}: oscillations of period {period} τ {verb}"
+            );
+        }
     }
     for (name, branch) in &found.branches {
         for Crossing { m, point, grows } in &branch.azimuthal.crossings {

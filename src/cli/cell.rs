@@ -102,7 +102,9 @@ impl CellArgs {
         warn_of_size(&context.units, [self.r0]);
         context.settings.check_cue("--cue", &cue)?;
         let cell = context.settings.cell.clone().with_cue(cue);
-        cell.check_law("--cue").map(|()| cell)
+        cell.check_law("--cue")?;
+        warn_of_regulator(&cell);
+        Ok(cell)
     }
 }
 
@@ -206,6 +208,19 @@ pub fn warn_of_size(units: &Units, radii: impl IntoIterator<Item = Length>) {
     if let Some(doubt) = radii.into_iter().find_map(|r0| size_doubt(r0, units)) {
         messages::warning!("{doubt}");
     }
+}
+
+/// Warns of a law that reads a regulator which the cell does not have.
+pub fn warn_of_regulator(cell: &Cell) {
+    messages::warn_of(cell.lacks_regulator().map(|doubt| format!("--cue: {doubt}")));
+}
+
+/// A cell as answers begin: its size and confinement, its activity if that is given, and its law unless that is the built-in one.
+pub fn described(cell: &Cell, units: &Units, xi_s: Option<f64>) -> String {
+    let size = units.in_micrometres(cell.r0);
+    let xi_s = xi_s.map_or(String::new(), |xi_s| format!(", ξ_s = {xi_s}"));
+    let law = cell.law.as_ref().map_or(String::new(), |law| format!(", law {}", law.name()));
+    format!("R0 = {}{size}, ε = {}{xi_s}{law}", cell.r0, cell.epsilon)
 }
 
 /// Reads one of several values by its name.

@@ -1,6 +1,6 @@
 //! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
 
-use super::cell::{ActiveCellArgs, AxisArgs, positive};
+use super::cell::{self, ActiveCellArgs, AxisArgs, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -14,7 +14,7 @@ use furrow_figures::movie::{Movie, SurfaceMovie, even_times};
 use furrow_figures::plot;
 use furrow_formats::film::{self, check_path, write_film};
 use furrow_formats::frames::{self, FrameFiles, INDEX, check_step, write_frames};
-use furrow_input::InputError;
+use furrow_input::{InputError, rounded_number};
 use furrow_lineage::Units;
 use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
@@ -445,9 +445,8 @@ fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Res
 fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
     let Divisions { replicates, noise, mesh, .. } = found;
     let first = &replicates[0].division;
-    let size = units.in_micrometres(cell.r0);
-    let mut out = format!("R0 = {}{size}, ε = {}, ξ_s = {}", cell.r0, cell.epsilon, cell.xi_s);
-    if !cell.cue.is_none() {
+    let mut out = cell::described(cell, units, Some(cell.xi_s));
+    if cell.has_cue() {
         let _ = write!(out, ", {}", cell.cue);
     }
     if let Some(Perturbation { start_growth_rate: rate, .. }) = &replicates[0].perturbation {
@@ -470,6 +469,11 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
     out + &one_sided(cell, replicates)
 }
 
+/// A time with that many decimals, or of a long time as many digits as mean something.
+fn time(t: f64, decimals: usize) -> String {
+    if t < 1000.0 { format!("{t:.decimals$}") } else { rounded_number(t, 5) }
+}
+
 /// How a division went.
 fn division_text(d: &Division, units: &Units) -> String {
     let (mut out, t_end, minutes) = (String::new(), d.t_end, units.in_minutes(d.t_end));
@@ -478,12 +482,13 @@ fn division_text(d: &Division, units: &Units) -> String {
         let _ = writeln!(
             out,
             "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {below:.4}{um_below} (at u = 0), {above:.4}{um_above} (at u = 1)\n\
-             pinch-off at t = {t_end:.4} τ{minutes}"
+             pinch-off at t = {} τ{minutes}",
+            time(t_end, 4)
         );
     } else {
         let stability = |s: f64| if s < 0.0 { "stable" } else { "where the published scheme cannot leave" };
         let stable = d.growth_rate().map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
-        let _ = writeln!(out, "at rest at t = {t_end:.2} τ{minutes}{stable}");
+        let _ = writeln!(out, "at rest at t = {} τ{minutes}{stable}", time(t_end, 2));
     }
     if let Some(offset) = d.neck_offset {
         let _ = writeln!(out, "neck {offset:.4} L_h from the axis at the end");
@@ -519,10 +524,10 @@ fn disturbed_line(Replicate { seed, division, perturbation }: &Replicate) -> Opt
     let distance = |k: usize| p.distances.get(k).map_or(0.0, |[_, distance]| *distance);
     let (last, t_end) = (distance(p.distances.len().saturating_sub(1)), division.t_end);
     let end = match division.chi() {
-        Some(chi) => format!("; divides at t = {t_end:.4} τ, χ = {chi:.4}"),
+        Some(chi) => format!("; divides at t = {} τ, χ = {chi:.4}", time(t_end, 4)),
         None => {
             let way = if p.returned() { "returns" } else { "leaves" };
-            format!(", {last:.2e} at t = {t_end:.2} τ: it {way}")
+            format!(", {last:.2e} at t = {} τ: it {way}", time(t_end, 2))
         }
     };
     Some(format!("seed {seed}: dis = {:.2e} after the noise{end}\n", distance(1)))

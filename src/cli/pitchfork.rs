@@ -1,6 +1,6 @@
 //! `furrow pitchfork`: the threshold of asymmetry of one cell.
 
-use super::cell::{CellArgs, positive};
+use super::cell::{CellArgs, described, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::output::{filled, merged, number, print_as};
@@ -35,13 +35,21 @@ pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     );
     print_as(context.json, &document, || {
         format!(
-            "R0 = {r0}{}, ε = {epsilon}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
-             ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
-            context.units.in_micrometres(*r0),
+            "{}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
+             ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n{}",
+            described(&cell, &context.units, None),
             found.point.xi_s,
             found.criticality(),
             found.point.elongation,
-            found.coefficient
+            found.coefficient,
+            found.beyond_fold.map_or(String::new(), beyond)
         )
     })
+}
+
+/// What it means that the branch of the passive shape turns back before the pitchfork.
+fn beyond(fold: f64) -> String {
+    format!(
+        "it lies beyond the fold at ξ_s = {fold:.6}, where the branch of the passive shape turns: a cell whose activity rises meets the fold first\n"
+    )
 }

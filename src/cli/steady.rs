@@ -1,6 +1,6 @@
 //! `furrow steady`: one stationary shape and its stability.
 
-use super::cell::{ActiveCellArgs, AxisArgs};
+use super::cell::{ActiveCellArgs, AxisArgs, described};
 use super::context::Context;
 use super::error::CliError;
 use super::output::{filled, merged, print_as};
@@ -73,8 +73,8 @@ fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
     let document = filled(merged(of_cell, rest_report(&found, rest)));
     print_as(context.json, &document, || {
         let verdict = if rest.growth_rate() < 0.0 { "stable" } else { "unstable" };
-        let size = context.units.in_micrometres(*r0);
-        let mut out = format!("R0 = {r0}{size}, ε = {epsilon}, ξ_s = {xi_s}, without axial symmetry: {verdict}\n");
+        let cell = described(&input.cell, &context.units, Some(*xi_s));
+        let mut out = format!("{cell}, without axial symmetry: {verdict}\n");
         let (l, p, h) = (rest.length(), rest.state.pressure, rest.elongation());
         let _ = writeln!(out, "L = {l:.6}, p = {p:.6}, H = {h:.6}, equator radius {:.6}", rest.equator_radius());
         if let Some(offset) = found.division.neck_offset {
@@ -122,8 +122,7 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     }
     print_as(context.json, &document, || {
         let verdict = if spectrum.is_stable() { "stable" } else { "unstable" };
-        let size = context.units.in_micrometres(*r0);
-        let mut out = format!("R0 = {r0}{size}, ε = {epsilon}, ξ_s = {xi_s}: {verdict}\n");
+        let mut out = format!("{}: {verdict}\n", described(&cell, &context.units, Some(*xi_s)));
         let (l, p, h) = (shape.length(), shape.pressure(), shape.elongation());
         let _ = writeln!(out, "L = {l:.6}, p = {p:.6}, H = {h:.6}, equator radius {:.6}", shape.equator_radius());
         if let (Some(middle), Some(pole)) = (shape.regulator_at(0.5), shape.regulator_at(0.0)) {

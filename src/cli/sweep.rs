@@ -1,6 +1,6 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
-use super::cell::{AxisArgs, warn_of_size};
+use super::cell::{AxisArgs, warn_of_regulator, warn_of_size};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -54,7 +54,10 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     messages::warn_of(sweep.lineage.doubtful_radii());
     warn_of_size(&sweep.lineage.units(), radii(&sweep));
     if sweep.sets_cues_of_trees() {
-        tell_who_gets("the cue", &sweep.lineage, "");
+        tell_who_gets("the cue", &sweep.lineage, &sweep.settings.cell, "");
+    }
+    if sweep.kind != Kind::Tree {
+        warn_of_regulator(&sweep.point(0).input.cell);
     }
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;

@@ -11,11 +11,11 @@ use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::{self as study, Grown, LineageRanges, scenarios_csv, spread_csv};
 use furrow_analysis::{scenario_of, tree_settings};
-use furrow_cell::{Cue, CueError};
+use furrow_cell::{Cell, Cue, CueError};
 use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
 use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
-use furrow_input::InputError;
+use furrow_input::{InputError, rounded_number};
 use furrow_lineage::batch::{Memo, Summary, scheduler::workers};
 use furrow_lineage::clock::alive;
 use furrow_lineage::definition::matches;
@@ -240,8 +240,8 @@ fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
     let file = args.lineage.first().map(PathBuf::as_path);
     let (mut lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
     if let Some(text) = args.cue.first() {
-        tell_who_gets(text, &lineage, "");
-        lineage = lineage.carrying(text).map_err(bad_cue)?;
+        tell_who_gets(text, &lineage, &settings.cell, "");
+        lineage = lineage.carrying(text, &settings.cell).map_err(bad_cue)?;
     }
     Ok(scenario_of(lineage, settings))
 }
@@ -255,7 +255,7 @@ fn combined(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliErro
         let (lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
         let stem = |file: &Path| file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
         let label = file.map_or("c_elegans".to_owned(), stem);
-        args.cue.iter().for_each(|text| tell_who_gets(text, &lineage, &label));
+        args.cue.iter().for_each(|text| tell_who_gets(text, &lineage, &settings.cell, &label));
         sources.push(Source { label, lineage, settings });
     }
     let cues: Vec<&str> = args.cue.iter().map(String::as_str).collect();
@@ -297,7 +297,7 @@ pub fn prepared(
 }
 
 /// Tells the user which founders get a cue in a lineage without cues.
-pub fn tell_who_gets(text: &str, lineage: &Lineage, label: &str) {
+pub fn tell_who_gets(text: &str, lineage: &Lineage, cell: &Cell, label: &str) {
     let is_none = text == "none" || text.ends_with("=none");
     if is_none || !lineage.is_without_cues() {
         return;
@@ -305,8 +305,13 @@ pub fn tell_who_gets(text: &str, lineage: &Lineage, label: &str) {
     let line = lineage.smaller_line();
     let names: Vec<&str> = line.iter().map(|&founder| lineage.founders[founder].name.as_str()).collect();
     let place = if label.is_empty() { String::new() } else { format!("{label}: ") };
+    let others = if cell.law_reads_regulator() {
+        "; the others have its regulator, without a source that tells one pole from the other"
+    } else {
+        ""
+    };
     messages::warning!(
-        "{place}no founder of the lineage has a cue: {text} is given to {}, and to descendants up to the next founder",
+        "{place}no founder of the lineage has a cue: {text} is given to {}, and to descendants up to the next founder{others}",
         names.join(", ")
     );
 }
@@ -343,6 +348,8 @@ pub fn grown(
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
         warn_of_unborn(tree);
+        let place = if scenario.name.is_empty() { String::new() } else { format!("{}: ", scenario.name) };
+        messages::warn_of(tree.lacks_regulator().map(|doubt| format!("{place}{doubt}")));
         warn_of_origin(tree, &scenario.name);
     }
     Ok((grown, spread))
@@ -371,7 +378,7 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
         messages::warning!(
             "{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}",
             cell.name,
-            cell.r0
+            rounded_number(cell.r0, 7)
         );
     }
 }

@@ -1,6 +1,6 @@
 //! Options that let one parameter of a cell run over a range.
 
-use super::cell::{CueArgs, length, warn_of_size};
+use super::cell::{CueArgs, length, warn_of_regulator, warn_of_size};
 use super::context::Context;
 use super::output::number;
 use clap::Args;
@@ -106,6 +106,7 @@ impl Given<'_> {
         context.settings.check_cue("--cue", &cue)?;
         let cell = context.settings.cell.clone().with_cue(cue);
         cell.check_law("--cue")?;
+        warn_of_regulator(&cell);
         let mut allowed = Parameter::allowed_of_cue(&cell.cue);
         if cell.cue == Cue::none() {
             allowed += ": see --cue";

@@ -5,6 +5,7 @@ use std::path::Path;
 use furrow_analysis::ranges::RoundsRange;
 use furrow_analysis::scenarios::{Scenario, Source, combine, growers};
 use furrow_analysis::{FounderRange, LineageRanges, Range, scenarios_csv};
+use furrow_cell::Cell;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::divide;
@@ -47,7 +48,7 @@ fn the_scenarios_that_ship_grow() {
         assert!(tree.lineage.founders.iter().all(|founder| founder.observed.is_some()), "{}", scenario.name);
         assert!(tree.len() >= 13, "{} has {} cells", scenario.name, tree.len());
     }
-    assert!((0..11).all(|founder| !of("_no_cue").lineage.gives_cue(founder)));
+    assert!((0..11).all(|founder| !of("_no_cue").lineage.gives_cue(founder, &Cell::new(5.4))));
     // P1's asymmetry follows its cue.
     assert!(chi("_cue_half", 2) < chi("", 2) && chi("", 2) < chi("_cue_twice", 2));
     // Diffusion spreads the carried band, more so in small cells; a cue that is the same at both poles divides equally. A band at the

@@ -82,8 +82,8 @@ fn documents() -> Vec<Value> {
         grown(&c_elegans, &below, fake),
         grown(&c_elegans, &|_| None, undecided),
         // Scenarios: the same with another cue, and a founder that is never born.
-        grown(&c_elegans.carrying("tension:gradient,amplitude=0.3").unwrap(), &|_| None, fake),
-        grown(&c_elegans.carrying("none").unwrap(), &below, fake),
+        grown(&c_elegans.carrying("tension:gradient,amplitude=0.3", &Cell::new(5.4)).unwrap(), &|_| None, fake),
+        grown(&c_elegans.carrying("none", &Cell::new(5.4)).unwrap(), &below, fake),
         grown(&Lineage { limits: Limits { max_depth: 2, max_cells: 1000 }, ..c_elegans }, &|_| None, fake),
     ];
     let mut trees = trees;

@@ -11,7 +11,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use furrow_cell::CueError;
+use furrow_cell::{Cue, CueError};
 pub use furrow_lineage::Scenario;
 use furrow_lineage::batch::{Memo, SchedulerOptions};
 use furrow_lineage::{EndRule, Grower, Length, Lineage, TreeSettings, named_cue};
@@ -71,7 +71,7 @@ pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, Scena
                 None if lineage.cue(cue).is_some() => format!("{label}-{cue}"),
                 None => format!("{label}-cue-{}", k + 1),
             };
-            variants.push((name, called.is_some(), Some(cue.to_owned()), lineage.carrying(text)?));
+            variants.push((name, called.is_some(), Some(cue.to_owned()), lineage.carrying(text, &settings.cell)?));
         }
         for (name, named, cue, lineage) in variants {
             let folder = unique(&safe(&name), &mut folders);
@@ -131,7 +131,7 @@ fn unique(name: &str, taken: &mut HashSet<String>) -> String {
 }
 
 fn refuse_equals(scenarios: &[Scenario]) -> Result<(), ScenarioError> {
-    let essences: Vec<Lineage> = scenarios.iter().map(|scenario| essence(&scenario.lineage)).collect();
+    let essences: Vec<Lineage> = scenarios.iter().map(essence).collect();
     for (k, second) in scenarios.iter().enumerate() {
         for (j, first) in scenarios[..k].iter().enumerate() {
             if essences[j] == essences[k] && first.settings == second.settings {
@@ -144,13 +144,13 @@ fn refuse_equals(scenarios: &[Scenario]) -> Result<(), ScenarioError> {
 
 /// The lineage without what two that grow alike may differ in: its name and source, how lengths are written, what cues are
 /// called, and those that no cell can carry.
-fn essence(lineage: &Lineage) -> Lineage {
+fn essence(Scenario { lineage, settings, .. }: &Scenario) -> Lineage {
     let mut bare = lineage.clone();
     let units = lineage.units();
     bare.name.clear();
     (bare.citation, bare.units) = (None, None);
-    let called: BTreeMap<&String, String> =
-        lineage.cues.iter().map(|(name, cue)| (name, cue.simplified().to_string())).collect();
+    let text = |cue: &Cue| settings.cell.clone().with_cue(cue.clone()).simplified_cue().to_string();
+    let called: BTreeMap<&String, String> = lineage.cues.iter().map(|(name, cue)| (name, text(cue))).collect();
     let mut rename = |name: &mut String| {
         if let Some(text) = called.get(name) {
             name.clone_from(text);

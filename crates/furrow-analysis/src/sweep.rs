@@ -79,7 +79,7 @@ impl Sweep {
         if !self.names_cues() {
             return lineage;
         }
-        lineage.with_cues_replaced(if cell.cue.is_none() { "none" } else { "given" }, &cell.cue)
+        lineage.with_cue_in_cells(if cell.has_cue() { "given" } else { "none" }, &cell.cue, cell)
     }
 
     fn names_cues(&self) -> bool {

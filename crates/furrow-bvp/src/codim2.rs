@@ -8,7 +8,7 @@
 use crate::bifurcation::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
 use crate::bracket::Bracket;
 use crate::continuation::predictor::History;
-use crate::continuation::{MeshMonitor, SHORTER};
+use crate::continuation::{MeshMonitor, SHORTER, short};
 use crate::direction::{Direction, LinearCondition};
 use crate::invalid::{self, InvalidInput};
 use crate::mesh;
@@ -93,7 +93,7 @@ pub enum CurveError {
     #[error("no first point: {0}")]
     Start(SingularError),
     /// The corrector fails for the smallest step.
-    #[error("the curve is lost at ({first}, {second}): {source}")]
+    #[error("the curve is lost at ({}, {}): {source}", short(*first), short(*second))]
     Lost {
         /// First free parameter.
         first: f64,
@@ -103,7 +103,7 @@ pub enum CurveError {
         source: SingularError,
     },
     /// A value of an unknown is not on the curve in the number of steps allowed.
-    #[error("not reached in {steps} steps, which lead to {reached}")]
+    #[error("not reached in {steps} steps, which lead to {}", short(*reached))]
     NotReached {
         /// Steps taken.
         steps: usize,

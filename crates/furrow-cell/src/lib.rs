@@ -107,7 +107,7 @@ impl Cell {
     pub fn is_mirror_symmetric(&self) -> bool {
         self.has_even_shell()
             && self.law.as_ref().is_none_or(|law| law.is_mirror_symmetric(self))
-            && self.cue.is_even_for(self.law_names_phi())
+            && self.cue.is_even_for(self.law_reads_regulator())
     }
 
     /// Whether its shell is its own mirror image. If not, nor is the passive cell.
@@ -134,11 +134,7 @@ impl Cell {
 
     /// The cell's cue with the fewest terms: as [`Cue::simplified`], but a regulator that the cell's law names stays, whatever it acts on.
     pub fn simplified_cue(&self) -> Cue {
-        self.cue.simplified_for(self.law_names_phi())
-    }
-
-    fn law_names_phi(&self) -> bool {
-        self.law.as_ref().is_some_and(|law| law.names(law::Variable::Phi))
+        self.cue.simplified_for(self.law_reads_regulator())
     }
 
     /// Volume 4πR0³/3, in L_h³.

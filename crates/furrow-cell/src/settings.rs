@@ -357,8 +357,9 @@ impl Settings {
         self.check_shell(source_name)
     }
 
-    /// Refuses a law that needs an axis without axial symmetry.
+    /// Refuses a law that is infinite with its constants, and one that needs an axis without axial symmetry.
     fn check_law(&self, source_name: &str) -> Result<(), InputError> {
+        self.cell.check_law(source_name)?;
         let modes = self.numerics.modes;
         let Some(law) = self.cell.law.as_ref().filter(|_| modes > 0) else { return Ok(()) };
         let Some(reason) = law.needs_axis(&self.cell) else { return Ok(()) };

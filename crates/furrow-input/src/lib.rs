@@ -19,7 +19,7 @@ pub mod table;
 
 pub use csv_text::{csv_field, csv_value};
 pub use file::{LONGEST, open_file, read_text, read_text_up_to};
-pub use names::{did_you_mean, forbidden, listed, printable, printable_lines, shown, shown_number};
+pub use names::{did_you_mean, forbidden, listed, printable, printable_lines, rounded_number, shown, shown_number};
 pub use place::json_field_at;
 pub use ron::{parse_document, parse_ron};
 

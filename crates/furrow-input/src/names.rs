@@ -62,6 +62,24 @@ pub fn shown_number(number: f64) -> String {
     }
 }
 
+/// A computed number in a message, rounded to a number of digits: later digits are noise to its reader.
+///
+/// ```
+/// use furrow_input::rounded_number;
+///
+/// assert_eq!(rounded_number(5.399999998509884, 7), "5.4");
+/// assert_eq!(rounded_number(628675793.6022962, 5), "6.2868e8");
+/// assert_eq!(rounded_number(11723.33, 5), "11723");
+/// assert_eq!(rounded_number(f64::NAN, 5), "NaN");
+/// ```
+pub fn rounded_number(number: f64, digits: usize) -> String {
+    let rounded = format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
+    match rounded == 0.0 || !rounded.is_finite() || (1e-6..1e7).contains(&rounded.abs()) {
+        true => rounded.to_string(),
+        false => format!("{rounded:e}"),
+    }
+}
+
 /// Names joined by `between`. Of very many it lists the first and counts the others.
 ///
 /// ```

@@ -42,6 +42,11 @@ pub struct CueRule {
 }
 
 impl CueRule {
+    /// A rule for cells of all sizes, up to a last generation if there is one.
+    fn within(cue: &str, to_generation: Option<u32>) -> CueRule {
+        CueRule { cue: cue.to_owned(), from_generation: 0, to_generation, below_r0: None, above_r0: None }
+    }
+
     /// The cells it applies to.
     pub fn span(&self) -> Span {
         let CueRule { from_generation, to_generation, below_r0, above_r0, .. } = *self;
@@ -234,10 +239,10 @@ impl Lineage {
         self.cue(self.cue_name_at(place)).unwrap_or_default()
     }
 
-    /// Whether a founder gives itself or descendants a cue.
-    pub fn gives_cue(&self, founder: usize) -> bool {
+    /// Whether a founder gives itself or descendants a cue that does something in a cell with the law of `cell`.
+    pub fn gives_cue(&self, founder: usize, cell: &Cell) -> bool {
         let founder = &self.founders[founder];
-        let acts = |name: &String| self.cues.get(name).is_some_and(|cue| !cue.is_none());
+        let acts = |name: &String| self.cue(name).is_some_and(|cue| cell.clone().with_cue(cue).has_cue());
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
     }
 
@@ -272,11 +277,11 @@ impl Lineage {
     /// the founders of [`smaller_line`](Self::smaller_line) get it, and descendants up to the next founder inherit it.
     ///
     /// ```
-    /// use furrow_cell::Cue;
+    /// use furrow_cell::{Cell, Cue};
     /// use furrow_lineage::Lineage;
     ///
     /// let lineage = Lineage::c_elegans()?.with_cues_replaced("none", &Cue::none());
-    /// assert!((0..lineage.founders.len()).all(|founder| !lineage.gives_cue(founder)));
+    /// assert!((0..lineage.founders.len()).all(|founder| !lineage.gives_cue(founder, &Cell::new(5.4))));
     /// # Ok::<(), furrow_input::InputError>(())
     /// ```
     pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
@@ -305,6 +310,48 @@ impl Lineage {
         self
     }
 
+    /// [`with_cues_replaced`](Self::with_cues_replaced) for cells like `cell`. If their law reads a regulator, it is a substance of every
+    /// cell: cells without the cue have its regulator, without a source that tells one pole from the
+    /// other, as the cue `regulator`.
+    pub fn with_cue_in_cells(self, name: &str, cue: &Cue, cell: &Cell) -> Lineage {
+        let everywhere = cue.unpolarised().filter(|_| cell.law_reads_regulator() && name != "none");
+        let mut lineage = self.with_cues_replaced(name, cue);
+        if let Some(alone) = everywhere {
+            let mut called = "regulator".to_owned();
+            if alone == *cue {
+                // The replaced cue may have another name than the one asked for: any name of the same cue will do.
+                let same = lineage.cues.iter().find(|(_, other)| **other == alone).map(|(name, _)| name.clone());
+                called = same.unwrap_or(called);
+            }
+            while lineage.cues.get(&called).is_some_and(|other| *other != alone) {
+                called.push('*');
+            }
+            lineage.cues.insert(called.clone(), alone);
+            lineage.give_to_others(&called);
+        }
+        lineage
+    }
+
+    /// Gives a cue to all cells without one, except those that `cue_passes_to` leaves without theirs.
+    fn give_to_others(&mut self, cue: &str) {
+        let others = |rules: &mut Vec<CueRule>| {
+            rules.iter_mut().filter(|rule| rule.cue == "none").for_each(|rule| cue.clone_into(&mut rule.cue));
+            rules.push(CueRule::within(cue, None));
+        };
+        others(&mut self.cue_rules);
+        for founder in &mut self.founders {
+            match founder.cue.take() {
+                _ if !founder.cue_rules.is_empty() => others(&mut founder.cue_rules),
+                Some(own) if own == "none" => (founder.cue, founder.inherit) = (Some(cue.to_owned()), true),
+                Some(own) if !founder.inherit => {
+                    founder.cue_rules = vec![CueRule::within(&own, Some(0)), CueRule::within(cue, None)];
+                    founder.inherit = true;
+                }
+                own => founder.cue = own,
+            }
+        }
+    }
+
     /// Sets a number of the cue that a founder names, in a copy of this cue that the founder alone has. A founder that names no cue, or
     /// one without this number, stays as it is.
     pub fn set_own_cue(&mut self, founder: usize, parameter: Parameter, value: f64) {
@@ -321,22 +368,22 @@ impl Lineage {
         self.founders[founder].cue = Some(own);
     }
 
-    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it, `CUE` or `NAME=CUE` (see [`named_cue`]). A cue of
-    /// terms without a name is called `given`. Names of cues contain no blanks or quotes, so these become `-`.
+    /// [`with_cue_in_cells`](Self::with_cue_in_cells) like `cell` of a cue as users write it, `CUE` or `NAME=CUE` (see [`named_cue`]). A
+    /// cue of terms without a name is called `given`. Names of cues contain no blanks or quotes, so these become `-`.
     ///
     /// # Errors
     /// As [`parse_cue`](Self::parse_cue).
-    pub fn carrying(&self, text: &str) -> Result<Lineage, CueError> {
+    pub fn carrying(&self, text: &str, cell: &Cell) -> Result<Lineage, CueError> {
         let (called, text) = named_cue(text)?;
         let cue = self.parse_cue(text)?;
         let called = called.map(|name| name.replace(|c: char| c.is_whitespace() || "\"'".contains(c), "-"));
         let name = match (&called, self.cue(text)) {
-            _ if cue.is_none() => "none",
+            _ if !cell.clone().with_cue(cue.clone()).has_cue() => "none",
             (Some(called), _) => called,
             (None, Some(_)) => text,
             (None, None) => "given",
         };
-        Ok(self.clone().with_cues_replaced(name, &cue))
+        Ok(self.clone().with_cue_in_cells(name, &cue, cell))
     }
 
     /// Reads a cue as users write it: `none`, a name of this lineage, or terms, joined by `+`.

@@ -9,6 +9,7 @@ use super::definition::Lineage;
 use super::physics::FounderPhysics;
 use super::rules::Place;
 use crate::batch::Quantisation;
+use furrow_cell::law::REGULATOR;
 use furrow_cell::{Cell, Cue, Numerics, ZYGOTE};
 use furrow_mechanics::critical::{BoundaryKind, End};
 use furrow_mechanics::division::{Division, Outcome};
@@ -371,6 +372,25 @@ impl Tree {
     pub fn parameters(&self, id: CellId) -> Cell {
         let TreeCell { founder, r0, cue, physics, .. } = self.cell(id);
         self.lineage.parameters((*founder, *r0, cue), physics.as_deref(), &self.settings.cell)
+    }
+
+    /// Whether a cell carries a cue that does something with the law of the tree.
+    pub fn has_cue(&self, id: CellId) -> bool {
+        self.settings.cell.clone().with_cue(self.cell(id).cue.clone()).has_cue()
+    }
+
+    /// What to tell a user whose law reads a regulator that cells of the tree do not have.
+    pub fn lacks_regulator(&self) -> Option<String> {
+        let of = |id: CellId| self.settings.cell.clone().with_cue(self.cell(id).cue.clone());
+        let law = self.settings.cell.law.as_ref()?;
+        let without: Vec<CellId> = self.cells().filter(|id| of(*id).lacks_regulator().is_some()).collect();
+        let (count, first) = (without.len(), self.cell(*without.first()?));
+        Some(format!(
+            "the law {:?} names phi, and {count} of {} cells have no regulator, {} among them: phi is 0 there. A cue gives all cells one, as {REGULATOR}",
+            law.name(),
+            self.len(),
+            first.name
+        ))
     }
 
     /// Name of the cue that a cell carries.

@@ -2,6 +2,7 @@
 
 use furrow_bvp::{Gauss, Solution, mesh};
 use furrow_cell::Cell;
+use furrow_cell::law::{Active, Expression, NotFinite};
 
 use crate::cortex::equations::{LENGTH, PSI, R, Z};
 use crate::cortex::lanes::sin_cos;
@@ -21,6 +22,14 @@ pub enum LawError {
         cue: String,
         /// Why they do not go together.
         reason: String,
+    },
+    /// An expression has no finite value on the shape from which cells start.
+    #[error("the law {law:?}: {} must be finite where cells start: {found}", found.expression.name())]
+    NotFinite {
+        /// The law's name.
+        law: String,
+        /// The expression, the place and the value.
+        found: NotFinite,
     },
     /// Disturbances around the axis have equations for the paper's law alone.
     #[error("the law {law:?}: disturbances without axial symmetry have equations for the paper's law alone")]
@@ -52,12 +61,15 @@ pub enum LawError {
     },
 }
 
-/// Checks whether the cue of a cell goes with its law.
+/// Checks whether the cue of a cell goes with its law, and whether the law is finite on a sphere.
 ///
 /// # Errors
-/// [`LawError::Cue`].
+/// [`LawError::Cue`], [`LawError::NotFinite`].
 pub fn check(cell: &Cell) -> Result<(), LawError> {
     let Some(law) = &cell.law else { return Ok(()) };
+    if let Some(found) = law.not_finite(cell) {
+        return Err(LawError::NotFinite { law: law.name().to_owned(), found });
+    }
     let refuse = |reason| LawError::Cue { law: law.name().to_owned(), cue: cell.cue.to_string(), reason };
     law.misfit(&cell.cue).map_or(Ok(()), |reason| Err(refuse(reason)))
 }
@@ -79,7 +91,32 @@ pub(crate) fn cannot_rest(cell: &Cell) -> Option<LawError> {
     let passive = cell.passive();
     let grid = mesh::uniform(0.0, Domain::Half.end(), 8);
     let y = spheroid(&Gauss::new(3).ok()?, &passive, &grid).ok()?;
-    short_waves(&Cortex::new(&passive, Domain::Half, &[]), &y)
+    let cortex = Cortex::new(&passive, Domain::Half, &[]);
+    let waves = short_waves(&cortex, &y);
+    match waves {
+        // Where short waves grow the rate of strain may have no value, and the stress that depends on it neither.
+        Some(LawError::ShortWaves { share, .. }) if !share.is_nan() => waves,
+        _ => not_finite(&cortex, &y).or(waves),
+    }
+}
+
+/// The place of a shape without flow at which its cell's law has no finite value.
+fn not_finite(cortex: &Cortex, y: &Solution) -> Option<LawError> {
+    let law = cortex.cell.law.as_ref()?;
+    let (gauss, length) = (y.gauss(), y.scalars[LENGTH]);
+    let mut reader = cortex.constants().reader();
+    y.stages.chunks_exact(y.components).enumerate().find_map(|(index, state)| {
+        let u = y.stage_x(&gauss, index / y.m, index % y.m);
+        let here = cortex.constants().of_state(u, state, length);
+        let (Active { stress: [along, around], moment, normal_force }, [mean, _]) =
+            reader.active(u, (state, 0.0, 1.0), &here, length)?;
+        let values = [moment, along, around, normal_force];
+        let expression = Expression::ALL.into_iter().find(|which| !values[*which as usize].is_finite())?;
+        let (r, c2) = (state[R], sin_cos(state[PSI]).0 / state[R]);
+        let (curvatures, xi_s) = ([mean - c2, c2], cortex.cell.xi_s);
+        let found = NotFinite { expression, u, curvatures, r, xi_s, value: values[expression as usize] };
+        Some(LawError::NotFinite { law: law.name().to_owned(), found })
+    })
 }
 
 /// The place of a shape at which its cell's law makes the shortest waves grow. A law without rates of strain and without a

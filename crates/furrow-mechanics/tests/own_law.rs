@@ -264,7 +264,8 @@ fn any_expression_ends_in_an_outcome_or_a_reason() {
         let stress = draws.expression(3);
         // Weak enough in every other law for the cell to live on.
         let weak = if k % 2 == 0 { "0.02*xi_s*" } else { "xi_s*" };
-        let uu = format!("{weak}tanh({stress})");
+        // A constant that no expression names is refused.
+        let uu = format!("{weak}tanh({stress}) + 0*a");
         let phiphi = if k % 10 == 9 { draws.expression(2) } else { uu.clone() };
         let moment = if k % 7 == 0 { format!(", moment: \"0.01*{}\"", draws.expression(2)) } else { String::new() };
         let text = format!(

@@ -31,7 +31,7 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
     let Request { mut lineage, settings, cue } = serde_json::from_slice(request)?;
     check(&settings.cell, &settings.numerics)?;
     if let Some(cue) = cue {
-        lineage = lineage.carrying(&cue)?;
+        lineage = lineage.carrying(&cue, &settings.cell)?;
     }
     let memo = Memo::new(Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT));
     // As `furrow tree` does.

@@ -75,10 +75,11 @@ impl FilmPage<'_> {
         let [r0, epsilon, xi_s] = [*r0, *epsilon, *xi_s].map(short);
         let chi = division.chi().map_or(String::new(), |chi| format!(", χ = {chi:.4}"));
         let end = format!("{}{chi}, at t = {:.4} τ", division.outcome(), division.t_end);
+        let law = cell.law.as_ref().map_or(String::new(), |law| format!(", law {}", escape(law.name())));
         let heading = format!("Division of a cell of R0 = {r0}");
         let top = format!(
-            "<p class=\"sub\">ε = {epsilon}, ξ<sub>s</sub> = {xi_s}, {}: {end}</p>\n",
-            if cue.is_none() { "no cue".to_owned() } else { escape(&cue.to_string()) }
+            "<p class=\"sub\">ε = {epsilon}, ξ<sub>s</sub> = {xi_s}{law}, {}: {end}</p>\n",
+            if cell.has_cue() { escape(&cue.to_string()) } else { "no cue".to_owned() }
         );
         let settings = Settings { cell: cell.clone(), numerics: *numerics };
         let main =

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use furrow_mechanics::azimuthal::mode::Mode;
 use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
-use furrow_mechanics::equilibria::{BranchEvent, Pitchfork, StationaryShape};
+use furrow_mechanics::equilibria::{BranchEvent, HopfPoint, Pitchfork, StationaryShape};
 use furrow_mechanics::stability::{GrowthRate, Spectrum, StabilityError};
 
 /// A stationary shape and its stability: its rightmost growth rates with the parity of their modes, the activities of
@@ -85,11 +85,15 @@ impl AzimuthalStability {
 /// the size of the last Newton correction.
 pub fn threshold_report(found: &Pitchfork) -> Value {
     let (point, newton) = (&found.point, &found.report);
-    json!({
+    let mut report = json!({
         "xi_s": point.xi_s, "criticality": found.criticality(), "coefficient": found.coefficient,
         "H": point.elongation, "L": point.length, "p": point.pressure,
         "residual": newton.correction, "iterations": newton.iterations,
-    })
+    });
+    if let Some(fold) = found.beyond_fold {
+        report["beyond_fold"] = json!(fold);
+    }
+    report
 }
 
 /// A fold or a pitchfork on the named branch. A pitchfork has its criticality and coefficient; a fold says whether ξ_s
@@ -108,6 +112,14 @@ pub fn event_report(branch: &str, event: &BranchEvent) -> Value {
         report["maximum"] = json!(fold.maximum);
     }
     report
+}
+
+/// A point on the named branch where shapes begin to oscillate or cease to, with the period in τ, and whether oscillations grow beyond it
+/// along the branch.
+pub fn hopf_report(branch: &str, HopfPoint { point, period, grows }: &HopfPoint) -> Value {
+    json!({
+        "branch": branch, "xi_s": point.xi_s, "H": point.elongation, "period": period, "grows_beyond": grows,
+    })
 }
 
 /// A point on the named branch where the growth rate of perturbations ∝ cos mφ changes sign, and whether they grow

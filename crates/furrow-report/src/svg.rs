@@ -312,7 +312,7 @@ fn title(tree: &Tree, node: CellId) -> String {
     let (size, side) = (units.in_micrometres(cell.r0), tree.side(node).map_or("", Side::adjective));
     let outcome = outcome_name(cell.fate.outcome());
     let mut title = format!("{}: {side}R0 = {:.4}{size}, {outcome}", cell.name, cell.r0);
-    if !cell.cue.is_none() {
+    if tree.has_cue(node) {
         let _ = write!(title, ", cue {}", rounded(&cell.cue.to_string()));
     }
     if let Some(chi) = cell.fate.chi() {

@@ -124,6 +124,7 @@ impl BentBranch {
             contours: Vec::new(),
             azimuthal: AzimuthalScan::new(0),
             events: Vec::new(),
+            hopf: Vec::new(),
             ended: self.ended.clone(),
             work: self.work,
         }

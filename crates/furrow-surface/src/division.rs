@@ -4,7 +4,7 @@ use furrow_bvp::{Gauss, Work};
 use furrow_cell::{Cell, Numerics, Scheme};
 use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, R, Z};
 use furrow_mechanics::cortex::observables::PINCH_OFF;
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending, advice_on_motion};
 use furrow_mechanics::equilibria::error::CellName;
 use furrow_mechanics::{equilibria, law, polarity};
 
@@ -136,6 +136,7 @@ pub(crate) fn run(
     let mut run = Run {
         r0: cell.r0,
         epsilon: cell.epsilon,
+        advice: advice_on_motion(&cell.cue),
         numerics,
         // The local error is of third order.
         tolerance: ERROR * numerics.time_tolerance * cell.r0 * numerics.step_factor.powi(3),
@@ -266,6 +267,8 @@ fn steps_left(before: f64, now: f64, target: f64) -> f64 {
 struct Run<'a> {
     r0: f64,
     epsilon: f64,
+    /// What to tell the user of a cell that keeps moving.
+    advice: &'static str,
     numerics: &'a Numerics,
     tolerance: f64,
     /// Length of the next step, in τ.
@@ -451,7 +454,7 @@ impl Run<'_> {
             return Err(DivisionError::Undecided { r0, epsilon: self.epsilon, t_max: self.numerics.t_max });
         }
         if steps as f64 > MOST_STEPS / self.numerics.step_factor {
-            Err(DivisionError::Restless { r0, t, steps })
+            Err(DivisionError::Restless { r0, t, steps, advice: self.advice })
         } else {
             Ok(())
         }

@@ -337,7 +337,7 @@ fn divide_by_cue(
     options: &SchedulerOptions<'_>,
 ) -> Result<Vec<ByCue>, SchedulerError> {
     let mut all = vec![(String::new(), Cue::none())];
-    all.extend(cues.filter(|(_, cue)| !cue.is_none()));
+    all.extend(cues.filter(|(_, cue)| settings.cell.clone().with_cue(cue.clone()).has_cue()));
     let input = |cue: &Cue, r0: &f64| {
         let cell = Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
         DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }

@@ -301,7 +301,7 @@ impl<'a> Chain<'a> {
     /// Whether a cell carries the cue.
     pub fn has_cue(&self, name: &str) -> bool {
         let input = |k: usize| self.input(k, self.radii[k]?);
-        self.model.kin.place(name).and_then(input).is_some_and(|input| !input.cell.cue.is_none())
+        self.model.kin.place(name).and_then(input).is_some_and(|input| input.cell.has_cue())
     }
 
     /// χ of a cell; `None` if it does not divide.
@@ -357,13 +357,24 @@ impl<'a> Chain<'a> {
         lineage.apart(founder, self.apart(mother), is_larger)
     }
 
+    /// The cue that a cell has in place of its lineage's, with the numbers of this model. If the law reads a regulator, cells without
+    /// the cue have its regulator alone.
+    fn cue_in_place_of(&self, cell: Cell) -> Cue {
+        let alone = || cell.cue.unpolarised().filter(|alone| cell.law_reads_regulator() && *alone == cell.cue);
+        match alone().and_then(|_| self.cue.unpolarised()) {
+            _ if !cell.has_cue() => cell.cue,
+            Some(alone) => alone,
+            None => self.cue.clone(),
+        }
+    }
+
     /// The division of a cell of that radius; `None` if rules give it a value that is not allowed.
     fn input(&self, k: usize, r0: f64) -> Option<DivisionInput> {
         let FitRun { lineage, settings, .. } = self.model.run;
         let Relative { founder, round, generation, mother, .. } = self.model.kin.cells[k];
         let place = Place { founder, round, generation, r0, apart: self.apart(k) };
         let own = lineage.cue_at(place);
-        let cue = if own.is_none() { own } else { self.cue.clone() };
+        let cue = self.cue_in_place_of(settings.cell.clone().with_cue(own));
         let mut cell = Cell { r0, cue, ..settings.cell.clone() };
         let mother = mother.filter(|_| lineage.has_physics_rules());
         let mother = mother.and_then(|(mother, _)| {

@@ -265,7 +265,7 @@ pub fn fit_cue(
 ) -> Result<FittedCue, FitError> {
     let lineage = run.lineage;
     let by_rules = lineage.cue_rules.iter().any(|rule| rule.cue != "none");
-    if !by_rules && !(0..lineage.founders.len()).any(|founder| lineage.gives_cue(founder)) {
+    if !by_rules && !(0..lineage.founders.len()).any(|founder| lineage.gives_cue(founder, &run.settings.cell)) {
         return Err(FitError::NoCue);
     }
     let others = targets.out_of_sample.iter().flat_map(|out| &out.chi);

@@ -217,7 +217,7 @@ impl Hypothesis {
                 return Err(InputError::not_allowed(sources[0], "cue", format!("{name:?}"), allowed));
             }
             let template = lineage.parse_cue(cue).map_err(refused)?;
-            let carrying = lineage.carrying(cue).map_err(refused)?;
+            let carrying = lineage.carrying(cue, cell).map_err(refused)?;
             let own = own.as_ref().map(|texts| Free::list(texts, lineage, sources[0])).transpose()?;
             let r0 = lineage.given_r0(lineage.first()).unwrap_or(cell.r0);
             let cell = Cell { r0, ..cell.clone() }.with_cue(template.clone());

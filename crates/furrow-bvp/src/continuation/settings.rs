@@ -120,6 +120,11 @@ impl From<InvalidInput> for StepFailure {
     }
 }
 
+/// A number of a message, rounded to seven digits: later digits are noise to its reader.
+pub(crate) fn short(number: f64) -> f64 {
+    format!("{number:.6e}").parse().unwrap_or(number)
+}
+
 /// Why a continuation failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -128,7 +133,7 @@ pub enum ContinuationError {
     #[error(transparent)]
     Invalid(#[from] InvalidInput),
     /// No first point.
-    #[error("no first point at parameter {parameter}: {source}")]
+    #[error("no first point at parameter {}: {source}", short(*parameter))]
     Start {
         /// Value of λ.
         parameter: f64,
@@ -136,7 +141,7 @@ pub enum ContinuationError {
         source: NewtonError,
     },
     /// The corrector fails for the smallest step.
-    #[error("the branch is lost at parameter {parameter} after arclength {arclength}: {source}")]
+    #[error("the branch is lost at parameter {} after arclength {}: {source}", short(*parameter), short(*arclength))]
     Lost {
         /// Value of λ at the last point.
         parameter: f64,
@@ -146,7 +151,7 @@ pub enum ContinuationError {
         source: StepFailure,
     },
     /// A step was ended from outside. The state is left at the last point.
-    #[error("{reason} at parameter {parameter} after arclength {arclength}")]
+    #[error("{reason} at parameter {} after arclength {}", short(*parameter), short(*arclength))]
     Stopped {
         /// Why.
         reason: Stop,
@@ -157,8 +162,9 @@ pub enum ContinuationError {
     },
     /// The accuracy asked for would need more intervals than allowed.
     #[error(
-        "the limit of {limit} intervals is reached at parameter {parameter} with a defect of {defect:.3e}, \
-         the tolerance is {tolerance:.3e}"
+        "the limit of {limit} intervals is reached at parameter {} with a defect of {defect:.3e}, \
+         the tolerance is {tolerance:.3e}",
+        short(*parameter)
     )]
     MeshLimit {
         /// Most intervals allowed.

@@ -189,8 +189,9 @@ impl Cue {
         self.regulator.as_mut()
     }
 
-    /// Whether it does nothing: no term with an amplitude, and no regulator with a strength. A regulator without a source
-    /// does something, since flow moves it.
+    /// Whether it does nothing in a cell whose law reads no regulator: no term with an amplitude, and no regulator with a strength. A
+    /// regulator without a source does something, since flow moves it. [`Cell::has_cue`](crate::Cell::has_cue) decides for a cell, whose
+    /// law may read a regulator without strengths.
     pub fn is_none(&self) -> bool {
         *self == Cue::none() || self.simplified() == Cue::none()
     }
@@ -291,6 +292,14 @@ impl Cue {
         }
     }
 
+    /// Its regulator alone, without a source that tells one pole from the other: what a cell has of the cue that nothing polarises.
+    /// `None` without a regulator.
+    pub fn unpolarised(&self) -> Option<Cue> {
+        let alone = Cue { terms: Vec::new(), regulator: self.regulator.clone() };
+        let source = alone.regulator()?.source.filter(|_| alone.is_even_for(true));
+        Some(Cue { regulator: alone.regulator.map(|regulator| Regulator { source, ..regulator }), ..alone })
+    }
+
     /// The same cue with the fewest terms: equal terms are added, and terms without an effect are left out.
     pub fn simplified(&self) -> Cue {
         self.simplified_for(false)
@@ -322,6 +331,17 @@ mod tests {
 
     fn cue(text: &str) -> Cue {
         text.parse().unwrap_or_else(|e| panic!("{text}: {e}"))
+    }
+
+    #[test]
+    fn what_is_left_of_a_cue_that_nothing_polarises() {
+        let rest = |text: &str| cue(text).unpolarised().map(|cue| cue.to_string());
+        let uniform = "regulator:none,turnover=10,diffusion=1,activity=0";
+        let even = "regulator:band,u0=0.5,omega=0.1,amplitude=1,turnover=10,diffusion=1,activity=0";
+        let odd = "regulator:band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,activity=0";
+        assert_eq!(rest("tension:gradient,amplitude=0.2"), None);
+        assert_eq!(rest(&format!("tension:gradient,amplitude=0.2+{odd}")), rest(uniform));
+        assert_eq!(rest(&format!("tension:gradient,amplitude=0.2+{even}")), Some(cue(even).to_string()));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Conditions on a law: it acts by ξ_s, is isotropic at the poles, and uses the fields that a cue paints.
 
+use super::names::UNIFORM;
 use super::{Expression, Law, LawValues, VARIABLES, Variable};
 use crate::cue::Field;
 use crate::{Cell, Cue};
@@ -26,19 +27,32 @@ impl Law {
     /// Checks what can be known without a cell: field, value, allowed.
     pub(super) fn check(&self) -> Result<(), (String, String, String)> {
         if !self.names(Variable::XiS) && !self.names(Variable::XiB) {
-            let (field, text) = (Expression::StressUu.name(), self.text(Expression::StressUu).unwrap_or_default());
+            let field = Expression::StressUu.name();
             let allowed = "an expression with xi_s (or xi_b = xi_ratio*xi_s), the strength of the activity: cells start from rest at xi_s = 0, and thresholds are sought in it";
-            return Err((field.to_owned(), furrow_input::shown(text), allowed.to_owned()));
+            return Err((field.to_owned(), self.shown(Expression::StressUu), allowed.to_owned()));
         }
         for variable in [Variable::Suu, Variable::Sphiphi] {
             if self.uses(Expression::Moment, variable) {
-                let (field, text) = (Expression::Moment.name(), self.text(Expression::Moment).unwrap_or_default());
+                let field = Expression::Moment.name();
                 let allowed =
                     format!("an expression without {}: a moment may depend on shape and fields", variable.name());
-                return Err((field.to_owned(), furrow_input::shown(text), allowed));
+                return Err((field.to_owned(), self.shown(Expression::Moment), allowed));
             }
         }
-        self.check_poles(&Cell::new(2.0))
+        if let Some(name) = self.constants.keys().enumerate().find_map(|(k, name)| self.is_idle(k).then_some(name)) {
+            let allowed = "named by an expression: a constant that none names changes nothing".to_owned();
+            return Err(("constants".to_owned(), furrow_input::shown(name), allowed));
+        }
+        let cell = Cell::new(2.0);
+        match self.not_finite(&cell) {
+            Some(found) => Err((found.expression.name().to_owned(), self.shown(found.expression), found.allowed())),
+            None => self.check_poles(&cell),
+        }
+    }
+
+    /// Whether no expression names its constant of this number.
+    fn is_idle(&self, number: usize) -> bool {
+        !self.program.names_uniform(UNIFORM.len() + number)
     }
 
     /// Quantities at sample k: arbitrary curvatures, rates and φ, and the fields of a cell.
@@ -68,12 +82,15 @@ impl Law {
             place[Variable::R as usize] = 1e-9;
             let [a, b] = values.at(&place, &mut memory).stress;
             if differ(a, b) {
-                let text = self.text(Expression::StressPhiphi).unwrap_or_default();
                 let [c, rate] = [Variable::C1, Variable::Suu].map(|variable| place[variable as usize]);
                 let allowed = format!(
                     "equal to stress_uu at a pole, where c1 = c2, S_uu = S_phiphi and r = 0: at c1 = {c:.3}, S_uu = {rate:.3} it is {b:.6}, and stress_uu is {a:.6}"
                 );
-                return Err((Expression::StressPhiphi.name().to_owned(), furrow_input::shown(text), allowed));
+                return Err((
+                    Expression::StressPhiphi.name().to_owned(),
+                    self.shown(Expression::StressPhiphi),
+                    allowed,
+                ));
             }
         }
         Ok(())

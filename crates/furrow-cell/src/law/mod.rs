@@ -7,10 +7,12 @@
 //! | `names` | the names that expressions may use |
 //! | `file` | laws in RON and JSON |
 //! | `check` | conditions on a law |
+//! | `finite` | where a law is infinite, and what a cell lacks for it |
 //! | `stated` | laws as functions of Rust |
 
 mod check;
 mod file;
+mod finite;
 mod names;
 mod program;
 mod stated;
@@ -22,6 +24,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::{Cell, Number, Parameter};
+pub use finite::{NotFinite, REGULATOR};
 use furrow_input::InputError;
 pub use names::{ConstantName, LONGEST_NAME, Variable};
 use program::Program;
@@ -120,6 +123,11 @@ impl Law {
     /// An expression as it is written; `None` if the law lacks it.
     pub fn text(&self, which: Expression) -> Option<&str> {
         self.texts[which as usize].as_deref()
+    }
+
+    /// An expression as messages show it.
+    fn shown(&self, which: Expression) -> String {
+        furrow_input::shown(self.text(which).unwrap_or_default())
     }
 
     /// Whether it is read from the other pole.
@@ -288,12 +296,17 @@ impl<D: Algebra> LawValues<D> {
 }
 
 impl Cell {
-    /// Checks whether its cue goes with its law; errors say the cue came from `source_name`.
+    /// Checks whether its cue goes with its law, and whether the law is finite where cells start; errors say they came from
+    /// `source_name`.
     ///
     /// # Errors
-    /// Names the cue and the reason.
+    /// Names the cue and the reason, or the expression, the place and the value.
     pub fn check_law(&self, source_name: &str) -> Result<(), InputError> {
         let Some(law) = &self.law else { return Ok(()) };
+        if let Some(found) = law.not_finite(self) {
+            let field = format!("law.{}", found.expression.name());
+            return Err(InputError::not_allowed(source_name, field, law.shown(found.expression), found.allowed()));
+        }
         let Some(reason) = law.misfit(&self.cue) else { return Ok(()) };
         let allowed = format!("a cue for the law {:?}: {reason}", law.name());
         Err(InputError::not_allowed(source_name, "cue", &self.cue, allowed))

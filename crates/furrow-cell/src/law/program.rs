@@ -230,6 +230,12 @@ impl Program {
         found
     }
 
+    /// Whether an expression names a parameter or a constant, by its index.
+    pub(super) fn names_uniform(&self, index: usize) -> bool {
+        // An operation is added where a text names its operand, so a name that stands nowhere has none.
+        self.steps.iter().any(|step| matches!(step, Step::Uniform(k) if usize::from(*k) == index))
+    }
+
     /// The number of operations before the end of the first expression, and of the second.
     pub(super) fn parts(&self) -> [usize; 2] {
         let second = self.results[1].map_or(0, |at| usize::from(at) + 1);

@@ -238,7 +238,8 @@ mod tests {
             let functions =
                 Function::ALL.into_iter().map(|(function, _)| (at("C") * 0.1 + N::from(1.5)).call(function));
             let sum = functions.fold(-at("k"), |sum, x| sum + x);
-            let chosen = at("u").least(N::from(0.5)).most(N::from(-0.25)) - at("r").whole_power(-2) / at("r0");
+            let chosen =
+                at("u").least(N::from(0.5)).most(N::from(-0.25)) - (at("r") + N::from(0.5)).whole_power(-2) / at("r0");
             [at("xi_s") * (sum + chosen * N::from(2.0).call(Function::Sqrt)), at("kappa") * -0.3]
         }
     }
@@ -247,8 +248,8 @@ mod tests {
     fn a_function_gives_the_numbers_of_its_text() {
         let law = Law::stated(&Of(Everything)).unwrap();
         let text = r#"Law(name: "test", constants: {"k": (value: 2.5)},
-            stress_uu: "xi_s*(-k + sqrt(C*0.1 + 1.5) + exp(C*0.1 + 1.5) + ln(C*0.1 + 1.5) + sin(C*0.1 + 1.5) + cos(C*0.1 + 1.5) + tan(C*0.1 + 1.5) + sinh(C*0.1 + 1.5) + cosh(C*0.1 + 1.5) + tanh(C*0.1 + 1.5) + atan(C*0.1 + 1.5) + abs(C*0.1 + 1.5) + (max(min(u, 0.5), -0.25) - r^(-2)/r0)*sqrt(2))",
-            stress_phiphi: "xi_s*(-k + sqrt(C*0.1 + 1.5) + exp(C*0.1 + 1.5) + ln(C*0.1 + 1.5) + sin(C*0.1 + 1.5) + cos(C*0.1 + 1.5) + tan(C*0.1 + 1.5) + sinh(C*0.1 + 1.5) + cosh(C*0.1 + 1.5) + tanh(C*0.1 + 1.5) + atan(C*0.1 + 1.5) + abs(C*0.1 + 1.5) + (max(min(u, 0.5), -0.25) - r^(-2)/r0)*sqrt(2))",
+            stress_uu: "xi_s*(-k + sqrt(C*0.1 + 1.5) + exp(C*0.1 + 1.5) + ln(C*0.1 + 1.5) + sin(C*0.1 + 1.5) + cos(C*0.1 + 1.5) + tan(C*0.1 + 1.5) + sinh(C*0.1 + 1.5) + cosh(C*0.1 + 1.5) + tanh(C*0.1 + 1.5) + atan(C*0.1 + 1.5) + abs(C*0.1 + 1.5) + (max(min(u, 0.5), -0.25) - (r + 0.5)^(-2)/r0)*sqrt(2))",
+            stress_phiphi: "xi_s*(-k + sqrt(C*0.1 + 1.5) + exp(C*0.1 + 1.5) + ln(C*0.1 + 1.5) + sin(C*0.1 + 1.5) + cos(C*0.1 + 1.5) + tan(C*0.1 + 1.5) + sinh(C*0.1 + 1.5) + cosh(C*0.1 + 1.5) + tanh(C*0.1 + 1.5) + atan(C*0.1 + 1.5) + abs(C*0.1 + 1.5) + (max(min(u, 0.5), -0.25) - (r + 0.5)^(-2)/r0)*sqrt(2))",
             moment: "kappa*-0.3")"#;
         let written = Law::parse(text, "test.ron").unwrap();
         let (cell, mut memory) = (crate::Cell::new(2.0), Vec::new());

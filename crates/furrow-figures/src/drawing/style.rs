@@ -139,14 +139,15 @@ fn mixed(from: Colour, to: Colour, share: f64) -> Colour {
     [0, 1, 2].map(|k| part(k).round() as u8)
 }
 
-/// A cell's parameters for a title: R₀, ε and ξₛ except the `varied` ones, and its cue, if any, without the varied
+/// A cell's parameters for a title: R₀, ε and ξₛ except the `varied` ones, its law unless that is the built-in one, and its cue, if any, without the varied
 /// numbers.
 pub fn described(cell: &Cell, varied: &[Parameter]) -> String {
     let named =
         [(Parameter::R0, "R₀", cell.r0), (Parameter::Epsilon, "ε", cell.epsilon), (Parameter::XiS, "ξₛ", cell.xi_s)];
     let fixed = named.iter().filter(|(parameter, ..)| !varied.contains(parameter));
     let mut parts: Vec<String> = fixed.map(|(_, symbol, value)| format!("{symbol} = {value}")).collect();
-    if !cell.cue.is_none() {
+    parts.extend(cell.law.as_ref().map(|law| format!("law {}", law.name())));
+    if cell.has_cue() {
         parts.push(format!("cue {}", cue_without(&cell.cue, varied)));
     }
     parts.join(", ")

@@ -75,9 +75,10 @@ pub fn even_times(end: f64, frames: usize) -> Vec<f64> {
 }
 
 pub(super) fn title(cell: &Cell) -> String {
-    let Cell { r0, epsilon, xi_s, cue, .. } = cell;
-    let cued = if cue.is_none() { "no cue" } else { "with a cue" };
-    format!("R₀ = {r0}, ε = {epsilon}, ξₛ = {xi_s}, {cued}")
+    let Cell { r0, epsilon, xi_s, .. } = cell;
+    let cued = if cell.has_cue() { "with a cue" } else { "no cue" };
+    let law = cell.law.as_ref().map_or(String::new(), |law| format!(", law {}", law.name()));
+    format!("R₀ = {r0}, ε = {epsilon}, ξₛ = {xi_s}{law}, {cued}")
 }
 
 /// When a movie says how the division ends, in which words and colour.

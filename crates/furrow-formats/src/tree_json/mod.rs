@@ -73,7 +73,7 @@ fn rows_with(tree: &Tree, times: Option<&[CellTimes]>) -> Vec<FounderRow> {
     let mut cued = vec![BTreeMap::new(); tree.lineage.founders.len()];
     for id in tree.cells() {
         let cell = tree.cell(id);
-        if !cell.cue.is_none() && tree.founder_cell(cell.founder) != Some(id) {
+        if tree.has_cue(id) && tree.founder_cell(cell.founder) != Some(id) {
             *cued[cell.founder].entry(tree.cue_name(id).to_owned()).or_insert(0) += 1;
         }
     }

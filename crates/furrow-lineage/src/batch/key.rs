@@ -376,7 +376,7 @@ mod tests {
             key(law("x", text, a)),
             key(law("x", text, a).mirrored()),
             key(law("x", text, "\"a\": (value: 0.6)")),
-            key(law("x", text, "\"a\": (value: 0.5), \"b\": (value: 0.5)")),
+            key(law("x", &format!("{text} + 0*b"), "\"a\": (value: 0.5), \"b\": (value: 0.5)")),
             key(law("x", "a*xi_s*C", a)),
         ];
         assert_eq!(keys[1], key(law("y", text, "\"a\": (value: 0.5, unit: \"1/L_h\")")));

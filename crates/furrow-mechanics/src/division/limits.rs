@@ -1,6 +1,6 @@
 //! The step budget of a division, cells under neutral drift, and coefficients that a regulator reduces to zero.
 
-use super::outcome::DivisionError;
+use super::outcome::{DivisionError, pull};
 use super::stepper::{HistoryPoint, MAX_ORDER, Stepper};
 use crate::cortex::equations::{LENGTH, LocalCoefficients, PHI};
 use crate::cortex::{Cortex, Domain};
@@ -101,7 +101,8 @@ pub fn collapsed(stepper: &Stepper) -> Option<DivisionError> {
     let phi = y.stages.chunks_exact(y.components).map(|state| state[PHI]);
     let (k, most) = phi.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (r0, u) = (stepper.cortex.cell.r0, y.stage_x(&stepper.system.gauss, k / y.m, k % y.m));
-    (1.0 + most > COLLAPSED).then_some(DivisionError::Collapses { r0, t: *t, u, c: 1.0 + most })
+    let pull = pull(&stepper.cortex.cell.cue);
+    (1.0 + most > COLLAPSED).then_some(DivisionError::Collapses { r0, t: *t, u, c: 1.0 + most, pull })
 }
 
 /// The coefficients listed in [`Field::POSITIVE`].

@@ -34,7 +34,7 @@ mod step_size;
 pub mod stepper;
 pub mod trajectory;
 
-pub use outcome::{Division, DivisionError, DivisionRow, Ending, Outcome};
+pub use outcome::{Division, DivisionError, DivisionRow, Ending, Outcome, advice_on_motion};
 pub use run::{DivisionOptions, Frame, divide, divide_with};
 pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;

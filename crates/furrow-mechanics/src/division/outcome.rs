@@ -1,6 +1,8 @@
 //! The outcome of a division.
 
 use furrow_bvp::{NewtonError, Work};
+use furrow_cell::Cue;
+use furrow_input::rounded_number;
 use serde::{Deserialize, Serialize};
 
 use crate::equilibria::error::CellName;
@@ -275,7 +277,7 @@ pub enum DivisionError {
     #[error("PAR polarity, which the cue follows: {source}")]
     Polarity { source: PolarityError },
     /// The cell's own law of active stress is refused, or cannot hold.
-    #[error("R0 = {r0}: {source}")]
+    #[error("R0 = {}: {source}", radius(*r0))]
     Law { r0: f64, source: LawError },
     /// The start shape did not converge on the division's mesh.
     #[error(
@@ -284,49 +286,94 @@ pub enum DivisionError {
     NotStationary { cell: CellName, source: NewtonError },
     /// The time step fell below its minimum.
     #[error(
-        "time stepping of the cell with R0 = {r0} stalled at t = {t:.3e} with step {dt:.1e} ({source}); {}",
+        "time stepping of the cell with R0 = {} stalled at t = {t:.3e} with step {dt:.1e} ({source}); {}",
+        radius(*r0),
         advice_on_steps(*r0)
     )]
     Stalled { r0: f64, t: f64, dt: f64, source: StepFailure },
     /// The regulator reduces a coefficient that must stay above zero.
     #[error(
-        "the regulator brings {field} of the cell with R0 = {r0} to {value:.2e} at u = {u:.3} and t = {t:.3e}, where it must stay above 0; lower its coupling or let it saturate (`half`)"
+        "the regulator brings {field} of the cell with R0 = {} to {value:.2e} at u = {u:.3} and t = {t:.3e}, where it must stay above 0; lower its coupling or let it saturate (`half`)",
+        radius(*r0)
     )]
     Coefficient { r0: f64, t: f64, field: &'static str, u: f64, value: f64 },
     /// The regulator concentrates in one place without limit.
     #[error(
-        "the regulator of the cell with R0 = {r0} collapses to a point: at u = {u:.4} and t = {t:.3e} it is {c:.0} times as concentrated as at rest; raise its turnover or diffusion, or lower its coupling"
+        "the regulator of the cell with R0 = {} collapses to a point: at u = {u:.4} and t = {t:.3e} it is {c:.0} times as concentrated as at rest; raise its turnover or diffusion, or lower {pull}",
+        radius(*r0)
     )]
-    Collapses { r0: f64, t: f64, u: f64, c: f64 },
+    Collapses { r0: f64, t: f64, u: f64, c: f64, pull: &'static str },
     /// The cell is too close to the threshold of division to decide.
     #[error(
-        "the cell with R0 = {r0} is too close to the threshold of division to decide (growth rate {growth_rate:.1e}/τ); change R0, epsilon or xi_s in the seventh digit"
+        "the cell with R0 = {} is too close to the threshold of division to decide (growth rate {growth_rate:.1e}/τ); change R0, epsilon or xi_s in the seventh digit",
+        radius(*r0)
     )]
     Critical { r0: f64, growth_rate: f64 },
     /// The cell oscillates: no stationary shape near it is stable, and no growing mode divides it.
     #[error(
-        "the cell with R0 = {r0} oscillates with a period of {period:.3} τ: it neither divides nor comes to rest; change R0, epsilon or xi_s by a percent"
+        "the cell with R0 = {} oscillates with a period of {} τ: it neither divides nor comes to rest; change R0, epsilon or xi_s by a percent",
+        radius(*r0),
+        time(*period)
     )]
     Oscillates { r0: f64, period: f64 },
     /// The cell keeps moving without repeating itself.
     #[error(
-        "the cell with R0 = {r0} still moves at t = {t:.3} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; lower xi_s or the cue's amplitude"
+        "the cell with R0 = {} still moves at t = {} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; {advice}",
+        radius(*r0),
+        time(*t)
     )]
-    Restless { r0: f64, t: f64, steps: usize },
+    Restless { r0: f64, t: f64, steps: usize, advice: &'static str },
     /// The equations with axial symmetry were asked for a cell without it, or the other way round for what only they have.
     #[error("{what}: {instead}")]
     Unsupported { what: &'static str, instead: &'static str },
     /// The equations of a cell without axial symmetry could not be solved.
     #[error(
-        "the surface of the cell with R0 = {r0} stalled at t = {t:.4} with step {dt:.1e} ({reason}), its neck at {neck:.3} R0; try more elements or modes"
+        "the surface of the cell with R0 = {} stalled at t = {} with step {dt:.1e} ({reason}), its neck at {neck:.3} R0; try more elements or modes",
+        radius(*r0),
+        time(*t)
     )]
     SurfaceStalled { r0: f64, t: f64, dt: f64, neck: f64, reason: String },
     /// The caller stopped the division.
-    #[error("the division of the cell with R0 = {r0} was cancelled at t = {t:.3} τ")]
+    #[error("the division of the cell with R0 = {} was cancelled at t = {} τ", radius(*r0), time(*t))]
     Cancelled { r0: f64, t: f64 },
     /// The cell neither divided nor came to rest in the time allowed.
-    #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; {}", advice_on_rest(*epsilon))]
+    #[error(
+        "the cell with R0 = {} neither divided nor came to rest within t = {}; {}",
+        radius(*r0),
+        time(*t_max),
+        advice_on_rest(*epsilon)
+    )]
     Undecided { r0: f64, epsilon: f64, t_max: f64 },
+}
+
+/// A radius in a message, with as many digits as distinguish divisions.
+fn radius(r0: f64) -> String {
+    rounded_number(r0, 7)
+}
+
+/// A time in a message.
+fn time(t: f64) -> String {
+    rounded_number(t, 5)
+}
+
+/// Advice if a cell with a cue keeps moving: what of the cue can be weaker.
+pub fn advice_on_motion(cue: &Cue) -> &'static str {
+    let regulator = cue.regulator();
+    let source = regulator.and_then(|regulator| regulator.source).is_some_and(|source| source.amplitude != 0.0);
+    let painted = cue.terms().iter().any(|term| term.amplitude != 0.0);
+    let coupled = regulator.is_some_and(|regulator| regulator.couplings.iter().any(|c| c.strength != 0.0));
+    match (painted || source, coupled, regulator.is_some()) {
+        (true, ..) => "lower xi_s or the cue's amplitude",
+        (_, true, _) => "lower xi_s or the strength of the cue's regulator",
+        (.., true) => "lower xi_s, or raise the regulator's turnover or diffusion",
+        _ => "lower xi_s",
+    }
+}
+
+/// What pulls a regulator together: its couplings, or the law that reads it.
+pub(super) fn pull(cue: &Cue) -> &'static str {
+    let coupled = cue.regulator().is_some_and(|regulator| regulator.couplings.iter().any(|c| c.strength != 0.0));
+    if coupled { "its coupling" } else { "xi_s" }
 }
 
 /// No divisions were found for larger cells.
@@ -348,5 +395,42 @@ fn advice_on_rest(epsilon: f64) -> &'static str {
     match epsilon < WIDE_SHELL {
         true => "raise epsilon to 0.3: in a shell as wide as this nothing holds the cell in its place",
         false => "raise t_max, or try more mesh intervals",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_names_what_the_cue_has() {
+        for (cue, advice) in [
+            ("none", "lower xi_s"),
+            ("kappa:band,u0=0.4,omega=0.1,amplitude=0.2", "lower xi_s or the cue's amplitude"),
+            (
+                "regulator:step,u0=0.4,omega=0.1,amplitude=1,turnover=1,diffusion=1,activity=0",
+                "lower xi_s or the cue's amplitude",
+            ),
+            ("regulator:none,turnover=1,diffusion=1,activity=0.5", "lower xi_s or the strength of the cue's regulator"),
+            (
+                "regulator:none,turnover=1,diffusion=1,activity=0",
+                "lower xi_s, or raise the regulator's turnover or diffusion",
+            ),
+        ] {
+            assert_eq!(advice_on_motion(&cue.parse().unwrap()), advice, "{cue}");
+        }
+    }
+
+    #[test]
+    fn computed_numbers_have_few_digits() {
+        let error = DivisionError::Undecided { r0: 5.399999998509884, epsilon: 0.87, t_max: 628675793.6022962 };
+        let expected = "the cell with R0 = 5.4 neither divided nor came to rest within t = 6.2868e8; raise t_max";
+        assert!(error.to_string().starts_with(expected), "{error}");
+        let (t, steps) = (11723.333333, 7);
+        let error = DivisionError::Restless { r0: 2.0, t, steps, advice: "lower xi_s" }.to_string();
+        assert!(
+            error.contains("still moves at t = 11723 τ, after 7 steps") && error.ends_with("; lower xi_s"),
+            "{error}"
+        );
     }
 }

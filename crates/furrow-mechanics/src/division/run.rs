@@ -6,7 +6,7 @@ use furrow_bvp::{Gauss, NewtonError, Solution, Work};
 
 use super::noise::Noise;
 use super::oscillation::Oscillation;
-use super::outcome::{Division, DivisionError, Ending, StepFailure};
+use super::outcome::{Division, DivisionError, Ending, StepFailure, advice_on_motion};
 use super::rest::{EquilibriumDetector, REST_INTERVAL, Rest};
 use super::sensitivity::{Sensitivity, Tangent};
 use super::start::{FIRST_MESH, Start, check};
@@ -213,7 +213,8 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
         if run.steps > limits::most_steps(numerics) {
-            return Err(DivisionError::Restless { r0: cell.r0, t: newest.t, steps: run.steps });
+            let (t, steps, advice) = (newest.t, run.steps, advice_on_motion(&cell.cue));
+            return Err(DivisionError::Restless { r0: cell.r0, t, steps, advice });
         }
         if newest.t > run.t_max {
             let drifts = if run.fixed.is_none() { limits::neutral_drift(&stepper) } else { None };

@@ -11,7 +11,7 @@ use super::branch::{
 use super::error::PointKind;
 use super::locate::{course, deflated, end_at_width, folds_near, not_located};
 use super::point::ShapePoint;
-use super::rates::{self, with_rates};
+use super::rates::{self, Shape, with_rates};
 use super::rejoin::{asymmetry, mirrored, mirrored_monitor, rejoined, vanishes};
 use crate::cortex::symmetry::{is_mirrored, unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain};
@@ -160,7 +160,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     let mut azimuthal = AzimuthalScan::new(options.azimuthal);
     azimuthal.take_in(&branch);
     let mut end = None;
-    let (ended, rates) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
+    let (ended, (rates, hopf)) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
         branch.follow(options.xi, options.points, |branch, advance| {
             if let Some(found) = run.rejoined(branch) {
                 let failed = |source| not_located(branch, PointKind::Pitchfork, source);
@@ -174,7 +174,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
                 return false;
             }
             run.mirror_mesh(branch);
-            rate(&branch.state.solution, run.events.len());
+            rate(&branch.state.solution, run.events.len(), Shape::Point);
             let point = ShapePoint::newest(branch, run.events.len());
             contours.extend(options.contours.then(|| newest_contour(branch)));
             azimuthal.take_in(branch);
@@ -188,7 +188,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     }
     let Run { points, events, samples, stop, .. } = run;
     let branch = Branch::complete(&branch, (points, contours, azimuthal), events, ended, stop);
-    AsymmetricBranch { branch, scaling: scaling(&samples) }
+    AsymmetricBranch { branch: Branch { hopf, ..branch }, scaling: scaling(&samples) }
 }
 
 /// Least squares of ln Δu over ln |ξ_s − ξ_s*|, and the limit of (ξ_s − ξ_s*)/Δu² by a line in Δu².

@@ -101,10 +101,16 @@ impl Corrector {
 
     /// The growth rate of perturbations of azimuthal number m at ξ_s; `y`, a shape nearby, becomes the shape there.
     pub fn rate(&mut self, xi: f64, y: &mut Solution, m: usize) -> Option<f64> {
+        self.rest(xi, y)?;
+        rate(&self.cortex, y, m)
+    }
+
+    /// Turns `y`, a shape nearby, into the shape at ξ_s.
+    fn rest(&mut self, xi: f64, y: &mut Solution) -> Option<()> {
         y.scalars.truncate(SHAPE_SCALARS);
         self.cortex.set(Parameter::XiS, xi);
         Newton::default().solve(&mut self.system, &mut self.scratch, &mut self.cortex, y, &[], false).ok()?;
-        rate(&self.cortex, y, m)
+        Some(())
     }
 }
 
@@ -117,13 +123,23 @@ pub(super) fn between(from: &Solution, to: &Solution, share: f64) -> Solution {
     y
 }
 
-/// The shape with growth rate 0 between two shapes of a branch, by false position in ξ_s; `None` if the branch turns
-/// back between them, or a shape is not found.
+/// The shape at which perturbations of azimuthal number m neither grow nor decay, as [`crossing_of`].
 pub(super) fn crossing(
     cortex: &Cortex,
-    [from, to]: [&Solution; 2],
+    shapes: [&Solution; 2],
     m: usize,
     rates: [f64; 2],
+) -> Option<(ShapePoint, Solution)> {
+    crossing_of(cortex, shapes, rates, &mut |cortex, y| rate(cortex, y, m))
+}
+
+/// The shape with growth rate 0 between two shapes of a branch, by false position in ξ_s; `None` if the branch turns
+/// back between them, or a shape or its rate is not found.
+pub(super) fn crossing_of(
+    cortex: &Cortex,
+    [from, to]: [&Solution; 2],
+    rates: [f64; 2],
+    rate: &mut dyn FnMut(&Cortex, &Solution) -> Option<f64>,
 ) -> Option<(ShapePoint, Solution)> {
     let gauss = to.gauss();
     let from = from.on_mesh(&gauss, &to.mesh);
@@ -134,7 +150,8 @@ pub(super) fn crossing(
     for _ in 0..SEARCH {
         let xi = ends[0] - rates[0] * (ends[1] - ends[0]) / (rates[1] - rates[0]);
         let mut y = between(&from, to, (xi - from.scalars[XI]) / whole);
-        let here = at_rest.rate(xi, &mut y, m)?;
+        at_rest.rest(xi, &mut y)?;
+        let here = rate(&at_rest.cortex, &y)?;
         let step = found.map_or(f64::INFINITY, |(before, _): (ShapePoint, Solution)| (before.xi_s - xi).abs());
         found = Some((ShapePoint::of(&y, &at_rest.cortex, &gauss), y));
         if here == 0.0 || step < CLOSE * (1.0 + xi.abs()) {

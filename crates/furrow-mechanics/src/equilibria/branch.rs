@@ -7,6 +7,7 @@ use furrow_bvp::{
 
 use super::azimuthal_scan::AzimuthalScan;
 use super::error::{CellName, PointKind, Result, ShapeError};
+use super::hopf::HopfPoint;
 use super::point::ShapePoint;
 use crate::cortex::equations::{COMPONENTS, J, M, Q, R, REGULATED, T, V, Z};
 use crate::cortex::{Cortex, Domain, observables, resolution};
@@ -117,6 +118,9 @@ pub struct Pitchfork {
     pub null: Direction,
     /// Furrow displacement u_f − ½ per unit of φ.
     pub furrow_shift: f64,
+    /// ξ_s of the first fold between the passive shape and this point, where stable shapes end before the pitchfork; `None` without such
+    /// a fold, and where it was not looked for.
+    pub beyond_fold: Option<f64>,
 }
 
 impl Pitchfork {
@@ -137,6 +141,14 @@ pub enum BranchEvent {
 }
 
 impl BranchEvent {
+    /// The shape, with (L, p, ξ_s).
+    pub fn shape(&self) -> &Solution {
+        match self {
+            BranchEvent::Pitchfork(pitchfork) => &pitchfork.shape,
+            BranchEvent::Fold(fold) => &fold.shape,
+        }
+    }
+
     /// Observables of the point.
     pub fn point(&self) -> &ShapePoint {
         match self {
@@ -262,6 +274,8 @@ pub struct Branch {
     pub azimuthal: AzimuthalScan,
     /// Folds and pitchforks in order.
     pub events: Vec<BranchEvent>,
+    /// Points at which stability is lost or regained by an oscillation, if growth rates are requested.
+    pub hopf: Vec<HopfPoint>,
     /// How it ended.
     pub ended: BranchEnd,
     /// Work of the continuation.
@@ -287,7 +301,7 @@ impl Branch {
             (Ok(Termination::PointLimit(points)), _) => BranchEnd::PointLimit(points),
             (Ok(_), stopped) => stopped.unwrap_or(BranchEnd::Enough),
         };
-        Branch { points, contours, azimuthal, events, ended, work: branch.work }
+        Branch { points, contours, azimuthal, events, hopf: Vec::new(), ended, work: branch.work }
     }
 
     /// Its pitchforks in order.

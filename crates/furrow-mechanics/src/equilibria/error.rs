@@ -5,7 +5,7 @@ use furrow_bvp::{ContinuationError, CurveError, NewtonError, SingularError};
 use crate::law::{self, LawError};
 use crate::polarity::{self, PolarityError};
 use furrow_cell::{Cell, Parameter};
-use furrow_input::shown_number;
+use furrow_input::rounded_number;
 use std::borrow::Cow;
 
 /// A kind of singular point.
@@ -49,9 +49,19 @@ impl CellName {
     }
 }
 
+/// A number in a message, with as many digits as distinguish shapes.
+pub(super) fn digits(number: f64) -> String {
+    rounded_number(number, 7)
+}
+
+/// Advice if a cell with its cue has no passive shape.
+fn advice_on_cue(painted: bool) -> &'static str {
+    if painted { "try a cue of smaller amplitude, or more mesh intervals" } else { "try more mesh intervals" }
+}
+
 impl std::fmt::Display for CellName {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "R0 = {}, epsilon = {}", shown_number(self.r0), shown_number(self.epsilon))
+        write!(f, "R0 = {}, epsilon = {}", digits(self.r0), digits(self.epsilon))
     }
 }
 
@@ -67,18 +77,16 @@ pub enum ShapeError {
     #[error("no passive shape for {cell} ({source}); {}", cell.advice())]
     Passive { cell: CellName, source: NewtonError },
     /// The passive cell with its cue has no shape.
-    #[error(
-        "no passive shape with the cue for {cell} ({source}); try a cue of smaller amplitude, or more mesh intervals"
-    )]
-    Cue { cell: CellName, source: NewtonError },
+    #[error("no passive shape with the cue for {cell} ({source}); {}", advice_on_cue(*painted))]
+    Cue { cell: CellName, source: NewtonError, painted: bool },
     /// The branch cannot be followed.
     #[error("{cell}: {source}; try more mesh intervals")]
     Branch { cell: CellName, source: ContinuationError },
     /// A singular point on the way cannot be located.
-    #[error("{cell}: the {kind} near xi_s = {xi_s} cannot be located: {source}")]
+    #[error("{cell}: the {kind} near xi_s = {} cannot be located: {source}", digits(*xi_s))]
     Point { cell: CellName, kind: PointKind, xi_s: f64, source: SingularError },
     /// The range contains no such point.
-    #[error("{cell}: no {kind} for xi_s up to {xi_max}")]
+    #[error("{cell}: no {kind} for xi_s up to {}", digits(*xi_max))]
     NotFound { cell: CellName, kind: PointKind, xi_max: f64 },
     /// The cell's own law of active stress is refused, or cannot hold.
     #[error("{cell}: {source}")]
@@ -87,22 +95,26 @@ pub enum ShapeError {
     #[error("{cell}: {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold")]
     NoPitchfork { cell: CellName, cue: String },
     /// A curve of singular points does not reach the requested value.
-    #[error("the curve of {kind}s does not reach {parameter} = {value}: {source}")]
+    #[error("the curve of {kind}s does not reach {parameter} = {}: {source}", digits(*value))]
     Curve { kind: PointKind, parameter: Parameter, value: f64, source: CurveError },
     /// A curve of singular points ends at shapes without activity.
-    #[error("the curve of {kind}s does not reach {parameter} = {value}: xi_s falls to 0 on the way")]
+    #[error("the curve of {kind}s does not reach {parameter} = {}: xi_s falls to 0 on the way", digits(*value))]
     Inactive { kind: PointKind, parameter: Parameter, value: f64 },
     /// Perturbations of this azimuthal number decay along the branch of the passive shape.
     #[error("{cell}: disturbances m = {m} do not grow on the branch of the passive shape up to xi_s = {xi_s:.4}")]
     NoGrowth { cell: CellName, m: usize, xi_s: f64 },
     /// A curve of thresholds of such perturbations does not reach the requested value.
-    #[error("the threshold of disturbances m = {m} is not found beyond {parameter} = {reached}, on the way to {value}")]
+    #[error(
+        "the threshold of disturbances m = {m} is not found beyond {parameter} = {}, on the way to {}",
+        digits(*reached),
+        digits(*value)
+    )]
     ThresholdLost { m: usize, parameter: Parameter, reached: f64, value: f64 },
     /// Cells below a critical radius divide, or do not come to rest.
-    #[error("{cell}: the {kind} at R0 = {r0} bounds no division: smaller cells do not rest")]
+    #[error("{cell}: the {kind} at R0 = {} bounds no division: smaller cells do not rest", digits(*r0))]
     NoBound { cell: CellName, kind: PointKind, r0: f64 },
     /// Cells above a critical radius rest as well: on a branch that this point does not end.
-    #[error("{cell}: division begins above the {kind} at R0 = {r0}: cells of {above:.6} rest too")]
+    #[error("{cell}: division begins above the {kind} at R0 = {}: cells of {above:.6} rest too", digits(*r0))]
     RestsAbove { cell: CellName, kind: PointKind, r0: f64, above: f64 },
     /// The position of a cue that follows PAR polarity could not be computed.
     #[error("{cell}: PAR polarity, which the cue follows: {source}")]

@@ -215,6 +215,7 @@ pub(super) fn pitchfork_at(found: Located<Cortex, SymmetryBreaking>) -> Result<P
         report,
         null: at.singularity.null.clone(),
         furrow_shift,
+        beyond_fold: None,
         shape: y,
     })
 }

@@ -6,6 +6,7 @@
 //! | [`branch`] | points, events and ends of branches |
 //! | [`point`] | observables of a point |
 //! | `rates` | growth rates along a branch, computed concurrently |
+//! | `hopf` | points at which oscillations begin |
 //! | [`primary`] | the branch that starts at the passive shape, with or without a cue |
 //! | [`locate`] | folds and pitchforks between two points of a branch |
 //! | [`pitchfork`] | the first pitchfork |
@@ -27,6 +28,7 @@ pub mod branch;
 pub mod budget;
 pub mod curves;
 pub mod error;
+mod hopf;
 pub mod locate;
 mod passage;
 pub mod passive;
@@ -41,6 +43,7 @@ pub use at_rest::{RestShapes, rest_shapes};
 pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork};
 pub use budget::StepBudget;
 pub use error::{PointKind, Result, ShapeError};
+pub use hopf::HopfPoint;
 pub use passive::{passive, passive_whole};
 pub use point::ShapePoint;
 pub use stationary::{StationaryError, StationaryShape, stationary};

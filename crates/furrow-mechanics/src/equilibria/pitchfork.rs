@@ -74,7 +74,10 @@ pub fn first_within(
         return Ok(found.clone());
     }
     let Branch { events, ended, .. } = primary::follow_within(cell, numerics, options, budget, &mut unwanted)?;
-    events.iter().find_map(BranchEvent::pitchfork).cloned().ok_or_else(|| {
+    let fold = events.iter().take_while(|event| event.kind() == PointKind::Fold).next();
+    let beyond_fold = fold.map(|fold| fold.point().xi_s);
+    let found = events.iter().find_map(BranchEvent::pitchfork);
+    found.map(|found| Pitchfork { beyond_fold, ..found.clone() }).ok_or_else(|| {
         let none = ShapeError::NotFound { cell: name, kind: PointKind::Pitchfork, xi_max: options.xi[1] };
         ended.error().cloned().unwrap_or(none)
     })

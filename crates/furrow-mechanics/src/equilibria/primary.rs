@@ -15,7 +15,7 @@ use super::error::{CellName, PointKind, Result, ShapeError, resolved, with_paper
 use super::locate::{course, deflated, end_at_width, folds_near, not_located, pitchfork_near};
 use super::passive::{passive, passive_whole};
 use super::point::ShapePoint;
-use super::rates::{self, with_rates};
+use super::rates::{self, Shape, with_rates};
 use crate::cortex::observables::{PINCH_OFF, with_components};
 use crate::cortex::{Cortex, Domain};
 use crate::law;
@@ -57,7 +57,8 @@ pub(crate) fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solut
             Err(source) => {
                 step *= 0.5;
                 if step < SMALLEST_PART {
-                    return Err(ShapeError::Cue { cell: name, source });
+                    // A regulator that acts through the law alone has no amplitude that could be smaller.
+                    return Err(ShapeError::Cue { cell: name, source, painted: !cell.cue.is_none() });
                 }
             }
         }
@@ -190,8 +191,8 @@ pub fn follow_within(
     let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0)], Vec::new());
     let mut before = course(&branch);
     let narrowest = if branch.problem.domain == Domain::Half { PINCH_OFF } else { NARROWEST };
-    let (ended, rates) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
-        rate(&branch.state.solution, 0);
+    let (ended, (rates, hopf)) = with_rates(&mut branch, options.growth_rates, |branch, rate| {
+        rate(&branch.state.solution, 0, Shape::Point);
         branch.follow(options.xi, options.points, |branch, advance| {
             let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
             new.extend(detector.folds(branch, before, advance.passed_fold));
@@ -204,8 +205,9 @@ pub fn follow_within(
             before = course(branch);
             azimuthal.take_in(branch);
             contours.extend(options.contours.then(|| newest_contour(branch)));
+            new.iter().enumerate().for_each(|(k, event)| rate(event.shape(), events.len() + k, Shape::Event));
             let passed = events.len() + new.len();
-            rate(&branch.state.solution, passed);
+            rate(&branch.state.solution, passed, Shape::Point);
             points.push(ShapePoint::newest(branch, passed));
             let enough = new.iter().any(|event| !wanted(event));
             events.extend(new);
@@ -214,7 +216,8 @@ pub fn follow_within(
     });
     budget.check(cell)?;
     rates::put(&rates, &mut points);
-    Ok(Branch::complete(&branch, (points, contours, azimuthal), events, ended, detector.stop))
+    let found = Branch::complete(&branch, (points, contours, azimuthal), events, ended, detector.stop);
+    Ok(Branch { hopf, ..found })
 }
 
 /// Factor by which a coarse mesh of half a contour has fewer intervals, and its least number of intervals.

@@ -6,7 +6,7 @@ use furrow_bvp::{
     Termination, mesh,
 };
 
-use super::error::{CellName, Result, ShapeError, resolved};
+use super::error::{CellName, Result, ShapeError, digits, resolved};
 use super::{locate, primary};
 use crate::azimuthal::Azimuthal;
 use crate::cortex::equations::{LENGTH, PRESSURE, R};
@@ -37,14 +37,16 @@ pub enum StationaryError {
     Branch(#[from] ShapeError),
     /// The branch does not reach the requested activity.
     #[error(
-        "{cell}: no stationary shape at xi_s = {xi_s} on the branch of the passive shape, which turns back at xi_s = {turn}"
+        "{cell}: no stationary shape at xi_s = {} on the branch of the passive shape, which turns back at xi_s = {}",
+        digits(*xi_s),
+        digits(*turn)
     )]
     OutOfReach { cell: CellName, xi_s: f64, turn: f64 },
     /// Continuation failed before the requested activity.
-    #[error("{cell}: the branch of the passive shape could not be followed to xi_s = {xi_s}: {source}")]
+    #[error("{cell}: the branch of the passive shape could not be followed to xi_s = {}: {source}", digits(*xi_s))]
     Lost { cell: CellName, xi_s: f64, source: ContinuationError },
     /// The branch needs too many points to reach the requested activity.
-    #[error("{cell}: the branch of the passive shape does not reach xi_s = {xi_s} in {points} points")]
+    #[error("{cell}: the branch of the passive shape does not reach xi_s = {} in {points} points", digits(*xi_s))]
     PointLimit { cell: CellName, xi_s: f64, points: usize },
 }
 

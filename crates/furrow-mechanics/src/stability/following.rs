@@ -12,7 +12,7 @@ use furrow_spectra::{Krylov, RitzValue};
 
 use super::shifts::{REACH, shift_scale};
 use super::spectrum::Result;
-use super::{Parity, Stability, end_of, parities};
+use super::{GrowthRate, Parity, Stability, end_of, parities};
 use crate::cortex::Cortex;
 use crate::cortex::problem::SHAPE_SCALARS;
 
@@ -48,9 +48,14 @@ impl FollowedRates {
         }
     }
 
-    /// The largest growth rate at the next point of a branch, after `passed` folds and pitchforks; `None` if it cannot
+    /// The cell at the last point.
+    pub(crate) fn cortex(&self) -> &Cortex {
+        &self.cortex
+    }
+
+    /// The rightmost growth rate at the next point of a branch, after `passed` folds and pitchforks; `None` if it cannot
     /// be computed.
-    pub(crate) fn at(&mut self, y: &Solution, passed: usize) -> Option<f64> {
+    pub(crate) fn leading(&mut self, y: &Solution, passed: usize) -> Option<Leading> {
         let mut y = y.clone();
         for (parameter, value) in self.free.iter().zip(y.scalars.drain(SHAPE_SCALARS..)) {
             parameter.set(&mut self.cortex.cell, value);
@@ -61,11 +66,11 @@ impl FollowedRates {
     }
 
     /// From the whole spectrum; counts the growing modes.
-    fn anew(&mut self, y: &Solution, passed: usize) -> Option<f64> {
+    fn anew(&mut self, y: &Solution, passed: usize) -> Option<Leading> {
         self.counted = None;
         if self.cortex.is_regulated() {
             // Fast modes of a regulator may grow at complex rates.
-            return self.stability.growth_rate(&self.cortex, y).ok();
+            return self.stability.rightmost(&self.cortex, y).ok().map(|rate| Leading::of(&rate));
         }
         let spectrum = self.stability.leading(&self.cortex, y).ok()?;
         let growing =
@@ -73,18 +78,19 @@ impl FollowedRates {
         let growing = [growing(false), growing(true)];
         // If all requested modes grow, there may be more.
         self.counted = growing.iter().all(|&count| count < self.stability.arnoldi.wanted).then_some((passed, growing));
-        Some(spectrum.growth_rate())
+        spectrum.values.first().map(Leading::of)
     }
 
     /// From the modes nearest to zero, if the same number of modes grow as before.
-    fn near_zero(&mut self, y: &Solution, growing: [usize; 2]) -> Option<f64> {
+    fn near_zero(&mut self, y: &Solution, growing: [usize; 2]) -> Option<Leading> {
         let FollowedRates { cortex, stability, krylov, .. } = self;
         let Stability { arnoldi, system, antisymmetric, disturbances, operator, .. } = stability;
         system.factorise(cortex, y, &[]).ok()?;
         let scale = shift_scale(cortex);
         disturbances.set(cortex, y, &system.gauss, 1.0);
         disturbances.assemble(system, operator).ok()?;
-        let (mut largest, mut scalars) = (f64::NEG_INFINITY, [0.0; SHAPE_SCALARS]);
+        let mut largest = Leading { rate: f64::NEG_INFINITY, frequency: 0.0 };
+        let mut scalars = [0.0; SHAPE_SCALARS];
         for (krylov, (&parity, growing)) in krylov.iter_mut().zip(parities(cortex.domain).iter().zip(growing)) {
             let end = end_of(parity, system, antisymmetric, y.components).ok()?;
             let step = |from: &[f64], to: &mut [f64]| -> Result<()> {
@@ -93,13 +99,31 @@ impl FollowedRates {
             let tolerance = arnoldi.tolerance;
             let found = krylov.run(&disturbances.weights, MOST_DIMENSIONS, step, |values, _| {
                 let modes = Modes::of(values, scale, tolerance);
-                modes.are_all(growing).then(|| (modes.values[0].rate, modes.nearest()))
+                modes.are_all(growing).then(|| (modes.values[0].leading(), modes.nearest()))
             });
-            let (rate, nearest) = found.ok()??;
+            let (leading, nearest) = found.ok()??;
             krylov.start_near(&nearest);
-            largest = largest.max(rate);
+            if leading.rate > largest.rate {
+                largest = leading;
+            }
         }
         Some(largest)
+    }
+}
+
+/// The rightmost growth rate of a shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leading {
+    /// Re σ, in 1/τ.
+    pub rate: f64,
+    /// |Im σ|, in 1/τ.
+    pub frequency: f64,
+}
+
+impl Leading {
+    /// That of a spectrum.
+    pub(crate) fn of(rate: &GrowthRate) -> Leading {
+        Leading { rate: rate.re, frequency: rate.im.abs() }
     }
 }
 
@@ -114,6 +138,14 @@ struct Mode {
     settled: bool,
     /// Its index among the Ritz values.
     place: usize,
+}
+
+impl Mode {
+    /// The mode as the rightmost one of a shape.
+    fn leading(&self) -> Leading {
+        let Mode { rate, size, .. } = *self;
+        Leading { rate, frequency: (size * size - rate * rate).max(0.0).sqrt() }
+    }
 }
 
 /// The modes of Ritz values, the rightmost first.
@@ -168,7 +200,7 @@ mod tests {
             let (mut rates, mut alone) = (FollowedRates::new(&branch.problem, stages), Stability::new(stages));
             let (mut followed, mut least, mut most) = (0, f64::INFINITY, f64::NEG_INFINITY);
             let ended = branch.follow([0.0, 40.0], points, |branch, _| {
-                let rate = rates.at(&branch.state.solution, 0).unwrap();
+                let rate = rates.leading(&branch.state.solution, 0).unwrap().rate;
                 let expected = alone.growth_rate(&branch.problem, &branch.state.solution).unwrap();
                 let xi_s = branch.state.parameter();
                 assert!((rate - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{xi_s}: {rate} {expected}");

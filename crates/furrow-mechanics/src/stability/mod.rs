@@ -106,9 +106,14 @@ impl Stability {
     /// # Errors
     /// As [`leading`](Self::leading).
     pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64> {
+        self.rightmost(cortex, y).map(|rate| rate.re)
+    }
+
+    /// The rightmost growth rate only, as [`growth_rate`](Self::growth_rate).
+    pub(crate) fn rightmost(&mut self, cortex: &Cortex, y: &Solution) -> Result<GrowthRate> {
         let (mut fixed, state) = freeze(cortex, y);
         let shifts = Shifts::of(&fixed, &state);
-        shifts.growth_rate(self.arnoldi, |shift, arnoldi| self.at_shift(&mut fixed, &state, shift, arnoldi))
+        shifts.rightmost(self.arnoldi, |shift, arnoldi| self.at_shift(&mut fixed, &state, shift, arnoldi))
     }
 
     /// The mode that grows at `growth` > 0, the rightmost rate of the stationary state `y`: the corresponding change of

@@ -3,7 +3,7 @@
 use furrow_bvp::Solution;
 use furrow_spectra::Arnoldi;
 
-use super::spectrum::{Result, Spectrum, StabilityError};
+use super::spectrum::{GrowthRate, Parity, Result, Spectrum, StabilityError};
 use crate::cortex::Cortex;
 use crate::cortex::equations::{M, PSI, R};
 
@@ -58,12 +58,22 @@ impl Shifts {
     pub(crate) fn growth_rate(
         &self,
         arnoldi: Arnoldi,
-        mut at_shift: impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
+        at_shift: impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
     ) -> Result<f64> {
+        self.rightmost(arnoldi, at_shift).map(|rate| rate.re)
+    }
+
+    /// The same with its imaginary part.
+    pub(crate) fn rightmost(
+        &self,
+        arnoldi: Arnoldi,
+        mut at_shift: impl FnMut(f64, Arnoldi) -> Result<Spectrum>,
+    ) -> Result<GrowthRate> {
         let arnoldi = Arnoldi { wanted: 1, ..arnoldi };
         let (near, mut spectrum) = self.within_reach(&mut at_shift, arnoldi)?;
         self.add_fast(&mut at_shift, near, arnoldi, &mut spectrum)?;
-        Ok(spectrum.growth_rate())
+        let none = GrowthRate { re: f64::NAN, im: 0.0, parity: Parity::Mixed, error: 0.0 };
+        Ok(spectrum.values.first().copied().unwrap_or(none))
     }
 
     /// Adds modes too fast for `shift`: a neck pinches at a rate set by its own curvature, independent of the cell's

@@ -70,7 +70,7 @@ impl Spectrum {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StabilityError {
     /// The shifted system could not be factorised.
-    #[error("the system shifted by {shift} is singular or not finite (pivot {column})")]
+    #[error("the system shifted by {shift:.3e} is singular or not finite (pivot {column})")]
     Factorisation { shift: f64, column: usize },
     /// The state has other sizes than the system.
     #[error(transparent)]
@@ -84,7 +84,7 @@ pub enum StabilityError {
     )]
     OwnLaw,
     /// The rightmost growth rate did not converge.
-    #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
+    #[error("the rightmost growth rate {value:.4e} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
     NotConverged { value: f64, error: f64, dimension: usize },
 }
 

@@ -13,6 +13,7 @@ use std::sync::{atomic::AtomicBool, mpsc::channel};
 use self::run::{Assignment, Run};
 use super::memo::{Event, Failure, Memo, Solve};
 use super::store::StoreWarning;
+use furrow_input::rounded_number;
 use furrow_mechanics::division::{Division, DivisionInput};
 
 /// One division to solve.
@@ -123,7 +124,7 @@ pub struct Unsolved {
 fn unsolved_text(jobs: &[Unsolved]) -> String {
     let [Unsolved { id, r0, failure }, others @ ..] = jobs else { return String::new() };
     let further = |n: usize| if n > 0 { format!(" ({n} further divisions failed)") } else { String::new() };
-    format!("division {id} (R0 = {r0}): {failure}{}", further(others.len()))
+    format!("division {id} (R0 = {}): {failure}{}", rounded_number(*r0, 7), further(others.len()))
 }
 
 /// What runs give.

@@ -284,7 +284,7 @@ impl Reader<'_> {
     }
 
     /// The law's values in a state `(y, v_n, noise)` away from the axis, with C and ∂_sC; `None` without a law.
-    pub(in crate::cortex) fn active(
+    pub(crate) fn active(
         &mut self,
         u: f64,
         (y, v_n, noise): (&[f64], f64, f64),

@@ -1,0 +1,209 @@
+//! Where a law is infinite on the sphere from which cells start, and what a cell lacks for its law.
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use super::{Active, Expression, Law, LawValues, VARIABLES, Variable};
+use crate::{Cell, Cue};
+
+/// An expression of a law that has no finite value at a place of a shape from which cells start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotFinite {
+    /// The expression.
+    pub expression: Expression,
+    /// The place in u, 0 or 1 at a pole.
+    pub u: f64,
+    /// The curvatures c1 and c2, in 1/L_h.
+    pub curvatures: [f64; 2],
+    /// Distance from the axis, in L_h.
+    pub r: f64,
+    /// The activity ξ_s, 0 where a division starts.
+    pub xi_s: f64,
+    /// What the expression gives.
+    pub value: f64,
+}
+
+impl NotFinite {
+    /// What is allowed instead, for errors.
+    pub(super) fn allowed(&self) -> String {
+        format!("finite where cells start: {self}")
+    }
+}
+
+impl fmt::Display for NotFinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let NotFinite { u, curvatures: [c1, c2], r, xi_s, value, .. } = self;
+        let pole = if *u == 0.0 || *u == 1.0 { ", a pole" } else { "" };
+        let passive = if *xi_s == 0.0 { " and xi_s = 0" } else { "" };
+        write!(f, "at u = {u:.3}{pole}, where c1 = {c1:.3}, c2 = {c2:.3}, r = {r:.3}{passive}, it is {value}")
+    }
+}
+
+/// Places in u that are looked at: poles first, since most laws that are infinite anywhere are infinite there.
+const PLACES: [f64; 5] = [0.0, 1.0, 0.5, 0.25, 0.75];
+
+/// Distances from a place, relative to the radius, at which a value that is undefined at the place itself shows whether it has a
+/// limit, as sin(r)/r has at a pole.
+const NEAR: [f64; 2] = [1e-4, 1e-6];
+
+/// Factor by which a value may grow between the two distances and still have a limit: 1/r grows by 100.
+const GROWTH: f64 = 10.0;
+
+impl Law {
+    /// Where on the sphere from which cells start an expression is not finite, without flow and with φ = 0, at the cell's activity or
+    /// without activity.
+    pub fn not_finite(&self, cell: &Cell) -> Option<NotFinite> {
+        // Without activity a law that is infinite may give 0 times infinity, which says less than the infinite value does.
+        let active = if cell.xi_s == 0.0 { 1.0 } else { cell.xi_s };
+        let places = [active, 0.0].into_iter().flat_map(|xi_s| PLACES.map(|u| (xi_s, u)));
+        let values = LawValues::new(self, cell, |_, v| v);
+        places.into_iter().find_map(|(xi_s, u)| self.not_finite_at(cell, &values, xi_s, u))
+    }
+
+    fn not_finite_at(&self, cell: &Cell, values: &LawValues<f64>, xi_s: f64, u: f64) -> Option<NotFinite> {
+        let mut memory = Vec::new();
+        let mut at = |away: f64| numbers(&values.at(&on_sphere(cell, values, xi_s, u, away), &mut memory));
+        let here = at(0.0);
+        let [far, near] = NEAR.map(at);
+        let lacks_limit = |k: usize| {
+            let [here, far, near] = [here, far, near].map(|numbers| numbers[k]);
+            let settles = far.is_finite() && near.is_finite() && near.abs() <= GROWTH * far.abs();
+            here.is_infinite() || here.is_nan() && !settles
+        };
+        let expression = Expression::ALL.into_iter().find(|which| lacks_limit(*which as usize))?;
+        let value = here[expression as usize];
+        let r = cell.r0 * sine(u);
+        Some(NotFinite { expression, u, curvatures: [1.0 / cell.r0; 2], r, xi_s, value })
+    }
+
+    /// Whether it reads the regulator φ.
+    pub fn reads_regulator(&self) -> bool {
+        self.names(Variable::Phi)
+    }
+}
+
+impl Cell {
+    /// Whether its law reads the regulator φ.
+    pub fn law_reads_regulator(&self) -> bool {
+        self.law.as_ref().is_some_and(|law| law.reads_regulator())
+    }
+
+    /// Whether its cue does something: a regulator without fields does if the law reads it.
+    pub fn has_cue(&self) -> bool {
+        self.simplified_cue() != Cue::none()
+    }
+
+    /// What to tell a user whose law reads a regulator that the cell does not have.
+    pub fn lacks_regulator(&self) -> Option<String> {
+        let law = self.law.as_ref().filter(|law| law.reads_regulator() && self.cue.regulator().is_none())?;
+        Some(format!(
+            "the law {:?} names phi and the cell has no regulator: phi is 0 everywhere. A cue gives it one, as {REGULATOR}",
+            law.name()
+        ))
+    }
+}
+
+/// A regulator that acts through a law alone, as users write it.
+pub const REGULATOR: &str = "regulator:none,turnover=10,diffusion=1,activity=0";
+
+/// sin πu, exactly 0 at both poles.
+fn sine(u: f64) -> f64 {
+    if u == 1.0 { 0.0 } else { (PI * u).sin() }
+}
+
+/// The expressions' values in the order of [`Expression::ALL`].
+fn numbers(of: &Active<f64>) -> [f64; 4] {
+    [of.moment, of.stress[0], of.stress[1], of.normal_force]
+}
+
+/// The quantities at u of a sphere with the cell's volume, or of a surface that differs a little from it, as passive cells do: near a
+/// pole the difference of its curvatures grows with the square of the distance.
+fn on_sphere(cell: &Cell, values: &LawValues<f64>, xi_s: f64, u: f64, away: f64) -> [f64; VARIABLES] {
+    let (r0, material) = (cell.r0, &cell.material);
+    let bend = away * away;
+    let [c1, c2] = [1.0 + bend, 1.0 - bend].map(|share| share / r0);
+    let place = if u < 1.0 { u + away } else { 1.0 - away };
+    let (r, z) = (r0 * sine(place), values.height(r0 * (PI * place).cos()));
+    let [u, s] = values.along(place, PI * r0);
+    let fields = [material.kappa, material.eta_b, material.eta_s, material.friction, material.tension];
+    let [kappa, eta_b, eta_s, friction, tension] = fields;
+    let xi_b = xi_s * material.xi_ratio;
+    [c1, c2, c1 + c2, u, s, r, 0.0, 0.0, 0.0, kappa, eta_b, eta_s, friction, tension, xi_s, xi_b, z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(stress: &str, constants: &str) -> Result<Law, String> {
+        let text = format!(
+            "Law(name: \"own\", constants: {{{constants}}}, stress_uu: \"{stress}\", stress_phiphi: \"{stress}\")"
+        );
+        Law::parse(&text, "own.ron").map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_law_that_is_infinite_where_cells_start_is_refused_with_field_place_and_value() {
+        let pole = "at u = 0.000, a pole, where c1 = 0.500, c2 = 0.500, r = 0.000";
+        for (stress, place, value) in [
+            ("xi_s/r", pole, "inf"),
+            ("xi_s/r^2", pole, "inf"),
+            ("xi_s*ln(r)", pole, "-inf"),
+            ("xi_s*(c1 - c2)^-0.5", pole, "inf"),
+            ("xi_s*ln(phi)", pole, "-inf"),
+            ("xi_s/(u - 0.5)", "at u = 0.500, where c1 = 0.500, c2 = 0.500, r = 2.000", "inf"),
+            ("1/xi_s", "at u = 0.000, a pole, where c1 = 0.500, c2 = 0.500, r = 0.000 and xi_s = 0", "inf"),
+            ("xi_s*S_uu/S_phiphi", pole, "NaN"),
+        ] {
+            let error = law(stress, "").unwrap_err();
+            let expected =
+                format!("own.ron: stress_uu = \"{stress}\": must be finite where cells start: {place}, it is {value}");
+            assert_eq!(error, expected);
+        }
+        let error = law("xi_s/a", "\"a\": (value: 0.0)").unwrap_err();
+        assert!(error.contains("stress_uu = \"xi_s/a\"") && error.ends_with("it is inf"), "{error}");
+    }
+
+    #[test]
+    fn a_law_with_a_limit_at_the_pole_is_kept() {
+        for stress in [
+            "xi_s*sin(r)/r",
+            "xi_s*(c1 - c2)/r^2",
+            "xi_s*abs(c1 - c2)^0.5",
+            "xi_s*r*ln(r)",
+            "xi_s*tanh(r)/r",
+            "xi_s*s/u",
+        ] {
+            assert!(law(stress, "").is_ok(), "{stress}: {:?}", law(stress, ""));
+        }
+    }
+
+    #[test]
+    fn a_constant_that_is_set_to_zero_is_refused_beside_its_cell() {
+        let mut cell = Cell::new(2.0).with_law(law("xi_s/a", "\"a\": (value: 2.0)").unwrap());
+        assert!(cell.check_law("x").is_ok());
+        let a: crate::Parameter = "law.a".parse().unwrap();
+        a.set(&mut cell, 0.0);
+        let error = cell.check_law("--set").unwrap_err().to_string();
+        assert!(error.starts_with("--set: law.stress_uu = \"xi_s/a\": must be finite"), "{error}");
+    }
+
+    #[test]
+    fn a_constant_that_no_expression_names_is_refused() {
+        let error = law("xi_s*C", "\"a\": (value: 2.0)").unwrap_err();
+        let expected =
+            "own.ron: constants = \"a\": must be named by an expression: a constant that none names changes nothing";
+        assert_eq!(error, expected);
+    }
+
+    #[test]
+    fn a_law_that_reads_the_regulator_makes_a_cue_of_it() {
+        let carried: Cue = REGULATOR.parse().unwrap();
+        let plain = Cell::new(2.0).with_cue(carried);
+        assert!(plain.cue.is_none() && !plain.has_cue() && plain.lacks_regulator().is_none());
+        let reading = plain.with_law(law("xi_s*C*(1 + phi)", "").unwrap());
+        assert!(reading.has_cue() && reading.lacks_regulator().is_none());
+        let told = reading.with_cue(Cue::none()).lacks_regulator().unwrap();
+        assert!(told.contains("\"own\" names phi") && told.ends_with(REGULATOR), "{told}");
+    }
+}
