@@ -47,7 +47,7 @@ pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     })
 }
 
-/// What it means that the branch of the passive shape turns back before the pitchfork.
+/// A note on a pitchfork beyond a fold of the branch.
 fn beyond(fold: f64) -> String {
     format!(
         "it lies beyond the fold at ξ_s = {fold:.6}, where the branch of the passive shape turns: a cell whose activity rises meets the fold first\n"

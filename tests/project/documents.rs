@@ -44,6 +44,18 @@ fn links_lead_to_files_that_are_there() {
     assert!(seen > 100, "{seen}");
 }
 
+/// The help and the book list every profile of a cue, which they state again.
+#[test]
+fn profiles_are_listed_in_the_help_and_in_the_book() {
+    for file in ["src/cli/cell.rs", "docs/book/src/use/cues.md"] {
+        let text = fs::read_to_string(root().join(file)).unwrap();
+        for name in furrow_cell::cue::profile::NAMES {
+            let named = text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name);
+            assert!(named, "{file} does not list the profile {name}");
+        }
+    }
+}
+
 #[test]
 fn the_citation_names_this_version() {
     let citation = fs::read_to_string(root().join("CITATION.cff")).unwrap();

@@ -125,8 +125,8 @@ pub(crate) fn beside_nodes<P: BoundaryValueProblem>(
 /// Halvings of the distance from a node at which [`missed`] looks.
 const HALVINGS: usize = 24;
 
-/// What the Gauss points of every interval miss beside its nodes, over 1 + |u|: the integral of |u′ − f(u)| between a node and the next of
-/// them, and the largest of it times h. [`defect`] does not see all of a jump of f there, and the solution would be wrong by this integral.
+/// For every interval, the integral of |u′ − f(u)| between a node and the nearest Gauss point, and the largest |u′ − f(u)| h there, over
+/// 1 + |u|. [`defect`] samples too little of these gaps to find a jump of f there, which would change the solution by this integral.
 pub(crate) fn missed<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<[f64; 2]> {
     let gap = gauss.c[0];
     let distance = |k: usize| gap * 0.75 * 0.5f64.powi(k as i32);
@@ -138,7 +138,7 @@ pub(crate) fn missed<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y:
     let of_interval = |(residuals, values): (&[f64], &[f64])| {
         let (mut integral, mut largest) = (vec![0.0; n], 0.0f64);
         for (k, (residual, value)) in residuals.iter().zip(values).enumerate() {
-            // Place k/n stands for what lies between three quarters and one and a half of its distance.
+            // A place at distance d represents distances from 2d/3 to 4d/3.
             let (size, share) = (residual.abs() / (1.0 + value.abs()), distance(k / n / 2) / 1.5);
             if size.is_finite() {
                 integral[k % n] += share * size;

@@ -379,14 +379,14 @@ impl Tree {
         self.settings.cell.clone().with_cue(self.cell(id).cue.clone()).has_cue()
     }
 
-    /// What to tell a user whose law reads a regulator that cells of the tree do not have.
+    /// A warning if the law reads a regulator that some cells do not have.
     pub fn lacks_regulator(&self) -> Option<String> {
         let of = |id: CellId| self.settings.cell.clone().with_cue(self.cell(id).cue.clone());
         let law = self.settings.cell.law.as_ref()?;
         let without: Vec<CellId> = self.cells().filter(|id| of(*id).lacks_regulator().is_some()).collect();
         let (count, first) = (without.len(), self.cell(*without.first()?));
         Some(format!(
-            "the law {:?} names phi, and {count} of {} cells have no regulator, {} among them: phi is 0 there. A cue gives all cells one, as {REGULATOR}",
+            "the law {:?} names phi, and {count} of {} cells have no regulator, {} among them: phi is 0 there. Add one to their cue, for example {REGULATOR}",
             law.name(),
             self.len(),
             first.name

@@ -210,7 +210,7 @@ fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane
     *sums = sum;
 }
 
-/// Largest |d| / (1 + |v|), NaN if any d is not a number: quotients are compared by their bits, of which NaN has the largest.
+/// Largest |d| / (1 + |v|), NaN if any d is NaN: as an integer, the bits of NaN exceed those of any other positive number.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
     let mut largest = [0; SUMS];

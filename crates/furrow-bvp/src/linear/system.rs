@@ -364,7 +364,7 @@ impl System {
         Ok(())
     }
 
-    /// The largest derivative of each condition at the left and at the right end, 1 where there is none.
+    /// The largest derivative by y of each condition at the left and at the right end; 1 if all are zero.
     pub(crate) fn scales_of_conditions(&self) -> [Vec<f64>; 2] {
         [&self.ends.left, &self.ends.right].map(|[by_y, _]| {
             let rows = by_y.chunks_exact(self.dimensions().components.max(1));

@@ -1,8 +1,7 @@
 //! A solution between its nodes.
 //!
 //! The collocation polynomial p of degree m has an error of order h^(m+1) between the nodes, though h^(2m) at them. Its slopes at the Gauss points
-//! are those of the equations, f(Y_j). Together with f at both nodes they determine a polynomial of degree m + 1 whose integral,
-//! N.22, has an error of order h^(m+2).
+//! are f(Y_j). These and f at both nodes determine a polynomial of degree m + 1, whose integral, N.22, has an error of order h^(m+2).
 //!
 //! # References
 //! Enright & Muir, SIAM J. Sci. Comput. 17, 479 (1996) (interpolants of Runge–Kutta formulas by evaluations at nodes).

@@ -189,9 +189,8 @@ impl Cue {
         self.regulator.as_mut()
     }
 
-    /// Whether it does nothing in a cell whose law reads no regulator: no term with an amplitude, and no regulator with a strength. A
-    /// regulator without a source does something, since flow moves it. [`Cell::has_cue`](crate::Cell::has_cue) decides for a cell, whose
-    /// law may read a regulator without strengths.
+    /// Whether it has no effect on a cell whose law reads no regulator: no term has an amplitude and no coupling a strength. A regulator
+    /// without a source has an effect, since flow moves it. If the law reads the regulator, use [`Cell::has_cue`](crate::Cell::has_cue).
     pub fn is_none(&self) -> bool {
         *self == Cue::none() || self.simplified() == Cue::none()
     }
@@ -292,7 +291,7 @@ impl Cue {
         }
     }
 
-    /// Its regulator alone, without a source that tells one pole from the other: what a cell has of the cue that nothing polarises.
+    /// The cue of a cell that is not polarised: the regulator, without terms and without a source that differs between the poles.
     /// `None` without a regulator.
     pub fn unpolarised(&self) -> Option<Cue> {
         let alone = Cue { terms: Vec::new(), regulator: self.regulator.clone() };

@@ -1,7 +1,7 @@
 //! How a term of a cue is spread along the contour.
 //!
-//! A new profile is one variant here: its formula with two derivatives, its quantities, its mirror image and where it is
-//! steep.
+//! A new profile is a variant here: its formula with two derivatives, its quantities, its mirror image and where it is
+//! steep. CONTRIBUTING.md lists the other files that name profiles.
 
 use serde::{Deserialize, Serialize};
 

@@ -132,7 +132,8 @@ fn unknown_key(profile: &str, key: &str) -> CueError {
 
 /// Reads the text behind the colon.
 pub(super) fn parse(list: &str) -> Result<WrittenCue, CueError> {
-    let (profile, entries) = entries(REGULATOR, list, &[NO_SOURCE, NAMES[0], NAMES[1], NAMES[2], NAMES[3], NAMES[4]]);
+    let known: Vec<&str> = [NO_SOURCE].into_iter().chain(NAMES).collect();
+    let (profile, entries) = entries(REGULATOR, list, &known);
     let profile = profile?;
     let mut given = Given::default();
     for entry in entries {

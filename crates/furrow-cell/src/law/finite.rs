@@ -1,4 +1,4 @@
-//! Where a law is infinite on the sphere from which cells start, and what a cell lacks for its law.
+//! Checks of a law on the sphere from which cells start: finite values, and a regulator if the law reads one.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -19,12 +19,12 @@ pub struct NotFinite {
     pub r: f64,
     /// The activity ξ_s, 0 where a division starts.
     pub xi_s: f64,
-    /// What the expression gives.
+    /// Value of the expression.
     pub value: f64,
 }
 
 impl NotFinite {
-    /// What is allowed instead, for errors.
+    /// The condition that it violates, for errors.
     pub(super) fn allowed(&self) -> String {
         format!("finite where cells start: {self}")
     }
@@ -93,11 +93,11 @@ impl Cell {
         self.simplified_cue() != Cue::none()
     }
 
-    /// What to tell a user whose law reads a regulator that the cell does not have.
+    /// A warning if the law reads a regulator and the cell has none.
     pub fn lacks_regulator(&self) -> Option<String> {
         let law = self.law.as_ref().filter(|law| law.reads_regulator() && self.cue.regulator().is_none())?;
         Some(format!(
-            "the law {:?} names phi and the cell has no regulator: phi is 0 everywhere. A cue gives it one, as {REGULATOR}",
+            "the law {:?} names phi, but the cell has no regulator, so phi is 0 everywhere. Add one to the cue, for example {REGULATOR}",
             law.name()
         ))
     }

@@ -232,7 +232,7 @@ impl Program {
 
     /// Whether an expression names a parameter or a constant, by its index.
     pub(super) fn names_uniform(&self, index: usize) -> bool {
-        // An operation is added where a text names its operand, so a name that stands nowhere has none.
+        // The parser adds an operation for each name that it reads.
         self.steps.iter().any(|step| matches!(step, Step::Uniform(k) if usize::from(*k) == index))
     }
 

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-use furrow_cell::cue::profile::NAMES;
 use furrow_cell::cue::{
     Coupling, Field, ParConstant, ParConstants, Profile, Quantity, Regulator, Side, Source, Term, Width,
 };
@@ -154,7 +153,7 @@ impl CanonicalBytes {
     fn regulator(&mut self, regulator: &Regulator) {
         let Regulator { source, turnover, diffusion, diluted, couplings } = regulator;
         self.choice(REGULATOR);
-        self.choice(source.map_or(NAMES.len(), |source| profile_choice(&source.profile)));
+        self.choice(source.map_or(NO_SOURCE, |source| profile_choice(&source.profile)));
         if let Some(Source { profile, amplitude }) = source {
             self.spread(profile, *amplitude);
         }
@@ -224,9 +223,18 @@ const REGULATOR: usize = 255;
 /// Marks the beginning of a law of the cell's own.
 const LAW: usize = 254;
 
-/// A profile by its place among the names.
+/// Number of a regulator without a source, among those of profiles.
+const NO_SOURCE: usize = 5;
+
+/// Number of a profile in the keys of stored divisions: it stays the same, and a new profile gets the next free one, 6.
 fn profile_choice(profile: &Profile) -> usize {
-    NAMES.iter().position(|name| *name == profile.name()).unwrap_or(NAMES.len())
+    match profile {
+        Profile::Band { .. } => 0,
+        Profile::Step { .. } => 1,
+        Profile::Gradient => 2,
+        Profile::Par { band: false, .. } => 3,
+        Profile::Par { band: true, .. } => 4,
+    }
 }
 
 /// Everything that a discretisation says: stages, intervals, modes, elements and contact (0 or 1), the scheme, the reals from

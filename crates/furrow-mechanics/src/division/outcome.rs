@@ -356,7 +356,7 @@ fn time(t: f64) -> String {
     rounded_number(t, 5)
 }
 
-/// Advice if a cell with a cue keeps moving: what of the cue can be weaker.
+/// Advice for a cell that keeps moving, by the parts of its cue.
 pub fn advice_on_motion(cue: &Cue) -> &'static str {
     let regulator = cue.regulator();
     let source = regulator.and_then(|regulator| regulator.source).is_some_and(|source| source.amplitude != 0.0);

@@ -12,7 +12,7 @@ use crate::cortex::Cortex;
 /// Receives the next shape of a branch, and the number of folds and pitchforks before it.
 pub(super) type TakeIn<'a> = dyn FnMut(&Solution, usize, Shape) + 'a;
 
-/// What a shape of a branch is.
+/// Kinds of shapes on a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// One of its points.

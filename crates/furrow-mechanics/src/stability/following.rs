@@ -121,7 +121,7 @@ pub(crate) struct Leading {
 }
 
 impl Leading {
-    /// That of a spectrum.
+    /// The leading rate of a spectrum.
     pub(crate) fn of(rate: &GrowthRate) -> Leading {
         Leading { rate: rate.re, frequency: rate.im.abs() }
     }
