@@ -34,8 +34,11 @@ if TYPE_CHECKING:
 
 _Function = Callable[..., Any]
 
-#: More nodes take more memory than a computer has for wide problems.
-_MOST_NODES = 1_000_000
+#: Most nodes of a mesh, and most nodes times n^2: with more, memory may run out, which ends the process without an error.
+_MOST_NODES, _MOST_VALUES = 1_000_000, 16_000_000
+
+#: Most nodes unless others are asked for.
+_NODES = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +102,7 @@ def solve_bvp(
     fun_jac: _Function | None = None,
     bc_jac: _Function | None = None,
     tol: SupportsFloat = 1e-6,
-    max_nodes: SupportsIndex = 2000,
+    max_nodes: SupportsIndex = _NODES,
     verbose: SupportsIndex = 0,
     bc_tol: SupportsFloat | None = None,
     *,
@@ -112,11 +115,11 @@ def solve_bvp(
     that SciPy takes; without them derivatives are differences. All values are real: real and imaginary parts are components.
 
     The singular term is left out without ``S``, a matrix of shape (n, n). ``fun`` and ``fun_jac`` do not have it. A solution is
-    regular at a if S y(a) = 0. The conditions must imply this: y(a) is not projected, as SciPy does it.
+    regular at a if S y(a) = 0. The conditions must imply this: unlike SciPy, furrow does not project y(a).
 
-    ``tol`` bounds the defect, and ``max_nodes``, at most 1000000, the nodes of the mesh. With ``verbose`` 1 or 2 a line is
-    printed at the end. ``bc_tol`` is taken for SciPy's sake and not needed: the conditions are solved as accurately as Newton's
-    method solves the equations.
+    ``tol`` bounds the defect, and ``max_nodes`` the nodes of the mesh: at most 1000000, and 16000000/n^2 for many components.
+    With ``verbose`` 1 or 2 a line is printed at the end. ``bc_tol`` is taken for SciPy's sake and not needed: the conditions are
+    solved as accurately as Newton's method solves the equations.
 
     A problem with several solutions gives another one for each call if those found before are passed as ``besides``.
 
@@ -138,7 +141,7 @@ def solve_bvp(
         _singular(S, len(guess)),
         _known(besides, len(guess), unknown),
         _tolerance("tol", tol),
-        _most_nodes(max_nodes, len(nodes)) - 1,
+        _most_nodes(max_nodes, *guess.shape) - 1,
     )
 
     def at(slope: bool) -> NDArray[np.float64]:
@@ -190,8 +193,9 @@ def _finite(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _guess(x: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The mesh and the guess at its nodes."""
     nodes, guess = _real("x", x), _real("y", y)
-    if nodes.ndim != 1 or not 2 <= len(nodes) <= _MOST_NODES:
-        raise _unfit("x", f"an array of shape {nodes.shape}", f"an array of shape (m,) with m from 2 to {_MOST_NODES} nodes")
+    most = _limit(len(guess) if guess.ndim else 1)
+    if nodes.ndim != 1 or not 2 <= len(nodes) <= most:
+        raise _unfit("x", f"an array of shape {nodes.shape}", f"an array of shape (m,) with m from 2 to {most} nodes")
     _finite("x", nodes)
     back = np.flatnonzero(np.diff(nodes) <= 0)
     if len(back):
@@ -211,12 +215,18 @@ def _tolerance(field: str, value: SupportsFloat) -> float:
     return number
 
 
-def _most_nodes(value: SupportsIndex, nodes: int) -> int:
+def _limit(n: int) -> int:
+    """The most nodes that are taken for n components."""
+    return max(_NODES, min(_MOST_NODES, _MOST_VALUES // max(n, 1) ** 2))
+
+
+def _most_nodes(value: SupportsIndex, n: int, nodes: int) -> int:
     """The most nodes of a mesh that begins with some."""
     try:
-        return whole("max_nodes", value, nodes, _MOST_NODES)
+        return whole("max_nodes", value, nodes, _limit(n))
     except InputError:
-        allowed = f"a whole number, at least the number of nodes of x, {nodes}, and at most {_MOST_NODES}"
+        least = f"at least the number of nodes of x, {nodes}"
+        allowed = f"a whole number, {least}, and at most {_limit(n)} for {n} components"
         raise refused("max_nodes", value, allowed) from None
 
 

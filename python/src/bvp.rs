@@ -30,22 +30,41 @@ struct Functions<'a, 'py> {
     interrupt: Interrupt,
 }
 
-/// A number moved up and down.
-fn around(value: f64) -> [f64; 2] {
-    let step = STEP * (1.0 + value.abs());
-    [value + step, value - step]
+/// How far a number is moved.
+type Step = fn(f64) -> f64;
+
+/// The usual distance, and a nearer one for functions that are not defined there, as y^(2/3) left of 0.
+const STEPS: [Step; 2] = [|value| STEP * (1.0 + value.abs()), |value| STEP * value.abs()];
+
+/// Values of a function where one of its arguments is moved up and down.
+type Sides = (Step, [Vec<f64>; 2]);
+
+/// Values at the usual distance, and nearer if some of them are not finite. `at` is told how to move a number.
+fn sides(mut at: impl FnMut(&dyn Fn(f64) -> f64) -> Vec<f64>) -> Vec<Sides> {
+    let mut tried = Vec::new();
+    for step in STEPS {
+        let both = [1.0, -1.0].map(|sign| at(&|value| value + sign * step(value)));
+        let defined = both.iter().flatten().all(|value| value.is_finite());
+        tried.push((step, both));
+        if defined {
+            break;
+        }
+    }
+    tried
 }
 
-/// The derivative at `place` of a function that is `base` there, from its values up and down of it. Where the function is not defined on one
-/// side, the difference is that to the other.
-fn difference([up, down]: [f64; 2], base: f64, place: f64) -> f64 {
-    let [above, below] = around(place);
-    match [up, down].map(f64::is_finite) {
-        [true, true] => (up - down) / (above - below),
-        [true, false] => (up - base) / (above - place),
-        [false, true] => (base - down) / (place - below),
-        [false, false] => f64::NAN,
-    }
+/// The derivative of one of the values by an argument, with the value itself and the place of the argument. Where no distance has values on
+/// both sides, the difference is that to one side; it is NaN where neither side has one.
+fn difference(tried: &[Sides], value: usize, base: f64, place: f64) -> f64 {
+    let both = |(step, values): &Sides| {
+        let step = step(place);
+        [(place + step, values[0][value]), (place - step, values[1][value])]
+    };
+    let defined = |(at, value): &(f64, f64)| *at != place && value.is_finite();
+    let slope = |[(above, up), (below, down)]: [(f64, f64); 2]| (up - down) / (above - below);
+    let central = tried.iter().map(both).find(|both| both.iter().all(defined));
+    let one_sided = || tried.iter().rev().flat_map(both).find(defined).map(|side| [side, (place, base)]);
+    central.or_else(one_sided).map_or(f64::NAN, slope)
 }
 
 /// The term S y/(x − a) of the slopes.
@@ -229,16 +248,16 @@ impl Functions<'_, '_> {
         let (n, count) = (self.sizes[0], points.x.len());
         let mut y = points.y.to_vec();
         for c in 0..n {
-            let sides = [0, 1].map(|side| {
-                (0..count).for_each(|i| y[i * n + c] = around(points.y[i * n + c])[side]);
+            let tried = sides(|moved| {
+                (0..count).for_each(|i| y[i * n + c] = moved(points.y[i * n + c]));
                 self.slopes(points.x, &y, p)
             });
             for i in 0..count {
                 let place = points.y[i * n + c];
                 y[i * n + c] = place;
                 for row in 0..n {
-                    let values = sides.each_ref().map(|side| side[row * count + i]);
-                    out.fy[i * n * n + row * n + c] = difference(values, out.f[i * n + row], place);
+                    let slope = difference(&tried, row * count + i, out.f[i * n + row], place);
+                    out.fy[i * n * n + row * n + c] = slope;
                 }
             }
         }
@@ -247,17 +266,18 @@ impl Functions<'_, '_> {
     /// Differences of f by p, with f itself in `out`.
     fn differences_by_p(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
         let ([n, np], count) = (self.sizes, points.x.len());
-        let mut moved = p.to_vec();
-        for (c, &place) in p.iter().enumerate() {
-            let sides = around(place).map(|value| {
-                moved[c] = value;
-                self.slopes(points.x, points.y, &moved)
+        let mut p = p.to_vec();
+        for c in 0..np {
+            let place = p[c];
+            let tried = sides(|moved| {
+                p[c] = moved(place);
+                self.slopes(points.x, points.y, &p)
             });
-            moved[c] = place;
+            p[c] = place;
             for i in 0..count {
                 for row in 0..n {
-                    let values = sides.each_ref().map(|side| side[row * count + i]);
-                    out.fp[i * n * np + row * np + c] = difference(values, out.f[i * n + row], place);
+                    let slope = difference(&tried, row * count + i, out.f[i * n + row], place);
+                    out.fp[i * n * np + row * np + c] = slope;
                 }
             }
         }
@@ -331,14 +351,13 @@ impl TwoPoint for Functions<'_, '_> {
             let columns = all[part].len();
             for c in 0..columns {
                 let place = all[part][c];
-                let sides = around(place).map(|value| {
-                    all[part][c] = value;
+                let tried = sides(|moved| {
+                    all[part][c] = moved(place);
                     self.residuals([&all[0], &all[1]], &all[2])
                 });
                 all[part][c] = place;
                 for row in 0..n + np {
-                    let values = sides.each_ref().map(|side| side[row]);
-                    derivatives[row * columns + c] = difference(values, out.r[row], place);
+                    derivatives[row * columns + c] = difference(&tried, row, out.r[row], place);
                 }
             }
         }
@@ -363,7 +382,7 @@ pub struct Collocation {
 }
 
 /// The stages, the node values and the stage values of a part of a pickled solution.
-type Part<'py> = (usize, PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
+type Part<'py> = (usize, [PyReadonlyArray1<'py, f64>; 2]);
 
 /// What reads a pickled solution, with its components, its mesh, p and its parts.
 type Pickled<'py> = (
@@ -409,9 +428,11 @@ impl Collocation {
 
     /// The root of the mean square of (y′ − f)/(1 + |f|) on every interval, summed over the components.
     fn residuals(&self, problem: &Functions<'_, '_>) -> Vec<f64> {
-        let (n, mesh) = (self.solution.components, &self.solution.mesh);
-        let x: Vec<f64> =
-            mesh.windows(2).flat_map(|ends| self.gauss.c.iter().map(|c| ends[0] + c * (ends[1] - ends[0]))).collect();
+        let (n, Gauss { c, b, .. }) = (self.solution.components, &self.gauss);
+        // Halves of the intervals: on whole ones the points are too few for the squares.
+        let halves = furrow_bvp::mesh::halved(&self.solution.mesh);
+        let place = |half: &[f64], c: &f64| half[0] + c * (half[1] - half[0]);
+        let x: Vec<f64> = halves.windows(2).flat_map(|half| c.iter().map(move |c| place(half, c))).collect();
         let [mut y, mut slopes, mut f] = [(); 3].map(|()| vec![0.0; n * x.len()]);
         for (x, (y, slopes)) in x.iter().zip(y.chunks_exact_mut(n).zip(slopes.chunks_exact_mut(n))) {
             self.value(*x, y);
@@ -419,10 +440,9 @@ impl Collocation {
         }
         problem.rhs(CollocationPoints { first: 0, x: &x, y: &y }, &self.solution.scalars, &mut f);
         let squares: Vec<f64> = slopes.iter().zip(&f).map(|(y, f)| ((y - f) / (1.0 + f.abs())).powi(2)).collect();
-        let mean = |squares: &[f64]| -> f64 {
-            squares.chunks_exact(n).zip(&self.gauss.b).map(|(at, b)| b * at.iter().sum::<f64>()).sum()
-        };
-        squares.chunks_exact(n * PLACES).map(|squares| mean(squares).sqrt()).collect()
+        let weighted = |(at, b): (&[f64], &f64)| 0.5 * b * at.iter().sum::<f64>();
+        let intervals = squares.chunks_exact(2 * n * PLACES);
+        intervals.map(|at| at.chunks_exact(n).zip(b.iter().cycle()).map(weighted).sum::<f64>().sqrt()).collect()
     }
 }
 
@@ -450,7 +470,7 @@ impl Collocation {
         parts: [Part<'_>; 3],
     ) -> Result<Collocation, Error> {
         let list = |array: &PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
-        let [solution, values, slopes] = parts.map(|(m, nodes, stages)| {
+        let [solution, values, slopes] = parts.map(|(m, [nodes, stages])| {
             let (mesh, scalars) = (list(&mesh), list(&p));
             Solution { components, m, mesh, nodes: list(&nodes), stages: list(&stages), scalars }
         });
@@ -474,7 +494,13 @@ impl Collocation {
 
 /// A problem that the solver refuses.
 fn unfit(error: InvalidInput) -> Error {
-    Error::not_allowed("problem", error, "a problem that fits its mesh")
+    match error {
+        InvalidInput::TooLarge(limit) => {
+            let found = format!("a guess of too many components ({limit})");
+            Error::not_allowed("y", found, "a guess of fewer components, with fewer scalar unknowns")
+        }
+        error => Error::not_allowed("problem", error, "a problem that fits its mesh"),
+    }
 }
 
 /// A message of the solver, which writes numbers in all their digits.
