@@ -193,9 +193,8 @@ def _finite(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _guess(x: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The mesh and the guess at its nodes."""
     nodes, guess = _real("x", x), _real("y", y)
-    most = _limit(len(guess) if guess.ndim else 1)
-    if nodes.ndim != 1 or not 2 <= len(nodes) <= most:
-        raise _unfit("x", f"an array of shape {nodes.shape}", f"an array of shape (m,) with m from 2 to {most} nodes")
+    if nodes.ndim != 1 or not 2 <= len(nodes) <= _MOST_NODES:
+        raise _unfit("x", f"an array of shape {nodes.shape}", f"an array of shape (m,) with m from 2 to {_MOST_NODES} nodes")
     _finite("x", nodes)
     back = np.flatnonzero(np.diff(nodes) <= 0)
     if len(back):
@@ -204,6 +203,8 @@ def _guess(x: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.
     if guess.ndim != 2 or guess.shape[1] != len(nodes) or not len(guess):
         shapes = f"an array of shape {guess.shape}"
         raise _unfit("y", shapes, f"an array of shape (n, {len(nodes)}): a row of values at the nodes x for every component")
+    if len(nodes) > _limit(len(guess)):
+        raise _unfit("x", f"{len(nodes)} nodes", f"at most {_limit(len(guess))} nodes for {len(guess)} components")
     return nodes, _finite("y", guess)
 
 

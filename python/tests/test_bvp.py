@@ -113,6 +113,8 @@ REFUSED = [
     ({"x": [0], "y": [[0], [0]]}, "x", r"shape \(1,\): must be .* from 2 to 1000000 nodes"),
     ({"x": [[0, 1]]}, "x", r"shape \(1, 2\): must be an array of shape \(m,\)"),
     ({"x": list("abcde")}, "x", "real numbers"),
+    ({"x": np.arange(10**5), "y": np.zeros((16, 10**5))}, "x", "x = 100000 nodes: must be at most 62500 nodes for 16 components"),
+    ({"x": np.arange(10**6 + 1)}, "x", r"shape \(1000001,\): must be .* from 2 to 1000000 nodes"),
     ({"x": GUESS[0] + 0j}, "x", "real and imaginary parts as components"),
     ({"y": GUESS[1] + 1j}, "y", "y = complex numbers: must be real values: state real and imaginary parts as components"),
     ({"y": np.full((2, 5), math.nan)}, "y", r"y = nan at \[0, 0\]: must be finite"),
