@@ -17,14 +17,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
 
 import numpy as np
 
 from . import _furrow
-from ._checks import refused
+from ._checks import ARGUMENTS, number_of, refused, whole
+from ._errors import InputError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -33,10 +34,19 @@ if TYPE_CHECKING:
 
 _Function = Callable[..., Any]
 
+#: Most nodes of a mesh, and most nodes times n^2: with more, memory may run out, which ends the process without an error.
+_MOST_NODES, _MOST_VALUES = 1_000_000, 16_000_000
 
-@dataclass(frozen=True)
+#: Most nodes unless others are asked for.
+_NODES = 2000
+
+
+@dataclass(frozen=True, eq=False)
 class Solution:
-    """A solution of a boundary-value problem, as an object of :func:`scipy.integrate.solve_bvp` where names are the same."""
+    """A solution of a boundary-value problem, as an object of :func:`scipy.integrate.solve_bvp` where names are the same.
+
+    ``found["x"]`` is ``found.x``. It can be pickled and copied.
+    """
 
     #: Nodes of the mesh; (m,).
     x: NDArray[np.float64]
@@ -46,6 +56,8 @@ class Solution:
     yp: NDArray[np.float64]
     #: Scalar unknowns; None for a problem without them.
     p: NDArray[np.float64] | None
+    #: Root of the mean square of (y' - f)/(1 + abs(f)) on every interval, summed over the components; (m - 1,).
+    rms_residuals: NDArray[np.float64]
     #: Largest defect abs(y' - f) h / (1 + abs(y)).
     defect: float
     #: By how much the solution changes at most per change of the equations.
@@ -53,14 +65,31 @@ class Solution:
     #: Iterations of Newton's method on all meshes.
     niter: int
     _collocation: Collocation
+    #: 0: a call without a solution raises an error.
+    status: int = 0
+    #: The message of SciPy for this status.
+    message: str = "The algorithm converged to the desired accuracy."
+    #: Whether a solution was found, which it was.
+    success: bool = True
 
-    def sol(self, x: ArrayLike, nu: int = 0) -> NDArray[np.float64]:
+    def sol(self, x: ArrayLike, nu: SupportsIndex = 0) -> NDArray[np.float64]:
         """Values, or first derivatives with nu=1, at any x within the mesh: (n,) at a number, (n, k) at k numbers."""
-        if nu not in (0, 1):
-            raise refused("nu", nu, "0 or 1")
-        at = np.asarray(x, dtype=np.float64)
-        rows = self._collocation.at(np.ascontiguousarray(at.ravel()), nu == 1).reshape(-1, len(self.y))
+        order = _derivative(nu)
+        at = _within(_real("x", x), self.x[0], self.x[-1])
+        rows = self._collocation.at(np.ascontiguousarray(at.ravel()), order == 1).reshape(-1, len(self.y))
         return np.moveaxis(rows.reshape(*at.shape, len(self.y)), -1, 0)
+
+    def keys(self) -> list[str]:
+        """The names of the results."""
+        return [field.name for field in fields(self) if not field.name.startswith("_")] + ["sol"]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.keys():
+            raise KeyError(name)
+        return getattr(self, name)
 
 
 def solve_bvp(
@@ -69,43 +98,182 @@ def solve_bvp(
     x: ArrayLike,
     y: ArrayLike,
     p: ArrayLike | None = None,
-    *,
+    S: ArrayLike | None = None,
     fun_jac: _Function | None = None,
     bc_jac: _Function | None = None,
+    tol: SupportsFloat = 1e-6,
+    max_nodes: SupportsIndex = _NODES,
+    verbose: SupportsIndex = 0,
+    bc_tol: SupportsFloat | None = None,
+    *,
     besides: Sequence[Solution] = (),
-    tol: float = 1e-6,
-    max_nodes: int = 2000,
 ) -> Solution:
-    """Solves y' = f(x, y, p) with conditions bc(y(a), y(b), p) = 0, from a guess y of shape (n, m) at the m nodes x.
+    """Solves y' = f(x, y, p) + S y/(x - a) with conditions bc(y(a), y(b), p) = 0, from a guess y of shape (n, m) at m nodes x.
 
-    ``fun(x, y)`` or, with p, ``fun(x, y, p)`` gives the slopes of shape (n, k) at k points; ``bc(ya, yb)`` or ``bc(ya, yb, p)``
+    ``fun(x, y)`` or, with p, ``fun(x, y, p)`` gives the slopes f of shape (n, k) at k points; ``bc(ya, yb)`` or ``bc(ya, yb, p)``
     as many numbers as there are components and scalar unknowns. ``fun_jac`` and ``bc_jac`` give their derivatives in the shapes
-    that SciPy takes; without them derivatives are differences. ``tol`` bounds the defect. Singular terms are not offered.
+    that SciPy takes; without them derivatives are differences. All values are real: real and imaginary parts are components.
+
+    The singular term is left out without ``S``, a matrix of shape (n, n). ``fun`` and ``fun_jac`` do not have it. A solution is
+    regular at a if S y(a) = 0. The conditions must imply this: unlike SciPy, furrow does not project y(a).
+
+    ``tol`` bounds the defect, and ``max_nodes`` the nodes of the mesh: at most 1000000, and 16000000/n^2 for many components.
+    With ``verbose`` 1 or 2 a line is printed at the end. ``bc_tol`` is taken for SciPy's sake and not needed: the conditions are
+    solved as accurately as Newton's method solves the equations.
 
     A problem with several solutions gives another one for each call if those found before are passed as ``besides``.
 
     Raises :class:`furrow.NoOutcome` if no solution is found, :class:`furrow.InputError` for arguments that do not fit, and the
     exceptions of the functions.
     """
-    nodes = np.ascontiguousarray(x, dtype=np.float64)
-    guess = np.ascontiguousarray(y, dtype=np.float64)
-    if nodes.ndim != 1 or guess.ndim != 2 or guess.shape[1] != len(nodes):
-        shapes = f"x of shape {nodes.shape} and y of shape {guess.shape}"
-        raise refused("y", shapes, "x of shape (m,) and y of shape (n, m)")
-    unknown = None if p is None else np.ascontiguousarray(p, dtype=np.float64).ravel()
-    mesh, scalars, collocation, (defect, condition), iterations = _furrow.solve_bvp(
+    _functions(fun=fun, bc=bc, fun_jac=fun_jac, bc_jac=bc_jac)
+    nodes, guess = _guess(x, y)
+    unknown = None if p is None else _finite("p", _real("p", p).ravel())
+    told = whole("verbose", verbose, 0, 2)
+    if bc_tol is not None:
+        _tolerance("bc_tol", bc_tol)
+    mesh, scalars, collocation, (defect, condition), residuals, iterations = _furrow.solve_bvp(
         (fun, bc),
         (fun_jac, bc_jac),
         nodes,
         guess,
         unknown,
-        [known._collocation for known in besides],
-        float(tol),
-        int(max_nodes) - 1,
+        _singular(S, len(guess)),
+        _known(besides, len(guess), unknown),
+        _tolerance("tol", tol),
+        _most_nodes(max_nodes, *guess.shape) - 1,
     )
 
     def at(slope: bool) -> NDArray[np.float64]:
         return np.ascontiguousarray(collocation.at(mesh, slope).reshape(len(mesh), -1).T)
 
+    if told:
+        print(f"Solved in {iterations} iterations, number of nodes {len(mesh)}, largest defect {defect:.1e}.")
     found = None if unknown is None else scalars
-    return Solution(mesh, at(False), at(True), found, defect, condition, iterations, collocation)
+    return Solution(mesh, at(False), at(True), found, residuals, defect, condition, iterations, collocation)
+
+
+def _unfit(field: str, shown: str, allowed: str) -> InputError:
+    """The error for an argument whose value is described in words."""
+    return InputError(f"{ARGUMENTS}: {field} = {shown}: must be {allowed}", field, shown, allowed, ARGUMENTS)
+
+
+def _functions(**functions: object) -> None:
+    """Refuses what cannot be called; derivatives may be left out."""
+    for name, function in functions.items():
+        if not callable(function) and not (name.endswith("_jac") and function is None):
+            raise refused(name, function, "a function")
+
+
+def _real(field: str, value: ArrayLike) -> NDArray[np.float64]:
+    """An array of real numbers, which may be infinite or no numbers."""
+    allowed = "a real number or an array of real numbers"
+    try:
+        found = np.asarray(value)
+        if np.iscomplexobj(found):
+            raise _unfit(field, "complex numbers", "real values: state real and imaginary parts as components")
+        if found.dtype.kind not in "biufO":
+            raise refused(field, value, allowed)
+        return np.asarray(found, dtype=np.float64, order="C")
+    except InputError:
+        raise
+    except (TypeError, ValueError, OverflowError):
+        raise refused(field, value, allowed) from None
+
+
+def _finite(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Refuses infinite values and those that are no numbers."""
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        place = ", ".join(map(str, bad[0]))
+        raise _unfit(field, f"{values[tuple(bad[0])]} at [{place}]", "finite numbers")
+    return values
+
+
+def _guess(x: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The mesh and the guess at its nodes."""
+    nodes, guess = _real("x", x), _real("y", y)
+    if nodes.ndim != 1 or not 2 <= len(nodes) <= _MOST_NODES:
+        raise _unfit("x", f"an array of shape {nodes.shape}", f"an array of shape (m,) with m from 2 to {_MOST_NODES} nodes")
+    _finite("x", nodes)
+    back = np.flatnonzero(np.diff(nodes) <= 0)
+    if len(back):
+        before, at = nodes[back[0] : back[0] + 2]
+        raise _unfit("x", f"{at:.6g} at [{back[0] + 1}] after {before:.6g}", "numbers that increase from node to node")
+    if guess.ndim != 2 or guess.shape[1] != len(nodes) or not len(guess):
+        shapes = f"an array of shape {guess.shape}"
+        raise _unfit("y", shapes, f"an array of shape (n, {len(nodes)}): a row of values at the nodes x for every component")
+    if len(nodes) > _limit(len(guess)):
+        raise _unfit("x", f"{len(nodes)} nodes", f"at most {_limit(len(guess))} nodes for {len(guess)} components")
+    return nodes, _finite("y", guess)
+
+
+def _tolerance(field: str, value: SupportsFloat) -> float:
+    """A bound that an error can be below."""
+    number = number_of(field, value)
+    if not 0 < number < np.inf:
+        raise refused(field, number, "a finite number above 0")
+    return number
+
+
+def _limit(n: int) -> int:
+    """The most nodes that are taken for n components."""
+    return max(_NODES, min(_MOST_NODES, _MOST_VALUES // max(n, 1) ** 2))
+
+
+def _most_nodes(value: SupportsIndex, n: int, nodes: int) -> int:
+    """The most nodes of a mesh that begins with some."""
+    try:
+        return whole("max_nodes", value, nodes, _limit(n))
+    except InputError:
+        least = f"at least the number of nodes of x, {nodes}"
+        allowed = f"a whole number, {least}, and at most {_limit(n)} for {n} components"
+        raise refused("max_nodes", value, allowed) from None
+
+
+def _singular(S: ArrayLike | None, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """S, and the matrix that gives the slopes at the left end."""
+    if S is None:
+        return None
+    matrix = _real("S", S)
+    if matrix.shape != (n, n):
+        raise _unfit("S", f"an array of shape {matrix.shape}", f"an array of shape ({n}, {n})")
+    return _finite("S", matrix), np.ascontiguousarray(np.linalg.pinv(np.identity(n) - matrix))
+
+
+def _known(besides: Sequence[Solution], n: int, p: NDArray[np.float64] | None) -> list[Collocation]:
+    """The polynomials of known solutions of a problem with n components."""
+    allowed = "a list of results of furrow.bvp.solve_bvp"
+    if isinstance(besides, Solution):
+        raise _unfit("besides", "one solution", allowed)
+    try:
+        known = list(besides)
+    except TypeError:
+        raise refused("besides", besides, allowed) from None
+    for one in known:
+        if not isinstance(one, Solution):
+            raise refused("besides", one, allowed)
+        sizes, own = (len(one.y), 0 if one.p is None else len(one.p)), (n, 0 if p is None else len(p))
+        if sizes != own:
+            found, needed = (f"{c} components and {s} scalar unknowns" for c, s in (sizes, own))
+            raise _unfit("besides", f"a solution of {found}", f"solutions of this problem, which has {needed}")
+    return [one._collocation for one in known]
+
+
+def _derivative(nu: SupportsIndex) -> int:
+    """The order of a derivative that is offered."""
+    try:
+        return whole("nu", nu, 0, 1)
+    except InputError:
+        raise refused("nu", nu, "0 or 1") from None
+
+
+def _within(x: NDArray[np.float64], left: float, right: float) -> NDArray[np.float64]:
+    """Refuses places outside a mesh. Rounding may take an end out of it."""
+    slack = 4 * np.spacing(max(abs(left), abs(right)))
+    outside = np.argwhere(~((x >= left - slack) & (x <= right + slack)))
+    if len(outside):
+        place = ", ".join(map(str, outside[0]))
+        at = f" at [{place}]" if place else ""
+        raise _unfit("x", f"{x[tuple(outside[0])]}{at}", f"within the mesh, from {left} to {right}")
+    return np.clip(x, left, right)

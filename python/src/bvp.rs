@@ -3,10 +3,11 @@
 use std::cell::RefCell;
 
 use furrow_bvp::{
-    CollocationPoints, Deflation, DeflationError, Gauss, Interrupt, PointJacobian, Settings, Solution, SolveError,
-    Solved, TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides,
+    CollocationPoints, Deflation, DeflationError, Gauss, Interrupt, InvalidInput, PointJacobian, Settings, Solution,
+    SolveError, Solved, TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides,
 };
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::errors::Error;
@@ -22,17 +23,121 @@ struct Functions<'a, 'py> {
     rhs_jacobian: Option<&'a Bound<'py, PyAny>>,
     conditions_jacobian: Option<&'a Bound<'py, PyAny>>,
     sizes: [usize; 2],
+    singular: Option<Singular>,
     /// Whether the functions take p.
     takes_p: bool,
     failed: RefCell<Option<PyErr>>,
     interrupt: Interrupt,
 }
 
-/// A number moved up and down, and the distance of the two.
-fn around(value: f64) -> [f64; 3] {
-    let step = STEP * (1.0 + value.abs());
-    let (up, down) = (value + step, value - step);
-    [up, down, up - down]
+/// How far a number is moved.
+type Step = fn(f64) -> f64;
+
+/// The usual distance, and a nearer one for functions that are not defined there, as y^(2/3) left of 0.
+const STEPS: [Step; 2] = [|value| STEP * (1.0 + value.abs()), |value| STEP * value.abs()];
+
+/// Values of a function where one of its arguments is moved up and down.
+type Sides = (Step, [Vec<f64>; 2]);
+
+/// Values at the usual distance, and nearer if some of them are not finite. `at` is told how to move a number.
+fn sides(mut at: impl FnMut(&dyn Fn(f64) -> f64) -> Vec<f64>) -> Vec<Sides> {
+    let mut tried = Vec::new();
+    for step in STEPS {
+        let both = [1.0, -1.0].map(|sign| at(&|value| value + sign * step(value)));
+        let defined = both.iter().flatten().all(|value| value.is_finite());
+        tried.push((step, both));
+        if defined {
+            break;
+        }
+    }
+    tried
+}
+
+/// The derivative of one of the values by an argument, with the value itself and the place of the argument. Where no distance has values on
+/// both sides, the difference is that to one side; it is NaN where neither side has one.
+fn difference(tried: &[Sides], value: usize, base: f64, place: f64) -> f64 {
+    let both = |(step, values): &Sides| {
+        let step = step(place);
+        [(place + step, values[0][value]), (place - step, values[1][value])]
+    };
+    let defined = |(at, value): &(f64, f64)| *at != place && value.is_finite();
+    let slope = |[(above, up), (below, down)]: [(f64, f64); 2]| (up - down) / (above - below);
+    let central = tried.iter().map(both).find(|both| both.iter().all(defined));
+    let one_sided = || tried.iter().rev().flat_map(both).find(defined).map(|side| [side, (place, base)]);
+    central.or_else(one_sided).map_or(f64::NAN, slope)
+}
+
+/// The term S y/(x − a) of the slopes.
+struct Singular {
+    /// S; n × n, row-major.
+    matrix: Vec<f64>,
+    /// (I − S)⁻¹: where S y(a) = 0, the slopes at a are y′(a) = f + S y′(a).
+    at_end: Vec<f64>,
+    /// a.
+    end: f64,
+}
+
+impl Singular {
+    /// Adds the term at x to f.
+    fn add(&self, x: f64, y: &[f64], f: &mut [f64]) {
+        if x <= self.end {
+            return self.turn(f);
+        }
+        for (f, row) in f.iter_mut().zip(self.matrix.chunks_exact(y.len())) {
+            *f += row.iter().zip(y).map(|(s, y)| s * y).sum::<f64>() / (x - self.end);
+        }
+    }
+
+    /// Adds the derivatives of the term at x to those of f by y and by p.
+    fn add_derivatives(&self, x: f64, fy: &mut [f64], fp: &mut [f64]) {
+        if x <= self.end {
+            self.turn(fy);
+            return self.turn(fp);
+        }
+        fy.iter_mut().zip(&self.matrix).for_each(|(fy, s)| *fy += s / (x - self.end));
+    }
+
+    /// Multiplies a matrix of n rows by (I − S)⁻¹.
+    fn turn(&self, values: &mut [f64]) {
+        let n = self.matrix.len().isqrt();
+        let (columns, from) = (values.len() / n, values.to_vec());
+        for (k, value) in values.iter_mut().enumerate() {
+            let (row, column) = (k / columns, k % columns);
+            *value = (0..n).map(|c| self.at_end[row * n + c] * from[c * columns + column]).sum();
+        }
+    }
+}
+
+/// What a function returned as an array of real numbers.
+fn real_array<'py>(name: &'static str, part: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    if let Ok(array) = part.extract() {
+        return Ok(array);
+    }
+    let numpy = part.py().import("numpy")?;
+    let read = || -> PyResult<_> {
+        let array = numpy.call_method1("asarray", (part,))?;
+        if numpy.call_method1("iscomplexobj", (&array,))?.is_truthy()? {
+            return Ok(None);
+        }
+        Ok(Some(numpy.call_method1("asarray", (array, "float64"))?.extract()?))
+    };
+    let allowed = "a function that returns real values: state real and imaginary parts as components";
+    match read() {
+        Ok(Some(array)) => Ok(array),
+        Ok(None) => Err(Error::not_allowed(name, "complex numbers", allowed).into()),
+        Err(error) if is_of_values(&error, part.py()) => {
+            let found = format!("values that are not numbers ({error})");
+            Err(Error::not_allowed(name, found, "a function that returns an array of real numbers").into())
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether NumPy raised this because of the values that it was given.
+fn is_of_values(error: &PyErr, py: Python<'_>) -> bool {
+    error.is_instance_of::<PyValueError>(py)
+        || error.is_instance_of::<PyTypeError>(py)
+        || error.is_instance_of::<PyOverflowError>(py)
 }
 
 impl<'py> Functions<'_, 'py> {
@@ -67,12 +172,10 @@ impl<'py> Functions<'_, 'py> {
             arguments.push(PyArray1::from_slice(self.py, p).into_any());
         }
         let answer = function.call1(pyo3::types::PyTuple::new(self.py, arguments)?)?;
-        let numpy = self.py.import("numpy")?;
         let mut out = shapes.map(|_| Vec::new());
         for (k, shape) in shapes.into_iter().enumerate() {
             let part = if N == 1 { answer.clone() } else { answer.get_item(k)? };
-            let array = numpy.call_method1("asarray", (part, "float64"))?;
-            let array: PyReadonlyArrayDyn<'_, f64> = array.extract()?;
+            let array = real_array(name, &part)?;
             let found = array.as_array();
             if found.shape() != shape {
                 let allowed = format!("a function that returns an array of shape {shape:?}");
@@ -105,12 +208,10 @@ impl<'py> Functions<'_, 'py> {
     }
 }
 
-impl TwoPoint for Functions<'_, '_> {
-    fn sizes(&self) -> [usize; 2] {
-        self.sizes
-    }
-
-    fn rhs(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64]) {
+/// The parts of a problem without its singular term, and derivatives by differences.
+impl Functions<'_, '_> {
+    /// f at points; points × n.
+    fn rhs_of_function(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64]) {
         let (n, count) = (self.sizes[0], points.x.len());
         let found = self.slopes(points.x, points.y, p);
         for (i, f) in f.chunks_exact_mut(n).enumerate() {
@@ -118,120 +219,309 @@ impl TwoPoint for Functions<'_, '_> {
         }
     }
 
-    fn rhs_jacobian(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+    /// The derivatives that `fun_jac` gives.
+    fn given_derivatives(
+        &self,
+        function: &Bound<'_, PyAny>,
+        points: CollocationPoints<'_>,
+        p: &[f64],
+        out: &mut PointJacobian<'_>,
+    ) {
         let ([n, np], count) = (self.sizes, points.x.len());
-        self.rhs(points, p, out.f);
-        if let Some(function) = self.rhs_jacobian {
-            let arguments = [vec![PyArray1::from_slice(self.py, points.x).into_any()], self.columns(points.y)].concat();
-            let shapes: [&[usize]; 2] = [&[n, n, count], &[n, np, count]];
-            let [by_y, by_p] = match self.takes_p {
-                true => self.call(("fun_jac", function), arguments, p, shapes),
-                false => {
-                    let [by_y] = self.call(("fun_jac", function), arguments, p, [shapes[0]]);
-                    [by_y, Vec::new()]
-                }
-            };
-            for i in 0..count {
-                (0..n * n).for_each(|k| out.fy[i * n * n + k] = by_y[k * count + i]);
-                (0..n * np).for_each(|k| out.fp[i * n * np + k] = by_p[k * count + i]);
+        let arguments = [vec![PyArray1::from_slice(self.py, points.x).into_any()], self.columns(points.y)].concat();
+        let shapes: [&[usize]; 2] = [&[n, n, count], &[n, np, count]];
+        let [by_y, by_p] = match self.takes_p {
+            true => self.call(("fun_jac", function), arguments, p, shapes),
+            false => {
+                let [by_y] = self.call(("fun_jac", function), arguments, p, [shapes[0]]);
+                [by_y, Vec::new()]
             }
-            return;
+        };
+        for i in 0..count {
+            (0..n * n).for_each(|k| out.fy[i * n * n + k] = by_y[k * count + i]);
+            (0..n * np).for_each(|k| out.fp[i * n * np + k] = by_p[k * count + i]);
         }
-        let [mut y, mut p] = [points.y.to_vec(), p.to_vec()];
+    }
+
+    /// Differences of f by y, with f itself in `out`.
+    fn differences_by_y(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+        let (n, count) = (self.sizes[0], points.x.len());
+        let mut y = points.y.to_vec();
         for c in 0..n {
-            let widths: Vec<f64> = points.y.chunks_exact(n).map(|y| around(y[c])[2]).collect();
-            let [up, down] = [0, 1].map(|side| {
-                (0..count).for_each(|i| y[i * n + c] = around(points.y[i * n + c])[side]);
-                self.slopes(points.x, &y, &p)
+            let tried = sides(|moved| {
+                (0..count).for_each(|i| y[i * n + c] = moved(points.y[i * n + c]));
+                self.slopes(points.x, &y, p)
             });
             for i in 0..count {
-                y[i * n + c] = points.y[i * n + c];
+                let place = points.y[i * n + c];
+                y[i * n + c] = place;
                 for row in 0..n {
-                    out.fy[i * n * n + row * n + c] = (up[row * count + i] - down[row * count + i]) / widths[i];
-                }
-            }
-        }
-        for c in 0..np {
-            let value = p[c];
-            let [up, down] = [0, 1].map(|side| {
-                p[c] = around(value)[side];
-                self.slopes(points.x, &y, &p)
-            });
-            p[c] = value;
-            for i in 0..count {
-                for row in 0..n {
-                    out.fp[i * n * np + row * np + c] =
-                        (up[row * count + i] - down[row * count + i]) / around(value)[2];
+                    let slope = difference(&tried, row * count + i, out.f[i * n + row], place);
+                    out.fy[i * n * n + row * n + c] = slope;
                 }
             }
         }
     }
 
-    fn conditions(&self, [left, right]: [&[f64]; 2], p: &[f64], out: TwoPointJacobian<'_>) {
-        let [n, np] = self.sizes;
-        out.r.copy_from_slice(&self.residuals([left, right], p));
-        if let Some(function) = self.conditions_jacobian {
-            let arguments = [left, right].map(|y| PyArray1::from_slice(self.py, y).into_any()).to_vec();
-            let shapes: [&[usize]; 3] = [&[n + np, n], &[n + np, n], &[n + np, np]];
-            let [by_left, by_right, by_p] = match self.takes_p {
-                true => self.call(("bc_jac", function), arguments, p, shapes),
-                false => {
-                    let [by_left, by_right] = self.call(("bc_jac", function), arguments, p, [shapes[0], shapes[1]]);
-                    [by_left, by_right, Vec::new()]
+    /// Differences of f by p, with f itself in `out`.
+    fn differences_by_p(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+        let ([n, np], count) = (self.sizes, points.x.len());
+        let mut p = p.to_vec();
+        for c in 0..np {
+            let place = p[c];
+            let tried = sides(|moved| {
+                p[c] = moved(place);
+                self.slopes(points.x, points.y, &p)
+            });
+            p[c] = place;
+            for i in 0..count {
+                for row in 0..n {
+                    let slope = difference(&tried, row * count + i, out.f[i * n + row], place);
+                    out.fp[i * n * np + row * np + c] = slope;
                 }
-            };
-            out.by_left.copy_from_slice(&by_left);
-            out.by_right.copy_from_slice(&by_right);
-            out.by_p.copy_from_slice(&by_p);
-            return;
+            }
         }
+    }
+
+    /// The derivatives that `bc_jac` gives.
+    fn given_of_conditions(
+        &self,
+        function: &Bound<'_, PyAny>,
+        ends: [&[f64]; 2],
+        p: &[f64],
+        out: TwoPointJacobian<'_>,
+    ) {
+        let [n, np] = self.sizes;
+        let arguments = ends.map(|y| PyArray1::from_slice(self.py, y).into_any()).to_vec();
+        let shapes: [&[usize]; 3] = [&[n + np, n], &[n + np, n], &[n + np, np]];
+        let [by_left, by_right, by_p] = match self.takes_p {
+            true => self.call(("bc_jac", function), arguments, p, shapes),
+            false => {
+                let [by_left, by_right] = self.call(("bc_jac", function), arguments, p, [shapes[0], shapes[1]]);
+                [by_left, by_right, Vec::new()]
+            }
+        };
+        out.by_left.copy_from_slice(&by_left);
+        out.by_right.copy_from_slice(&by_right);
+        out.by_p.copy_from_slice(&by_p);
+    }
+}
+
+impl TwoPoint for Functions<'_, '_> {
+    fn sizes(&self) -> [usize; 2] {
+        self.sizes
+    }
+
+    fn rhs(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64]) {
+        let n = self.sizes[0];
+        self.rhs_of_function(points, p, f);
+        if let Some(singular) = &self.singular {
+            let each = points.x.iter().zip(points.y.chunks_exact(n));
+            each.zip(f.chunks_exact_mut(n)).for_each(|((x, y), f)| singular.add(*x, y, f));
+        }
+    }
+
+    fn rhs_jacobian(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+        let [n, np] = self.sizes;
+        self.rhs_of_function(points, p, out.f);
+        match self.rhs_jacobian {
+            Some(function) => self.given_derivatives(function, points, p, out),
+            None => {
+                self.differences_by_y(points, p, out);
+                self.differences_by_p(points, p, out);
+            }
+        }
+        let Some(singular) = &self.singular else { return };
+        for (i, (x, y)) in points.x.iter().zip(points.y.chunks_exact(n)).enumerate() {
+            singular.add(*x, y, &mut out.f[i * n..(i + 1) * n]);
+            let (fy, fp) = (&mut out.fy[i * n * n..(i + 1) * n * n], &mut out.fp[i * n * np..(i + 1) * n * np]);
+            singular.add_derivatives(*x, fy, fp);
+        }
+    }
+
+    fn conditions(&self, ends: [&[f64]; 2], p: &[f64], out: TwoPointJacobian<'_>) {
+        let [n, np] = self.sizes;
+        out.r.copy_from_slice(&self.residuals(ends, p));
+        if let Some(function) = self.conditions_jacobian {
+            return self.given_of_conditions(function, ends, p, out);
+        }
+        let [left, right] = ends;
         let mut all = [left, right, p].map(<[f64]>::to_vec);
         for (part, derivatives) in [out.by_left, out.by_right, out.by_p].into_iter().enumerate() {
             let columns = all[part].len();
             for c in 0..columns {
-                let value = all[part][c];
-                let [up, down] = [0, 1].map(|side| {
-                    all[part][c] = around(value)[side];
+                let place = all[part][c];
+                let tried = sides(|moved| {
+                    all[part][c] = moved(place);
                     self.residuals([&all[0], &all[1]], &all[2])
                 });
-                all[part][c] = value;
+                all[part][c] = place;
                 for row in 0..n + np {
-                    derivatives[row * columns + c] = (up[row] - down[row]) / around(value)[2];
+                    derivatives[row * columns + c] = difference(&tried, row, out.r[row], place);
                 }
             }
         }
     }
 }
 
+/// Values between nodes are polynomials of degree 6 and slopes of degree 5: what they are at the nodes and at this number of Gauss points
+/// determines them.
+const PLACES: usize = 5;
+
 /// The polynomials of a solution.
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Collocation {
-    solved: Solved,
+    /// What the equations were solved for, and what further solutions are told from.
+    solution: Solution,
+    /// More accurate values between nodes.
+    values: Solution,
+    /// Slopes; each polynomial goes through the slope at the left node.
+    slopes: Solution,
+    /// The points of both.
     gauss: Gauss,
+}
+
+/// The stages, the node values and the stage values of a part of a pickled solution.
+type Part<'py> = (usize, [PyReadonlyArray1<'py, f64>; 2]);
+
+/// What reads a pickled solution, with its components, its mesh, p and its parts.
+type Pickled<'py> = (
+    Bound<'py, PyAny>,
+    (usize, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<(usize, [Bound<'py, PyArray1<f64>>; 2])>),
+);
+
+impl Collocation {
+    fn new(solved: Solved) -> Result<Collocation, Error> {
+        let (own, gauss) = (solved.solution.gauss(), Gauss::new(PLACES).map_err(unfit)?);
+        let Solution { mesh, components, .. } = &solved.solution;
+        let sampled =
+            |value: &dyn Fn(f64, &mut [f64])| Solution::from_fn(&gauss, mesh, *components, &[], value).map_err(unfit);
+        let values = sampled(&|x, out| solved.eval(&own, x, out))?;
+        let slopes = sampled(&|x, out| solved.slope(&own, x, out))?;
+        Ok(Collocation { solution: solved.solution, values, slopes, gauss })
+    }
+
+    /// The interval of x, and its place there from 0 to 1.
+    fn place(&self, x: f64) -> (usize, f64) {
+        let (i, mesh) = (self.values.interval_of(x), &self.values.mesh);
+        (i, (x - mesh[i]) / (mesh[i + 1] - mesh[i]))
+    }
+
+    fn value(&self, x: f64, out: &mut [f64]) {
+        let ((i, theta), mut weights) = (self.place(x), [0.0; PLACES + 2]);
+        self.gauss.basis_between_nodes(theta, &mut weights);
+        out.fill(0.0);
+        for (k, weight) in weights.into_iter().enumerate() {
+            let at = match k {
+                0 => self.values.node(i),
+                k if k > PLACES => self.values.node(i + 1),
+                k => self.values.stage(i, k - 1),
+            };
+            out.iter_mut().zip(at).for_each(|(out, y)| *out += weight * y);
+        }
+    }
+
+    fn slope(&self, x: f64, out: &mut [f64]) {
+        let (i, theta) = self.place(x);
+        self.slopes.eval_in(&self.gauss, i, theta, out);
+    }
+
+    /// The root of the mean square of (y′ − f)/(1 + |f|) on every interval, summed over the components.
+    fn residuals(&self, problem: &Functions<'_, '_>) -> Vec<f64> {
+        let (n, Gauss { c, b, .. }) = (self.solution.components, &self.gauss);
+        // Halves of the intervals: on whole ones the points are too few for the squares.
+        let halves = furrow_bvp::mesh::halved(&self.solution.mesh);
+        let place = |half: &[f64], c: &f64| half[0] + c * (half[1] - half[0]);
+        let x: Vec<f64> = halves.windows(2).flat_map(|half| c.iter().map(move |c| place(half, c))).collect();
+        let [mut y, mut slopes, mut f] = [(); 3].map(|()| vec![0.0; n * x.len()]);
+        for (x, (y, slopes)) in x.iter().zip(y.chunks_exact_mut(n).zip(slopes.chunks_exact_mut(n))) {
+            self.value(*x, y);
+            self.slope(*x, slopes);
+        }
+        problem.rhs(CollocationPoints { first: 0, x: &x, y: &y }, &self.solution.scalars, &mut f);
+        let squares: Vec<f64> = slopes.iter().zip(&f).map(|(y, f)| ((y - f) / (1.0 + f.abs())).powi(2)).collect();
+        let weighted = |(at, b): (&[f64], &f64)| 0.5 * b * at.iter().sum::<f64>();
+        let intervals = squares.chunks_exact(2 * n * PLACES);
+        intervals.map(|at| at.chunks_exact(n).zip(b.iter().cycle()).map(weighted).sum::<f64>().sqrt()).collect()
+    }
 }
 
 #[pymethods]
 impl Collocation {
     /// Values or slopes at x; points × components, flattened.
     fn at<'py>(&self, py: Python<'py>, x: PyReadonlyArray1<'py, f64>, slope: bool) -> Bound<'py, PyArray1<f64>> {
-        let n = self.solved.solution.components;
+        let n = self.solution.components;
         let mut out = vec![0.0; x.as_array().len() * n];
         for (x, out) in x.as_array().iter().zip(out.chunks_exact_mut(n)) {
             match slope {
-                true => self.solved.slope(&self.gauss, *x, out),
-                false => self.solved.eval(&self.gauss, *x, out),
+                true => self.slope(*x, out),
+                false => self.value(*x, out),
             }
         }
         PyArray1::from_vec(py, out)
     }
+
+    /// Reads what was pickled.
+    #[staticmethod]
+    fn _restored(
+        components: usize,
+        mesh: PyReadonlyArray1<'_, f64>,
+        p: PyReadonlyArray1<'_, f64>,
+        parts: [Part<'_>; 3],
+    ) -> Result<Collocation, Error> {
+        let list = |array: &PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
+        let [solution, values, slopes] = parts.map(|(m, [nodes, stages])| {
+            let (mesh, scalars) = (list(&mesh), list(&p));
+            Solution { components, m, mesh, nodes: list(&nodes), stages: list(&stages), scalars }
+        });
+        [&solution, &values, &slopes].into_iter().try_for_each(Solution::check).map_err(unfit)?;
+        if [values.m, slopes.m] != [PLACES; 2] {
+            return Err(Error::not_allowed("solution", "a pickle of another version", "one of this version of furrow"));
+        }
+        let gauss = values.gauss();
+        Ok(Collocation { solution, values, slopes, gauss })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Collocation>) -> PyResult<Pickled<'py>> {
+        let (py, Collocation { solution, values, slopes, .. }) = (slf.py(), slf.get());
+        let array = |values: &[f64]| PyArray1::from_slice(py, values);
+        let part = |part: &Solution| (part.m, [array(&part.nodes), array(&part.stages)]);
+        let parts = [solution, values, slopes].map(part).to_vec();
+        let state = (solution.components, array(&solution.mesh), array(&solution.scalars), parts);
+        Ok((slf.get_type().getattr("_restored")?, state))
+    }
 }
 
-/// The mesh, p, the polynomials, the defect with the condition, and the number of Newton iterations.
-type Found<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, [f64; 2], usize);
+/// A problem that the solver refuses.
+fn unfit(error: InvalidInput) -> Error {
+    match error {
+        InvalidInput::TooLarge(limit) => {
+            let found = format!("a guess of too many components ({limit})");
+            Error::not_allowed("y", found, "a guess of fewer components, with fewer scalar unknowns")
+        }
+        error => Error::not_allowed("problem", error, "a problem that fits its mesh"),
+    }
+}
+
+/// A message of the solver, which writes numbers in all their digits.
+fn shortened(message: &str) -> String {
+    let word = |word: &str| match word.parse::<f64>() {
+        Ok(number) if word.len() > 12 => format!("{number:.6e}"),
+        _ => word.to_owned(),
+    };
+    message.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// The mesh, p, the polynomials, the defect with the condition, the residuals of the intervals, and the number of Newton iterations.
+type Found<'py> =
+    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, [f64; 2], Bound<'py, PyArray1<f64>>, usize);
+
+/// S and (I − S)⁻¹ of a singular term.
+type Matrices<'py> = [PyReadonlyArray2<'py, f64>; 2];
 
 /// Solves a problem of functions as `scipy.integrate.solve_bvp` takes them, besides known solutions.
 #[pyfunction]
-#[pyo3(signature = (functions, jacobians, mesh, guess, p, known, tolerance, max_intervals))]
+#[pyo3(signature = (functions, jacobians, mesh, guess, p, singular, known, tolerance, max_intervals))]
 pub fn solve_bvp<'py>(
     py: Python<'py>,
     functions: [Bound<'py, PyAny>; 2],
@@ -239,6 +529,7 @@ pub fn solve_bvp<'py>(
     mesh: PyReadonlyArray1<'py, f64>,
     guess: &Bound<'py, PyArray2<f64>>,
     p: Option<PyReadonlyArray1<'py, f64>>,
+    singular: Option<Matrices<'py>>,
     known: Vec<PyRef<'py, Collocation>>,
     tolerance: f64,
     max_intervals: usize,
@@ -250,6 +541,10 @@ pub fn solve_bvp<'py>(
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let settings = Settings { tolerance, max_intervals, ..Settings::default() };
     let ([rhs, conditions], [rhs_jacobian, conditions_jacobian]) = (&functions, &jacobians);
+    let singular = singular.map(|matrices| {
+        let [matrix, at_end] = matrices.map(|matrix| matrix.as_array().iter().copied().collect());
+        Singular { matrix, at_end, end: mesh.first().copied().unwrap_or(f64::NAN) }
+    });
     let problem = Functions {
         py,
         rhs,
@@ -257,6 +552,7 @@ pub fn solve_bvp<'py>(
         rhs_jacobian: rhs_jacobian.as_ref(),
         conditions_jacobian: conditions_jacobian.as_ref(),
         sizes: [rows.len(), p.len()],
+        singular,
         takes_p,
         failed: RefCell::new(None),
         interrupt: settings.interrupt.clone(),
@@ -264,24 +560,29 @@ pub fn solve_bvp<'py>(
     let found = if known.is_empty() {
         solve_two_point(&problem, &mesh, &rows, &p, &settings).map_err(DeflationError::from)
     } else {
-        let known: Vec<&Solution> = known.iter().map(|known| &known.solved.solution).collect();
+        let known: Vec<&Solution> = known.iter().map(|known| &known.solution).collect();
         let deflation = Deflation { settings, ..Deflation::default() };
         solve_two_point_besides(&problem, &mesh, &rows, &p, &known, &deflation)
     };
-    if let Some(error) = problem.failed.into_inner() {
-        return Err(error.into());
-    }
-    let found = match found {
-        Ok(found) => found,
-        Err(DeflationError::Invalid(error) | DeflationError::Unsolved(SolveError::Invalid(error))) => {
-            return Err(Error::not_allowed("problem", error, "a problem that fits its mesh"));
-        }
-        Err(error) => return Err(Error::no_outcome(error)),
-    };
-    let nodes = PyArray1::from_slice(py, &found.solution.mesh);
-    let p = PyArray1::from_slice(py, &found.solution.scalars);
-    let quality = [found.defect, found.condition];
-    let gauss = found.solution.gauss();
-    let iterations = found.work.iterations;
-    Ok((nodes, p, Collocation { solved: found, gauss }, quality, iterations))
+    result(py, problem, found)
+}
+
+/// A solution as Python takes it, or the first error of a function, or why there is none.
+fn result<'py>(
+    py: Python<'py>,
+    problem: Functions<'_, 'py>,
+    found: Result<Solved, DeflationError>,
+) -> Result<Found<'py>, Error> {
+    let raised = |problem: &Functions<'_, 'py>| problem.failed.borrow_mut().take().map_or(Ok(()), Err);
+    raised(&problem)?;
+    let solved = found.map_err(|error| match error {
+        DeflationError::Invalid(error) | DeflationError::Unsolved(SolveError::Invalid(error)) => unfit(error),
+        error => Error::no_outcome(shortened(&error.to_string())),
+    })?;
+    let (quality, iterations) = ([solved.defect, solved.condition], solved.work.iterations);
+    let collocation = Collocation::new(solved)?;
+    let residuals = PyArray1::from_vec(py, collocation.residuals(&problem));
+    raised(&problem)?;
+    let [nodes, p] = [&collocation.solution.mesh, &collocation.solution.scalars].map(|x| PyArray1::from_slice(py, x));
+    Ok((nodes, p, collocation, quality, residuals, iterations))
 }

@@ -102,6 +102,13 @@ def many(folder: Path) -> None:
     solved = furrow.bvp.solve_bvp(lambda x, y, p: p[0] * y, lambda ya, yb, p: ya - 1, [0, 1], [[1, 1]], p=[1], tol=1e-9)
     assert_type(solved, furrow.bvp.Solution)
     assert_type(solved.sol([0.5], nu=1), Floats)
+    assert_type(solved.rms_residuals, Floats)
+    assert_type((solved.status, solved.message, solved.success), tuple[int, str, bool])
+    assert_type(solved["x"], Any)
+    singular = furrow.bvp.solve_bvp(
+        lambda x, y: y, lambda ya, yb: ya, [0, 1], [[1, 1]], None, [[-1]], verbose=1, bc_tol=1e-9, besides=[solved]
+    )
+    assert_type(singular.keys(), list[str])
 
 
 def observed(table: pd.DataFrame, tree: furrow.Tree, outlines: list[Floats]) -> None:
