@@ -3,20 +3,21 @@
 use std::cell::RefCell;
 
 use furrow_bvp::{
-    CollocationPoints, Deflation, DeflationError, Gauss, Interrupt, InvalidInput, PointJacobian, Settings, Solution,
+    CollocationPoints, Deflation, DeflationError, Interrupt, InvalidInput, PointJacobian, Settings, Solution,
     SolveError, Solved, TwoPoint, TwoPointJacobian, solve_two_point, solve_two_point_besides,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::collocation::Collocation;
 use crate::errors::Error;
 
 /// Change of an unknown for differences, relative to its size: the third root of the accuracy of numbers.
 const STEP: f64 = 6e-6;
 
 /// The functions of a problem, and the first error of one of them.
-struct Functions<'a, 'py> {
+pub(crate) struct Functions<'a, 'py> {
     py: Python<'py>,
     rhs: &'a Bound<'py, PyAny>,
     conditions: &'a Bound<'py, PyAny>,
@@ -39,7 +40,7 @@ const STEPS: [Step; 2] = [|value| STEP * (1.0 + value.abs()), |value| STEP * val
 /// Values of a function where one of its arguments is moved up and down.
 type Sides = (Step, [Vec<f64>; 2]);
 
-/// Values at the usual distance, and nearer if some of them are not finite. `at` is told how to move a number.
+/// Values at the usual distance and, if some of them are not finite, at a shorter one. `at` computes them from a function that moves a number.
 fn sides(mut at: impl FnMut(&dyn Fn(f64) -> f64) -> Vec<f64>) -> Vec<Sides> {
     let mut tried = Vec::new();
     for step in STEPS {
@@ -88,7 +89,7 @@ impl Singular {
         }
     }
 
-    /// Adds the derivatives of the term at x to those of f by y and by p.
+    /// Adds the derivatives of the term at x to the derivatives of f by y and p.
     fn add_derivatives(&self, x: f64, fy: &mut [f64], fp: &mut [f64]) {
         if x <= self.end {
             self.turn(fy);
@@ -108,7 +109,7 @@ impl Singular {
     }
 }
 
-/// What a function returned as an array of real numbers.
+/// Converts the result of a function to an array of real numbers.
 fn real_array<'py>(name: &'static str, part: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     if let Ok(array) = part.extract() {
         return Ok(array);
@@ -364,136 +365,8 @@ impl TwoPoint for Functions<'_, '_> {
     }
 }
 
-/// Values between nodes are polynomials of degree 6 and slopes of degree 5: what they are at the nodes and at this number of Gauss points
-/// determines them.
-const PLACES: usize = 5;
-
-/// The polynomials of a solution.
-#[pyclass(frozen, module = "furrow._furrow")]
-pub struct Collocation {
-    /// What the equations were solved for, and what further solutions are told from.
-    solution: Solution,
-    /// More accurate values between nodes.
-    values: Solution,
-    /// Slopes; each polynomial goes through the slope at the left node.
-    slopes: Solution,
-    /// The points of both.
-    gauss: Gauss,
-}
-
-/// The stages, the node values and the stage values of a part of a pickled solution.
-type Part<'py> = (usize, [PyReadonlyArray1<'py, f64>; 2]);
-
-/// What reads a pickled solution, with its components, its mesh, p and its parts.
-type Pickled<'py> = (
-    Bound<'py, PyAny>,
-    (usize, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<(usize, [Bound<'py, PyArray1<f64>>; 2])>),
-);
-
-impl Collocation {
-    fn new(solved: Solved) -> Result<Collocation, Error> {
-        let (own, gauss) = (solved.solution.gauss(), Gauss::new(PLACES).map_err(unfit)?);
-        let Solution { mesh, components, .. } = &solved.solution;
-        let sampled =
-            |value: &dyn Fn(f64, &mut [f64])| Solution::from_fn(&gauss, mesh, *components, &[], value).map_err(unfit);
-        let values = sampled(&|x, out| solved.eval(&own, x, out))?;
-        let slopes = sampled(&|x, out| solved.slope(&own, x, out))?;
-        Ok(Collocation { solution: solved.solution, values, slopes, gauss })
-    }
-
-    /// The interval of x, and its place there from 0 to 1.
-    fn place(&self, x: f64) -> (usize, f64) {
-        let (i, mesh) = (self.values.interval_of(x), &self.values.mesh);
-        (i, (x - mesh[i]) / (mesh[i + 1] - mesh[i]))
-    }
-
-    fn value(&self, x: f64, out: &mut [f64]) {
-        let ((i, theta), mut weights) = (self.place(x), [0.0; PLACES + 2]);
-        self.gauss.basis_between_nodes(theta, &mut weights);
-        out.fill(0.0);
-        for (k, weight) in weights.into_iter().enumerate() {
-            let at = match k {
-                0 => self.values.node(i),
-                k if k > PLACES => self.values.node(i + 1),
-                k => self.values.stage(i, k - 1),
-            };
-            out.iter_mut().zip(at).for_each(|(out, y)| *out += weight * y);
-        }
-    }
-
-    fn slope(&self, x: f64, out: &mut [f64]) {
-        let (i, theta) = self.place(x);
-        self.slopes.eval_in(&self.gauss, i, theta, out);
-    }
-
-    /// The root of the mean square of (y′ − f)/(1 + |f|) on every interval, summed over the components.
-    fn residuals(&self, problem: &Functions<'_, '_>) -> Vec<f64> {
-        let (n, Gauss { c, b, .. }) = (self.solution.components, &self.gauss);
-        // Halves of the intervals: on whole ones the points are too few for the squares.
-        let halves = furrow_bvp::mesh::halved(&self.solution.mesh);
-        let place = |half: &[f64], c: &f64| half[0] + c * (half[1] - half[0]);
-        let x: Vec<f64> = halves.windows(2).flat_map(|half| c.iter().map(move |c| place(half, c))).collect();
-        let [mut y, mut slopes, mut f] = [(); 3].map(|()| vec![0.0; n * x.len()]);
-        for (x, (y, slopes)) in x.iter().zip(y.chunks_exact_mut(n).zip(slopes.chunks_exact_mut(n))) {
-            self.value(*x, y);
-            self.slope(*x, slopes);
-        }
-        problem.rhs(CollocationPoints { first: 0, x: &x, y: &y }, &self.solution.scalars, &mut f);
-        let squares: Vec<f64> = slopes.iter().zip(&f).map(|(y, f)| ((y - f) / (1.0 + f.abs())).powi(2)).collect();
-        let weighted = |(at, b): (&[f64], &f64)| 0.5 * b * at.iter().sum::<f64>();
-        let intervals = squares.chunks_exact(2 * n * PLACES);
-        intervals.map(|at| at.chunks_exact(n).zip(b.iter().cycle()).map(weighted).sum::<f64>().sqrt()).collect()
-    }
-}
-
-#[pymethods]
-impl Collocation {
-    /// Values or slopes at x; points × components, flattened.
-    fn at<'py>(&self, py: Python<'py>, x: PyReadonlyArray1<'py, f64>, slope: bool) -> Bound<'py, PyArray1<f64>> {
-        let n = self.solution.components;
-        let mut out = vec![0.0; x.as_array().len() * n];
-        for (x, out) in x.as_array().iter().zip(out.chunks_exact_mut(n)) {
-            match slope {
-                true => self.slope(*x, out),
-                false => self.value(*x, out),
-            }
-        }
-        PyArray1::from_vec(py, out)
-    }
-
-    /// Reads what was pickled.
-    #[staticmethod]
-    fn _restored(
-        components: usize,
-        mesh: PyReadonlyArray1<'_, f64>,
-        p: PyReadonlyArray1<'_, f64>,
-        parts: [Part<'_>; 3],
-    ) -> Result<Collocation, Error> {
-        let list = |array: &PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
-        let [solution, values, slopes] = parts.map(|(m, [nodes, stages])| {
-            let (mesh, scalars) = (list(&mesh), list(&p));
-            Solution { components, m, mesh, nodes: list(&nodes), stages: list(&stages), scalars }
-        });
-        [&solution, &values, &slopes].into_iter().try_for_each(Solution::check).map_err(unfit)?;
-        if [values.m, slopes.m] != [PLACES; 2] {
-            return Err(Error::not_allowed("solution", "a pickle of another version", "one of this version of furrow"));
-        }
-        let gauss = values.gauss();
-        Ok(Collocation { solution, values, slopes, gauss })
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Collocation>) -> PyResult<Pickled<'py>> {
-        let (py, Collocation { solution, values, slopes, .. }) = (slf.py(), slf.get());
-        let array = |values: &[f64]| PyArray1::from_slice(py, values);
-        let part = |part: &Solution| (part.m, [array(&part.nodes), array(&part.stages)]);
-        let parts = [solution, values, slopes].map(part).to_vec();
-        let state = (solution.components, array(&solution.mesh), array(&solution.scalars), parts);
-        Ok((slf.get_type().getattr("_restored")?, state))
-    }
-}
-
 /// A problem that the solver refuses.
-fn unfit(error: InvalidInput) -> Error {
+pub(crate) fn unfit(error: InvalidInput) -> Error {
     match error {
         InvalidInput::TooLarge(limit) => {
             let found = format!("a guess of too many components ({limit})");
@@ -560,14 +433,14 @@ pub fn solve_bvp<'py>(
     let found = if known.is_empty() {
         solve_two_point(&problem, &mesh, &rows, &p, &settings).map_err(DeflationError::from)
     } else {
-        let known: Vec<&Solution> = known.iter().map(|known| &known.solution).collect();
+        let known: Vec<&Solution> = known.iter().map(|known| &known.solved.solution).collect();
         let deflation = Deflation { settings, ..Deflation::default() };
         solve_two_point_besides(&problem, &mesh, &rows, &p, &known, &deflation)
     };
     result(py, problem, found)
 }
 
-/// A solution as Python takes it, or the first error of a function, or why there is none.
+/// The result for Python, or the first error that a function of the user raised, or the error of the solver.
 fn result<'py>(
     py: Python<'py>,
     problem: Functions<'_, 'py>,
@@ -580,9 +453,10 @@ fn result<'py>(
         error => Error::no_outcome(shortened(&error.to_string())),
     })?;
     let (quality, iterations) = ([solved.defect, solved.condition], solved.work.iterations);
-    let collocation = Collocation::new(solved)?;
-    let residuals = PyArray1::from_vec(py, collocation.residuals(&problem));
+    let collocation = Collocation::new(solved);
+    let residuals = PyArray1::from_vec(py, collocation.residuals(&problem)?);
     raised(&problem)?;
-    let [nodes, p] = [&collocation.solution.mesh, &collocation.solution.scalars].map(|x| PyArray1::from_slice(py, x));
+    let Solution { mesh, scalars, .. } = &collocation.solved.solution;
+    let [nodes, p] = [mesh, scalars].map(|x| PyArray1::from_slice(py, x));
     Ok((nodes, p, collocation, quality, residuals, iterations))
 }

@@ -9,6 +9,7 @@
 //! | `inputs` | a cell and its numerics, checked |
 //! | `memo` | solved divisions |
 //! | `bvp` | boundary-value problems of Python functions |
+//! | `collocation` | their solutions between the nodes |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
 //! | `shapes` | where division begins: boundaries, phase diagrams, critical radii, PAR polarity |
 //! | `surfaces` | one cell without axial symmetry: its shapes, its state at rest |
@@ -26,6 +27,7 @@
 
 mod bvp;
 mod cells;
+mod collocation;
 mod comparisons;
 mod document;
 mod drawings;
@@ -52,8 +54,9 @@ mod _furrow {
 
     #[pymodule_export]
     use crate::{
-        bvp::{Collocation, solve_bvp},
+        bvp::solve_bvp,
         cells::{branch, divide, film, pitchfork, steady},
+        collocation::Collocation,
         comparisons::{compare_contours, compare_counts, compare_volumes},
         drawings::{Drawing, draw_division, write_movie, write_shapes},
         files::{cache, explore, merge, new_lineage, reproduce, tree_schema},

@@ -337,3 +337,29 @@ def test_no_more_nodes_are_taken_than_allowed():
     assert len(solve_bvp(bratu, ends, *GUESS, max_nodes=5, tol=1e-3).x) <= 5
     with pytest.raises(furrow.NoOutcome):
         solve_bvp(bratu, ends, *GUESS, max_nodes=5, tol=1e-12)
+
+
+def test_more_than_sixteen_equations():
+    x = np.linspace(0, 1, 5)
+    found = solve_bvp(lambda x, y: -y, lambda a, b: a - 1, x, np.ones((24, 5)))
+    assert abs(found.sol(0.7) - np.exp(-0.7)).max() < 1e-7
+    with pytest.raises(furrow.InputError, match="40 components and scalar unknowns are more than 32"):
+        solve_bvp(lambda x, y: -y, lambda a, b: a - 1, x, np.ones((40, 5)))
+
+
+def test_a_jump_of_the_right_hand_side_is_found():
+    x = np.linspace(0, 1, 11)
+    for jump in np.linspace(0.013, 0.987, 40):
+        found = solve_bvp(lambda x, y: np.where(x > jump, 1.0, 0.0)[None, :], lambda a, b: a, x, np.zeros((1, 11)))
+        assert abs(found.sol(1.0)[0] - (1 - jump)) < 1e-5, jump
+
+
+def test_conditions_that_depend_on_an_end_far_from_the_guess_hold():
+    x = np.linspace(0, 1, 5)
+    found = solve_bvp(
+        lambda x, y: np.vstack((y[1], 0 * x)),
+        lambda a, b: np.array([a[0] + max(b[0] - 2, 0) - 2, a[1] - 3]),
+        x,
+        np.zeros((2, 5)),
+    )
+    assert abs(found.y[0, 0] - 0.5) < 1e-8

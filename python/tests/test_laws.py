@@ -50,7 +50,7 @@ def test_wrong_laws_are_refused() -> None:
 def test_a_law_that_reads_a_regulator() -> None:
     carried = PAPER.replace("a*gain*(xi_s*(c1 - c2)/2 + xi_b*C)", "a*gain*xi_s*2*(1 + phi)^2/(1 + (1 + phi)^2)")
     carried = carried.replace("a*gain*(xi_b*C - xi_s*(c1 - c2)/2)", "a*gain*xi_s*2*(1 + phi)^2/(1 + (1 + phi)^2)")
-    with pytest.warns(UserWarning, match="names phi and the cell has no regulator"):
+    with pytest.warns(UserWarning, match="names phi, but the cell has no regulator"):
         furrow.Cell(2.0, law=carried)
     cell = furrow.Cell(2.0, law=carried, cue="regulator:none,turnover=1,diffusion=1,activity=0")
     (hopf, *_) = cell.branch(xi_max=12.0).hopf

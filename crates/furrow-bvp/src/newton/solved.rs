@@ -12,7 +12,7 @@ use crate::solution::Solution;
 use super::work::Work;
 
 /// A solution, its defect and its cost.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Solved {
     /// The solution, on a mesh of its own.
     pub solution: Solution,
