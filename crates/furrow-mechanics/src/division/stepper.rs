@@ -97,12 +97,14 @@ pub struct ParityNorm {
 /// Parity norms of (r, z) combinations at the stages of a mirror-symmetric mesh; `value(i)` gives (r, z) at stage i.
 pub(crate) fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2]) -> ParityNorm {
     let last = (mesh.len() - 1) * gauss.m - 1;
+    // Each is needed for its own stage and for the mirrored one.
+    let values: Vec<[f64; 2]> = (0..=last).map(value).collect();
     let (mut even, mut odd) = (0.0, 0.0);
     for (k, interval) in mesh.windows(2).enumerate() {
         for (j, b) in gauss.b.iter().enumerate() {
             let i = k * gauss.m + j;
             let weight = (interval[1] - interval[0]) * b * 0.25;
-            let ([r, z], [rm, zm]) = (value(i), value(last - i));
+            let ([r, z], [rm, zm]) = (values[i], values[last - i]);
             even += weight * ((r + rm) * (r + rm) + (z - zm) * (z - zm));
             odd += weight * ((r - rm) * (r - rm) + (z + zm) * (z + zm));
         }
