@@ -99,7 +99,7 @@ class Pitchfork(Result):
     ``p``: Pressure, in κ0/L_h³.
     ``residual``: Size of the last Newton correction.
     ``iterations``: Newton iterations.
-    ``beyond_fold``: ξ_s of the first fold of the branch of the passive shape, if the branch turns before the pitchfork; else None.
+    ``beyond_fold``: ξ_s of the first fold of the branch of the passive shape if it lies before the pitchfork; else None.
     """
 
     cell: Cell = field(repr=False)

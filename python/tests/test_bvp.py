@@ -350,7 +350,7 @@ def test_more_than_sixteen_equations():
 def test_a_jump_of_the_right_hand_side_is_found():
     x = np.linspace(0, 1, 11)
     for jump in np.linspace(0.013, 0.987, 40):
-        found = solve_bvp(lambda x, y: np.where(x > jump, 1.0, 0.0)[None, :], lambda a, b: a, x, np.zeros((1, 11)))
+        found = solve_bvp(lambda x, y, at=jump: np.where(x > at, 1.0, 0.0)[None, :], lambda a, b: a, x, np.zeros((1, 11)))
         assert abs(found.sol(1.0)[0] - (1 - jump)) < 1e-5, jump
 
 

@@ -42,7 +42,7 @@ def test_wrong_laws_are_refused() -> None:
         furrow.Cell(2.0, law=PAPER.replace("a*gain*(xi_s", "b*gain*(xi_s"))
     with pytest.raises(furrow.InputError, match=r"law\.b"):
         furrow.Cell(2.0, law=PAPER, **{"law.b": 1.1})
-    ring = PAPER.replace("a*gain*(xi_s", "phi*gain*(xi_s").replace("a*gain*(xi_b", "phi*gain*(xi_b")
+    ring = PAPER.replace("a*gain*(xi_s", "a*phi*gain*(xi_s").replace("a*gain*(xi_b", "a*phi*gain*(xi_b")
     with pytest.raises(furrow.InputError, match="it uses phi"):
         furrow.Cell(2.0, law=ring, modes=4)
 
