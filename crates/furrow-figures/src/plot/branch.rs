@@ -1,5 +1,5 @@
 //! A bifurcation diagram: elongation and furrow position over activity, solid for stable shapes and dashed for unstable
-//! ones, with folds, pitchforks and some of the shapes.
+//! ones, with folds, pitchforks, Hopf points and some of the shapes.
 
 use std::collections::BTreeSet;
 
@@ -62,6 +62,11 @@ fn legend(branches: &[Named]) -> Legend {
         .with_if(is(false), Key::Dashes(style::INK, style::DASHED), "unstable")
         .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
         .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
+        .with_if(
+            branches.iter().any(|(_, branch)| !branch.hopf.is_empty()),
+            Key::Point(style::INK, Marker::Ring),
+            "Hopf point",
+        )
         .with_all(crossings)
 }
 
@@ -153,6 +158,9 @@ fn chart(
     }
     for at in branches.iter().flat_map(|(_, branch)| &branch.azimuthal.crossings) {
         chart.point([at.point.xi_s, value(&at.point)], 6.5, crossing(at.grows), style::azimuthal(at.m));
+    }
+    for hopf in branches.iter().flat_map(|(_, branch)| &branch.hopf) {
+        chart.point([hopf.point.xi_s, value(&hopf.point)], 6.5, Marker::Ring, style::INK);
     }
     let mut words: Vec<([f64; 2], Anchor, &str)> = Vec::new();
     for (name, branch) in branches {
@@ -251,25 +259,48 @@ fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
     points
 }
 
-/// The branch in pieces of constant stability: stability changes at folds and pitchforks, where the pieces meet.
+/// A place of a branch: its knot, whether it is stable if that is known, and whether the branch is stable right behind it.
+type Place = (Knot, Option<bool>, Option<bool>);
+
+/// The arclength at which a branch through these knots passes a point of a given ξ_s and value.
+fn arclength_of(knots: &[Place], [xi_s, value]: [f64; 2]) -> Option<f64> {
+    let passed = |pair: &[Place]| {
+        let [(a, ..), (b, ..)] = pair else { return None };
+        let share = (xi_s - a[1]) / (b[1] - a[1]);
+        let off = (a[2] + share * (b[2] - a[2]) - value).abs();
+        (0.0..=1.0).contains(&share).then_some((off, a[0] + share * (b[0] - a[0])))
+    };
+    let nearest = knots.windows(2).filter_map(passed).min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map(|(_, arclength)| arclength)
+}
+
+/// The branch in pieces of constant stability: stability changes at folds, pitchforks and Hopf points, where the pieces meet.
 fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64; 2]>)> {
     let knot = |s: f64, point: &ShapePoint| [s, point.xi_s, value(point)];
     let points = branch.points.iter().enumerate().map(|(k, point)| match k {
         // The first point of a branch that begins at a pitchfork has the arclength of its parent branch, and a growth
         // rate of zero.
-        0 => (knot(0.0, point), None),
-        _ => (knot(point.arclength, point), point.growth_rate.map(|rate| rate < 0.0)),
+        0 => (knot(0.0, point), None, None),
+        _ => (knot(point.arclength, point), point.growth_rate.map(|rate| rate < 0.0), None),
     });
-    let events = branch.events.iter().map(|event| (knot(event.point().arclength, event.point()), None));
-    let mut all: Vec<(Knot, Option<bool>)> = points.chain(events).collect();
-    all.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
-    all.dedup_by(|(a, _), (b, _)| (a[0] - b[0]).abs() < 1e-9);
-    let (knots, stable): (Vec<Knot>, Vec<Option<bool>>) = all.into_iter().unzip();
-    let curve = smooth(&knots);
+    let events = branch.events.iter().map(|event| (knot(event.point().arclength, event.point()), None, None));
+    let mut all: Vec<Place> = points.chain(events).collect();
+    let in_order = |all: &mut Vec<Place>| all.sort_by(|(a, ..), (b, ..)| a[0].total_cmp(&b[0]));
+    in_order(&mut all);
+    let hopf = branch.hopf.iter().filter_map(|hopf| {
+        let arclength = arclength_of(&all, [hopf.point.xi_s, value(&hopf.point)])?;
+        Some((knot(arclength, &hopf.point), None, Some(!hopf.grows)))
+    });
+    let hopf: Vec<Place> = hopf.collect();
+    all.extend(hopf);
+    in_order(&mut all);
+    all.dedup_by(|(a, ..), (b, ..)| (a[0] - b[0]).abs() < 1e-9);
+    let curve = smooth(&all.iter().map(|(knot, ..)| *knot).collect::<Vec<_>>());
     let mut found: Vec<(bool, Vec<[f64; 2]>)> = Vec::new();
-    for k in 1..knots.len() {
-        let known = stable[k].or(stable[k - 1]);
-        let from = BETWEEN * (k - 1);
+    for (k, pair) in all.windows(2).enumerate() {
+        let [(_, before, behind), (_, here, _)] = pair else { continue };
+        let known = behind.or(*here).or(*before);
+        let from = BETWEEN * k;
         match found.last_mut() {
             Some((same, piece)) if known.is_none_or(|stable| stable == *same) => {
                 piece.extend(&curve[from + 1..=from + BETWEEN]);
