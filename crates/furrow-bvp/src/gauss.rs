@@ -38,12 +38,17 @@ pub struct Gauss {
     barycentric_between_nodes: Vec<f64>,
 }
 
+/// The Legendre polynomial P_k at x by the two before it.
+fn next_legendre(k: usize, x: f64, [before, last]: [f64; 2]) -> f64 {
+    let k = k as f64;
+    ((2.0 * k - 1.0) * x * last - (k - 1.0) * before) / k
+}
+
 /// Value and derivative of the Legendre polynomial P_m at x.
 fn legendre(m: usize, x: f64) -> (f64, f64) {
     let (mut p0, mut p1) = (1.0, x);
     for k in 2..=m {
-        let kf = k as f64;
-        (p0, p1) = (p1, ((2.0 * kf - 1.0) * x * p1 - (kf - 1.0) * p0) / kf);
+        (p0, p1) = (p1, next_legendre(k, x, [p0, p1]));
     }
     let mf = m as f64;
     (p1, mf * (x * p1 - p0) / (x * x - 1.0))
@@ -186,15 +191,14 @@ pub(crate) struct Corrections {
 }
 
 impl Gauss {
-    /// Two polynomials of degree m + 2 at θ. They vanish at both nodes; their derivatives vanish at the Gauss points and at one node, and are 1 at the
-    /// other: (1 − θ)P_m(1 − 2θ) and θP_m(2θ − 1) of the Legendre polynomial P_m.
+    /// Two polynomials of degree m + 2 at θ. They vanish at both nodes. Their derivatives, (1 − θ)P_m(1 − 2θ) and θP_m(2θ − 1) of the
+    /// Legendre polynomial P_m, vanish at the Gauss points and at one node, and are 1 at the other.
     pub(crate) fn corrections(&self, theta: f64) -> Corrections {
         let (m, x) = (self.m, 2.0 * theta - 1.0);
         let mut p = [1.0; MAX_STAGES + 3];
         p[1] = x;
         for k in 2..=m + 2 {
-            let order = k as f64;
-            p[k] = ((2.0 * order - 1.0) * x * p[k - 1] - (order - 1.0) * p[k - 2]) / order;
+            p[k] = next_legendre(k, x, [p[k - 2], p[k - 1]]);
         }
         // ∫ P_k from −1 to x, and ∫ x P_m by (2m + 1)x P_m = (m + 1)P_{m+1} + m P_{m−1}.
         let integral = |k: usize| if k == 0 { x + 1.0 } else { (p[k + 1] - p[k - 1]) / (2.0 * k as f64 + 1.0) };

@@ -110,16 +110,15 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
 /// So far from a node, as a share of the interval, f counts as its value at this side of the node.
 const BESIDE: f64 = 1e-7;
 
-/// (f(u) − u′) h beside both nodes of every interval, N × 2 × n, and its largest size over 1 + |u| in every interval.
+/// (u′ − f(u)) h beside both nodes of every interval, N × 2 × n, and its largest size over 1 + |u| in every interval.
 pub(crate) fn beside_nodes<P: BoundaryValueProblem>(
     gauss: &Gauss,
     problem: &mut P,
     y: &Solution,
 ) -> Option<[Vec<f64>; 2]> {
-    let [mut differences, values] = residuals(&[BESIDE, 1.0 - BESIDE], gauss, problem, y)?;
-    let largest = largest_of_intervals(y, &differences, &values);
-    differences.iter_mut().for_each(|difference| *difference = -*difference);
-    Some([differences, largest])
+    let [residuals, values] = residuals(&[BESIDE, 1.0 - BESIDE], gauss, problem, y)?;
+    let largest = largest_of_intervals(y, &residuals, &values);
+    Some([residuals, largest])
 }
 
 /// Halvings of the distance from a node at which [`missed`] looks.

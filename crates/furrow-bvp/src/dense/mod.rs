@@ -210,7 +210,8 @@ fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane
     *sums = sum;
 }
 
-/// Largest |d| / (1 + |v|), NaN if any d is NaN: as an integer, the bits of NaN exceed those of any other positive number.
+/// Largest |d| / (1 + |v|), or NaN if any d is NaN. Quotients are compared as integers, because the bits of NaN are larger than those of
+/// infinity.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
     let mut largest = [0; SUMS];

@@ -1,7 +1,7 @@
 //! A solution between its nodes.
 //!
 //! The collocation polynomial p of degree m has an error of order h^(m+1) between the nodes, though h^(2m) at them. Its slopes at the Gauss points
-//! are f(Y_j). These and f at both nodes determine a polynomial of degree m + 1, whose integral, N.22, has an error of order h^(m+2).
+//! are f(Y_j). The integral of the polynomial through these slopes and f at both nodes, N.22, has an error of order h^(m+2).
 //!
 //! # References
 //! Enright & Muir, SIAM J. Sci. Comput. 17, 479 (1996) (interpolants of Runge–Kutta formulas by evaluations at nodes).
@@ -24,7 +24,7 @@ pub struct Solved {
     pub condition: f64,
     /// Steps are meshes on which Newton converged, those rejected meshes on which it did not.
     pub work: Work,
-    /// h (f − p′) at both nodes of every interval, from its side; N × 2 × n. Empty for a solution that is not accurate enough.
+    /// h (p′ − f) at both nodes of every interval, from its side; N × 2 × n. Empty for a solution that is not accurate enough.
     pub(super) slopes: Vec<f64>,
 }
 
@@ -49,13 +49,13 @@ impl Solved {
         Some((i, (x - left) / (right - left), right - left))
     }
 
-    /// Adds both corrections at x with their weights at a place in an interval of some width.
+    /// Corrects for both slopes at x. `weights` are for a place from 0 to 1 in an interval of some width.
     fn correct(&self, x: f64, weights: impl Fn(f64, f64) -> [f64; 2], out: &mut [f64]) {
         let (Some((i, theta, h)), n) = (self.place(x), self.solution.components) else { return };
         let Some(slopes) = self.slopes.get(2 * i * n..2 * (i + 1) * n) else { return };
         let weights = weights(theta, h);
         for (weight, slopes) in weights.into_iter().zip(slopes.chunks_exact(n)) {
-            out.iter_mut().zip(slopes).for_each(|(out, slope)| *out += weight * slope);
+            out.iter_mut().zip(slopes).for_each(|(out, slope)| *out -= weight * slope);
         }
     }
 }
@@ -63,7 +63,7 @@ impl Solved {
 /// A smooth f differs from p′ at a node at most by this many times the defect of the interval.
 pub(super) const SMOOTH: f64 = 10.0;
 
-/// [`Solved::slopes`] from (f − p′) h beside the nodes of intervals with these defects: 0 where f is not smooth, as at a singular end.
+/// [`Solved::slopes`] from (p′ − f) h beside the nodes of intervals with these defects: 0 where f is not smooth, as at a singular end.
 pub(super) fn smooth_slopes(y: &Solution, mut beside_nodes: Vec<f64>, defects: &[f64]) -> Vec<f64> {
     let n = y.components;
     for (k, slopes) in beside_nodes.chunks_exact_mut(n).enumerate() {

@@ -189,8 +189,8 @@ impl Cue {
         self.regulator.as_mut()
     }
 
-    /// Whether it has no effect on a cell whose law reads no regulator: no term has an amplitude and no coupling a strength. A regulator
-    /// without a source has an effect, since flow moves it. If the law reads the regulator, use [`Cell::has_cue`](crate::Cell::has_cue).
+    /// Whether all amplitudes of terms and all strengths of couplings are zero. A regulator with a strength acts even without a source,
+    /// since flow moves it. [`Cell::has_cue`](crate::Cell::has_cue) also counts a regulator that the cell's law reads.
     pub fn is_none(&self) -> bool {
         *self == Cue::none() || self.simplified() == Cue::none()
     }

@@ -93,7 +93,7 @@ impl Cell {
         self.simplified_cue() != Cue::none()
     }
 
-    /// A warning if the law reads a regulator and the cell has none.
+    /// The warning for a law that reads φ in a cell without a regulator.
     pub fn lacks_regulator(&self) -> Option<String> {
         let law = self.law.as_ref().filter(|law| law.reads_regulator() && self.cue.regulator().is_none())?;
         Some(format!(

@@ -7,7 +7,7 @@
 //! | `names` | the names that expressions may use |
 //! | `file` | laws in RON and JSON |
 //! | `check` | conditions on a law |
-//! | `finite` | where a law is infinite, and what a cell lacks for it |
+//! | `finite` | checks on the sphere from which cells start |
 //! | `stated` | laws as functions of Rust |
 
 mod check;

@@ -139,7 +139,7 @@ fn mixed(from: Colour, to: Colour, share: f64) -> Colour {
     [0, 1, 2].map(|k| part(k).round() as u8)
 }
 
-/// A cell's parameters for a title: R₀, ε and ξₛ except the `varied` ones, its law unless that is the built-in one, and its cue, if any, without the varied
+/// A cell's parameters for a title: R₀, ε and ξₛ except the `varied` ones, a law of its own, and its cue, if any, without the varied
 /// numbers.
 pub fn described(cell: &Cell, varied: &[Parameter]) -> String {
     let named =

@@ -223,7 +223,7 @@ const REGULATOR: usize = 255;
 /// Marks the beginning of a law of the cell's own.
 const LAW: usize = 254;
 
-/// Number of a regulator without a source, among those of profiles.
+/// Written in place of a profile for a regulator without a source.
 const NO_SOURCE: usize = 5;
 
 /// Number of a profile in the keys of stored divisions: it stays the same, and a new profile gets the next free one, 6.
