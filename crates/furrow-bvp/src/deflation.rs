@@ -92,9 +92,9 @@ impl Deflation {
     /// assert!((first.node(0)[1] - 0.549353).abs() < 1e-5 && (second.node(0)[1] - 10.846900).abs() < 1e-5);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn solve<P: BoundaryValueProblem>(
+    pub fn solve(
         &self,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         guess: &Solution,
         known: &[Solution],
     ) -> Result<Solved, DeflationError> {
@@ -119,9 +119,9 @@ impl Deflation {
         Err(last)
     }
 
-    fn attempt<P: BoundaryValueProblem>(
+    fn attempt(
         &self,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         guess: &Solution,
         known: &[Solution],
         limit: (&Metric, f64),
@@ -139,9 +139,9 @@ impl Deflation {
     ///
     /// # Errors
     /// [`DeflationError::Invalid`] for input that is refused.
-    pub fn solve_all<P: BoundaryValueProblem>(
+    pub fn solve_all(
         &self,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         guesses: &[Solution],
         most: usize,
     ) -> Result<Vec<Solved>, DeflationError> {
@@ -177,9 +177,9 @@ impl Deflation {
     }
 
     /// A point next to a further solution, on the mesh of the guess, with the iterations done and the last correction.
-    fn search<P: BoundaryValueProblem>(
+    fn search(
         &self,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         guess: &Solution,
         known: &[Solution],
         (metric, farthest): (&Metric, f64),

@@ -100,7 +100,7 @@ fn at_places(places: &[f64], mesh: &[f64]) -> Vec<f64> {
 /// Largest defect |u′ − f(u)| · h / (1 + |u|) (N.6) of the collocation polynomial u on every interval of width h, sampled midway
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
 /// themselves it is zero.) It is infinite where f is not a number, and everywhere if `y` does not fit the problem.
-pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
+pub fn defect(gauss: &Gauss, problem: &mut dyn BoundaryValueProblem, y: &Solution) -> Vec<f64> {
     match residuals(&places(gauss), gauss, problem, y) {
         Some([residuals, values]) => largest_of_intervals(y, &residuals, &values),
         None => vec![f64::INFINITY; y.intervals()],
@@ -111,9 +111,9 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
 const BESIDE: f64 = 1e-7;
 
 /// (u′ − f(u)) h beside both nodes of every interval, N × 2 × n, and its largest size over 1 + |u| in every interval.
-pub(crate) fn beside_nodes<P: BoundaryValueProblem>(
+pub(crate) fn beside_nodes(
     gauss: &Gauss,
-    problem: &mut P,
+    problem: &mut dyn BoundaryValueProblem,
     y: &Solution,
 ) -> Option<[Vec<f64>; 2]> {
     let [residuals, values] = residuals(&[BESIDE, 1.0 - BESIDE], gauss, problem, y)?;
@@ -126,7 +126,7 @@ const HALVINGS: usize = 24;
 
 /// For every interval, the integral of |u′ − f(u)| between a node and the nearest Gauss point, and the largest |u′ − f(u)| h there, over
 /// 1 + |u|. [`defect`] samples too little of these gaps to find a jump of f there, which would change the solution by this integral.
-pub(crate) fn missed<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<[f64; 2]> {
+pub(crate) fn missed(gauss: &Gauss, problem: &mut dyn BoundaryValueProblem, y: &Solution) -> Vec<[f64; 2]> {
     let gap = gauss.c[0];
     let distance = |k: usize| gap * 0.75 * 0.5f64.powi(k as i32);
     let places: Vec<f64> = (0..HALVINGS).flat_map(|k| [distance(k), 1.0 - distance(k)]).collect();
@@ -150,9 +150,9 @@ pub(crate) fn missed<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y:
 }
 
 /// [`defect`] of a direction at `y`, of the linearised equation: |d′ − f′(u)d| · h / (1 + |u|) where |d| / (1 + |u|) is 1 at most.
-pub(crate) fn direction_defect<P: BoundaryValueProblem>(
+pub(crate) fn direction_defect(
     gauss: &Gauss,
-    problem: &mut P,
+    problem: &mut dyn BoundaryValueProblem,
     y: &Solution,
     direction: &Direction,
 ) -> Vec<f64> {
@@ -178,10 +178,10 @@ fn largest_of_intervals(y: &Solution, residuals: &[f64], values: &[f64]) -> Vec<
 }
 
 /// (u′ − f(u)) h at some places of every interval, and u there. None if `y` does not fit the problem.
-fn residuals<P: BoundaryValueProblem>(
+fn residuals(
     places: &[f64],
     gauss: &Gauss,
-    problem: &mut P,
+    problem: &mut dyn BoundaryValueProblem,
     y: &Solution,
 ) -> Option<[Vec<f64>; 2]> {
     let dims = problem.dimensions();

@@ -8,7 +8,7 @@
 //!
 //! The parameter's component of η tells to which side a pitchfork opens.
 
-use crate::continuation::{Continuation, PassedBranchPoint, Unfolding, distances, is_within_step};
+use crate::continuation::{Continuation, Differentiated, PassedBranchPoint, Unfolding, distances, is_within_step};
 use crate::direction::{Direction, Residual};
 use crate::invalid::InvalidInput;
 use crate::mesh::error_of_change;
@@ -114,19 +114,19 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     let Continuation { problem, metric, state, work, passed, unfolding, .. } = branch;
     let (before, from) = state.history.back(1).ok_or(singular)?;
     let dims = problem.dimensions();
-    let unfolding = Unfolding::reuse_or_new(unfolding, dims, from.m, metric, second_residual).ok_or(singular)?;
+    let unfolding = Unfolding::reuse_or_new(unfolding, dims, from.m, metric).ok_or(singular)?;
     let mut y = passed.as_ref().map_or(&state.solution, |passed| &passed.solution).clone();
     let solved = match passed {
         Some(PassedBranchPoint { unfolded: true, .. }) => Some(()),
-        Some(passed) => unfolding.solve_from(problem, &mut y, passed.basis.clone()),
-        None => unfolding.solve(problem, &mut y, &state.tangent),
+        Some(passed) => unfolding.solve_from(&mut Differentiated::Exactly(problem), &mut y, passed.basis.clone()),
+        None => unfolding.solve(&mut Differentiated::Exactly(problem), &mut y, &state.tangent),
     };
     let spent = std::mem::take(&mut unfolding.work);
     *work += spent;
     if solved.is_none() {
         return Err(SingularError::Stalled { iterations: spent.iterations, correction: f64::NAN });
     }
-    unfolding.derive(problem, &y)?;
+    unfolding.derive(&mut Differentiated::Exactly(problem), &y)?;
     let (step, place) = (state.arclength - before, distances(metric, from, &y, &state.tangent));
     if !is_within_step(place, step) {
         return Err(SingularError::Elsewhere { distance: (place[0] / step - 1.0).abs().max(place[1] / step) });
@@ -143,7 +143,7 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
     }
     let gap = unfolding.gap();
     let last = y.scalars.len() - 1;
-    let refined = unfolding.on_halved(problem, &y, ROUGH);
+    let refined = unfolding.on_halved(&mut Differentiated::Exactly(problem), &y, ROUGH);
     let error = refined.map_or(f64::INFINITY, |refined| error_of_change(refined.scalars[last] - y.scalars[last], y.m));
     *work += std::mem::take(&mut unfolding.work);
     problem.prepare(&state.solution.scalars);
@@ -155,9 +155,9 @@ pub fn branch_point<P: Directional>(branch: &mut Continuation<P>) -> Result<Bran
 }
 
 /// ½ d²λ/ds² along the first of the tangents, the parameter's component of η; `mixed` is the product of both.
-fn curvature<P: Directional>(
-    unfolding: &mut Unfolding<P>,
-    problem: &mut P,
+fn curvature(
+    unfolding: &mut Unfolding,
+    problem: &mut dyn Directional,
     y: &Solution,
     [along, other]: [&Direction; 2],
     mixed: f64,

@@ -104,7 +104,7 @@ pub struct Continuation<P> {
     /// The branch point that the last step has passed, from its detection.
     pub(crate) passed: Option<PassedBranchPoint>,
     /// Workspace for branch points.
-    pub(crate) unfolding: Option<Unfolding<P>>,
+    pub(crate) unfolding: Option<Unfolding>,
     /// The current step changes the orientation because it leads to another branch, however much it is shortened.
     on_other_branch: bool,
     /// ln |bordered determinant| at the newest point, or at a prediction of it; NaN if not known.

@@ -16,4 +16,4 @@ pub(crate) use passing::{PassedBranchPoint, distances, is_within_step};
 pub(crate) use settings::short;
 pub use settings::{ContinuationError, ContinuationSettings, StepFailure};
 pub use state::{Advance, State, Termination};
-pub(crate) use unfolding::Unfolding;
+pub(crate) use unfolding::{Differentiated, Unfolding};

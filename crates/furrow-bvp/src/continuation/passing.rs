@@ -6,10 +6,9 @@ use crate::linear::System;
 use crate::metric::Metric;
 use crate::newton::Work;
 use crate::problem::BoundaryValueProblem;
-use crate::problem::derivatives::second_differences;
 use crate::solution::Solution;
 
-use super::unfolding::{CONVERGED, Unfolding, unfolding_weights};
+use super::unfolding::{CONVERGED, Differentiated, Unfolding, unfolding_weights};
 
 /// Branches nearer to each other than this cross, as far as the rounding of β can tell.
 const CLOSED: f64 = 1e-5;
@@ -54,16 +53,17 @@ pub(super) struct StepPair<'a> {
 
 /// The branch point that a step has passed on a branch that goes straight on. The bordered determinants at the ends have
 /// different signs. None if the step has changed to another branch, or if there is no simple branch point.
-pub(super) fn branch_point<P: BoundaryValueProblem>(
-    problem: &mut P,
+pub(super) fn branch_point(
+    problem: &mut dyn BoundaryValueProblem,
     metric: &Metric,
     pair: &StepPair<'_>,
-    kept: &mut Option<Unfolding<P>>,
+    kept: &mut Option<Unfolding>,
     work: &mut Work,
 ) -> Option<PassedBranchPoint> {
     let [from, to] = pair.ends;
     // Newton converges with differences as with the problem's own derivatives, to the same point.
-    let unfolding = Unfolding::reuse_or_new(kept, problem.dimensions(), from.m, metric, second_differences)?;
+    let unfolding = Unfolding::reuse_or_new(kept, problem.dimensions(), from.m, metric)?;
+    let problem = &mut Differentiated::ByDifferences(problem);
     let mut found = None;
     for share in [pair.share, 0.5] {
         let mut y = between(pair.ends, share);
@@ -89,12 +89,12 @@ pub(super) fn branch_point<P: BoundaryValueProblem>(
         })
     });
     *work += std::mem::take(&mut unfolding.work);
-    problem.prepare(&to.scalars);
+    problem.problem().prepare(&to.scalars);
     found
 }
 
 /// Whether the branches that cross at `y` in the unfolded problem, with a gap in the problem itself, cross there on a finer mesh.
-fn is_closed<P: BoundaryValueProblem>(unfolding: &mut Unfolding<P>, problem: &mut P, y: &Solution) -> bool {
+fn is_closed(unfolding: &mut Unfolding, problem: &mut Differentiated<'_>, y: &Solution) -> bool {
     let gap = unfolding.gap();
     unfolding.on_halved(problem, y, CONVERGED).is_some() && unfolding.gap() < SHRINKS * gap
 }

@@ -5,8 +5,8 @@ use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, C
 
 /// F(x) + βw = 0: multiples of β are added to all conditions. A left null vector that is zero in all of them is zero everywhere.
 /// The value of β is kept here, so that a solution has the scalars of the problem itself.
-pub(super) struct Unfolded<'a, P> {
-    pub inner: &'a mut P,
+pub(super) struct Unfolded<'a> {
+    pub inner: &'a mut dyn BoundaryValueProblem,
     pub beta: f64,
     /// w: of the right conditions, then of the integral and of the left ones.
     pub weights: &'a [f64],
@@ -24,7 +24,7 @@ fn widen(from: &[f64], width: usize, to: &mut [f64]) {
     }
 }
 
-impl<P: BoundaryValueProblem> Unfolded<'_, P> {
+impl Unfolded<'_> {
     /// Derivatives by the scalars in the widths of the problem itself, to be widened by the caller.
     fn narrow(&self, widened: &[f64]) -> (usize, Vec<f64>) {
         let width = self.inner.dimensions().scalars;
@@ -41,7 +41,7 @@ impl<P: BoundaryValueProblem> Unfolded<'_, P> {
     }
 }
 
-impl<P: BoundaryValueProblem> BoundaryValueProblem for Unfolded<'_, P> {
+impl BoundaryValueProblem for Unfolded<'_> {
     fn dimensions(&self) -> Dimensions {
         unfolded(self.inner.dimensions())
     }

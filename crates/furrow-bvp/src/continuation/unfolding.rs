@@ -23,16 +23,37 @@ use crate::linear::{FactorisationError, System};
 use crate::mesh;
 use crate::metric::{self, Metric};
 use crate::newton::Work;
-use crate::problem::BoundaryValueProblem;
+use crate::problem::derivatives::{second_differences, second_residual};
+use crate::problem::{BoundaryValueProblem, Directional};
 use crate::solution::Solution;
 
 use super::unfolded::{Unfolded, unfolded};
 
-/// D²F\[a, b\] at a solution, with zeros in the given number of linear conditions: by the problem itself or by differences.
-pub(crate) type SecondDerivative<P> = fn(&Gauss, &mut P, &Solution, [&Direction; 2], conditions: usize, &mut Residual);
+/// A problem whose second derivatives are its own, or differences.
+pub(crate) enum Differentiated<'a> {
+    Exactly(&'a mut dyn Directional),
+    ByDifferences(&'a mut dyn BoundaryValueProblem),
+}
+
+impl Differentiated<'_> {
+    pub fn problem(&mut self) -> &mut dyn BoundaryValueProblem {
+        match self {
+            Differentiated::Exactly(problem) => *problem,
+            Differentiated::ByDifferences(problem) => *problem,
+        }
+    }
+
+    /// D²F\[a, b\] at a solution, with zeros in the given number of linear conditions.
+    fn second(&mut self, gauss: &Gauss, y: &Solution, along: [&Direction; 2], conditions: usize, out: &mut Residual) {
+        match self {
+            Differentiated::Exactly(problem) => second_residual(gauss, *problem, y, along, conditions, out),
+            Differentiated::ByDifferences(problem) => second_differences(gauss, *problem, y, along, conditions, out),
+        }
+    }
+}
 
 /// Newton on the extended system.
-pub(crate) struct Unfolding<P> {
+pub(crate) struct Unfolding {
     /// The unfolded system at the last iterate, bordered by planes across `basis`.
     pub system: System,
     /// Norm of the branch.
@@ -45,7 +66,6 @@ pub(crate) struct Unfolding<P> {
     pub beta: f64,
     /// Factorisations and solves.
     pub work: Work,
-    second: SecondDerivative<P>,
     weights: Vec<f64>,
     conditions: [LinearCondition; 2],
     residual: Residual,
@@ -94,7 +114,7 @@ fn split(direction: &mut Direction) -> f64 {
     direction.scalars.pop().unwrap_or(f64::NAN)
 }
 
-impl<P: BoundaryValueProblem> Unfolding<P> {
+impl Unfolding {
     /// Returns the workspace in `kept`, or a new one if it has other sizes than the problem; `None` if the kernels cannot take another
     /// scalar unknown, or if the problem is not one condition short of square.
     pub fn reuse_or_new<'a>(
@@ -102,14 +122,13 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         dims: Dimensions,
         stages: usize,
         metric: &Metric,
-        second: SecondDerivative<P>,
     ) -> Option<&'a mut Self> {
         let larger = unfolded(dims);
         if larger.check(stages).is_err() || dims.missing_conditions() != 1 {
             return None;
         }
         let fits = |unfolding: &Self| unfolding.system.dimensions() == larger && unfolding.system.gauss.m == stages;
-        let unfolding = kept.take().filter(fits).map(|kept| Unfolding { metric: metric.clone(), second, ..kept });
+        let unfolding = kept.take().filter(fits).map(|kept| Unfolding { metric: metric.clone(), ..kept });
         Some(kept.insert(unfolding.unwrap_or_else(|| Unfolding {
             system: System::new(larger, stages),
             metric: metric.clone(),
@@ -117,7 +136,6 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
             form: [f64::NAN; 3],
             beta: 0.0,
             work: Work::default(),
-            second,
             weights: unfolding_weights().take(dims.right + dims.integrals + dims.left).collect(),
             conditions: Default::default(),
             residual: Residual::default(),
@@ -128,7 +146,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
 
     /// Moves `y` onto the branch point near it, on a branch with the given tangent; `None` if Newton does not converge. System, basis
     /// and form belong to the iterate before the last correction, which is negligible.
-    pub fn solve(&mut self, problem: &mut P, y: &mut Solution, tangent: &Direction) -> Option<()> {
+    pub fn solve(&mut self, problem: &mut Differentiated<'_>, y: &mut Solution, tangent: &Direction) -> Option<()> {
         let [first, second] = &mut self.conditions;
         self.metric.plane_through(y, tangent, first);
         // Any row does that the second null direction is not orthogonal to.
@@ -141,14 +159,19 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// [`solve`](Self::solve) where the null directions are known nearly.
-    pub fn solve_from(&mut self, problem: &mut P, y: &mut Solution, basis: [Direction; 2]) -> Option<()> {
+    pub fn solve_from(
+        &mut self,
+        problem: &mut Differentiated<'_>,
+        y: &mut Solution,
+        basis: [Direction; 2],
+    ) -> Option<()> {
         self.basis = basis;
         self.iterate(problem, y, CONVERGED)
     }
 
     /// Solves for the branch point `y` on the mesh of halved intervals, until a correction is below `enough`. System, basis and form
     /// then belong to this mesh.
-    pub fn on_halved(&mut self, problem: &mut P, y: &Solution, enough: f64) -> Option<Solution> {
+    pub fn on_halved(&mut self, problem: &mut Differentiated<'_>, y: &Solution, enough: f64) -> Option<Solution> {
         let finer = mesh::halved(&y.mesh);
         let mut refined = y.on_mesh(&self.system.gauss, &finer);
         for direction in &mut self.basis {
@@ -158,7 +181,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// Newton until a correction is below `enough`.
-    fn iterate(&mut self, problem: &mut P, y: &mut Solution, enough: f64) -> Option<()> {
+    fn iterate(&mut self, problem: &mut Differentiated<'_>, y: &mut Solution, enough: f64) -> Option<()> {
         (self.beta, self.form) = (0.0, [f64::NAN; 3]);
         for _ in 0..MOST_ITERATIONS {
             self.border(y);
@@ -190,16 +213,21 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// −ψ D²F\[a, b\].
-    fn product(&mut self, problem: &mut P, y: &Solution, along: [&Direction; 2]) -> Result<f64, InvalidInput> {
+    fn product(
+        &mut self,
+        problem: &mut Differentiated<'_>,
+        y: &Solution,
+        along: [&Direction; 2],
+    ) -> Result<f64, InvalidInput> {
         let mut residual = std::mem::take(&mut self.residual);
-        (self.second)(&self.system.gauss, problem, y, along, self.conditions.len(), &mut residual);
+        problem.second(&self.system.gauss, y, along, self.conditions.len(), &mut residual);
         let product = self.project(&residual);
         self.residual = residual;
         product
     }
 
     /// Factors at `y` with the conditions as they are.
-    fn factorise(&mut self, problem: &mut P, y: &Solution) -> Result<(), FactorisationError> {
+    fn factorise(&mut self, problem: &mut Differentiated<'_>, y: &Solution) -> Result<(), FactorisationError> {
         let Unfolding { system, weights, beta, conditions, work, .. } = self;
         for condition in conditions.iter_mut() {
             condition.scalars.push(0.0);
@@ -207,7 +235,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
         work.factorisations += 1;
         work.iterations += 1;
         // The problem keeps β to itself.
-        system.evaluate_checked(&mut Unfolded { inner: problem, beta: *beta, weights }, y, conditions, true);
+        system.evaluate_checked(&mut Unfolded { inner: problem.problem(), beta: *beta, weights }, y, conditions, true);
         system.condense()?;
         system.factor_blocks(conditions)
     }
@@ -225,7 +253,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// Factorises and puts the null directions into the basis. Returns their g.
-    fn linearise(&mut self, problem: &mut P, y: &Solution) -> Result<[f64; 2], FactorisationError> {
+    fn linearise(&mut self, problem: &mut Differentiated<'_>, y: &Solution) -> Result<[f64; 2], FactorisationError> {
         self.factorise(problem, y)?;
         for (k, direction) in self.basis.iter_mut().enumerate() {
             self.system.null_direction(k, direction)?;
@@ -234,7 +262,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// Computes the form at `y`, the coefficients g_k′\[b_j\].
-    pub fn derive(&mut self, problem: &mut P, y: &Solution) -> Result<(), InvalidInput> {
+    pub fn derive(&mut self, problem: &mut Differentiated<'_>, y: &Solution) -> Result<(), InvalidInput> {
         let [a, b] = self.basis.clone();
         self.form = [
             self.product(problem, y, [&a, &a])?,
@@ -245,7 +273,7 @@ impl<P: BoundaryValueProblem> Unfolding<P> {
     }
 
     /// The correction of one Newton iteration in `step`; returns the correction of β.
-    fn correction(&mut self, problem: &mut P, y: &Solution) -> Result<f64, FactorisationError> {
+    fn correction(&mut self, problem: &mut Differentiated<'_>, y: &Solution) -> Result<f64, FactorisationError> {
         let g = self.linearise(problem, y)?;
         let mut step = std::mem::take(&mut self.step);
         self.system.solve_own(&mut step)?;

@@ -113,7 +113,7 @@ impl System {
     ///
     /// # Errors
     /// [`InvalidInput`] names the first size that does not fit.
-    pub fn check<P: BoundaryValueProblem>(&self, problem: &P, y: &Solution) -> Result<(), InvalidInput> {
+    pub fn check(&self, problem: &dyn BoundaryValueProblem, y: &Solution) -> Result<(), InvalidInput> {
         y.fits(self.dimensions())?;
         length("stages of the solution", y.m, self.gauss.m)?;
         let (theirs, own) = (problem.dimensions(), self.dimensions());
@@ -135,9 +135,9 @@ impl System {
     ///
     /// # Errors
     /// As [`check`](Self::check), and for more than [`MAX_CONDITIONS`] linear conditions. Older factors are then dropped.
-    pub fn evaluate<P: BoundaryValueProblem>(
+    pub fn evaluate(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         y: &Solution,
         conditions: &[LinearCondition],
         derivatives: bool,
@@ -153,9 +153,9 @@ impl System {
     ///
     /// # Errors
     /// As [`evaluate`](Self::evaluate), [`condense`](Self::condense) and [`factor_blocks`](Self::factor_blocks).
-    pub fn factorise<P: BoundaryValueProblem>(
+    pub fn factorise(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         y: &Solution,
         conditions: &[LinearCondition],
     ) -> Result<(), FactorisationError> {
@@ -165,9 +165,9 @@ impl System {
     }
 
     /// [`evaluate`](Self::evaluate) of sizes that are known to fit, but for scalar unknowns that the problem keeps to itself.
-    pub(crate) fn evaluate_checked<P: BoundaryValueProblem>(
+    pub(crate) fn evaluate_checked(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         y: &Solution,
         conditions: &[LinearCondition],
         derivatives: bool,
@@ -192,7 +192,7 @@ impl System {
     }
 
     /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
-    fn evaluate_offsets<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, conditions: usize) {
+    fn evaluate_offsets(&mut self, problem: &dyn BoundaryValueProblem, y: &Solution, conditions: usize) {
         let (np, ni) = (self.dimensions().scalars, self.dimensions().integrals);
         let border = &mut self.residual.border;
         zeroed(border, ni + conditions);
@@ -203,7 +203,7 @@ impl System {
     }
 
     /// The collocation equations, and the integrals over the intervals.
-    fn evaluate_intervals<P: BoundaryValueProblem>(&mut self, problem: &mut P, y: &Solution, derivatives: bool) {
+    fn evaluate_intervals(&mut self, problem: &mut dyn BoundaryValueProblem, y: &Solution, derivatives: bool) {
         let dims = self.dimensions();
         let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
         let intervals = y.intervals();
@@ -245,7 +245,7 @@ impl System {
     }
 
     /// The conditions at both ends and their derivatives.
-    fn evaluate_ends<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution) {
+    fn evaluate_ends(&mut self, problem: &dyn BoundaryValueProblem, y: &Solution) {
         let Dimensions { components: n, scalars: np, left, right, .. } = self.dimensions();
         let r = &mut self.residual;
         let ([ly, lp], [ry, rp]) = (&mut self.ends.left, &mut self.ends.right);

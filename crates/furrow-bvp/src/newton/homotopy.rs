@@ -54,8 +54,8 @@ const CORRECTOR: Newton = Newton {
 const EASY: usize = 6;
 
 /// The problem on the way from the guess `origin`.
-struct HomotopyProblem<'a, P> {
-    problem: &'a mut P,
+struct HomotopyProblem<'a> {
+    problem: &'a mut dyn BoundaryValueProblem,
     origin: &'a Solution,
     gauss: Gauss,
     /// 1 − s.
@@ -69,8 +69,8 @@ struct HomotopyProblem<'a, P> {
     offsets: Vec<f64>,
 }
 
-impl<'a, P: BoundaryValueProblem> HomotopyProblem<'a, P> {
-    fn new(problem: &'a mut P, origin: &'a Solution) -> Self {
+impl<'a> HomotopyProblem<'a> {
+    fn new(problem: &'a mut dyn BoundaryValueProblem, origin: &'a Solution) -> Self {
         let Dimensions { scalars: np, integrals, .. } = problem.dimensions();
         problem.prepare(&origin.scalars);
         let p = &origin.scalars[..];
@@ -126,7 +126,7 @@ impl<'a, P: BoundaryValueProblem> HomotopyProblem<'a, P> {
     }
 }
 
-impl<P: BoundaryValueProblem> BoundaryValueProblem for HomotopyProblem<'_, P> {
+impl BoundaryValueProblem for HomotopyProblem<'_> {
     fn dimensions(&self) -> Dimensions {
         self.problem.dimensions()
     }
@@ -181,8 +181,8 @@ impl<P: BoundaryValueProblem> BoundaryValueProblem for HomotopyProblem<'_, P> {
 }
 
 /// One homotopy.
-struct Path<'a, P> {
-    deformed: HomotopyProblem<'a, P>,
+struct Path<'a> {
+    deformed: HomotopyProblem<'a>,
     system: &'a mut System,
     scratch: &'a mut NewtonScratch,
     work: &'a mut Work,
@@ -193,8 +193,8 @@ struct Path<'a, P> {
 
 /// A solution of `problem` with a defect below [`BOUND`], along the path of the guess `origin`; `None` if the path does
 /// not lead to one within the limits of intervals and of corrections.
-pub(super) fn solve<P: BoundaryValueProblem>(
-    problem: &mut P,
+pub(super) fn solve(
+    problem: &mut dyn BoundaryValueProblem,
     origin: &Solution,
     [max_intervals, corrections]: [usize; 2],
     system: &mut System,
@@ -205,7 +205,7 @@ pub(super) fn solve<P: BoundaryValueProblem>(
     Path { deformed, system, scratch, work, max_intervals, corrections }.run(origin.clone())
 }
 
-impl<P: BoundaryValueProblem> Path<'_, P> {
+impl Path<'_> {
     /// Steps in s, a quarter as long after a failure and twice as long where the corrector was fast.
     fn run(&mut self, mut y: Solution) -> Option<Solution> {
         let (mut s, mut step) = (0.0, FIRST_STEP);

@@ -187,11 +187,11 @@ impl Newton {
     ///
     /// # Errors
     /// [`NewtonError`] if the iteration does not converge from there.
-    pub fn solve<P: BoundaryValueProblem>(
+    pub fn solve(
         &self,
         system: &mut System,
         scratch: &mut NewtonScratch,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         y: &mut Solution,
         conditions: &[LinearCondition],
         reuse: bool,
@@ -204,11 +204,11 @@ impl Newton {
     }
 
     /// Chord steps alone, with the factors already in `system`. None if they do not converge, with `y` as it was.
-    pub(crate) fn solve_with_factors<P: BoundaryValueProblem>(
+    pub(crate) fn solve_with_factors(
         &self,
         system: &mut System,
         scratch: &mut NewtonScratch,
-        problem: &mut P,
+        problem: &mut dyn BoundaryValueProblem,
         y: &mut Solution,
         conditions: &[LinearCondition],
     ) -> Option<NewtonReport> {
@@ -217,14 +217,14 @@ impl Newton {
     }
 
     /// Checks the settings, the sizes and that there are as many conditions as unknowns.
-    fn iteration<'a, P: BoundaryValueProblem>(
+    fn iteration<'a>(
         &'a self,
         system: &'a mut System,
         scratch: &'a mut NewtonScratch,
-        problem: &'a mut P,
+        problem: &'a mut dyn BoundaryValueProblem,
         y: &'a mut Solution,
         conditions: &'a [LinearCondition],
-    ) -> Result<Iteration<'a, P>, InvalidInput> {
+    ) -> Result<Iteration<'a>, InvalidInput> {
         self.check()?;
         system.check(problem, y)?;
         invalid::length("linear conditions", conditions.len(), system.dimensions().linear_conditions())?;
@@ -235,9 +235,9 @@ impl Newton {
 }
 
 /// Solves for the correction of the residual at `y` with the factors of an earlier iterate.
-fn chord_correction<P: BoundaryValueProblem>(
+fn chord_correction(
     system: &mut System,
-    problem: &mut P,
+    problem: &mut dyn BoundaryValueProblem,
     y: &Solution,
     conditions: &[LinearCondition],
     correction: &mut Direction,
@@ -260,17 +260,17 @@ const SETTLED: f64 = 1e-2;
 const SMALL: f64 = 1e-2;
 
 /// State of one call of [`Newton::solve`].
-struct Iteration<'a, P> {
+struct Iteration<'a> {
     settings: &'a Newton,
     system: &'a mut System,
     scratch: &'a mut NewtonScratch,
-    problem: &'a mut P,
+    problem: &'a mut dyn BoundaryValueProblem,
     y: &'a mut Solution,
     conditions: &'a [LinearCondition],
     report: NewtonReport,
 }
 
-impl<P: BoundaryValueProblem> Iteration<'_, P> {
+impl Iteration<'_> {
     /// Factorises and steps until converged or at a limit.
     fn run(&mut self) -> Result<NewtonReport, NewtonError> {
         let settings = self.settings;

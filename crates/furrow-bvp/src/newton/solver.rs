@@ -198,8 +198,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 /// assert!((y[0] - 4.0 / 1.5f64.powi(2)).abs() < 1e-9);
 /// # Ok::<(), furrow_bvp::SolveError>(())
 /// ```
-pub fn solve<P: BoundaryValueProblem>(
-    problem: &mut P,
+pub fn solve(
+    problem: &mut dyn BoundaryValueProblem,
     guess: &Solution,
     settings: &Settings,
 ) -> Result<Solved, SolveError> {
@@ -224,8 +224,8 @@ pub fn solve<P: BoundaryValueProblem>(
 }
 
 /// One call of [`solve`].
-struct Run<'a, P> {
-    problem: &'a mut P,
+struct Run<'a> {
+    problem: &'a mut dyn BoundaryValueProblem,
     settings: &'a Settings,
     system: System,
     scratch: NewtonScratch,
@@ -238,7 +238,7 @@ struct Run<'a, P> {
     homotopy_tried: bool,
 }
 
-impl<P: BoundaryValueProblem> Run<'_, P> {
+impl Run<'_> {
     fn solve(&mut self, mut y: Solution) -> Result<Solved, SolveError> {
         let Settings { tolerance, max_intervals: limit, .. } = *self.settings;
         let mut refinement = mesh::Refinement::new(tolerance, limit);

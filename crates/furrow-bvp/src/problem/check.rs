@@ -78,7 +78,7 @@ const OF_CHANGE: f64 = 20.0;
 ///     fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
 ///         f.copy_from_slice(&[y[1], -y[0].sin()]);
 ///     }
-///     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+///     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut dyn DirectionalointJacobian<'_>) {
 ///         self.rhs(at, y, p, out.f, out.g);
 ///         // The derivative of −sin is −cos.
 ///         out.fy.copy_from_slice(&[0.0, 1.0, y[0].cos(), 0.0]);
@@ -93,11 +93,11 @@ const OF_CHANGE: f64 = 20.0;
 ///
 /// let wave = |x: f64, y: &mut [f64]| y.copy_from_slice(&[0.3 + x.sin(), 0.7 * x.cos()]);
 /// let y = Solution::from_fn(&Gauss::default(), &mesh::uniform(0.0, 2.0, 5), 2, &[], wave)?;
-/// let error = check_derivatives(&mut Pendulum, &y).unwrap_err().to_string();
+/// let error = check_derivatives(&mut dyn Directionalendulum, &y).unwrap_err().to_string();
 /// assert!(error.starts_with("1 wrong derivatives; the first: ∂f[1]/∂y[0] at x = "), "{error}");
 /// # Ok::<(), furrow_bvp::InvalidInput>(())
 /// ```
-pub fn check_derivatives<P: BoundaryValueProblem>(problem: &mut P, y: &Solution) -> Result<(), CheckError> {
+pub fn check_derivatives(problem: &mut dyn BoundaryValueProblem, y: &Solution) -> Result<(), CheckError> {
     let places = Places::of(problem, y)?;
     let mut found = Vec::new();
     for &i in &places.chosen {
@@ -112,7 +112,7 @@ pub fn check_derivatives<P: BoundaryValueProblem>(problem: &mut P, y: &Solution)
 ///
 /// # Errors
 /// [`CheckError::Wrong`] names every wrong component once.
-pub fn check_directional<P: Directional>(problem: &mut P, y: &Solution) -> Result<(), CheckError> {
+pub fn check_directional(problem: &mut dyn Directional, y: &Solution) -> Result<(), CheckError> {
     let places = Places::of(problem, y)?;
     let mut found = Vec::new();
     for &i in &places.chosen {
@@ -142,7 +142,7 @@ struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    fn of<P: BoundaryValueProblem>(problem: &P, y: &'a Solution) -> Result<Places<'a>, CheckError> {
+    fn of(problem: &dyn BoundaryValueProblem, y: &'a Solution) -> Result<Places<'a>, CheckError> {
         let dims = problem.dimensions();
         dims.check(y.m)?;
         if y.fits(dims).is_err() {
@@ -170,7 +170,7 @@ impl<'a> Places<'a> {
     }
 
     /// Prepares the problem for scalar unknowns.
-    fn prepare<P: BoundaryValueProblem>(&self, problem: &mut P, p: &[f64]) {
+    fn prepare(&self, problem: &mut dyn BoundaryValueProblem, p: &[f64]) {
         problem.prepare(p);
         problem.prepare_points(&self.x, p);
     }
@@ -234,7 +234,7 @@ fn unknown(k: usize, n: usize) -> String {
 }
 
 /// f and g, and their rows of derivatives.
-fn jacobian<P: BoundaryValueProblem>(problem: &P, places: &Places, i: usize, u: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn jacobian(problem: &dyn BoundaryValueProblem, places: &Places, i: usize, u: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
     let Dimensions { components: n, scalars: np, integrals: ni, .. } = places.dims;
     let (mut f, mut fy, mut fp) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
     let (mut g, mut gy, mut gp) = (vec![0.0; ni], vec![0.0; ni * n], vec![0.0; ni * np]);
@@ -248,7 +248,7 @@ fn jacobian<P: BoundaryValueProblem>(problem: &P, places: &Places, i: usize, u: 
 }
 
 /// f and g at unknowns u.
-fn values<P: BoundaryValueProblem>(problem: &mut P, places: &Places, i: usize, u: &[f64]) -> Vec<f64> {
+fn values(problem: &mut dyn BoundaryValueProblem, places: &Places, i: usize, u: &[f64]) -> Vec<f64> {
     let Dimensions { components: n, integrals: ni, .. } = places.dims;
     let (y, p) = u.split_at(n);
     places.prepare(problem, p);
@@ -258,7 +258,7 @@ fn values<P: BoundaryValueProblem>(problem: &mut P, places: &Places, i: usize, u
     f
 }
 
-fn check_point<P: BoundaryValueProblem>(problem: &mut P, places: &Places, i: usize) -> Vec<Mismatch> {
+fn check_point(problem: &mut dyn BoundaryValueProblem, places: &Places, i: usize) -> Vec<Mismatch> {
     let (u, n, x, names) = (places.unknowns(i), places.dims.components, places.x[i], places.names());
     let columns: Vec<Estimate> = (0..u.len())
         .map(|k| {
@@ -291,7 +291,7 @@ fn check_point<P: BoundaryValueProblem>(problem: &mut P, places: &Places, i: usi
 }
 
 /// Residuals of the conditions and h(p), in one vector.
-fn conditions<P: BoundaryValueProblem>(problem: &mut P, dims: Dimensions, at: EndValues) -> Vec<f64> {
+fn conditions(problem: &mut dyn BoundaryValueProblem, dims: Dimensions, at: EndValues) -> Vec<f64> {
     problem.prepare(at.p);
     let Dimensions { scalars: np, integrals, .. } = dims;
     let [mut residuals, right] = [(End::Left, at.left), (End::Right, at.right)].map(|(end, y)| {
@@ -308,7 +308,7 @@ fn at_ends(u: &[f64], n: usize) -> EndValues<'_> {
     EndValues { left: &u[..n], right: &u[n..2 * n], p: &u[2 * n..] }
 }
 
-fn check_ends<P: BoundaryValueProblem>(problem: &mut P, places: &Places) -> Vec<Mismatch> {
+fn check_ends(problem: &mut dyn BoundaryValueProblem, places: &Places) -> Vec<Mismatch> {
     let (dims, n, y) = (places.dims, places.dims.components, places.y);
     let u = [y.node(0), y.node(y.intervals()), &y.scalars].concat();
     let unit = |k: usize| (0..u.len()).map(|i| f64::from(i == k)).collect::<Vec<_>>();
@@ -348,7 +348,7 @@ fn compare_along(
     (0..given.len()).filter(wrong).map(mismatch).collect()
 }
 
-fn check_point_along<P: Directional>(problem: &mut P, places: &Places, i: usize) -> Vec<Mismatch> {
+fn check_point_along(problem: &mut dyn Directional, places: &Places, i: usize) -> Vec<Mismatch> {
     let Dimensions { components: n, integrals: ni, .. } = places.dims;
     let (u, a, b) = (places.unknowns(i), places.direction(1.7), places.direction(2.9));
     let step = STEP * (1.0 + u.iter().fold(0.0f64, |largest, u| largest.max(u.abs())));
@@ -356,7 +356,7 @@ fn check_point_along<P: Directional>(problem: &mut P, places: &Places, i: usize)
     let along = |d: &'_ [f64]| -> (Vec<f64>, Vec<f64>) { (d[..n].to_vec(), d[n..].to_vec()) };
     let [(ay, ap), (by, bp)] = [along(&a), along(&b)];
     let [a, b_along] = [PointDirection { y: &ay, p: &ap }, PointDirection { y: &by, p: &bp }];
-    let second = |problem: &mut P, u: &[f64], b: PointDirection| {
+    let second = |problem: &mut dyn Directional, u: &[f64], b: PointDirection| {
         let (y, p) = u.split_at(n);
         places.prepare(problem, p);
         let (mut f, mut g) = (vec![0.0; n], vec![0.0; ni]);
@@ -387,7 +387,7 @@ fn check_point_along<P: Directional>(problem: &mut P, places: &Places, i: usize)
     found
 }
 
-fn check_ends_along<P: Directional>(problem: &mut P, places: &Places) -> Vec<Mismatch> {
+fn check_ends_along(problem: &mut dyn Directional, places: &Places) -> Vec<Mismatch> {
     let Dimensions { components: n, left, right, integrals, .. } = places.dims;
     let y = places.y;
     let at = EndValues { left: y.node(0), right: y.node(y.intervals()), p: &y.scalars };
@@ -396,7 +396,7 @@ fn check_ends_along<P: Directional>(problem: &mut P, places: &Places) -> Vec<Mis
     let [a, b] = [(&u, &v), (&v, &u)].map(|(d, e)| EndValues { left: &d[..n], right: &e[..n], p: &d[n..] });
     let largest = [at.left, at.right, at.p].concat().iter().fold(0.0f64, |largest, u| largest.max(u.abs()));
     let step = STEP * (1.0 + largest);
-    let derivative = |problem: &mut P, at: EndValues, along: Option<EndValues>| {
+    let derivative = |problem: &mut dyn Directional, at: EndValues, along: Option<EndValues>| {
         let [mut l, mut r, mut h] = [left, right, integrals].map(|count| vec![0.0; count]);
         let out = EndDerivatives { left: &mut l, right: &mut r, offsets: &mut h };
         match along {

@@ -12,9 +12,9 @@ use super::statement::{BoundaryValueProblem, CollocationPoints};
 type Pair<'a> = [&'a mut [f64]; 2];
 
 /// D²F\[a, b\] of all equations, with zeros in `conditions` linear conditions.
-pub(crate) fn second_residual<P: Directional>(
+pub(crate) fn second_residual(
     gauss: &Gauss,
-    problem: &mut P,
+    problem: &mut dyn Directional,
     y: &Solution,
     along: [&Direction; 2],
     conditions: usize,
@@ -32,9 +32,9 @@ pub(crate) fn second_residual<P: Directional>(
 }
 
 /// [`second_residual`] of any problem, by differences.
-pub(crate) fn second_differences<P: BoundaryValueProblem>(
+pub(crate) fn second_differences(
     gauss: &Gauss,
-    problem: &mut P,
+    problem: &mut dyn BoundaryValueProblem,
     y: &Solution,
     along: [&Direction; 2],
     conditions: usize,
@@ -53,9 +53,9 @@ pub(crate) fn second_differences<P: BoundaryValueProblem>(
 
 /// D²F\[a, a\] of all equations into the first of `out` and D³F\[a, a, a\] into the second, with zeros in `conditions` linear
 /// conditions.
-pub(crate) fn power_residuals<P: Directional>(
+pub(crate) fn power_residuals(
     gauss: &Gauss,
-    problem: &mut P,
+    problem: &mut dyn Directional,
     y: &Solution,
     a: &Direction,
     conditions: usize,
@@ -83,7 +83,7 @@ struct Part<'a> {
 }
 
 /// Derivatives along D directions by functions for the equations at the collocation points, and for the conditions.
-fn residuals<P: BoundaryValueProblem, const D: usize, const K: usize>(
+fn residuals<P: BoundaryValueProblem + ?Sized, const D: usize, const K: usize>(
     gauss: &Gauss,
     problem: &mut P,
     y: &Solution,
