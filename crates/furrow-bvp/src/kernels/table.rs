@@ -40,6 +40,8 @@ pub struct Kernels {
 
 impl Kernels {
     /// Kernels for any sizes.
+    // Inlined, it would be compiled again, with all kernels, in every crate that states a problem.
+    #[inline(never)]
     pub fn general() -> Kernels {
         Kernels::of::<RuntimeSizes>()
     }
