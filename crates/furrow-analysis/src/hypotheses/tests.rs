@@ -1,5 +1,6 @@
 //! Statistics beside SciPy's and on synthetic tables, and whole tests with divisions.
 
+use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 
 use furrow_cell::Numerics;
@@ -218,8 +219,9 @@ fn pairs_are_distinguishable_at_the_rates_of_p() {
 #[test]
 fn the_embryos_needed_are_those_of_the_true_difference() {
     let (off, mut random) = (TRUTH.map(|chi| chi + 0.012), Mt64::new(3));
-    let found = pair(&synthetic(&mut random, 4000, &TRUTH, SD), NoiseKind::Given, [&TRUTH, &off]);
-    let parts = (found.delta / 4000.0, found.se.unwrap() / 4000.0_f64.sqrt());
+    let embryos = 1500;
+    let found = pair(&synthetic(&mut random, embryos, &TRUTH, SD), NoiseKind::Given, [&TRUTH, &off]);
+    let parts = (found.delta / embryos as f64, found.se.unwrap() / (embryos as f64).sqrt());
     assert!((parts.0 / 0.48 - 1.0).abs() < 0.1 && (parts.1 / 0.979_796 - 1.0).abs() < 0.05, "{parts:?}");
     let same = Pair::of(("a", &[1.0, 1.0]), ("b", &[1.0, 1.0]));
     assert_eq!((same.p, same.distinguishable, same.needed), (Some(1.0), false, None));
@@ -469,12 +471,14 @@ fn asked(
     let (lineage, settings, cancel) = (Lineage::c_elegans().unwrap(), coarse(), AtomicBool::new(false));
     let hypotheses = Hypothesis::all(named, free, &lineage, &settings.cell, ["--cue", "--free"]).unwrap();
     let noise = Noise::of(observations, kind, false, ("t.csv", "--noise")).unwrap();
-    let memo = Memo::new(Quantisation::EXACT);
     let SearchBudget { particles, moves, seed } = EFFORT;
     let effort = Effort { particles: Some(particles), moves: Some(moves), seed };
-    let question = Question { observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };
+    let question = Question { observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &MEMO };
     test(&FitRun::new(&lineage, &settings, threads, &cancel), &question).unwrap()
 }
+
+/// Divisions of all tests: their searches begin at the same cells.
+static MEMO: LazyLock<Memo> = LazyLock::new(|| Memo::new(Quantisation::EXACT));
 
 const EFFORT: SearchBudget = SearchBudget { particles: 4, moves: 3, seed: 1 };
 

@@ -78,7 +78,7 @@ const OF_CHANGE: f64 = 20.0;
 ///     fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
 ///         f.copy_from_slice(&[y[1], -y[0].sin()]);
 ///     }
-///     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut dyn DirectionalointJacobian<'_>) {
+///     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
 ///         self.rhs(at, y, p, out.f, out.g);
 ///         // The derivative of −sin is −cos.
 ///         out.fy.copy_from_slice(&[0.0, 1.0, y[0].cos(), 0.0]);
@@ -93,7 +93,7 @@ const OF_CHANGE: f64 = 20.0;
 ///
 /// let wave = |x: f64, y: &mut [f64]| y.copy_from_slice(&[0.3 + x.sin(), 0.7 * x.cos()]);
 /// let y = Solution::from_fn(&Gauss::default(), &mesh::uniform(0.0, 2.0, 5), 2, &[], wave)?;
-/// let error = check_derivatives(&mut dyn Directionalendulum, &y).unwrap_err().to_string();
+/// let error = check_derivatives(&mut Pendulum, &y).unwrap_err().to_string();
 /// assert!(error.starts_with("1 wrong derivatives; the first: ∂f[1]/∂y[0] at x = "), "{error}");
 /// # Ok::<(), furrow_bvp::InvalidInput>(())
 /// ```
