@@ -1,10 +1,8 @@
-//! Snapshots of the work of each kind of division: steps and factorisations, which do not depend on the machine and its load.
+//! The work of each kind of division: steps and factorisations, which do not depend on the machine and its load.
 //!
-//! After an intended change, `INSTA_UPDATE=always cargo test --test cells work_counters` writes the new numbers to
-//! `tests/cells/snapshots/`. Review the difference before you commit it.
+//! After an intended change, `UPDATE_CASES=1 cargo test --test cells work_counters` writes the new numbers to `work_counters.txt`.
 
-use std::fmt::Write;
-
+use crate::common::cases::check_cases;
 use crate::common::shapes::{at, solve, whole};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, divide_with};
@@ -21,32 +19,33 @@ fn kinds() -> [(&'static str, f64, Cue); 5] {
     ]
 }
 
+/// The tables in `work_counters.txt`.
+#[test]
+fn work_of_each_kind_of_division() {
+    check_cases("cells/work_counters.txt", |case| match case {
+        "work" => work(),
+        _ => intervals(),
+    });
+}
+
 /// Changing R0 by one to a hundred thousand units in the last place leaves every count below as it is, but moves single
 /// Newton iterations; other implementations of sin and exp may do the same. Those are therefore given to the nearest
 /// multiple of 50, a tenth or so of a division's.
-#[test]
-fn work_of_each_kind_of_division() {
-    let mut table =
-        String::from("division                 outcome      steps rejected factorisations remeshings newton~\n");
-    for (kind, r0, cue) in kinds() {
+fn work() -> String {
+    let row = |(kind, r0, cue): (&str, f64, Cue)| {
         let d = solve(Cell::gao2026_thresholds(r0).with_cue(cue));
         let outcome = format!("{:?}", d.outcome());
         let furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
         let newton = (iterations + 25) / 50 * 50;
-        writeln!(table, "{kind:24} {outcome:11} {steps:6} {rejected:8} {factorisations:14} {remeshings:10} {newton:7}")
-            .unwrap();
-    }
-    insta::assert_snapshot!(table);
+        format!("{kind:24} {outcome:11} {steps:6} {rejected:8} {factorisations:14} {remeshings:10} {newton:7}\n")
+    };
+    let head = "division                 outcome      steps rejected factorisations remeshings newton~\n";
+    head.to_owned() + &kinds().map(row).concat()
 }
 
 /// The cost of a factorisation or an iteration grows with the intervals of the mesh: those of all steps but the first, noisy one.
-#[test]
-fn intervals_of_each_kind_of_division() {
-    let mut table = String::from(
-        "division                 least mean most
-",
-    );
-    for (kind, r0, cue) in kinds() {
+fn intervals() -> String {
+    let row = |(kind, r0, cue): (&str, f64, Cue)| {
         let mut intervals = Vec::new();
         let input = DivisionInput::new(Cell::gao2026_thresholds(r0).with_cue(cue));
         let (division, _) =
@@ -56,9 +55,9 @@ fn intervals_of_each_kind_of_division() {
         let steps = &intervals[1..];
         let (least, most) = (steps.iter().min().unwrap(), steps.iter().max().unwrap());
         let mean = steps.iter().sum::<usize>() as f64 / steps.len() as f64;
-        writeln!(table, "{kind:24} {least:5} {mean:4.1} {most:4}").unwrap();
-    }
-    insta::assert_snapshot!(table);
+        format!("{kind:24} {least:5} {mean:4.1} {most:4}\n")
+    };
+    "division                 least mean most\n".to_owned() + &kinds().map(row).concat()
 }
 
 /// Branches in ξ_s, and curves of singular points, an iteration of which is a factorisation. Roundings move single steps,
