@@ -16,7 +16,8 @@ import subprocess
 import sys
 import tempfile
 
-TOLERANCES = ["1e-3", "1e-4", "1e-5", "1e-6", "1e-7"]
+# A quarter of a decade apart: in steps of a decade the work at equal error would be a fifth too large.
+TOLERANCES = [f"{10 ** (-k / 4):.3g}" for k in range(12, 29)]
 # A solution with a larger error is wrong. Cases that COLNEW does not solve are left out.
 WRONG = 1e-3
 
@@ -75,7 +76,7 @@ def main():
     rows, equal_tolerance, equal_error = [], [], []
     for k, case in enumerate(cases):
         of_case = runs[k :: len(cases)]
-        theirs, own = colnew[k], of_case[TOLERANCES.index("1e-6")]
+        theirs, own = colnew[k], of_case[TOLERANCES.index(f"{1e-6:.3g}")]
         cheapest = min((count for off, count, _ in of_case if off <= theirs[0]), default=None)
         rows.append([*case.split(",")[:2], *theirs, *own, cheapest])
         if own[0] <= WRONG:

@@ -1,6 +1,6 @@
 //! Directions in the space of solutions, residuals of equations and linear conditions on solutions.
 
-use crate::dense::{weighted_maximum, zeroed};
+use crate::dense::{add_multiple, largest, weighted_maximum, zeroed};
 use crate::invalid::{InvalidInput, length};
 use crate::solution::Solution;
 
@@ -55,20 +55,15 @@ impl Residual {
 
     /// The largest size of an entry, NaN if any is not a number.
     pub(crate) fn largest(&self) -> f64 {
-        let parts = [&self.stages, &self.nodes, &self.left, &self.right, &self.border];
-        parts
-            .into_iter()
-            .flatten()
-            .fold(0.0, |largest, r| if r.abs() > largest || r.is_nan() { r.abs() } else { largest })
+        let parts = [&self.stages, &self.nodes, &self.left, &self.right, &self.border].map(|part| largest(part));
+        largest(&parts)
     }
 
     /// Adds λ times another residual of the same shape.
     pub(crate) fn add(&mut self, lambda: f64, other: &Residual) {
         let to = [&mut self.stages, &mut self.nodes, &mut self.left, &mut self.right, &mut self.border];
         for (to, from) in to.into_iter().zip([&other.stages, &other.nodes, &other.left, &other.right, &other.border]) {
-            for (to, from) in to.iter_mut().zip(from) {
-                *to += lambda * from;
-            }
+            add_multiple(to, lambda, from);
         }
     }
 }
@@ -114,18 +109,14 @@ impl Direction {
         for (v, d) in
             [(&mut self.nodes, &other.nodes), (&mut self.stages, &other.stages), (&mut self.scalars, &other.scalars)]
         {
-            for (v, d) in v.iter_mut().zip(d) {
-                *v += lambda * d;
-            }
+            add_multiple(v, lambda, d);
         }
     }
 
     /// Adds λδ to a solution.
     pub fn apply(&self, lambda: f64, to: &mut Solution) {
         for (d, v) in [(&self.nodes, &mut to.nodes), (&self.stages, &mut to.stages), (&self.scalars, &mut to.scalars)] {
-            for (v, d) in v.iter_mut().zip(d) {
-                *v += lambda * d;
-            }
+            add_multiple(v, lambda, d);
         }
     }
 }

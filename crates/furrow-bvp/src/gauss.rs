@@ -32,6 +32,8 @@ pub struct Gauss {
     pub d_matrix: Vec<f64>,
     /// d = bᵀD; length m.
     pub d: Vec<f64>,
+    /// {0, c_1 … c_m, 1}.
+    points: Vec<f64>,
     /// Barycentric weights of the points {0, c_1 … c_m}; length m + 1.
     barycentric: Vec<f64>,
     /// Barycentric weights of the points {0, c_1 … c_m, 1}; length m + 2.
@@ -90,22 +92,27 @@ fn barycentric_weights(points: &[f64]) -> Vec<f64> {
     (0..points.len()).map(|i| 1.0 / product(i)).collect()
 }
 
-/// Values at θ of the Lagrange basis on `point`(0), `point`(1), …, one for each of the barycentric `weights`.
-fn lagrange_basis(point: impl Fn(usize) -> f64, weights: &[f64], theta: f64, out: &mut [f64]) {
-    let out = &mut out[..weights.len()];
-    for i in 0..weights.len() {
-        if theta == point(i) {
+/// Values at θ of the Lagrange basis on the first of `points`, one for each of the barycentric `weights`.
+fn lagrange_basis(points: &[f64], weights: &[f64], theta: f64, out: &mut [f64]) {
+    #[inline(always)]
+    fn any(points: &[f64], weights: &[f64], theta: f64, out: &mut [f64]) {
+        if let Some(i) = points.iter().position(|point| *point == theta) {
             out.fill(0.0);
             out[i] = 1.0;
             return;
         }
+        for ((o, weight), point) in out.iter_mut().zip(weights).zip(points) {
+            *o = weight / (theta - point);
+        }
+        let sum: f64 = out.iter().sum();
+        out.iter_mut().for_each(|o| *o /= sum);
     }
-    let mut sum = 0.0;
-    for (i, o) in out.iter_mut().enumerate() {
-        *o = weights[i] / (theta - point(i));
-        sum += *o;
+    let (points, out) = (&points[..weights.len()], &mut out[..weights.len()]);
+    // Loops of known length are unrolled: four stages with both nodes.
+    match (points.first_chunk::<6>(), <&[f64; 6]>::try_from(weights).ok(), out.first_chunk_mut::<6>()) {
+        (Some(points), Some(weights), Some(out)) => any(points, weights, theta, out),
+        _ => any(points, weights, theta, out),
     }
-    out.iter_mut().for_each(|o| *o /= sum);
 }
 
 impl Default for Gauss {
@@ -145,14 +152,13 @@ impl Gauss {
         let barycentric = barycentric_weights(&points);
         points.push(1.0);
         let barycentric_between_nodes = barycentric_weights(&points);
-        Gauss { m, c, b, a, d_matrix, d, barycentric, barycentric_between_nodes }
+        Gauss { m, c, b, a, d_matrix, d, points, barycentric, barycentric_between_nodes }
     }
 
     /// Values at θ of the Lagrange basis on {0, c_1 … c_m}; the first entry multiplies the node value. `out` has length
     /// m + 1.
     pub fn basis(&self, theta: f64, out: &mut [f64]) {
-        let point = |i: usize| if i == 0 { 0.0 } else { self.c[i - 1] };
-        lagrange_basis(point, &self.barycentric, theta, out);
+        lagrange_basis(&self.points, &self.barycentric, theta, out);
     }
 
     /// Values at θ of the Lagrange basis on {0, c_1 … c_m, 1}, between both nodes of an interval. `out` has length m + 2.
@@ -160,24 +166,19 @@ impl Gauss {
     /// The collocation polynomial of a solution goes through its right node by itself. Where values only approximate one,
     /// as after a change of the mesh, this basis treats the two ends alike and [`basis`](Self::basis) does not.
     pub fn basis_between_nodes(&self, theta: f64, out: &mut [f64]) {
-        let point = |i: usize| match i {
-            0 => 0.0,
-            i if i > self.m => 1.0,
-            i => self.c[i - 1],
-        };
-        lagrange_basis(point, &self.barycentric_between_nodes, theta, out);
+        lagrange_basis(&self.points, &self.barycentric_between_nodes, theta, out);
     }
 
     /// Derivatives with respect to θ of the same basis. `out` has length m + 1.
     pub fn basis_derivative(&self, theta: f64, out: &mut [f64]) {
-        let m = self.m;
-        let point = |i: usize| if i == 0 { 0.0 } else { self.c[i - 1] };
+        let (m, points) = (self.m, &self.points);
         for (i, o) in out.iter_mut().enumerate().take(m + 1) {
-            let mut sum = 0.0;
-            for k in (0..=m).filter(|&k| k != i) {
-                sum += (0..=m).filter(|&l| l != i && l != k).map(|l| theta - point(l)).product::<f64>();
+            // The product over the other points and its derivative.
+            let (mut product, mut slope) = (1.0, 0.0);
+            for point in points[..i].iter().chain(&points[i + 1..=m]) {
+                (slope, product) = (slope * (theta - point) + product, product * (theta - point));
             }
-            *o = sum * self.barycentric[i];
+            *o = slope * self.barycentric[i];
         }
     }
 }

@@ -94,7 +94,11 @@ pub(crate) fn samples(gauss: &Gauss, mesh: &[f64]) -> Vec<f64> {
 }
 
 fn at_places(places: &[f64], mesh: &[f64]) -> Vec<f64> {
-    mesh.windows(2).flat_map(|x| places.iter().map(move |theta| x[0] + theta * (x[1] - x[0]))).collect()
+    let mut all = Vec::with_capacity(mesh.len() * places.len());
+    for x in mesh.windows(2) {
+        all.extend(places.iter().map(|theta| x[0] + theta * (x[1] - x[0])));
+    }
+    all
 }
 
 /// Largest defect |u′ − f(u)| · h / (1 + |u|) (N.6) of the collocation polynomial u on every interval of width h, sampled midway
@@ -199,8 +203,8 @@ fn residuals(
         gauss.basis_derivative(theta, &mut slope[..=m]);
         for i in 0..y.intervals() {
             let point = (i * count + k) * n..(i * count + k + 1) * n;
-            y.combine(i, &basis, &mut values[point.clone()]);
-            y.combine(i, &slope, &mut slopes[point]);
+            y.interpolate(i, &basis, &mut values[point.clone()]);
+            y.interpolate(i, &slope, &mut slopes[point]);
         }
     }
     let (mut f, mut g) = (vec![0.0; points * n], vec![0.0; points * dims.integrals]);

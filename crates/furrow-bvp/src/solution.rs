@@ -1,5 +1,6 @@
 //! A collocation solution: mesh, node values, stage values, scalar unknowns.
 
+use crate::dense::add_multiple;
 use crate::dimensions::{Dimensions, TooLarge};
 use crate::gauss::{Gauss, MAX_STAGES};
 use crate::invalid::{self, InvalidInput, length};
@@ -177,7 +178,7 @@ impl Solution {
     pub fn eval_in(&self, gauss: &Gauss, i: usize, theta: f64, out: &mut [f64]) {
         let mut basis = [0.0; MAX_STAGES + 1];
         gauss.basis(theta, &mut basis);
-        self.combine(i, &basis, out);
+        self.interpolate(i, &basis, out);
     }
 
     /// Derivative with respect to x of the polynomial of interval i at θ ∈ [0, 1].
@@ -187,11 +188,24 @@ impl Solution {
         let Some([left, right]) = self.mesh.get(i..i + 2) else { return out.fill(f64::NAN) };
         let h = right - left;
         basis.iter_mut().for_each(|b| *b /= h);
-        self.combine(i, &basis, out);
+        self.interpolate(i, &basis, out);
+    }
+
+    /// Multiplies all values by a factor, then adds multiples of solutions on the same mesh.
+    pub fn combine<'a>(&mut self, factor: f64, terms: impl Iterator<Item = (&'a Solution, f64)>) {
+        let Solution { nodes, stages, scalars, .. } = self;
+        for values in [&mut *nodes, &mut *stages, &mut *scalars] {
+            values.iter_mut().for_each(|v| *v *= factor);
+        }
+        for (y, weight) in terms {
+            for (to, from) in [(&mut *nodes, &y.nodes), (&mut *stages, &y.stages), (&mut *scalars, &y.scalars)] {
+                add_multiple(to, weight, from);
+            }
+        }
     }
 
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
-    pub(crate) fn combine<'a>(&'a self, i: usize, basis: &[f64], out: &mut [f64]) {
+    pub(crate) fn interpolate<'a>(&'a self, i: usize, basis: &[f64], out: &mut [f64]) {
         /// Sums of N components are kept in registers.
         #[inline(always)]
         fn sized<const N: usize>(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
@@ -331,7 +345,7 @@ impl Transfer {
                 out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
                 continue;
             }
-            from.combine(*interval, weights, out);
+            from.interpolate(*interval, weights, out);
             for (o, right) in out.iter_mut().zip(right) {
                 *o += weight * right;
             }

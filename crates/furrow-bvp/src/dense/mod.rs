@@ -48,7 +48,12 @@ impl Lanes {
     /// first time.
     pub fn resize(&mut self, len: usize) {
         // Room for the lanes to start up to a lane behind the allocation.
-        self.values.resize((len + 1) * LANE, 0.0);
+        let entries = (len + 1) * LANE;
+        if entries > self.values.capacity() {
+            // Without the old values, which `Vec::resize` would copy.
+            self.values = vec![0.0; entries];
+        }
+        self.values.resize(entries, 0.0);
         // The offset may be refused, and is only a matter of speed.
         self.start = Some(self.values.as_ptr().align_offset(BOUNDARY)).filter(|offset| *offset < LANE).unwrap_or(0);
         self.len = len;
@@ -165,6 +170,10 @@ fn subtract_scaled(x: &mut Lane, factor: f64, p: &Lane) {
 
 /// Makes `v` the given number of zeros. A kilobyte at a time: more are cleared by string instructions, which are slow to begin with.
 pub fn zeroed(v: &mut Vec<f64>, len: usize) {
+    if len > v.capacity() {
+        *v = vec![0.0; len];
+        return;
+    }
     v.resize(len, 0.0);
     v.chunks_mut(128).for_each(|part| part.fill(0.0));
 }
@@ -208,6 +217,26 @@ fn add_block<const W: usize>(sums: &mut [Lane], factors: &[f64], columns: &[Lane
         }
     }
     *sums = sum;
+}
+
+/// Adds a multiple of a vector.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+pub fn add_multiple(to: &mut [f64], factor: f64, terms: &[f64]) {
+    to.iter_mut().zip(terms).for_each(|(to, term)| *to += factor * term);
+}
+
+/// Largest |v|, or NaN if any v is NaN: bits of NaN are larger than those of infinity.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+pub fn largest(v: &[f64]) -> f64 {
+    let mut largest = [0; SUMS];
+    let (lanes, rest) = v.as_chunks::<SUMS>();
+    for v in lanes {
+        for t in 0..SUMS {
+            largest[t] = i64::max(largest[t], v[t].abs().to_bits().cast_signed());
+        }
+    }
+    let all = largest.into_iter().chain(rest.iter().map(|v| v.abs().to_bits().cast_signed()));
+    f64::from_bits(all.fold(0, i64::max).cast_unsigned())
 }
 
 /// Largest |d| / (1 + |v|), or NaN if any d is NaN. Quotients are compared as integers, because the bits of NaN are larger than those of

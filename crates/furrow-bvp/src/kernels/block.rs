@@ -247,8 +247,7 @@ impl BlockFactor {
     pub fn factor_last(&mut self, ends: &EndJacobian, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
         let (n, np, nl, nf) = (self.n, self.np, self.nl, self.n + self.np);
         let (lanes, fl) = (self.panel_widths().lanes, dense::lanes_for(nf));
-        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
-        let last = &mut last[..nf * fl];
+        let mut last = vec![[0.0; LANE]; nf * fl];
         for k in 0..nl + self.nb {
             let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
             let to = if k < nl { k } else { k + self.nr };
@@ -266,7 +265,7 @@ impl BlockFactor {
             row[..n].copy_from_slice(&ends.right[0][k * n..(k + 1) * n]);
             row[n..nf].copy_from_slice(&ends.right[1][k * np..(k + 1) * np]);
         }
-        self.last.factorise(last, nf)
+        self.last.factorise(&mut last, nf)
     }
 
     /// Factorises the last block of the antisymmetric problem, with the right end rows of `end` and without scalar unknowns,
@@ -279,8 +278,7 @@ impl BlockFactor {
         let n = self.n;
         debug_assert_eq!(self.nl * n + end.rows.len(), n * n, "as many conditions as unknowns");
         let (fl, lanes) = (dense::lanes_for(n), self.panel_widths().lanes);
-        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
-        let last = &mut last[..n * fl];
+        let mut last = vec![[0.0; LANE]; n * fl];
         let (carried, right) = last.split_at_mut(self.nl * fl);
         for (k, row) in carried.chunks_exact_mut(fl).enumerate() {
             let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
@@ -289,7 +287,7 @@ impl BlockFactor {
         for (row, source) in right.chunks_exact_mut(fl).zip(end.rows.chunks_exact(n)) {
             row.as_flattened_mut()[..n].copy_from_slice(source);
         }
-        end.last.factorise(last, n)
+        end.last.factorise(&mut last, n)
     }
 
     /// Border conditions: integral and linear ones.

@@ -373,6 +373,13 @@ impl System {
         })
     }
 
+    /// The nodes and scalars alone of [`solve`](Self::solve).
+    pub(crate) fn solve_at_nodes(&mut self, residual: &Residual, out: &mut Direction) -> Result<(), InvalidInput> {
+        self.check_residual(None, residual)?;
+        self.solve_nodes(None, residual, out, true);
+        Ok(())
+    }
+
     /// Solves with the residual of the last evaluation.
     ///
     /// # Errors

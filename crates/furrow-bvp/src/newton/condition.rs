@@ -1,11 +1,12 @@
 //! How much a solution moves when its equations are perturbed.
 
+use crate::dense::weighted_maximum;
 use crate::direction::{Direction, Residual};
 use crate::linear::System;
 use crate::solution::Solution;
 
 /// Perturbations tried. The estimate is a lower bound; signs by chance leave it short by a small factor only.
-const SOLVES: u64 = 3;
+const SOLVES: u64 = 2;
 
 /// Estimates the condition of the problem at `y`, with the factors in `system`: the largest change |δ|/(1 + |value|) of the
 /// solution where the right-hand side changes by at most 1 + |value|, conditions at the ends by at most their largest derivative and
@@ -18,9 +19,12 @@ pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
         return 0.0;
     }
     let scales = system.scales_of_conditions();
-    let estimates = (0..SOLVES).map(|k| {
+    let estimates = (0..SOLVES).flat_map(|k| {
         perturb(&mut residual, &scales, y, k);
-        system.solve(&residual, &mut change).map_or(f64::INFINITY, |()| change.norm(y))
+        // Stages change as the nodes beside them do.
+        let solved = system.solve_at_nodes(&residual, &mut change);
+        let sizes = [(&change.nodes, &y.nodes), (&change.scalars, &y.scalars)].map(|(d, v)| weighted_maximum(d, v));
+        if solved.is_ok() { sizes } else { [f64::INFINITY; 2] }
     });
     // A matrix that is singular to rounding gives NaN.
     estimates.fold(0.0, |largest: f64, size| if size.is_nan() { f64::INFINITY } else { largest.max(size) })

@@ -32,6 +32,7 @@ pub struct PointJacobian<'a> {
 
 impl PointJacobian<'_> {
     /// Of arrays over many points the part of point i, for n components, `scalars` and `integrals`.
+    #[inline(always)]
     pub fn at(&mut self, i: usize, n: usize, scalars: usize, integrals: usize) -> PointJacobian<'_> {
         PointJacobian {
             f: &mut self.f[i * n..(i + 1) * n],

@@ -160,8 +160,7 @@ impl Halves {
         residual.clone_from(source);
         system.apply_antisymmetric(end, odd, residual)?;
         system.solve_antisymmetric(end, residual, correction)?;
-        let values = odd.nodes.iter_mut().chain(&mut odd.stages);
-        values.zip(correction.nodes.iter().chain(&correction.stages)).for_each(|(y, d)| *y += d);
+        odd.add(1.0, correction);
         Ok(())
     }
 
@@ -186,5 +185,13 @@ impl Halves {
 }
 
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |largest, v| v.abs().max(largest))
+    // Several at a time: each maximum waits for the one before.
+    let (lanes, rest) = values.as_chunks::<8>();
+    let mut largest = [0.0f64; 8];
+    for lane in lanes {
+        for (largest, v) in largest.iter_mut().zip(lane) {
+            *largest = v.abs().max(*largest);
+        }
+    }
+    largest.iter().chain(rest).fold(0.0, |largest, v| v.abs().max(largest))
 }

@@ -415,16 +415,7 @@ impl Stepper {
 /// Σ w_j y_j over the history into `out`, taking mesh and shape from the first.
 fn extrapolate(history: &[HistoryPoint], weights: &[f64], out: &mut Solution) {
     out.clone_from(&history[0].y);
-    let Solution { nodes, stages, scalars, .. } = out;
-    let combine = |target: &mut [f64], of: fn(&Solution) -> &[f64]| {
-        target.iter_mut().for_each(|v| *v *= weights[0]);
-        for (level, weight) in history.iter().zip(weights).skip(1) {
-            target.iter_mut().zip(of(&level.y)).for_each(|(v, w)| *v += weight * w);
-        }
-    };
-    combine(nodes, |y| &y.nodes);
-    combine(stages, |y| &y.stages);
-    combine(scalars, |y| &y.scalars);
+    out.combine(weights[0], history.iter().map(|level| &level.y).zip(weights.iter().copied()).skip(1));
 }
 
 #[cfg(test)]
