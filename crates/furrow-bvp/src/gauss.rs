@@ -171,12 +171,19 @@ impl Gauss {
 
     /// Derivatives with respect to θ of the same basis. `out` has length m + 1.
     pub fn basis_derivative(&self, theta: f64, out: &mut [f64]) {
-        let (m, points) = (self.m, &self.points);
+        let m = self.m;
+        let mut differences = [0.0; MAX_STAGES + 1];
+        for (difference, point) in differences.iter_mut().zip(&self.points) {
+            *difference = theta - point;
+        }
         for (i, o) in out.iter_mut().enumerate().take(m + 1) {
-            // The product over the other points and its derivative.
-            let (mut product, mut slope) = (1.0, 0.0);
-            for point in points[..i].iter().chain(&points[i + 1..=m]) {
-                (slope, product) = (slope * (theta - point) + product, product * (theta - point));
+            let mut slope = 0.0;
+            for k in (0..=m).filter(|&k| k != i) {
+                let mut product = 1.0;
+                for (l, difference) in differences[..=m].iter().enumerate() {
+                    product *= if l == i || l == k { 1.0 } else { *difference };
+                }
+                slope += product;
             }
             *o = slope * self.barycentric[i];
         }
