@@ -36,7 +36,7 @@ pub struct BoundaryArgs {
     #[command(flatten)]
     pub axis: AxisArgs,
     /// Activity ξ_s of --critical
-    #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number, requires = "critical")]
+    #[arg(help_heading = "Cell", long, value_name = "X", value_parser = number, requires = "critical")]
     xi: Option<f64>,
     /// Solves for the value at which the boundary lies at the cell's own activity
     #[arg(help_heading = "Output", long)]

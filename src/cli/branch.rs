@@ -40,13 +40,13 @@ pub struct BranchArgs {
     #[command(flatten)]
     pub axis: AxisArgs,
     /// Largest ξ_s
-    #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, value_parser = number)]
     xi_max: f64,
     /// Ends a branch where its reduced volume falls to V: the volume divided by the volume of a sphere with the same area
-    #[arg(help_heading = "Numerics", long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Numerics", long, value_name = "V", value_parser = number)]
     reduced_volume: Option<f64>,
     /// Largest step along a branch, in arclength
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, value_parser = number)]
     max_step: f64,
     /// Also computes growth rates of disturbances cos mφ, m = 1 to M, at every point, and where they change sign
     #[arg(help_heading = "Numerics", long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]

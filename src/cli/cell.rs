@@ -80,10 +80,10 @@ pub fn load_lineage(file: Option<&Path>) -> Result<Lineage, InputError> {
 pub struct CellArgs {
     /// Radius R0 of the sphere with the cell's volume, in L_h, or in µm, such as 17um (L_h is 3.2 µm unless the lineage file says
     /// otherwise)
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    #[arg(long, value_name = "R", value_parser = length)]
     r0: Length,
     /// Volume of the cell over the volume of its shell, ε
-    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
     cue: CueArgs,
@@ -115,7 +115,7 @@ pub struct ActiveCellArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Activity ξ_s, as published; default 25, the preset's, unless --config or --set changes it
-    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "X", value_parser = number)]
     xi: Option<f64>,
 }
 
@@ -159,13 +159,13 @@ impl AxisArgs {
 #[command(next_help_heading = "Cell")]
 pub struct FirstCellArgs {
     /// Radius R0 of the first cell, in L_h, or in µm, such as 17um; default the lineage's own, else 5.4, the preset's
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    #[arg(long, value_name = "R", value_parser = length)]
     pub r0: Option<Length>,
     /// Volume of every cell over the volume of its shell, ε; default 0.87, the preset's
-    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     /// Activity ξ_s of every cell, as published; default 25, the preset's
-    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "X", value_parser = number)]
     xi: Option<f64>,
 }
 

@@ -43,7 +43,7 @@ pub struct Globals {
     #[arg(help_heading = "Run", long, global = true)]
     pub no_cache: bool,
     /// Relative step to which R0 is rounded before a division is looked up or solved; 0 disables rounding
-    #[arg(help_heading = "Numerics", long, global = true, value_name = "STEP", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Numerics", long, global = true, value_name = "STEP", value_parser = number)]
     pub r0_step: Option<f64>,
     /// Prints the result as one JSON document
     #[arg(help_heading = "Output", long, global = true)]

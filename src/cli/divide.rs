@@ -47,7 +47,7 @@ pub struct DivideArgs {
     #[command(flatten)]
     pub axis: AxisArgs,
     /// Seed of the noise in the first step
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
     seed: u64,
     /// Number of divisions, with seeds S, S+1, ...
     #[arg(help_heading = "Numerics", long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -59,7 +59,7 @@ pub struct DivideArgs {
     #[arg(help_heading = "Output", long, value_name = "DIR|FILE.ply|.glb")]
     frames: Option<PathBuf>,
     /// Writes a frame every TAU τ instead of after every step
-    #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", value_parser = number)]
     frame_step: Option<f64>,
     /// Starts from the stationary shape at the cell's activity; the outcome of a cell that does not divide is `failed`
     ///
@@ -68,7 +68,7 @@ pub struct DivideArgs {
     #[arg(help_heading = "Numerics", long)]
     from_steady: bool,
     /// Time limit with --from-steady, in τ
-    #[arg(help_heading = "Numerics", long, value_name = "TAU", requires = "from_steady", allow_negative_numbers = true,
+    #[arg(help_heading = "Numerics", long, value_name = "TAU", requires = "from_steady",
         default_value_t = WATCHED, value_parser = number)]
     until: f64,
     #[command(flatten)]

@@ -26,7 +26,7 @@ pub struct ExploreArgs {
     #[arg(help_heading = "Output", long, value_name = "FILE.html", default_value = "explore.html")]
     out: PathBuf,
     /// Seed of the noise in the first step of every division
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
     seed: u64,
 }
 

@@ -63,10 +63,10 @@ struct ObservedArgs {
     #[arg(long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
     /// Minutes from one frame to the next; without it time points are frames where the file counts them
-    #[arg(long, value_name = "MIN", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "MIN", value_parser = number)]
     frame_minutes: Option<f64>,
     /// Edge of a voxel in µm, for sizes in pixels
-    #[arg(long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "UM", value_parser = number)]
     voxel: Option<f64>,
     #[command(flatten)]
     matching: MatchArgs,

@@ -168,15 +168,23 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// A number below 0 is the value of the option before it, so that a refusal names both.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    command
+        .mut_args(|arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg })
+        .mut_subcommands(with_negative_numbers)
+}
+
 /// Reads the arguments. clap copies the options of all commands into each command it knows: where the first argument names one,
 /// it gets to know that one alone. The names of the command's options go to `options`.
 fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
     let commands = Command::augment_subcommands(clap::Command::default());
     let named = std::env::args_os().nth(1).and_then(|name| commands.find_subcommand(name).cloned());
-    let mut known = match named {
+    let known = match named {
         Some(named) => Cli::command().subcommand(named),
         None => command(),
     };
+    let mut known = with_negative_numbers(known);
     let mut matches = known.try_get_matches_from_mut(std::env::args_os())?;
     let (mut command, mut below) = (&known, &matches);
     while let Some((name, matches)) = below.subcommand() {

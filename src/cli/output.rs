@@ -79,6 +79,11 @@ pub fn number(text: &str) -> Result<f64, String> {
     finite.ok_or_else(|| "must be a finite number, as 0.87 or 1e-3".to_owned())
 }
 
+/// Reads the seed of random numbers.
+pub fn seed(text: &str) -> Result<u64, String> {
+    text.trim().parse().map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
+}
+
 /// A number with a given number of digits, or a dash.
 pub fn or_dash(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))

@@ -39,16 +39,16 @@ pub struct PhaseArgs {
     #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     points: u32,
     /// First ξ_s
-    #[arg(help_heading = "Diagram", long, value_name = "X", default_value_t = 5.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Diagram", long, value_name = "X", default_value_t = 5.0, value_parser = number)]
     xi_from: f64,
     /// Last ξ_s
-    #[arg(help_heading = "Diagram", long, value_name = "X", default_value_t = 30.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Diagram", long, value_name = "X", default_value_t = 30.0, value_parser = number)]
     xi_to: f64,
     /// Number of values of ξ_s
     #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     xi_points: u32,
     /// Seed of the noise in the first step
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
     seed: u64,
     /// Draws where disturbances cos mφ, m = 1 to M, begin to grow
     #[arg(help_heading = "Output", long, value_name = "M", requires = "plot", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]

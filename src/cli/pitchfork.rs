@@ -19,7 +19,7 @@ pub struct PitchforkArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Upper limit of ξ_s in the search
-    #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, value_parser = number)]
     xi_max: f64,
 }
 

@@ -31,13 +31,13 @@ Examples:
   furrow polarity --r0 3 --amplitude 0.2 --out profile.csv --json")]
 pub struct PolarityArgs {
     /// Radius R0 of one cell, in L_h, or in µm, such as 17um; default the cells of the germline
-    #[arg(help_heading = "Cell", long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    #[arg(help_heading = "Cell", long, value_name = "R", value_parser = length)]
     r0: Option<Length>,
     /// Volume of every cell over the volume of its shell, ε; default 0.87, the preset's
-    #[arg(help_heading = "Cell", long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Cell", long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     /// Activity ξ_s of every cell, as published; default 25, the preset's
-    #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Cell", long, value_name = "X", value_parser = number)]
     xi: Option<f64>,
     /// Lineage file with the germline: the first cell, its smaller daughter, and so on; default the built-in one
     #[arg(help_heading = "Cell", long, value_name = "LINEAGE.ron")]
@@ -46,14 +46,14 @@ pub struct PolarityArgs {
     #[arg(help_heading = "Chemistry", long, value_name = "KEY=VALUE")]
     par: Vec<String>,
     /// L_h in µm; default from the lineage file, else 3.2
-    #[arg(help_heading = "Chemistry", long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Chemistry", long, value_name = "UM", value_parser = number)]
     length_um: Option<f64>,
     /// How κ follows P: a step from the pole where P is high, or a band at its boundary, of the same width
     #[arg(help_heading = "Chemistry", long, value_name = "step|band", default_value = "step", hide_possible_values = true,
         value_parser = one_of(Follows::NAMED))]
     profile: Follows,
     /// By how much κ is larger where P is high, or at its boundary, relative
-    #[arg(help_heading = "Chemistry", long, value_name = "A", default_value_t = 0.1, allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Chemistry", long, value_name = "A", default_value_t = 0.1, value_parser = number)]
     amplitude: f64,
     /// Writes A and P of the polarised cells along the contour as CSV
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]

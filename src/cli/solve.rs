@@ -37,29 +37,29 @@ pub struct SolveArgs {
     #[command(flatten)]
     wanted: WantedArgs,
     /// First value of the range; see below for the default
-    #[arg(help_heading = "Range", long, value_name = "A", allow_negative_numbers = true, value_parser = length)]
+    #[arg(help_heading = "Range", long, value_name = "A", value_parser = length)]
     from: Option<Length>,
     /// Last value of the range
-    #[arg(help_heading = "Range", long, value_name = "B", allow_negative_numbers = true, value_parser = length)]
+    #[arg(help_heading = "Range", long, value_name = "B", value_parser = length)]
     to: Option<Length>,
     /// Values of the scan; more of them tell roots apart that are closer to each other
     #[arg(help_heading = "Range", long, value_name = "N", default_value_t = POINTS as u32, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
     /// Radius R0 of the cell, in L_h, or in µm, such as 17um
-    #[arg(help_heading = "Cell", long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    #[arg(help_heading = "Cell", long, value_name = "R", value_parser = length)]
     r0: Option<Length>,
     /// Volume of the cell over the volume of its shell, ε
-    #[arg(help_heading = "Cell", long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Cell", long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     /// Activity ξ_s, as published; default 25, the preset's
-    #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Cell", long, value_name = "X", value_parser = number)]
     xi: Option<f64>,
     #[command(flatten)]
     cue: CueArgs,
     #[command(flatten)]
     pub axis: AxisArgs,
     /// Seed of the noise in the first step
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
     seed: u64,
 }
 
@@ -69,16 +69,16 @@ pub struct SolveArgs {
 #[command(next_help_heading = "Wanted")]
 struct WantedArgs {
     /// Size asymmetry χ, above 0 and below 1
-    #[arg(long, value_name = "CHI", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "CHI", value_parser = number)]
     chi: Option<f64>,
     /// χ with its sign: positive if the daughter at u = 0, the posterior one, is the smaller
-    #[arg(long, value_name = "CHI", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "CHI", value_parser = number)]
     chi_signed: Option<f64>,
     /// Position u of the furrow, from 0 (posterior pole) to 1
-    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "U", value_parser = number)]
     u: Option<f64>,
     /// Time of pinch-off, in τ
-    #[arg(long, value_name = "TAU", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "TAU", value_parser = number)]
     t: Option<f64>,
 }
 

@@ -18,16 +18,16 @@ pub struct VaryArgs {
     #[arg(long, value_name = "NAME")]
     vary: String,
     /// First value of the parameter; of r0 also in µm, such as 5um
-    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = length)]
+    #[arg(long, value_name = "A", value_parser = length)]
     from: Length,
     /// Last value of the parameter
-    #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = length)]
+    #[arg(long, value_name = "B", value_parser = length)]
     to: Length,
     /// Radius R0, in L_h, or in µm, such as 17um, if another parameter varies
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    #[arg(long, value_name = "R", value_parser = length)]
     r0: Option<Length>,
     /// Volume fraction ε, if another parameter varies
-    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
     pub cue: CueArgs,

@@ -37,7 +37,7 @@ pub struct ContourArgs {
     #[arg(help_heading = "Model", long, value_name = "DIR")]
     frames: PathBuf,
     /// Length of L_h in the unit of the contours (pixels for masks); default such that the areas of all contours together agree
-    #[arg(help_heading = "Model", long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = number)]
+    #[arg(help_heading = "Model", long, value_name = "LENGTH", value_parser = number)]
     length_scale: Option<f64>,
     /// The cell's label, for masks that are label images
     #[arg(help_heading = "Contours", long, value_name = "N")]

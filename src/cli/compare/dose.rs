@@ -37,7 +37,7 @@ pub struct DoseArgs {
     #[arg(help_heading = "Statistics", long, value_name = "D,D,..", value_delimiter = ',', value_parser = number, requires = "file")]
     bins: Option<Vec<f64>>,
     /// Radius R0 of the model's cell, in L_h, or in µm, such as 17um; default the first cell's, 5.4 in gao2026
-    #[arg(help_heading = "Model", long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    #[arg(help_heading = "Model", long, value_name = "R", value_parser = length)]
     r0: Option<Length>,
     /// Cue at dose 1, as for furrow divide
     #[arg(help_heading = "Model", long, value_name = "CUE", default_value = "germline")]

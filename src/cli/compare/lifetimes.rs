@@ -49,7 +49,7 @@ pub struct LifetimesArgs {
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
     /// Minutes from one frame to the next, for embryos of programs that count frames; of one embryo with its name
-    #[arg(help_heading = "Tables", long, value_name = "MIN|EMBRYO=MIN", allow_negative_numbers = true,
+    #[arg(help_heading = "Tables", long, value_name = "MIN|EMBRYO=MIN",
         value_parser = of_embryo, requires = "tables")]
     frame_minutes: Vec<OfEmbryo>,
     /// Divides the times of each embryo by its time factor before embryos are averaged

@@ -77,7 +77,7 @@ pub struct VolumesArgs {
     bins: Option<Vec<f64>>,
     /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default the lineage file's, without one
     /// such that P0 is as large as measured, and by all mothers where P0 is not
-    #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale,
+    #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", value_parser = wanted_scale,
         requires = "files")]
     length_scale: Option<LengthScale>,
     /// Sets of constants from calibrate --ensemble, which give the model's χ a range

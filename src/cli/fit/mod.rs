@@ -73,7 +73,7 @@ struct SearchArgs {
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     moves: u32,
     /// Seed of the search
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
     seed: u64,
 }
 
