@@ -29,7 +29,7 @@ use crate::solution::Solution;
 
 use super::unfolded::{Unfolded, unfolded};
 
-/// A problem whose second derivatives are its own, or differences.
+/// A problem with its own second derivatives, or with differences in their place.
 pub(crate) enum Differentiated<'a> {
     Exactly(&'a mut dyn Directional),
     ByDifferences(&'a mut dyn BoundaryValueProblem),

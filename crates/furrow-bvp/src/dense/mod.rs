@@ -50,7 +50,7 @@ impl Lanes {
         // Room for the lanes to start up to a lane behind the allocation.
         let entries = (len + 1) * LANE;
         if entries > self.values.capacity() {
-            // Without the old values, which `Vec::resize` would copy.
+            // `Vec::resize` would copy the old values.
             self.values = vec![0.0; entries];
         }
         self.values.resize(entries, 0.0);
@@ -225,7 +225,7 @@ pub fn add_multiple(to: &mut [f64], factor: f64, terms: &[f64]) {
     to.iter_mut().zip(terms).for_each(|(to, term)| *to += factor * term);
 }
 
-/// Largest |v|, or NaN if any v is NaN: bits of NaN are larger than those of infinity.
+/// Largest |v|, or NaN if any v is NaN. Sizes are compared as integers, as in [`weighted_maximum`].
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn largest(v: &[f64]) -> f64 {
     let mut largest = [0; SUMS];

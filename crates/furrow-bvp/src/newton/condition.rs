@@ -21,7 +21,7 @@ pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
     let scales = system.scales_of_conditions();
     let estimates = (0..SOLVES).flat_map(|k| {
         perturb(&mut residual, &scales, y, k);
-        // Stages change as the nodes beside them do.
+        // Stage values change about as much as the nodes next to them.
         let solved = system.solve_at_nodes(&residual, &mut change);
         let sizes = [(&change.nodes, &y.nodes), (&change.scalars, &y.scalars)].map(|(d, v)| weighted_maximum(d, v));
         if solved.is_ok() { sizes } else { [f64::INFINITY; 2] }

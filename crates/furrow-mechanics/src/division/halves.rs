@@ -185,7 +185,7 @@ impl Halves {
 }
 
 fn largest(values: &[f64]) -> f64 {
-    // Several at a time: each maximum waits for the one before.
+    // Eight partial maxima, because a single one would have to wait for every comparison.
     let (lanes, rest) = values.as_chunks::<8>();
     let mut largest = [0.0f64; 8];
     for lane in lanes {
