@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::ensemble::{SearchOptions, SearchRun, sample};
 use super::error::CliError;
-use super::output::{print_as, to_json};
+use super::output::{print_as, seed, to_json};
 use super::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::fit::CalibrationStudy;
@@ -37,7 +37,7 @@ pub struct CalibrateArgs {
     #[arg(help_heading = "Parameters", long, value_name = "NAME,..", value_delimiter = ',')]
     unknowns: Option<Vec<Parameter>>,
     /// Seed of the sample or of the search
-    #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed, requires = "search")]
+    #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, value_parser = seed, requires = "search")]
     seed: u64,
     /// File for the sample, for furrow tree --constants, or for the front, as JSON; default stdout. With it an interrupted run
     /// resumes

@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{filled, merged, number, print_as, writable_file, writable_folder};
+use super::output::{filled, merged, number, print_as, seed, writable_file, writable_folder};
 use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
 use clap::Args;
 use furrow_cell::Cell;
@@ -47,7 +47,7 @@ pub struct DivideArgs {
     #[command(flatten)]
     pub axis: AxisArgs,
     /// Seed of the noise in the first step
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
     /// Number of divisions, with seeds S, S+1, ...
     #[arg(help_heading = "Numerics", long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

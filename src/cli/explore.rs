@@ -3,7 +3,7 @@
 use super::cell::FirstCellArgs;
 use super::context::Context;
 use super::error::CliError;
-use super::output::{print_as, writable_file};
+use super::output::{print_as, seed, writable_file};
 use super::tree::prepared;
 use clap::Args;
 use furrow_formats::write_atomically;
@@ -26,7 +26,7 @@ pub struct ExploreArgs {
     #[arg(help_heading = "Output", long, value_name = "FILE.html", default_value = "explore.html")]
     out: PathBuf,
     /// Seed of the noise in the first step of every division
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
 }
 

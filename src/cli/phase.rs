@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{number, print_as};
+use super::output::{number, print_as, seed};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
 use super::steady::MOST_AZIMUTHAL;
@@ -48,7 +48,7 @@ pub struct PhaseArgs {
     #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     xi_points: u32,
     /// Seed of the noise in the first step
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
     /// Draws where disturbances cos mφ, m = 1 to M, begin to grow
     #[arg(help_heading = "Output", long, value_name = "M", requires = "plot", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]

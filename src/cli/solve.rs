@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{filled, merged, number, print_as};
+use super::output::{filled, merged, number, print_as, seed};
 use super::vary::{Given, parameter};
 use clap::Args;
 use furrow_analysis::solve::{Measure, POINTS, Question, Root, Solution, default_range, solve};
@@ -59,7 +59,7 @@ pub struct SolveArgs {
     #[command(flatten)]
     pub axis: AxisArgs,
     /// Seed of the noise in the first step
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
 }
 

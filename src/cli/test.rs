@@ -29,7 +29,7 @@ use super::embryos::{MatchArgs, OfEmbryo, files_of, of_embryo, sizes_text, voxel
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{merged, print_as};
+use super::output::{merged, print_as, seed};
 use super::picture::PlotArgs;
 
 #[derive(Debug, Args)]
@@ -112,7 +112,7 @@ pub struct TestArgs {
     #[arg(help_heading = "Search", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     moves: Option<u32>,
     /// Seed of the search and of the samples
-    #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
+    #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
     /// Also draws a sample of each posterior with this many points: intervals, evidence, numbers that are open along a line, and cells
     /// that surprise the hypothesis

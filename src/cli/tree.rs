@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages::{self, Level};
-use super::output::{filled, merged, print_as, to_json, writable_folder};
+use super::output::{filled, merged, print_as, seed, to_json, writable_folder};
 use super::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
@@ -46,7 +46,7 @@ pub struct TreeArgs {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed of the noise in the first step of every division
-    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     pub seed: u64,
     /// Replaces all cues of the lineage by: none, a name in the lineage file, or terms
     /// FIELD:PROFILE,key=value,.. joined by +. Several are compared, and "NAME=CUE" names the scenario

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-# A quarter of a decade apart: in steps of a decade the work at equal error would be a fifth too large.
+# In steps of a decade the work at equal error would be a tenth too large.
 TOLERANCES = [f"{10 ** (-k / 4):.3g}" for k in range(12, 29)]
 # A solution with a larger error is wrong. Cases that COLNEW does not solve are left out.
 WRONG = 1e-3

@@ -97,6 +97,11 @@ impl Direction {
         if norms.iter().any(|n| n.is_nan()) { f64::NAN } else { norms.into_iter().fold(0.0, f64::max) }
     }
 
+    /// Largest size of a node value, NaN if any is not a number.
+    pub fn largest_at_nodes(&self) -> f64 {
+        largest(&self.nodes)
+    }
+
     /// Multiplies by a factor.
     pub fn scale(&mut self, factor: f64) {
         for v in self.nodes.iter_mut().chain(&mut self.stages).chain(&mut self.scalars) {

@@ -11,6 +11,7 @@ use super::cell::load_lineage;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
+use super::output::seed;
 use furrow_analysis::fit::{FitProgress, FitRun, NumberAtLimit, SearchBudget, Targets};
 use furrow_analysis::tree_settings;
 use furrow_input::{parse_document, read_text};
@@ -73,7 +74,7 @@ struct SearchArgs {
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     moves: u32,
     /// Seed of the search
-    #[arg(long, value_name = "S", default_value_t = 0, value_parser = crate::cli::output::seed)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
 }
 

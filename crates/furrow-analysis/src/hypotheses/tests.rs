@@ -473,12 +473,13 @@ fn asked(
     let noise = Noise::of(observations, kind, false, ("t.csv", "--noise")).unwrap();
     let SearchBudget { particles, moves, seed } = EFFORT;
     let effort = Effort { particles: Some(particles), moves: Some(moves), seed };
-    let question = Question { observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &MEMO };
+    let question =
+        Question { observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &MEMOS[threads] };
     test(&FitRun::new(&lineage, &settings, threads, &cancel), &question).unwrap()
 }
 
-/// Divisions of all tests: their searches begin at the same cells.
-static MEMO: LazyLock<Memo> = LazyLock::new(|| Memo::new(Quantisation::EXACT));
+/// Divisions of all tests with the same number of threads: their searches begin at the same cells.
+static MEMOS: [LazyLock<Memo>; 4] = [const { LazyLock::new(|| Memo::new(Quantisation::EXACT)) }; 4];
 
 const EFFORT: SearchBudget = SearchBudget { particles: 4, moves: 3, seed: 1 };
 

@@ -225,9 +225,10 @@ pub fn add_multiple(to: &mut [f64], factor: f64, terms: &[f64]) {
     to.iter_mut().zip(terms).for_each(|(to, term)| *to += factor * term);
 }
 
-/// Largest |v|, or NaN if any v is NaN. Sizes are compared as integers, as in [`weighted_maximum`].
+/// Largest |v|, or NaN if any v is NaN.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn largest(v: &[f64]) -> f64 {
+    // As integers, the bits of positive numbers have the same order, and NaN comes last.
     let mut largest = [0; SUMS];
     let (lanes, rest) = v.as_chunks::<SUMS>();
     for v in lanes {
@@ -239,10 +240,10 @@ pub fn largest(v: &[f64]) -> f64 {
     f64::from_bits(all.fold(0, i64::max).cast_unsigned())
 }
 
-/// Largest |d| / (1 + |v|), or NaN if any d is NaN. Quotients are compared as integers, because the bits of NaN are larger than those of
-/// infinity.
+/// Largest |d| / (1 + |v|), or NaN if any d is NaN.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
+    // Compared by their bits, as in `largest`.
     let mut largest = [0; SUMS];
     let (d_lanes, d_rest) = d.as_chunks::<SUMS>();
     let (v_lanes, v_rest) = v.as_chunks::<SUMS>();

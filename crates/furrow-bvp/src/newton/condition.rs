@@ -10,8 +10,7 @@ const SOLVES: u64 = 2;
 
 /// Estimates the condition of the problem at `y`, with the factors in `system`: the largest change |δ|/(1 + |value|) of the
 /// solution where the right-hand side changes by at most 1 + |value|, conditions at the ends by at most their largest derivative and
-/// others by 1. It is the ‖J⁻¹‖ of the
-/// differential equation, which settles as the mesh is refined unless the problem is singular.
+/// others by 1. It is the ‖J⁻¹‖ of the differential equation, which settles as the mesh is refined unless the problem is singular.
 pub(super) fn estimate(system: &mut System, y: &Solution) -> f64 {
     let (mut residual, mut change) = (system.zero_residual(), Direction::default());
     if residual.stages.len() != y.stages.len() {

@@ -170,28 +170,16 @@ impl Halves {
         let mut before = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {
             self.correct()?;
-            let size = largest(&self.correction.nodes);
+            let size = self.correction.largest_at_nodes();
             let contraction = if corrections == 1 { LEAST_CONTRACTION } else { size / before };
             if !(contraction <= LEAST_CONTRACTION && size.is_finite()) {
                 return Ok(None);
             }
-            if size * contraction / (1.0 - contraction) <= EXACT * largest(&self.odd.nodes) {
+            if size * contraction / (1.0 - contraction) <= EXACT * self.odd.largest_at_nodes() {
                 return Ok(Some(corrections));
             }
             before = size;
         }
         Ok(None)
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    // Eight partial maxima, because a single one would have to wait for every comparison.
-    let (lanes, rest) = values.as_chunks::<8>();
-    let mut largest = [0.0f64; 8];
-    for lane in lanes {
-        for (largest, v) in largest.iter_mut().zip(lane) {
-            *largest = v.abs().max(*largest);
-        }
-    }
-    largest.iter().chain(rest).fold(0.0, |largest, v| v.abs().max(largest))
 }
