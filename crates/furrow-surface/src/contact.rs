@@ -47,30 +47,33 @@ fn points(space: &Space, surface: &[f64]) -> Vec<Point> {
     out
 }
 
-/// Points in cubes, to find those nearby.
+/// The points near each occupied cube.
 struct Cubes {
     width: f64,
-    cubes: HashMap<[i32; 3], Vec<usize>>,
+    /// Points in a cube and in its neighbours, in a fixed order.
+    near: HashMap<[i32; 3], Vec<usize>>,
 }
 
 impl Cubes {
     fn new(points: &[Point], width: f64) -> Cubes {
-        let mut cubes: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
+        let mut within: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
         for (k, point) in points.iter().enumerate() {
-            cubes.entry(Cubes::of(&point.x, width)).or_default().push(k);
+            within.entry(Cubes::of(&point.x, width)).or_default().push(k);
         }
-        Cubes { width, cubes }
+        let near = within.keys().map(|&[i, j, k]| {
+            let around = (0..27).map(|n| [i + n / 9 - 1, j + n / 3 % 3 - 1, k + n % 3 - 1]);
+            ([i, j, k], around.filter_map(|cube| within.get(&cube)).flatten().copied().collect())
+        });
+        Cubes { width, near: near.collect() }
     }
 
     fn of(x: &Vector<f64>, width: f64) -> [i32; 3] {
         x.map(|x| (x / width).floor() as i32)
     }
 
-    /// Points in the cube of a place and in its neighbours, in a fixed order.
-    fn near(&self, x: &Vector<f64>) -> impl Iterator<Item = usize> {
-        let [i, j, k] = Cubes::of(x, self.width);
-        let around = (0..27).map(move |n| [i + n / 9 - 1, j + n / 3 % 3 - 1, k + n % 3 - 1]);
-        around.flat_map(|cube| self.cubes.get(&cube).into_iter().flatten().copied())
+    /// Points near one of them.
+    fn near(&self, x: &Vector<f64>) -> &[usize] {
+        self.near.get(&Cubes::of(x, self.width)).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -127,16 +130,21 @@ impl Problem {
         let mut any = false;
         let mut contact = |point: &Point| {
             // Of the points that face this one, that closest to the ray.
-            let facing = |k: &usize| {
-                let other = &points[*k];
+            let facing = |k: usize| {
+                let other = &points[k];
+                // Most normals nearby point the same way.
+                let faces = dot(&point.normal, &other.normal) < FACING;
+                if !faces {
+                    return None;
+                }
                 let apart: Vector<f64> = std::array::from_fn(|i| other.x[i] - point.x[i]);
                 let along = dot(&apart, &point.normal);
                 let off = (dot(&apart, &apart) - along * along).max(0.0).sqrt();
                 let near = -CROSSED * lambda < along && along < REACH * lambda && off < 2.0 * spacing;
                 let side = (other.phi - point.phi).abs() < std::f64::consts::FRAC_PI_2;
-                (near && side && dot(&point.normal, &other.normal) < FACING).then_some((*k, off + along.abs()))
+                (near && side).then_some((k, off + along.abs()))
             };
-            let nearest = cubes.near(&point.x).filter_map(|k| facing(&k)).min_by(|a, b| a.1.total_cmp(&b.1));
+            let nearest = cubes.near(&point.x).iter().filter_map(|k| facing(*k)).min_by(|a, b| a.1.total_cmp(&b.1));
             let (k, _) = nearest?;
             let (distance, _) = meet(&self.space, surface, point, points[k].u, points[k].phi)?;
             (-CROSSED * lambda < distance && distance < REACH * lambda).then(|| {
