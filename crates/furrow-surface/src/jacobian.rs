@@ -72,14 +72,20 @@ fn flatten(balance: &Balance<f64>) -> [f64; OUTPUTS] {
     out
 }
 
+/// sum + factor · row, in registers.
+#[inline(always)]
+fn add(sum: &mut [f64; OUTPUTS], factor: f64, row: &[f64; OUTPUTS]) {
+    for k in 0..OUTPUTS {
+        sum[k] += factor * row[k];
+    }
+}
+
 /// Sums over a ring.
 struct Ring {
     /// Number of harmonics.
     count: usize,
     /// Derivatives at a point by each function: outputs × (trial × harmonic, and p).
     columns: Vec<f64>,
-    /// The same, transposed, without p.
-    gathered: Vec<f64>,
     /// Tested: (test × harmonic) × (trial × harmonic, and p).
     tested: Vec<f64>,
 }
@@ -87,12 +93,7 @@ struct Ring {
 impl Ring {
     fn new(count: usize) -> Ring {
         let width = TRIALS * count + 1;
-        Ring {
-            count,
-            columns: vec![0.0; OUTPUTS * width],
-            gathered: vec![0.0; OUTPUTS * width],
-            tested: vec![0.0; TESTS * count * width],
-        }
+        Ring { count, columns: vec![0.0; OUTPUTS * width], tested: vec![0.0; TESTS * count * width] }
     }
 
     /// Adds a point.
@@ -100,32 +101,30 @@ impl Ring {
     fn add(&mut self, space: &Space, meridian: &Meridian, derivatives: &Local, weight: f64) {
         let count = self.count;
         let width = TRIALS * count + 1;
-        self.gathered.fill(0.0);
-        for harmonic in 0..count {
-            let entries = &meridian.entries[harmonic];
+        let mut column = |at: usize, values: &[f64; OUTPUTS]| {
+            for (row, value) in self.columns.chunks_exact_mut(width).zip(values) {
+                row[at] = *value;
+            }
+        };
+        let centres = space.centre();
+        for (harmonic, entries) in meridian.entries.iter().enumerate() {
             for (trial, (d, first, limit)) in
                 [(0, 0, 18), (1, 0, 18), (2, 0, 18), (0, 18, 9), (1, 18, 6)].into_iter().enumerate()
             {
-                let column = &mut self.gathered[(trial * count + harmonic) * OUTPUTS..][..OUTPUTS];
+                let mut sum = [0.0; OUTPUTS];
                 // A flow has no second derivatives: only v, v_u and v_φ.
                 for (k, factor) in entries[d].list().iter().filter(|(k, _)| *k < limit) {
-                    let row = &derivatives[first + k];
-                    column.iter_mut().zip(row).for_each(|(c, r)| *c += factor * weight * r);
+                    add(&mut sum, factor * weight, &derivatives[first + k]);
                 }
+                if trial == 0 {
+                    let of = |(centre, _): &(&Option<usize>, _)| **centre == Some(harmonic);
+                    let by = centres.iter().zip(&derivatives[CENTRE..]).filter(of);
+                    by.for_each(|(_, by)| add(&mut sum, weight, by));
+                }
+                column(trial * count + harmonic, &sum);
             }
         }
-        let pressure = &mut self.gathered[(width - 1) * OUTPUTS..][..OUTPUTS];
-        pressure.iter_mut().zip(&derivatives[PRESSURE]).for_each(|(c, r)| *c = weight * r);
-        for (centre, by) in space.centre().into_iter().zip(&derivatives[CENTRE..]) {
-            let Some(centre) = centre else { continue };
-            let column = &mut self.gathered[centre * OUTPUTS..][..OUTPUTS];
-            column.iter_mut().zip(by).for_each(|(c, r)| *c += weight * r);
-        }
-        for column in 0..width {
-            for output in 0..OUTPUTS {
-                self.columns[output * width + column] = self.gathered[column * OUTPUTS + output];
-            }
-        }
+        column(width - 1, &derivatives[PRESSURE].map(|by| weight * by));
         for harmonic in 0..count {
             let entries = &meridian.entries[harmonic];
             let tests = (0..3).flat_map(|d| entries[d].list().iter().map(move |(k, factor)| (d, *k, *factor)));
@@ -165,11 +164,12 @@ impl Element {
         let count = self.count;
         let (width, size) = (TRIALS * count + 1, LOCAL * 2 * count);
         for (row, trial) in tested.chunks_exact(width).zip(self.trial.chunks_exact_mut(size)) {
-            for (basis, to) in station.basis.iter().zip(trial.chunks_exact_mut(2 * count)) {
+            for (&[b, b_u, b_uu], to) in station.basis.iter().zip(trial.chunks_exact_mut(2 * count)) {
                 let (surface, flow) = to.split_at_mut(count);
+                let [f, f_u, f_uu, v, v_u] = std::array::from_fn(|trial| &row[trial * count..][..count]);
                 for k in 0..count {
-                    surface[k] = basis[0] * row[k] + basis[1] * row[count + k] + basis[2] * row[2 * count + k];
-                    flow[k] = basis[0] * row[3 * count + k] + basis[1] * row[4 * count + k];
+                    surface[k] = b * f[k] + b_u * f_u[k] + b_uu * f_uu[k];
+                    flow[k] = b * v[k] + b_u * v_u[k];
                 }
             }
         }

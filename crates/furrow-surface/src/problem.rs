@@ -214,9 +214,9 @@ impl Problem {
         }
     }
 
-    #[inline(always)]
     /// Calls `each` at every point of the quadrature with its station, meridian, place, surface, flow and the
     /// centre x₀, z₀ of its ring.
+    #[inline(always)]
     pub fn for_each_point(
         &self,
         state: &State,

@@ -50,8 +50,8 @@ impl Lanes {
         // Room for the lanes to start up to a lane behind the allocation.
         let entries = (len + 1) * LANE;
         if entries > self.values.capacity() {
-            // `Vec::resize` would copy the old values.
-            self.values = vec![0.0; entries];
+            // `Vec::resize` would copy the old values. Meshes grow by and by.
+            self.values = vec![0.0; entries + entries / 2];
         }
         self.values.resize(entries, 0.0);
         // The offset may be refused, and is only a matter of speed.
@@ -171,8 +171,8 @@ fn subtract_scaled(x: &mut Lane, factor: f64, p: &Lane) {
 /// Makes `v` the given number of zeros. A kilobyte at a time: more are cleared by string instructions, which are slow to begin with.
 pub fn zeroed(v: &mut Vec<f64>, len: usize) {
     if len > v.capacity() {
-        *v = vec![0.0; len];
-        return;
+        *v = vec![0.0; len + len / 2];
+        return v.truncate(len);
     }
     v.resize(len, 0.0);
     v.chunks_mut(128).for_each(|part| part.fill(0.0));
