@@ -63,13 +63,17 @@ pub fn boundary_with_bent(
         found => found?,
     };
     let begin = thresholds(cell, numerics, parameter, range, &mut found.warnings);
-    let ends = curves(cell, numerics, parameter, range, &mut found.warnings).unwrap_or_else(|error| {
+    let wants_critical = options.critical && parameter == Parameter::R0;
+    let critical = || wants_critical.then(|| bent_curves::critical_radius(cell, numerics, &StepBudget::unlimited()));
+    let ends = || curves(cell, numerics, parameter, range, &mut found.warnings);
+    let (ends, critical) = rayon::join(ends, critical);
+    let ends = ends.unwrap_or_else(|error| {
         found.warnings.push(format!("no curves that end bent states: {error}"));
         Vec::new()
     });
     found.bent = Some(std::iter::once((THRESHOLD, begin)).chain(ends).collect());
-    if options.critical && parameter == Parameter::R0 {
-        let critical = match bent_curves::critical_radius(cell, numerics, &StepBudget::unlimited()) {
+    if let Some(critical) = critical {
+        let critical = match critical {
             Err(error) if found.critical.is_some() => {
                 found.warnings.push(format!("without axial symmetry: {error}"));
                 return Ok(found);

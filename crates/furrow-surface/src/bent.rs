@@ -95,7 +95,7 @@ impl NormalForm {
 /// use furrow_cell::{Cell, Numerics};
 /// use furrow_surface::bent::branch;
 ///
-/// // Half a minute.
+/// // A few seconds.
 /// let found = branch(&Cell::new(1.4), &Numerics { modes: 4, ..Numerics::default() }, 30.0)?;
 /// assert!(found.threshold.coefficient > 0.0);
 /// # Ok::<(), furrow_surface::bent::BentError>(())
