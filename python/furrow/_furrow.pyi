@@ -67,6 +67,8 @@ __version__: str
 solver_version: int
 
 _Search = tuple[int, int, int]
+#: Defect, condition and error of a solution.
+_Quality = tuple[float, float, float | None]
 _Labelled = tuple[str, str | None]
 _Names = tuple[str, str, str, str | None]
 _Drawn = tuple[dict[str, Any], "Drawing", list[str]]
@@ -156,9 +158,9 @@ def solve_bvp(
     p: NDArray[np.float64] | None,
     singular: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
     known: list[Collocation],
-    tolerance: float,
+    tolerances: tuple[float, float | None],
     max_intervals: int,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], Collocation, tuple[float, float], NDArray[np.float64], int]: ...
+) -> tuple[NDArray[np.float64], NDArray[np.float64], Collocation, _Quality, NDArray[np.float64], int]: ...
 def parameter_names() -> list[tuple[str, str]]: ...
 def presets() -> list[str]: ...
 def divide(inputs: Inputs, memo: Memo, seed: int, count: int, threads: int, progress: _Told = None) -> Any: ...

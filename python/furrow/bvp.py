@@ -62,6 +62,8 @@ class Solution:
     defect: float
     #: By how much the solution changes at most per change of the equations.
     condition: float
+    #: Estimated error abs(dy) / (1 + abs(y)) where ``error_tol`` bounds it; None otherwise.
+    error: float | None
     #: Iterations of Newton's method on all meshes.
     niter: int
     _collocation: Collocation
@@ -107,6 +109,7 @@ def solve_bvp(
     bc_tol: SupportsFloat | None = None,
     *,
     besides: Sequence[Solution] = (),
+    error_tol: SupportsFloat | None = None,
 ) -> Solution:
     """Solves y' = f(x, y, p) + S y/(x - a) with conditions bc(y(a), y(b), p) = 0, from a guess y of shape (n, m) at m nodes x.
 
@@ -118,6 +121,8 @@ def solve_bvp(
     regular at a if S y(a) = 0. The conditions must imply this: unlike SciPy, furrow does not project y(a).
 
     ``tol`` bounds the defect, and ``max_nodes`` the nodes of the mesh: at most 1000000, and 16000000/n^2 for many components.
+    ``error_tol`` bounds the estimated error abs(dy) / (1 + abs(y)) of every component as well; a second solution, on halved intervals,
+    estimates it and is returned.
     With ``verbose`` 1 or 2 a line is printed at the end. ``bc_tol`` is taken for SciPy's sake and not needed: the conditions are
     solved as accurately as Newton's method solves the equations.
 
@@ -132,7 +137,7 @@ def solve_bvp(
     told = whole("verbose", verbose, 0, 2)
     if bc_tol is not None:
         _tolerance("bc_tol", bc_tol)
-    mesh, scalars, collocation, (defect, condition), residuals, iterations = _furrow.solve_bvp(
+    mesh, scalars, collocation, (defect, condition, error), residuals, iterations = _furrow.solve_bvp(
         (fun, bc),
         (fun_jac, bc_jac),
         nodes,
@@ -140,7 +145,7 @@ def solve_bvp(
         unknown,
         _singular(S, len(guess)),
         _known(besides, len(guess), unknown),
-        _tolerance("tol", tol),
+        (_tolerance("tol", tol), None if error_tol is None else _tolerance("error_tol", error_tol)),
         _most_nodes(max_nodes, *guess.shape) - 1,
     )
 
@@ -150,7 +155,7 @@ def solve_bvp(
     if told:
         print(f"Solved in {iterations} iterations, number of nodes {len(mesh)}, largest defect {defect:.1e}.")
     found = None if unknown is None else scalars
-    return Solution(mesh, at(False), at(True), found, residuals, defect, condition, iterations, collocation)
+    return Solution(mesh, at(False), at(True), found, residuals, defect, condition, error, iterations, collocation)
 
 
 def _unfit(field: str, shown: str, allowed: str) -> InputError:

@@ -385,16 +385,19 @@ fn shortened(message: &str) -> String {
     message.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// The mesh, p, the polynomials, the defect with the condition, the residuals of the intervals, and the number of Newton iterations.
+/// The mesh, p, the polynomials, the defect with the condition and the error if it is bounded, the residuals of the intervals, and the number of Newton iterations.
 type Found<'py> =
-    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, [f64; 2], Bound<'py, PyArray1<f64>>, usize);
+    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, Quality, Bound<'py, PyArray1<f64>>, usize);
+
+/// Defect, condition, error.
+type Quality = (f64, f64, Option<f64>);
 
 /// S and (I − S)⁻¹ of a singular term.
 type Matrices<'py> = [PyReadonlyArray2<'py, f64>; 2];
 
 /// Solves a problem of functions as `scipy.integrate.solve_bvp` takes them, besides known solutions.
 #[pyfunction]
-#[pyo3(signature = (functions, jacobians, mesh, guess, p, singular, known, tolerance, max_intervals))]
+#[pyo3(signature = (functions, jacobians, mesh, guess, p, singular, known, tolerances, max_intervals))]
 pub fn solve_bvp<'py>(
     py: Python<'py>,
     functions: [Bound<'py, PyAny>; 2],
@@ -404,7 +407,7 @@ pub fn solve_bvp<'py>(
     p: Option<PyReadonlyArray1<'py, f64>>,
     singular: Option<Matrices<'py>>,
     known: Vec<PyRef<'py, Collocation>>,
-    tolerance: f64,
+    (tolerance, error): (f64, Option<f64>),
     max_intervals: usize,
 ) -> Result<Found<'py>, Error> {
     let mesh: Vec<f64> = mesh.as_array().to_vec();
@@ -412,7 +415,7 @@ pub fn solve_bvp<'py>(
     let p = p.map(|p| p.as_array().to_vec()).unwrap_or_default();
     let rows: Vec<Vec<f64>> = guess.readonly().as_array().rows().into_iter().map(|row| row.to_vec()).collect();
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    let settings = Settings { tolerance, max_intervals, ..Settings::default() };
+    let settings = Settings { tolerance, error, max_intervals, ..Settings::default() };
     let ([rhs, conditions], [rhs_jacobian, conditions_jacobian]) = (&functions, &jacobians);
     let singular = singular.map(|matrices| {
         let [matrix, at_end] = matrices.map(|matrix| matrix.as_array().iter().copied().collect());
@@ -452,7 +455,7 @@ fn result<'py>(
         DeflationError::Invalid(error) | DeflationError::Unsolved(SolveError::Invalid(error)) => unfit(error),
         error => Error::no_outcome(shortened(&error.to_string())),
     })?;
-    let (quality, iterations) = ([solved.defect, solved.condition], solved.work.iterations);
+    let (quality, iterations) = ((solved.defect, solved.condition, solved.error), solved.work.iterations);
     let collocation = Collocation::new(solved);
     let residuals = PyArray1::from_vec(py, collocation.residuals(&problem)?);
     raised(&problem)?;

@@ -30,6 +30,26 @@ def test_bratu_has_the_published_slope_at_its_end():
     assert found.sol(np.array([[0.1, 0.2], [0.3, 0.4]])).shape == (2, 2, 2) and found.sol(0.3).shape == (2,)
 
 
+def test_an_error_is_bounded_where_it_is_asked_for():
+    # y'' = 1e4 (y - cos x) - cos x with layers at both ends, which the conditions leave out.
+    def fun(x, y):
+        return np.vstack((y[1], 1e4 * (y[0] - np.cos(x)) - np.cos(x)))
+
+    def ends(ya, yb):
+        return np.array([ya[0] - 1, yb[0] - np.cos(1)])
+
+    guess = (np.linspace(0, 1, 5), np.zeros((2, 5)))
+    rough = solve_bvp(fun, ends, *guess, tol=1e-2)
+    found = solve_bvp(fun, ends, *guess, tol=1e-2, error_tol=1e-9)
+    x = np.linspace(0, 1, 101)
+    exact = np.vstack((np.cos(x), -np.sin(x)))
+    errors = [np.max(np.abs(one.sol(x) - exact) / (1 + np.abs(exact))) for one in (rough, found)]
+    assert rough.error is None and errors[0] > 1e-9
+    assert errors[1] <= found.error <= 1e-9
+    with pytest.raises(furrow.NoOutcome, match="limit of 10 intervals is reached before the bound on the error"):
+        solve_bvp(fun, ends, *guess, tol=10.0, error_tol=1e-9, max_nodes=11)
+
+
 def test_a_further_solution_is_found_besides_the_known_ones():
     guess = np.linspace(0, 1, 9), np.zeros((2, 9))
     first = solve_bvp(bratu, ends, *guess)
@@ -146,6 +166,7 @@ REFUSED = [
     # So many nodes would end the process where memory does.
     ({"max_nodes": 10**9}, "max_nodes", r"max_nodes = 1000000000: .* at most 1000000 for 2 components"),
     ({"y": np.zeros((16, 5)), "max_nodes": 10**5}, "max_nodes", "at most 62500 for 16 components"),
+    ({"error_tol": -1}, "error_tol", r"error_tol = -1.0: must be a finite number above 0"),
     ({"besides": [1]}, "besides", r"besides = 1: must be a list of results of furrow.bvp.solve_bvp"),
     ({"besides": 1}, "besides", r"besides = 1: must be a list"),
 ]

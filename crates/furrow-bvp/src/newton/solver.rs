@@ -23,6 +23,8 @@ use super::work::Work;
 pub struct Settings {
     /// Bound on the largest defect |u′ − f(u)| · h / (1 + |u|) of any component, see [`mesh::defect`].
     pub tolerance: f64,
+    /// Bound on the estimated error |δ| / (1 + |u|) of any component as well, see [`Solved::error`].
+    pub error: Option<f64>,
     /// Most intervals.
     pub max_intervals: usize,
     /// The iteration on every mesh. The tolerance of the defect may tighten its own.
@@ -39,6 +41,7 @@ impl Default for Settings {
     fn default() -> Self {
         Settings {
             tolerance: 1e-6,
+            error: None,
             max_intervals: 2000,
             newton: Newton::default(),
             budget: BUDGET,
@@ -58,6 +61,7 @@ impl Settings {
     /// [`InvalidInput::Setting`].
     pub fn check(&self) -> Result<(), InvalidInput> {
         invalid::positive("the tolerance", self.tolerance)?;
+        self.error.map_or(Ok(()), |error| invalid::positive("the bound on the error", error))?;
         invalid::setting("the budget", self.budget, self.budget > 0.0, "a number above 0")?;
         self.newton.check()
     }
@@ -106,6 +110,17 @@ pub enum SolveError {
         /// The solution of smallest defect on the meshes before, if there is any.
         best: Option<Box<Solved>>,
     },
+    /// The bound on the error would need more intervals than allowed.
+    #[error(
+        "the limit of {limit} intervals is reached before the bound on the error: its estimate takes {}",
+        2 * .best.solution.intervals()
+    )]
+    ErrorLimit {
+        /// Most intervals allowed.
+        limit: usize,
+        /// A solution within the tolerance of the defect.
+        best: Box<Solved>,
+    },
     /// The accuracy asked for would need more intervals than allowed.
     #[error("the limit of {limit} intervals is reached with a defect of {:.3e}", .best.defect)]
     MeshLimit {
@@ -146,6 +161,11 @@ const WASTEFUL: usize = 2;
 /// More intervals are worth it if they bring the defect down to this fraction.
 const PROGRESS: f64 = 0.5;
 
+/// Where the error is too large, the tolerance of the defect is multiplied by this part of their quotient.
+const TIGHTENING: f64 = 0.3;
+/// The tolerance is multiplied by no less.
+const LEAST_TIGHTENING: f64 = 1e-4;
+
 /// A defect tolerance is worth this many of Newton's.
 pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 
@@ -154,7 +174,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 /// On every mesh Newton solves the collocation equations; a full step that leaves next to no residual ends it, so that a linear problem
 /// takes one solve unless rounding leaves a larger one. Where the defect is too large, the mesh is redistributed so that
 /// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for, and graded towards layers.
-/// As long as a layer is too thin to be seen, intervals are added where the solution changes most. Where Newton fails,
+/// A bound on the error is checked with a further solution on halved intervals, which is returned; where the error is larger, the defect
+/// is made smaller. As long as a layer is too thin to be seen, intervals are added where the solution changes most. Where Newton fails,
 /// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
 /// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end. All of it
 /// has a budget of work, and ends before the next factorisation once the interrupt of the settings is set.
@@ -213,6 +234,7 @@ pub fn solve(
     let mut run = Run {
         problem,
         settings,
+        tolerance: settings.tolerance,
         system: System::new(dims, guess.m),
         scratch: NewtonScratch::limited(limit).trusting_residuals(),
         work: Work::default(),
@@ -227,6 +249,8 @@ pub fn solve(
 struct Run<'a> {
     problem: &'a mut dyn BoundaryValueProblem,
     settings: &'a Settings,
+    /// Bound on the defect: that of the settings, or less where the error asks for it.
+    tolerance: f64,
     system: System,
     scratch: NewtonScratch,
     work: Work,
@@ -240,8 +264,8 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn solve(&mut self, mut y: Solution) -> Result<Solved, SolveError> {
-        let Settings { tolerance, max_intervals: limit, .. } = *self.settings;
-        let mut refinement = mesh::Refinement::new(tolerance, limit);
+        let limit = self.settings.max_intervals;
+        let mut refinement = mesh::Refinement::new(self.tolerance, limit);
         loop {
             y = self.solve_with_refinement(y)?;
             let (defects, slopes) = self.defects(&y);
@@ -250,8 +274,18 @@ impl Run<'_> {
             if halved && defect <= ROUNDING && self.best.as_ref().is_some_and(|best| defect >= PROGRESS * best.defect) {
                 return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
-            if defect <= tolerance {
-                return self.accepted(y, defects, slopes);
+            if defect <= self.tolerance {
+                let solved = self.accepted(y, defects, slopes)?;
+                let Some(allowed) = self.settings.error else { return Ok(solved) };
+                let solved = self.with_error(solved)?;
+                let error = solved.error.unwrap_or_default();
+                if error <= allowed {
+                    return Ok(solved);
+                }
+                self.tolerance *= (TIGHTENING * allowed / error).clamp(LEAST_TIGHTENING, TIGHTENING);
+                refinement = mesh::Refinement::new(self.tolerance, limit);
+                y = solved.solution;
+                continue;
             }
             self.keep_best(&y, defect);
             let Some(grid) = refinement.next(&y, &defects) else {
@@ -267,8 +301,8 @@ impl Run<'_> {
     /// The solution, on a coarser mesh if that is fine enough; an error if the problem is singular.
     fn accepted(&mut self, y: Solution, defects: Vec<f64>, slopes: Vec<f64>) -> Result<Solved, SolveError> {
         let (condition, defect) = (condition::estimate(&mut self.system, &y), largest(&defects));
-        let needed = mesh::intervals_for(&y.mesh, &defects, y.m, self.settings.tolerance).max(2);
-        let solved = Solved { solution: y, defect, condition, work: self.work, slopes };
+        let needed = mesh::intervals_for(&y.mesh, &defects, y.m, self.tolerance).max(2);
+        let solved = Solved { solution: y, defect, condition, work: self.work, slopes, error: None };
         let y = &solved.solution;
         if condition * defect > SUSPECT {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
@@ -291,7 +325,7 @@ impl Run<'_> {
 
     /// The solution on the number of intervals that it needs, if it is the same there.
     fn on_coarser(&mut self, solved: &Solved, defects: &[f64], needed: usize) -> Option<Solved> {
-        let (y, tolerance) = (&solved.solution, self.settings.tolerance);
+        let (y, tolerance) = (&solved.solution, self.tolerance);
         let mut coarser = self.moved(y, &mesh::redistributed(&y.mesh, defects, y.m, needed, y.intervals()));
         self.newton(&mut coarser).ok()?;
         let (defects, slopes) = self.defects(&coarser);
@@ -300,7 +334,7 @@ impl Run<'_> {
             return None;
         }
         let condition = condition::estimate(&mut self.system, &coarser);
-        let coarser = Solved { solution: coarser, defect, condition, work: self.work, slopes };
+        let coarser = Solved { solution: coarser, defect, condition, work: self.work, slopes, error: None };
         let (gauss, mut value) = (&self.system.gauss, vec![0.0; y.components]);
         let most = SMOOTH * tolerance * condition.max(1.0);
         let agrees = |(x, node): (&f64, &[f64])| {
@@ -310,6 +344,32 @@ impl Run<'_> {
         y.mesh.iter().zip(y.nodes.chunks_exact(y.components)).all(agrees).then_some(coarser)
     }
 
+    /// The solution on halved intervals, with its error.
+    fn with_error(&mut self, solved: Solved) -> Result<Solved, SolveError> {
+        let y = &solved.solution;
+        let intervals = 2 * y.intervals();
+        if intervals > self.settings.max_intervals {
+            return Err(SolveError::ErrorLimit { limit: self.settings.max_intervals, best: Box::new(solved) });
+        }
+        let mut finer = self.moved(y, &mesh::halved(&y.mesh));
+        match self.newton(&mut finer) {
+            Ok(()) => {}
+            Err(NewtonError::Stopped { reason, .. }) => return Err(self.stopped(reason, intervals)),
+            Err(source) => return Err(SolveError::Newton { intervals, source, best: Some(Box::new(solved)) }),
+        }
+        let mut value = vec![0.0; y.components];
+        let apart = finer.mesh.iter().zip(finer.nodes.chunks_exact(y.components)).map(|(x, node)| {
+            solved.eval(&self.system.gauss, *x, &mut value);
+            value.iter().zip(node).map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f64::max)
+        });
+        let of_scalars = y.scalars.iter().zip(&finer.scalars).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
+        let error = of_scalars.chain(apart).fold(0.0, f64::max) / (2f64.powi(y.m as i32) - 1.0);
+        let (defects, slopes) = self.defects(&finer);
+        let condition = condition::estimate(&mut self.system, &finer);
+        let (defect, work) = (largest(&defects), self.work);
+        Ok(Solved { solution: finer, defect, condition, work, slopes, error: Some(error) })
+    }
+
     fn stopped(&mut self, reason: Stop, intervals: usize) -> SolveError {
         SolveError::Stopped { reason, intervals, best: self.best.take() }
     }
@@ -317,7 +377,7 @@ impl Run<'_> {
     /// Defects of the intervals. If a tolerance allows them, intervals with a jump of f beside a node have the size of the jump, and the slopes
     /// at the nodes are the second result.
     fn defects(&mut self, y: &Solution) -> (Vec<f64>, Vec<f64>) {
-        let (gauss, tolerance) = (&self.system.gauss, self.settings.tolerance);
+        let (gauss, tolerance) = (&self.system.gauss, self.tolerance);
         let mut defects = mesh::defect(gauss, self.problem, y);
         if largest(&defects) > tolerance {
             return (defects, Vec::new());
@@ -335,7 +395,7 @@ impl Run<'_> {
     /// Newton on the mesh of `y`.
     fn newton(&mut self, y: &mut Solution) -> Result<(), NewtonError> {
         let settings = self.settings;
-        let tolerance = settings.newton.tolerance.min(NEWTON_SHARE * settings.tolerance).max(LEAST_TOLERANCE);
+        let tolerance = settings.newton.tolerance.min(NEWTON_SHARE * self.tolerance).max(LEAST_TOLERANCE);
         let newton = Newton { tolerance, ..settings.newton };
         match newton.solve(&mut self.system, &mut self.scratch, self.problem, y, &[], false) {
             Ok(report) => self.work += report,
@@ -392,8 +452,7 @@ impl Run<'_> {
     /// Keeps a solution that has the smallest defect so far. Its condition is estimated if it is asked for.
     fn keep_best(&mut self, y: &Solution, defect: f64) {
         if self.best.as_ref().is_none_or(|best| defect < best.defect) {
-            let (solution, work) = (y.clone(), self.work);
-            self.best = Some(Box::new(Solved { solution, defect, condition: f64::INFINITY, work, slopes: Vec::new() }));
+            self.best = Some(Box::new(Solved::unchecked(y.clone(), defect, self.work)));
         }
     }
 
@@ -409,10 +468,8 @@ impl Run<'_> {
 
     /// The best solution; without another, the one on this mesh.
     fn take_best_or(&mut self, solution: Solution, defect: f64) -> Box<Solved> {
-        let mut best = self.take_best().unwrap_or_else(|| {
-            let (condition, work, slopes) = (f64::INFINITY, Work::default(), Vec::new());
-            Box::new(Solved { solution, defect, condition, work, slopes })
-        });
+        let mut best =
+            self.take_best().unwrap_or_else(|| Box::new(Solved::unchecked(solution, defect, Work::default())));
         best.work = self.work;
         best
     }

@@ -239,3 +239,30 @@ fn a_mesh_that_is_too_fine_is_coarsened() {
     let exact = |x: f64| ((1.0 - x) / 0.1f64.sqrt()).sinh() / (1.0 / 0.1f64.sqrt()).sinh();
     assert!(largest_difference(&solved, exact) < 1e-6);
 }
+
+#[test]
+fn the_error_is_bounded_where_it_is_asked_for() {
+    let allowed = 1e-9;
+    let (mut all, mut by_defect_alone) = (0, 0);
+    for (number, epsilon) in (1..=21).flat_map(|number| [1e-1, 1e-2, 1e-3].map(|epsilon| (number, epsilon))) {
+        let by = |error| {
+            let mut problem = cash_mazzia::problem(number, epsilon)?;
+            let guess = problem.line(4, 10);
+            let settings = Settings { tolerance: 1e-4, error, ..Settings::default() };
+            let solved = solve(&mut problem, &guess, &settings).ok()?;
+            Some((problem.error(&solved)?, solved.error))
+        };
+        let (Some((error, Some(estimate))), Some((rough, None))) = (by(Some(allowed)), by(None)) else { continue };
+        assert!(error <= estimate && estimate <= allowed, "{number} at {epsilon}: {error:.1e} {estimate:.1e}");
+        (all, by_defect_alone) = (all + 1, by_defect_alone + usize::from(rough <= allowed));
+    }
+    assert!(all > 50 && by_defect_alone < 5, "{by_defect_alone} of {all}");
+    // Too few intervals for a second solution.
+    let settings = Settings { tolerance: 1e-3, error: Some(1e-6), max_intervals: 15, ..Settings::default() };
+    let outcome = from_line(&mut layer(0.1, [0.0, 0.0, -1.0], [0.0, 1.0]), 4, 10, &settings);
+    let message = outcome.as_ref().unwrap_err().to_string();
+    assert!(message.contains("15 intervals is reached before the bound on the error"), "{message}");
+    let refused =
+        from_line(&mut layer(0.1, [0.0, 0.0, -1.0], [0.0, 1.0]), 4, 10, &Settings { error: Some(0.0), ..settings });
+    assert!(matches!(refused, Err(SolveError::Invalid(InvalidInput::Setting { .. }))), "{refused:?}");
+}
