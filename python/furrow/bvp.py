@@ -121,8 +121,8 @@ def solve_bvp(
     regular at a if S y(a) = 0. The conditions must imply this: unlike SciPy, furrow does not project y(a).
 
     ``tol`` bounds the defect, and ``max_nodes`` the nodes of the mesh: at most 1000000, and 16000000/n^2 for many components.
-    ``error_tol`` bounds the estimated error abs(dy) / (1 + abs(y)) of every component as well; a second solution, on halved intervals,
-    estimates it and is returned.
+    ``error_tol`` bounds the estimated error abs(dy) / (1 + abs(y)) of every component as well; a second solution, on halved
+    intervals, estimates it and is returned.
     With ``verbose`` 1 or 2 a line is printed at the end. ``bc_tol`` is taken for SciPy's sake and not needed: the conditions are
     solved as accurately as Newton's method solves the equations.
 

@@ -385,12 +385,12 @@ fn shortened(message: &str) -> String {
     message.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
+/// Defect, condition, error.
+type Quality = (f64, f64, Option<f64>);
+
 /// The mesh, p, the polynomials, the defect with the condition and the error if it is bounded, the residuals of the intervals, and the number of Newton iterations.
 type Found<'py> =
     (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, Quality, Bound<'py, PyArray1<f64>>, usize);
-
-/// Defect, condition, error.
-type Quality = (f64, f64, Option<f64>);
 
 /// S and (I − S)⁻¹ of a singular term.
 type Matrices<'py> = [PyReadonlyArray2<'py, f64>; 2];
@@ -407,7 +407,7 @@ pub fn solve_bvp<'py>(
     p: Option<PyReadonlyArray1<'py, f64>>,
     singular: Option<Matrices<'py>>,
     known: Vec<PyRef<'py, Collocation>>,
-    (tolerance, error): (f64, Option<f64>),
+    tolerances: (f64, Option<f64>),
     max_intervals: usize,
 ) -> Result<Found<'py>, Error> {
     let mesh: Vec<f64> = mesh.as_array().to_vec();
@@ -415,6 +415,7 @@ pub fn solve_bvp<'py>(
     let p = p.map(|p| p.as_array().to_vec()).unwrap_or_default();
     let rows: Vec<Vec<f64>> = guess.readonly().as_array().rows().into_iter().map(|row| row.to_vec()).collect();
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let (tolerance, error) = tolerances;
     let settings = Settings { tolerance, error, max_intervals, ..Settings::default() };
     let ([rhs, conditions], [rhs_jacobian, conditions_jacobian]) = (&functions, &jacobians);
     let singular = singular.map(|matrices| {
