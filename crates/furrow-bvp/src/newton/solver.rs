@@ -249,7 +249,7 @@ pub fn solve(
 struct Run<'a> {
     problem: &'a mut dyn BoundaryValueProblem,
     settings: &'a Settings,
-    /// Bound on the defect: that of the settings, or less where the error asks for it.
+    /// Bound on the defect, which a bound on the error tightens.
     tolerance: f64,
     system: System,
     scratch: NewtonScratch,
