@@ -257,6 +257,14 @@ fn the_error_is_bounded_where_it_is_asked_for() {
         (all, by_defect_alone) = (all + 1, by_defect_alone + usize::from(rough <= allowed));
     }
     assert!(all > 50 && by_defect_alone < 5, "{by_defect_alone} of {all}");
+    // Where the equation is stiff and the solution smooth, the defect is 1e8 times the error.
+    for number in [3, 5] {
+        let mut problem = cash_mazzia::problem(number, 1e-8).unwrap();
+        let guess = problem.line(4, 10);
+        let by = Settings { tolerance: 1e3, error: Some(1e-6), ..Settings::default() };
+        let solved = solve(&mut problem, &guess, &by).unwrap();
+        assert!(solved.defect > 1e-6 && problem.error(&solved).unwrap() < 1e-9, "{number}: {:.1e}", solved.defect);
+    }
     // Too few intervals for a second solution.
     let settings = Settings { tolerance: 1e-3, error: Some(1e-6), max_intervals: 15, ..Settings::default() };
     let outcome = from_line(&mut layer(0.1, [0.0, 0.0, -1.0], [0.0, 1.0]), 4, 10, &settings);
