@@ -10,7 +10,7 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use furrow_cell::settings::canonical_name;
 use furrow_cell::settings::{self, Settings};
 use furrow_input::InputError;
-use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store};
+use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, scheduler};
 use furrow_lineage::{Length, Units};
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -99,6 +99,9 @@ impl Context {
     /// Reads and checks the global options.
     pub fn new(globals: &Globals) -> Result<Context, CliError> {
         messages::set_level(globals);
+        if let Some(threads) = globals.threads {
+            scheduler::bound_threads(usize::from(threads));
+        }
         let settings = settings_in(globals, &Units::default())?;
         let quantisation = match globals.r0_step {
             None => Quantisation::DEFAULT,

@@ -110,3 +110,25 @@ fn warnings_show_control_characters_escaped() {
     assert!(output.status.success() && said.starts_with(" WARN ") && said.ends_with('\n'), "{said:?}");
     assert!(said.contains("a\\u{1b}[2Jb") && !said.contains('\u{1b}'), "{said:?}");
 }
+
+/// Most threads that a command has at once, as Linux counts them.
+#[cfg(target_os = "linux")]
+fn most_threads(arguments: &[&str]) -> usize {
+    let mut child = command::command(command::HERE, arguments).stdout(std::process::Stdio::null()).spawn().unwrap();
+    let tasks = format!("/proc/{}/task", child.id());
+    let mut most = 0;
+    while child.try_wait().unwrap().is_none() {
+        most = most.max(std::fs::read_dir(&tasks).map_or(0, Iterator::count));
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    most
+}
+
+/// Curves are followed on the global pool, divisions on one of their own.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_bound_what_is_no_division_too() {
+    let with = |threads| most_threads(&["polarity", "--r0", "17.28um", "--threads", threads]);
+    let [one, four] = ["1", "4"].map(with);
+    assert_eq!(four - one, 3, "{one} {four}");
+}

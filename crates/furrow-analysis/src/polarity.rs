@@ -13,6 +13,7 @@ use furrow_mechanics::equilibria::ShapeError;
 use furrow_mechanics::polarity::{
     Chemistry, PolarityError, PolarityLimit, Readings, SurfaceToVolume, Towards, profile, readings,
 };
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// A cell of the germline, or any other.
@@ -184,14 +185,19 @@ pub fn polarity(
             name: name.clone(),
         })
     };
-    let found = cells.iter().map(of).collect::<Result<Vec<_>, PolarityStudyError>>()?;
     let like = cells.first().map_or(&settings.cell, |first| &first.cell);
-    Ok(PolarityStudy {
-        cells: found,
-        smallest: chemistry.limit(like, Towards::Smaller),
-        largest: chemistry.limit(like, Towards::Larger),
-        mechanics: critical_radius(&like.clone().with_cue(Cue::none()), &settings.numerics),
-    })
+    let limits = || {
+        let smallest = chemistry.limit(like, Towards::Smaller);
+        let largest = match &smallest {
+            // No size at all.
+            Err(error @ PolarityError::NoPolarity { .. }) => Err(error.clone()),
+            _ => chemistry.limit(like, Towards::Larger),
+        };
+        (smallest, largest, critical_radius(&like.clone().with_cue(Cue::none()), &settings.numerics))
+    };
+    let all = || cells.par_iter().map(of).collect::<Vec<Result<PolarisedCell, PolarityStudyError>>>();
+    let (found, (smallest, largest, mechanics)) = rayon::join(all, limits);
+    Ok(PolarityStudy { cells: found.into_iter().collect::<Result<_, _>>()?, smallest, largest, mechanics })
 }
 
 impl PolarityStudy {
