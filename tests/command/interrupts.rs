@@ -66,14 +66,14 @@ fn work_after_a_division() {
     }
 }
 
-/// A tree of some hundreds of divisions, whatever becomes of stderr. Four threads are its own, the one that waits for Ctrl-C, and
-/// the workers, which begin once there are divisions to finish.
+/// A tree of some hundreds of divisions, whatever becomes of stderr. Six threads are its own, two for curves, the one that waits for
+/// Ctrl-C, and the workers, which begin once there are divisions to finish.
 #[test]
 fn a_tree() {
     let folder = tempfile::tempdir().unwrap();
     let tree = "tree --no-cache --threads 2 --r0-step 0 --set epsilon=0.5 --set xi=30".split(' ').collect::<Vec<_>>();
-    interrupted(folder.path(), &tree, File::options().write(true).open("/dev/full").unwrap().into(), 4, 0);
-    let said = interrupted(folder.path(), &tree, Stdio::piped(), 4, 0);
+    interrupted(folder.path(), &tree, File::options().write(true).open("/dev/full").unwrap().into(), 6, 0);
+    let said = interrupted(folder.path(), &tree, Stdio::piped(), 6, 0);
     assert!(
         said.contains("finishing the divisions that have begun") && said.contains("error: interrupted after"),
         "{said}"

@@ -260,8 +260,8 @@ pub fn workers(threads: usize) -> usize {
     if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, usize::from) }
 }
 
-/// Bounds the threads of what no pool of workers computes, such as curves and spectra, for the rest of the process. It has no effect
-/// once such work was done.
+/// Bounds the threads for curves, spectra and other work outside a pool of workers, for the rest of the process. It has no effect
+/// after such work.
 pub fn bound_threads(threads: usize) {
     // Only a second call fails.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
