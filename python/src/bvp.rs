@@ -388,7 +388,7 @@ fn shortened(message: &str) -> String {
 /// Defect, condition, error.
 type Quality = (f64, f64, Option<f64>);
 
-/// The mesh, p, the polynomials, the defect with the condition and the error if it is bounded, the residuals of the intervals, and the number of Newton iterations.
+/// The mesh, p, the polynomials, their quality, the residuals of the intervals, and the number of Newton iterations.
 type Found<'py> =
     (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Collocation, Quality, Bound<'py, PyArray1<f64>>, usize);
 

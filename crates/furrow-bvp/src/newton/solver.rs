@@ -5,6 +5,7 @@
 //! Ascher, Mattheij & Russell 1995, ch. 9 (mesh selection). Kierzenka & Shampine, ACM Trans. Math. Softw. 27, 299 (2001)
 //! (control of the defect).
 
+use crate::gauss::Gauss;
 use crate::invalid::{self, InvalidInput};
 use crate::linear::System;
 use crate::mesh;
@@ -335,13 +336,8 @@ impl Run<'_> {
         }
         let condition = condition::estimate(&mut self.system, &coarser);
         let coarser = Solved { solution: coarser, defect, condition, work: self.work, slopes, error: None };
-        let (gauss, mut value) = (&self.system.gauss, vec![0.0; y.components]);
-        let most = SMOOTH * tolerance * condition.max(1.0);
-        let agrees = |(x, node): (&f64, &[f64])| {
-            coarser.eval(gauss, *x, &mut value);
-            value.iter().zip(node).all(|(a, b)| (a - b).abs() <= most * (1.0 + b.abs()))
-        };
-        y.mesh.iter().zip(y.nodes.chunks_exact(y.components)).all(agrees).then_some(coarser)
+        let agrees = apart(&self.system.gauss, &coarser, y) <= SMOOTH * tolerance * condition.max(1.0);
+        agrees.then_some(coarser)
     }
 
     /// The solution on halved intervals, with its error.
@@ -357,13 +353,8 @@ impl Run<'_> {
             Err(NewtonError::Stopped { reason, .. }) => return Err(self.stopped(reason, intervals)),
             Err(source) => return Err(SolveError::Newton { intervals, source, best: Some(Box::new(solved)) }),
         }
-        let mut value = vec![0.0; y.components];
-        let apart = finer.mesh.iter().zip(finer.nodes.chunks_exact(y.components)).map(|(x, node)| {
-            solved.eval(&self.system.gauss, *x, &mut value);
-            value.iter().zip(node).map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f64::max)
-        });
-        let of_scalars = y.scalars.iter().zip(&finer.scalars).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
-        let error = of_scalars.chain(apart).fold(0.0, f64::max) / (2f64.powi(y.m as i32) - 1.0);
+        let apart = apart(&self.system.gauss, &solved, &finer).max(relative(&y.scalars, &finer.scalars));
+        let error = apart / (2f64.powi(y.m as i32) - 1.0);
         let (defects, slopes) = self.defects(&finer);
         let condition = condition::estimate(&mut self.system, &finer);
         let (defect, work) = (largest(&defects), self.work);
@@ -473,6 +464,22 @@ impl Run<'_> {
         best.work = self.work;
         best
     }
+}
+
+/// Largest |a − b| / (1 + |b|), infinite where it is not a number.
+fn relative(a: &[f64], b: &[f64]) -> f64 {
+    let sizes = a.iter().zip(b).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
+    sizes.fold(0.0, |largest, size| if size.is_nan() { f64::INFINITY } else { largest.max(size) })
+}
+
+/// The same of a solution from another one, at all nodes of the other.
+fn apart(gauss: &Gauss, solved: &Solved, other: &Solution) -> f64 {
+    let mut value = vec![0.0; other.components];
+    let at = |(x, node): (&f64, &[f64])| {
+        solved.eval(gauss, *x, &mut value);
+        relative(&value, node)
+    };
+    other.mesh.iter().zip(other.nodes.chunks_exact(other.components)).map(at).fold(0.0, f64::max)
 }
 
 fn largest(defects: &[f64]) -> f64 {
