@@ -4,11 +4,11 @@ use crate::boundary::{BoundaryOptions, BoundaryStudy, boundary, trials};
 use crate::diagram::{Diagram, diagram};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::PhasePlane;
+use furrow_lineage::batch::scheduler;
 use furrow_mechanics::equilibria::curves::{Curve, CurvePoint};
 use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StepBudget};
 use furrow_surface::bent::{self, BentBranch, BentError};
 use furrow_surface::bent_curves;
-use rayon::prelude::*;
 
 /// Name of the curve where bent states begin.
 const THRESHOLD: &str = "threshold";
@@ -122,7 +122,7 @@ fn thresholds(
 ) -> Curve {
     let values: Vec<f64> = (0..=POINTS).map(|k| from + (to - from) * f64::from(k) / f64::from(POINTS)).collect();
     let at = |value| bent_curves::threshold(cell, numerics, parameter, value);
-    let (curve, missing) = bent_curves::threshold_curve(values.into_par_iter().map(at).collect(), at);
+    let (curve, missing) = bent_curves::threshold_curve(scheduler::in_parallel(values.len(), |k| at(values[k])), at);
     match (curve.points.is_empty(), missing.first()) {
         // Without a single threshold the reasons agree, such as a law without equations for bent states.
         (true, Some(error)) => warnings.push(format!("no thresholds of bent states: {error}")),

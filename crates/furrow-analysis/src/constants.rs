@@ -147,7 +147,7 @@ impl Constants {
         };
         let of_cells = |constant: &&Constant| constant.class.as_deref() != Some(EMBRYO);
         let mut values: Vec<&Constant> = self.values.iter().filter(of_cells).collect();
-        values.sort_by_key(|constant| std::cmp::Reverse(size(&constant.class)));
+        values.sort_by_cached_key(|constant| std::cmp::Reverse(size(&constant.class)));
         for Constant { kind, class, value } in values {
             let Some(parameter) = kind.parameter() else {
                 let founders = of_class(class.as_deref(), &lineage, |_| true);

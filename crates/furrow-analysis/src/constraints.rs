@@ -6,6 +6,7 @@ use furrow_mechanics::calibration::statements::{GivenWindow, HigherFold};
 use furrow_mechanics::critical::critical_value;
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
+use ordered_float::OrderedFloat;
 use serde::{Deserialize, Serialize};
 
 /// A statement that is false for a set of constants.
@@ -212,7 +213,7 @@ pub fn turning_point(branch: &Branch) -> Option<f64> {
 /// ξ_s at the maxima of ξ_s along a branch, of the shortest and of the longest shape; `None` for fewer than two maxima.
 pub(crate) fn extreme_maxima(branch: &Branch) -> Option<[f64; 2]> {
     let mut maxima: Vec<_> = branch.folds().filter(|fold| fold.maximum).map(|fold| fold.point).collect();
-    maxima.sort_by(|a, b| a.elongation.total_cmp(&b.elongation));
+    maxima.sort_by_cached_key(|item| OrderedFloat(item.elongation));
     let [short, .., long] = maxima[..] else { return None };
     Some([short.xi_s, long.xi_s])
 }

@@ -26,7 +26,6 @@ use furrow_mechanics::calibration::{CalibrateError, Targets, calibrate, moved, w
 use nalgebra::{DMatrix, DVector};
 use rand_mt::Mt64;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -242,20 +241,20 @@ impl<'a> ConstantsSearch<'a> {
         &self,
         pool: &ThreadPool,
         first: usize,
-        places: Vec<Vec<f64>>,
+        places: &[Vec<f64>],
         extent: Extent,
         expected: usize,
     ) -> Result<Vec<(Vec<f64>, ConstraintCheck)>, EnsembleError> {
         let done = AtomicUsize::new(first);
-        let one = |(k, x): (usize, Vec<f64>)| {
+        let one = |k: usize| {
             if self.cancel.load(Ordering::Relaxed) {
                 return Err(EnsembleError::Interrupted);
             }
-            let check = self.check(first + k, &x, extent);
+            let check = self.check(first + k, &places[k], extent);
             (self.progress)(done.fetch_add(1, Ordering::Relaxed) + 1, expected);
-            Ok((x, check))
+            Ok((places[k].clone(), check))
         };
-        pool.install(|| places.into_par_iter().enumerate().map(one).collect())
+        pool.install(|| scheduler::in_parallel(places.len(), one)).into_iter().collect()
     }
 
     /// Check number `index` of the journal, or a new one, which is then in it.
@@ -360,8 +359,9 @@ pub fn ensemble(search: &ConstantsSearch<'_>) -> Result<Ensemble, EnsembleError>
     let mut draws = 0;
     let mut excluded = BTreeMap::new();
     let mut draw_all = |proposal: &Proposal, many: usize, expected: usize| -> Result<Vec<Draw>, EnsembleError> {
-        let places = (draws..draws + many).map(|index| proposal.draw(search.seed, index as u64).data.into()).collect();
-        let checked = search.check_all(&pool, draws, places, Extent::UntilExcluded, expected)?;
+        let places: Vec<Vec<f64>> =
+            (draws..draws + many).map(|index| proposal.draw(search.seed, index as u64).data.into()).collect();
+        let checked = search.check_all(&pool, draws, &places, Extent::UntilExcluded, expected)?;
         draws += many;
         for exclusion in checked.iter().filter_map(|(_, check)| check.excluded.first()) {
             *excluded.entry(exclusion.datum.clone()).or_insert(0) += 1;

@@ -128,7 +128,7 @@ pub fn front(search: &ConstantsSearch<'_>) -> Result<Front, EnsembleError> {
     while checked < count {
         generation.truncate(count - checked);
         let many = generation.len();
-        let found = search.check_all(&pool, checked, generation, Extent::Within(WORST), count)?;
+        let found = search.check_all(&pool, checked, &generation, Extent::Within(WORST), count)?;
         let whole = |found: &(_, ConstraintCheck)| found.1.thresholds.len() == targets.thresholds.len();
         found.into_iter().filter(whole).map(candidate).for_each(|candidate| best.add(candidate));
         checked += many;

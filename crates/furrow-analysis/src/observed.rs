@@ -121,7 +121,7 @@ impl ObservedLineage {
         let mut cells: Vec<ObservedCell> = Vec::with_capacity(embryo.cells.len());
         for cell in &embryo.cells {
             let mut daughters: Vec<usize> = cell.daughters.clone();
-            daughters.sort_by_key(|daughter| !is_first(names, &embryo.cells[*daughter].name));
+            daughters.sort_by_cached_key(|daughter| !is_first(names, &embryo.cells[*daughter].name));
             cells.push(ObservedCell {
                 name: cell.name.clone(),
                 tracked: Some(cell.tracked.clone()).filter(|tracked| !tracked.is_empty()),
@@ -183,7 +183,7 @@ impl ObservedLineage {
         let mother = |cell: &str| names.birth(cell).map(|(mother, ..)| mother.to_owned());
         let depth = |cell: &str| std::iter::successors(mother(cell), |cell| mother(cell)).count();
         let mut all: Vec<&str> = lifetimes.cells.iter().map(|life| life.cell.as_str()).collect();
-        all.sort_by_key(|cell| (depth(cell), !is_first(names, cell)));
+        all.sort_by_cached_key(|cell| (depth(cell), !is_first(names, cell)));
         let places: HashMap<&str, usize> = all.iter().enumerate().map(|(place, cell)| (*cell, place)).collect();
         let mut cells: Vec<ObservedCell> = Vec::with_capacity(all.len());
         for (place, cell) in all.iter().enumerate() {

@@ -4,6 +4,7 @@ use crate::json::{filled, merged};
 use furrow_cell::cue::{Field, Term};
 use furrow_cell::{Cell, Cue, CueError, Settings};
 use furrow_input::InputError;
+use furrow_lineage::batch::scheduler;
 use furrow_lineage::{Daughter, Lineage, Mother, Place};
 use furrow_measured::events::MotherSummary;
 use furrow_measured::published::jankele2021;
@@ -13,7 +14,6 @@ use furrow_mechanics::equilibria::ShapeError;
 use furrow_mechanics::polarity::{
     Chemistry, PolarityError, PolarityLimit, Readings, SurfaceToVolume, Towards, profile, readings,
 };
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// A cell of the germline, or any other.
@@ -174,7 +174,7 @@ pub fn polarity(
             _ => Cue::none(),
         };
         let input = || DivisionInput { cell: cell.clone().with_cue(cue.clone()), numerics: settings.numerics, seed: 0 };
-        Ok(PolarisedCell {
+        Ok::<PolarisedCell, PolarityStudyError>(PolarisedCell {
             r0: cell.r0,
             surface_to_volume: chemistry.membrane(cell).ok().map(|membrane| membrane.surface_to_volume),
             profile: state.ok().flatten().map_or(Vec::new(), |state| profile(&state, PLACES)),
@@ -195,7 +195,7 @@ pub fn polarity(
         };
         (smallest, largest, critical_radius(&like.clone().with_cue(Cue::none()), &settings.numerics))
     };
-    let all = || cells.par_iter().map(of).collect::<Vec<Result<PolarisedCell, PolarityStudyError>>>();
+    let all = || scheduler::in_parallel(cells.len(), |k| of(&cells[k]));
     let (found, (smallest, largest, mechanics)) = rayon::join(all, limits);
     Ok(PolarityStudy { cells: found.into_iter().collect::<Result<_, _>>()?, smallest, largest, mechanics })
 }

@@ -5,7 +5,7 @@ use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, criti
 use furrow_lineage::{
     EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
-use rayon::prelude::*;
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -63,7 +63,7 @@ impl Range {
 
     /// Of numbers with their weights; `None` if there are no numbers.
     pub fn of(mut numbers: Vec<(f64, f64)>) -> Option<Range> {
-        numbers.sort_by(|a, b| a.0.total_cmp(&b.0));
+        numbers.sort_by_cached_key(|item| OrderedFloat(item.0));
         let total: f64 = numbers.iter().map(|(_, weight)| weight).sum();
         let at = |share: f64| {
             let mut below = 0.0;
@@ -224,7 +224,7 @@ pub(crate) fn each_tree<T: Send>(
         Ok(read(set, &tree, &summary))
     };
     let pool = scheduler::pool(threads).map_err(GrowError::Workers)?;
-    pool.install(|| sets.par_iter().map(grow).collect())
+    pool.install(|| scheduler::in_parallel(sets.len(), |k| grow(&sets[k]))).into_iter().collect()
 }
 
 /// Grows one tree on the calling thread's behalf: studies of many trees grow them side by side.
@@ -332,7 +332,7 @@ fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
 /// Ranks from 1. Equal numbers share their average rank.
 fn ranks(numbers: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..numbers.len()).collect();
-    order.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));
+    order.sort_by_cached_key(|k| OrderedFloat(numbers[*k]));
     let mut out = vec![0.0; numbers.len()];
     let mut from = 0;
     while from < order.len() {

@@ -16,7 +16,6 @@ use furrow_lineage::{
 };
 use furrow_mechanics::division::{Division, DivisionInput, Statistics};
 use furrow_mechanics::equilibria::{BranchOptions, PointKind, ShapeError, StepBudget, pitchfork};
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -222,7 +221,7 @@ impl<'a> Run<'a> {
         let summary = match run {
             Ok(summary) => summary,
             Err(SchedulerError::Unsolved { mut jobs, summary }) => {
-                jobs.sort_by_key(|job| job.id);
+                jobs.sort_by_cached_key(|job| job.id);
                 for job in jobs {
                     let number = job.id / replicates;
                     let of_input = &divisions[number * replicates..][..replicates];
@@ -288,7 +287,7 @@ impl<'a> Run<'a> {
             Some(found)
         };
         let pool = scheduler::pool(self.threads)?;
-        let solved: Vec<Option<Results>> = pool.install(|| open.par_iter().map(one).collect());
+        let solved: Vec<Option<Results>> = pool.install(|| scheduler::in_parallel(open.len(), |k| one(&open[k])));
         let interrupted = self.cancelled();
         open.iter().zip(solved).for_each(|(number, found)| results[*number] = found);
         Ok(SweepResult { solved: open.len(), interrupted, ..SweepResult::default() })

@@ -16,10 +16,10 @@
 
 use nalgebra::{DMatrix, DVector};
 use rand_mt::Mt64;
-use rayon::prelude::*;
 
 use crate::ensemble::{mean_and_covariance, normal, relative_weights, uniform};
 use crate::sample::{halton, seed_of};
+use furrow_lineage::batch::scheduler;
 
 /// The share of the effective sample size that a step of β keeps.
 const KEPT: f64 = 0.5;
@@ -101,7 +101,7 @@ pub fn sample<T: Clone + Send + Sync>(
         let (log_likelihood, computed) = likelihood(&place)?;
         Some(Particle { place, log_likelihood: finite(log_likelihood), computed })
     };
-    let particles = (0..particles).into_par_iter().map(start).collect::<Option<Vec<_>>>()?;
+    let particles = scheduler::in_parallel(particles, start).into_iter().collect::<Option<Vec<_>>>()?;
     let evaluations = particles.len();
     let mut found = Sample { particles, log_evidence: 0.0, stages: 0, evaluations, accepted: 1.0 };
     let (mut beta, mut length) = (0.0, 1.0);
@@ -182,8 +182,8 @@ impl<T: Clone + Send + Sync> Sample<T> {
         for step in 0..STEPS[1] {
             let stage = (self.stages * STEPS[1] + step) as u64;
             let long = *length * LENGTH / (root.nrows() as f64).sqrt();
-            let particles = std::mem::take(&mut self.particles);
-            let one = |(k, particle): (usize, Particle<T>)| {
+            let one = |k: usize| {
+                let particle = &self.particles[k];
                 let mut random = Mt64::new(seed_of(b"moved", seed, stage * count as u64 + k as u64));
                 let normals = DVector::from_fn(root.nrows(), |_, _| normal(&mut random));
                 let off = &root * normals * long;
@@ -193,11 +193,15 @@ impl<T: Clone + Send + Sync> Sample<T> {
                 let next = Particle { place, log_likelihood: finite(log_likelihood), computed };
                 let gain = beta * (next.log_likelihood - particle.log_likelihood);
                 let is_accepted = uniform(&mut random).ln() < gain;
-                Some(if is_accepted { (next, true) } else { (particle, false) })
+                Some(is_accepted.then_some(next))
             };
-            let next = particles.into_par_iter().enumerate().map(one).collect::<Option<Vec<_>>>()?;
-            let accepted = next.iter().filter(|(_, is_accepted)| *is_accepted).count();
-            self.particles = next.into_iter().map(|(particle, _)| particle).collect();
+            let next = scheduler::in_parallel(count, one).into_iter().collect::<Option<Vec<_>>>()?;
+            let accepted = next.iter().flatten().count();
+            for (particle, next) in self.particles.iter_mut().zip(next) {
+                if let Some(next) = next {
+                    *particle = next;
+                }
+            }
             self.evaluations += count;
             self.accepted = accepted as f64 / count as f64;
             moved += accepted;

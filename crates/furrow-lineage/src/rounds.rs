@@ -83,7 +83,7 @@ pub fn founder_rounds(tree: &Tree) -> Vec<Option<Rounds>> {
     let birth = |k: usize| Some(tree.cell(tree.founder_cell(k)?).generation);
     let above = |k: usize| Some(tree.cell(tree.mother(tree.founder_cell(k)?)?).founder);
     let mut born: Vec<usize> = (0..founders).filter(|k| birth(*k).is_some()).collect();
-    born.sort_by_key(|k| std::cmp::Reverse(birth(*k)));
+    born.sort_by_cached_key(|k| std::cmp::Reverse(birth(*k)));
     for k in born {
         if let Some(mother) = above(k) {
             counts[mother] = counts[mother].and(counts[k]);

@@ -121,7 +121,7 @@ pub(crate) fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option
             found.push((column, unit.copied().or(of_name)));
         }
     }
-    found.sort_by_key(|(column, _)| *column);
+    found.sort_by_cached_key(|(column, _)| *column);
     header.only("volume", &found)
 }
 

@@ -10,6 +10,7 @@ use std::io::Read;
 
 use furrow_input::table::Table;
 use furrow_input::{InputError, listed, open_file};
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 
 use crate::events::place;
@@ -447,7 +448,7 @@ impl CellsOverTime {
     /// The numbers that follow from divisions of some cells and their descendants.
     pub fn new(roots: Vec<String>, divisions: impl IntoIterator<Item = (String, f64)>) -> CellsOverTime {
         let mut divisions: Vec<(String, f64)> = divisions.into_iter().collect();
-        divisions.sort_by(|a, b| a.1.total_cmp(&b.1));
+        divisions.sort_by_cached_key(|item| OrderedFloat(item.1));
         let first = roots.len() + 1;
         let step = |(k, (cell, min))| Step { min, cell, cells: first + k };
         CellsOverTime { steps: divisions.into_iter().enumerate().map(step).collect(), roots }

@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
 
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -120,7 +121,7 @@ pub fn rank_sum(a: &[f64], b: &[f64]) -> Option<RankSum> {
         return None;
     }
     let mut all: Vec<(f64, bool)> = a.iter().map(|x| (*x, true)).chain(b.iter().map(|x| (*x, false))).collect();
-    all.sort_by(|x, y| x.0.total_cmp(&y.0));
+    all.sort_by_cached_key(|item| OrderedFloat(item.0));
     let (mut ranks_of_a, mut ties, mut tied) = (0.0, 0.0, false);
     let mut rank = 0.0;
     for equal in all.chunk_by(|x, y| x.0 == y.0) {
@@ -190,7 +191,7 @@ pub struct RankCorrelation {
 /// The ranks of some values from 1, in their order; equal ones share the mean of theirs.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    order.sort_by_cached_key(|k| OrderedFloat(values[*k]));
     let mut ranks = vec![0.0; values.len()];
     let mut before = 0.0;
     for equal in order.chunk_by(|a, b| values[*a] == values[*b]) {

@@ -8,6 +8,7 @@ use super::svg::colours;
 use furrow_analysis::compare::departure::{self, OverTime};
 use furrow_lineage::clock::{alive, last_times};
 use furrow_lineage::{CellTimes, Tree};
+use ordered_float::OrderedFloat;
 
 /// Size of the figure, and its left, right, top and bottom margins.
 const SIZE: [f64; 2] = [860.0, 330.0];
@@ -151,7 +152,7 @@ fn marks(tree: &Tree, scale: &Scale, last: &[Option<CellTimes>]) -> Vec<Mark> {
         Some((division_min?, k, if lifetime_extrapolated { "*" } else { "" }))
     };
     let mut minutes: Vec<(f64, usize, &str)> = last.iter().enumerate().filter_map(minute).collect();
-    minutes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    minutes.sort_by_cached_key(|item| OrderedFloat(item.0));
     let mark = |same: &[(f64, usize, &str)]| {
         let names: Vec<&str> = same.iter().map(|(_, k, _)| tree.lineage.founders[*k].name.as_str()).collect();
         let ((min, _, star), colour) = (same[0], same.last().map_or("#555", |(_, k, _)| colours[*k]));

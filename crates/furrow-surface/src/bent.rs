@@ -11,6 +11,7 @@ use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, PRESSURE, PSI, 
 use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::equilibria::azimuthal_scan::AzimuthalScan;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, ShapeError, ShapePoint, azimuthal_threshold};
+use ordered_float::OrderedFloat;
 
 use crate::division::AtRest;
 use crate::embed::{ContourPoint, embed};
@@ -509,7 +510,7 @@ pub(crate) fn events(cell: &Cell, numerics: &Numerics, only_first: bool) -> Resu
         }
         (bent, before) = (next, now);
     }
-    found.sort_by(|(_, a), (_, b)| a.bend().total_cmp(&b.bend()));
+    found.sort_by_cached_key(|(_, state)| OrderedFloat(state.bend()));
     found.truncate(if only_first { 1 } else { 2 });
     if found.is_empty() { Err(BentError::Unbounded) } else { Ok(found) }
 }

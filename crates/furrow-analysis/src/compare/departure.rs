@@ -5,6 +5,7 @@ use furrow_lineage::clock::last_divisions;
 use furrow_lineage::{CellId, CellTimes, Tree};
 use furrow_measured::lifetimes::{CellsOverTime, EmbryoOverTime, Lifetimes, Step, cells_over_time};
 use furrow_measured::published::jankele2021_lifetimes;
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 use std::collections::{HashMap, HashSet};
 
@@ -138,7 +139,7 @@ pub(super) fn departure(found: &OverTime) -> Option<Departure> {
     let at = |min: f64| Counts { min, cells: embryo.at(min), model: model.at(min) };
     let steps = embryo.steps.iter().chain(&model.steps).map(|step| step.min).filter(|min| min <= known_until);
     let mut counts: Vec<Counts> = steps.map(at).collect();
-    counts.sort_by(|a, b| a.min.total_cmp(&b.min));
+    counts.sort_by_cached_key(|item| OrderedFloat(item.min));
     let together = counts.iter().rposition(|counts| !is_apart(counts)).map_or(0, |k| k + 1);
     let names = |of: &CellsOverTime| of.steps.iter().map(|step| step.cell.clone()).collect::<HashSet<String>>();
     let (of_embryo, of_model) = (names(embryo), names(model));

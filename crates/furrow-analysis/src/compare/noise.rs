@@ -13,6 +13,7 @@
 use furrow_measured::events::Division;
 use furrow_measured::statistics::{Line, mean, median};
 use furrow_measured::trend::{VolumeBin, volume_line};
+use ordered_float::OrderedFloat;
 use rand_mt::Mt64;
 use serde::Serialize;
 
@@ -106,7 +107,7 @@ struct Equal {
 /// a trend.
 pub(crate) fn noise_null(divisions: &[Division], bins: &[VolumeBin]) -> Option<NoiseNull> {
     let mut known: Vec<&Division> = divisions.iter().filter(|d| d.mother_measured.is_some()).collect();
-    known.sort_by(|a, b| a.mother_volume().total_cmp(&b.mother_volume()));
+    known.sort_by_cached_key(|item| OrderedFloat(item.mother_volume()));
     let points: Vec<[f64; 2]> = known.iter().map(|d| [d.mother_volume(), d.chi()]).collect();
     let measured = volume_line(&points).filter(|line| line.n >= FEWEST && line.slope != 0.0)?;
     let groups = noise_groups(&known);

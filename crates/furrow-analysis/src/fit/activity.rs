@@ -11,7 +11,7 @@ use crate::ranges::{Reading, grow_alone};
 use furrow_lineage::batch::{Memo, scheduler};
 use furrow_lineage::{EndRule, GrowError, Rounds, Scope, Thresholds, founder_rounds};
 use furrow_mechanics::critical::CriticalRadii;
-use rayon::prelude::*;
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -134,7 +134,7 @@ impl Search<'_> {
                 })?;
             }
         }
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points.sort_by_cached_key(|item| OrderedFloat(item.0));
         let mut intervals: Vec<[f64; 2]> = Vec::new();
         let mut open: Option<f64> = None;
         for (k, &(xi_s, rounds)) in points.iter().enumerate() {
@@ -244,7 +244,7 @@ pub fn activities(
         trees.fetch_add(1, Ordering::Relaxed);
         let (tree, _) = grow_alone(lineage, settings.clone(), EndRule::Thresholds(&ends()), memo, cancel)?;
         let own = founder_rounds(&tree);
-        sought.par_iter().with_max_len(1).map(|founder| one(founder, &own)).collect()
+        scheduler::in_parallel(sought.len(), |k| one(&sought[k], &own)).into_iter().collect()
     });
     let trees = trees.load(Ordering::Relaxed);
     check_cancelled(cancel, trees, "trees")?;

@@ -4,11 +4,11 @@
 //! generation are divided in parallel.
 
 use furrow_cell::{Cell, Cue, Parameter};
+use furrow_lineage::batch::scheduler;
 use furrow_lineage::batch::{Memo, solve};
 use furrow_lineage::grow::oriented;
 use furrow_lineage::{Daughter, Lineage, Mother, Place};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide_with};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 use super::search::FitRun;
@@ -71,7 +71,7 @@ impl Kin {
         }
         // A cell refers to its mother by her place.
         let mut order: Vec<usize> = (0..kin.cells.len()).collect();
-        order.sort_by_key(|&k| kin.cells[k].generation);
+        order.sort_by_cached_key(|&k| kin.cells[k].generation);
         let mut at = vec![0; order.len()];
         order.iter().enumerate().for_each(|(new, &old)| at[old] = new);
         let moved = |old: usize| {
@@ -281,7 +281,7 @@ impl<'a> Chain<'a> {
 
     fn solve(&mut self) {
         for places in self.model.kin.generations() {
-            let solved: Vec<_> = places.clone().into_par_iter().map(|k| self.born(k)).collect();
+            let solved = scheduler::in_parallel(places.len(), |k| self.born(places.start + k));
             for (k, (r0, division)) in places.zip(solved) {
                 (self.radii[k], self.divisions[k]) = (r0, division);
             }
@@ -400,7 +400,7 @@ impl<'a> Chain<'a> {
     pub fn sensitivities<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<Option<Vec<f64>>> {
         let mut slopes: Vec<Option<Slopes>> = vec![None; self.radii.len()];
         for places in self.model.kin.generations() {
-            let found: Vec<_> = places.clone().into_par_iter().map(|k| self.follow(k, &slopes)).collect();
+            let found = scheduler::in_parallel(places.len(), |k| self.follow(places.start + k, &slopes));
             for (k, found) in places.zip(found) {
                 slopes[k] = found;
             }

@@ -14,7 +14,6 @@ use super::targets::{Searched, Targets};
 use furrow_cell::{Cell, Parameter};
 use furrow_lineage::Lineage;
 use furrow_lineage::batch::{Memo, scheduler};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -168,7 +167,8 @@ impl Objective<'_> {
     }
 
     fn sharpness(&self, place: &[f64], best: &Evaluated) -> Vec<Sharpness> {
-        let of = |(index, unknown): (usize, &Searched)| {
+        let of = |index: usize| {
+            let unknown = &self.targets.unknowns[index];
             let ends = [-1.0, 1.0].map(|way| self.reach(place, index, way, best.misfit));
             let value = |share: f64| {
                 let cell = self.targets.cell_at(&self.run.settings.cell, &moved(place, index, share));
@@ -177,7 +177,7 @@ impl Objective<'_> {
             let ([from, to], reaches_limit) = (ends.map(value), ends[0] <= 0.0 || ends[1] >= 1.0);
             Sharpness { parameter: unknown.parameter, from, to, reaches_limit }
         };
-        self.targets.unknowns.par_iter().enumerate().map(of).collect()
+        scheduler::in_parallel(self.targets.unknowns.len(), of)
     }
 }
 
@@ -246,9 +246,7 @@ fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option
         let share = step as f64 / STEPS as f64;
         from.iter().zip(&place).map(|(a, b)| (a + share * (b - a)).clamp(0.0, 1.0)).collect::<Vec<_>>()
     };
-    (1..STEPS).into_par_iter().for_each(|step| {
-        objective.at(&line(step));
-    });
+    scheduler::in_parallel(STEPS - 1, |k| objective.at(&line(k + 1)));
     // The search along each constant may find a better one, and is then repeated from there.
     let mut found = least(objective)?;
     let mut sharpness = objective.sharpness(&found.0, &found.1);

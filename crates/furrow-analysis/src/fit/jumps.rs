@@ -7,7 +7,7 @@
 use super::error::FitError;
 use super::germline::{ChiResidual, CueNumber, Objective};
 use super::search::moved;
-use rayon::prelude::*;
+use furrow_lineage::batch::scheduler;
 use serde::Serialize;
 
 /// How far a number or a radius is followed at least, relative to itself.
@@ -69,7 +69,7 @@ pub(super) fn jumps(
 fn along(by: &str, best: f64, ends: [f64; 2], cells: &[&str], chi: Chi<'_>) -> Vec<Jump> {
     let value = |end: f64, k: usize| best + (end - best) * k as f64 / STEPS as f64;
     let places: Vec<f64> = ends.into_iter().flat_map(|end| (0..=STEPS).map(move |k| value(end, k))).collect();
-    let computed: Vec<Vec<Option<f64>>> = places.par_iter().map(|place| chi(*place)).collect();
+    let computed: Vec<Vec<Option<f64>>> = scheduler::in_parallel(places.len(), |k| chi(places[k]));
     let mut found = Vec::new();
     for (side, of_side) in places.chunks(STEPS + 1).zip(computed.chunks(STEPS + 1)) {
         for (index, cell) in cells.iter().enumerate() {

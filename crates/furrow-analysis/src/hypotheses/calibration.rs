@@ -5,7 +5,6 @@ use furrow_lineage::Lineage;
 use furrow_lineage::batch::{Memo, Quantisation};
 use furrow_measured::significance::chi_squared_tail;
 use rand_mt::Mt64;
-use rayon::prelude::*;
 
 use super::fit_test::fit_test;
 use super::free::Free;
@@ -76,10 +75,7 @@ impl Tabulated {
         let place = |k: usize| -> Vec<f64> {
             (0..dimensions).map(|d| (k / nodes.pow(d as u32) % nodes) as f64 / (nodes - 1) as f64).collect()
         };
-        Tabulated {
-            nodes,
-            chi: (0..nodes.pow(dimensions as u32)).into_par_iter().map(|k| chi_at(model, &place(k))).collect(),
-        }
+        Tabulated { nodes, chi: scheduler::in_parallel(nodes.pow(dimensions as u32), |k| chi_at(model, &place(k))) }
     }
 
     /// χ of each cell. Where a cell rests at one of the places around, the nearest place decides.

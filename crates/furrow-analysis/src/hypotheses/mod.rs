@@ -165,7 +165,7 @@ pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest,
     let Question { observations, hypotheses, noise, .. } = question;
     // Those with few numbers first: others start from their fits too.
     let mut order: Vec<usize> = (0..hypotheses.len()).collect();
-    order.sort_by_key(|k| hypotheses[*k].free());
+    order.sort_by_cached_key(|k| hypotheses[*k].free());
     let mut tested = scheduler::pool(run.threads)?.install(|| {
         let (mut all, mut before) = (Vec::new(), Vec::new());
         for k in order {
@@ -175,7 +175,7 @@ pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest,
         }
         Ok::<_, FitError>(all)
     })?;
-    tested.sort_by_key(|(k, _)| *k);
+    tested.sort_by_cached_key(|(k, _)| *k);
     let tested = scores::weighed(tested.into_iter().map(|(_, tested)| tested).collect());
     Ok(HypothesisTest {
         n: observations.rows.len(),

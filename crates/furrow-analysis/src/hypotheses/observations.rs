@@ -206,7 +206,7 @@ impl Observations {
         let kin = Kin::of(lineage, measured.iter().map(|row| row.cell.as_str()));
         let known = |cell: &str| kin.place(cell).is_some();
         let mut all: Vec<&str> = measured.iter().map(|row| row.cell.as_str()).collect();
-        all.sort_by_key(|cell| place(cell));
+        all.sort_by_cached_key(|cell| place(cell));
         all.dedup();
         if let Some(name) = chosen.into_iter().flatten().find(|name| !all.contains(&name.trim()) || !known(name.trim()))
         {

@@ -1,9 +1,9 @@
 //! The fit of each hypothesis, and how it predicts what was left out.
 
+use furrow_lineage::batch::scheduler;
 use furrow_measured::significance::mean_interval;
 use furrow_measured::statistics::{mean, sd};
 use furrow_spectra::Svd;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -216,10 +216,10 @@ pub(super) fn tested(
     let chi = objective.chi(&values);
     let slopes = slopes(&objective, &place, &chi);
     let fit = Fitted { question, objective: &objective, place: &place, slopes: slopes.as_deref() };
-    let loo_parts = (0..observations.units.len())
-        .into_par_iter()
-        .map(|unit| fit.left_out(unit, &chi, (model(), beside)))
-        .collect::<Result<Vec<f64>, FitError>>()?;
+    let loo_parts =
+        scheduler::in_parallel(observations.units.len(), |unit| fit.left_out(unit, &chi, (model(), beside)))
+            .into_iter()
+            .collect::<Result<Vec<f64>, FitError>>()?;
     let others = fit.others(&values, model)?;
     objective.check_cancelled()?;
     let fitted = noise.fitted(rows, rows, &chi);
@@ -323,7 +323,8 @@ impl Fitted<'_> {
             return Ok(Vec::new());
         }
         let tree = others::grown(&self.objective.model, values);
-        let one = |(k, own): (usize, &Others)| {
+        let one = |k: usize| {
+            let own = &all[k];
             let kept: Vec<&Others> =
                 all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, others)| others).collect();
             let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&kept, model, values);
@@ -333,7 +334,7 @@ impl Fitted<'_> {
             let without = others::grown(&objective.model, &objective.model.values(&place));
             Ok(own.scored(tree.as_ref(), own.log_likelihood(without.as_ref())))
         };
-        all.par_iter().enumerate().map(one).collect()
+        scheduler::in_parallel(all.len(), one).into_iter().collect()
     }
 
     /// The place of the least misfit of other data near the one of all data: by steps with the slopes there, as Gauss and Newton make

@@ -10,7 +10,6 @@ use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapePoint};
-use rayon::prelude::*;
 
 /// Longest step along a branch, for smooth pictures.
 const STEP: f64 = 1.0;
@@ -33,7 +32,8 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let options = BranchOptions { xi: [0.0, XI_MAX], growth_rates: true, contours: true, ..BranchOptions::default() };
     let (options, numerics) = (options.with_max_step(STEP), figure.context.converged());
     let pool = scheduler::pool(figure.context.threads)?;
-    let found: Vec<_> = pool.install(|| cells.par_iter().map(|cell| diagram(cell, &numerics, &options)).collect());
+    let found: Vec<_> =
+        pool.install(|| scheduler::in_parallel(cells.len(), |k| diagram(&cells[k], &numerics, &options)));
     for (statement, cell, check) in statements {
         let Some((_, found)) = cells.iter().zip(&found).find(|(known, _)| **known == cell) else { continue };
         let finding = match found {

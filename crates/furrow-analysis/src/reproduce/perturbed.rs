@@ -6,7 +6,6 @@ use furrow_lineage::batch::scheduler;
 use furrow_mechanics::division::{DivisionInput, DivisionOptions};
 use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StationaryError, pitchfork, stationary};
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
-use rayon::prelude::*;
 
 /// Cells with disturbed shapes, R0 and ε: the paper shows their branches.
 const CELLS: [[f64; 2]; 4] = [[1.64, 0.87], [2.0, 0.87], [2.22, 0.64], [2.22, 0.88]];
@@ -28,7 +27,8 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         Ok((cell, found.point.xi_s))
     };
     // Computes all thresholds, so that the reported error is always the first cell's, independent of threads.
-    let thresholds: Vec<Result<(Cell, f64), ShapeError>> = pool.install(|| CELLS.par_iter().map(threshold).collect());
+    let thresholds: Vec<Result<(Cell, f64), ShapeError>> =
+        pool.install(|| scheduler::in_parallel(CELLS.len(), |k| threshold(&CELLS[k])));
     let cells: Vec<(Cell, f64)> = match thresholds.into_iter().collect::<Result<_, _>>() {
         Ok(cells) => cells,
         Err(error) => {
@@ -40,7 +40,7 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let at =
         |(cell, threshold): &(Cell, f64)| ACTIVITIES.map(|factor| Cell { xi_s: factor * threshold, ..cell.clone() });
     let inputs: Vec<Cell> = cells.iter().flat_map(at).collect();
-    let all: Vec<Vec<Case>> = pool.install(|| inputs.par_iter().map(|cell| cases(context, cell)).collect());
+    let all: Vec<Vec<Case>> = pool.install(|| scheduler::in_parallel(inputs.len(), |k| cases(context, &inputs[k])));
     context.check_cancelled()?;
     judge(&all, figure);
     let mut all = all.into_iter();

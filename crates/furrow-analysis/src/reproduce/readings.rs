@@ -1,5 +1,6 @@
 //! χ of a sweep along one axis, with the other axes held, and readings of the curve.
 
+use ordered_float::OrderedFloat;
 use serde_json::Value;
 
 use crate::{Row, Sweep};
@@ -51,7 +52,7 @@ pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) ->
         })
     };
     let mut found: Vec<ChiPoint> = rows.iter().filter(here).filter_map(reading).collect();
-    found.sort_by(|a, b| a.x.total_cmp(&b.x));
+    found.sort_by_cached_key(|item| OrderedFloat(item.x));
     found
 }
 

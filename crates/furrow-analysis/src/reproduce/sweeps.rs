@@ -14,7 +14,6 @@ use furrow_mechanics::calibration::statements::FurrowPlace;
 use furrow_mechanics::critical::{critical_radius, critical_value};
 use furrow_mechanics::division::{DivisionInput, Outcome, Statistics, Trajectory};
 use furrow_mechanics::equilibria::StepBudget;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// The name, the text and the axis of a shipped sweep.
@@ -237,7 +236,7 @@ fn slips(figure: &Figure<'_>) -> Result<Finding, ReproduceError> {
     let place = |r0: &f64| Some(place_of_furrow(&Trajectory::compute(&context.input(context.cell(*r0, 0.87))).ok()?));
     let sizes = [1.8, 1.9, 2.0, 2.1, 2.2];
     let found: Vec<Option<Vec<f64>>> =
-        scheduler::pool(context.threads)?.install(|| sizes.par_iter().map(place).collect());
+        scheduler::pool(context.threads)?.install(|| scheduler::in_parallel(sizes.len(), |k| place(&sizes[k])));
     let ends: Option<Vec<[f64; 2]>> =
         found.iter().map(|u| u.as_ref().and_then(|u| Some([*u.first()?, *u.last()?]))).collect();
     let Some(ends) = ends else { return Ok(Finding::not_computed("size_slip", "a cell has no furrow")) };

@@ -9,7 +9,7 @@ use furrow_lineage::batch::phase::{PhasePlane, spaced};
 use furrow_lineage::batch::{method, scheduler};
 use furrow_mechanics::division::DivisionInput;
 use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StepBudget, curves, pitchfork};
-use rayon::prelude::*;
+use ordered_float::OrderedFloat;
 
 /// Activity over ξ_s* at which cells are compared past their thresholds: below the turning points of all of them.
 const PAST: f64 = 1.05;
@@ -53,8 +53,10 @@ fn past_threshold(
         let first = pitchfork::first(&cell, &numerics, &BranchOptions::default())?;
         Ok(context.input(Cell { xi_s: PAST * first.point.xi_s, ..cell }))
     };
-    let inputs: Result<Vec<DivisionInput>, ShapeError> =
-        scheduler::pool(context.threads)?.install(|| values.par_iter().map(past).collect());
+    let inputs: Result<Vec<DivisionInput>, ShapeError> = scheduler::pool(context.threads)?
+        .install(|| scheduler::in_parallel(values.len(), |k| past(&values[k])))
+        .into_iter()
+        .collect();
     context.check_cancelled()?;
     let finding = match inputs {
         Ok(inputs) => {
@@ -98,7 +100,7 @@ fn thresholds(
 ) {
     let judged = curves::pitchfork_curve(cell, &figure.context.converged(), parameter, range).map(|curve| {
         let mut points = curve.points;
-        points.sort_by(|a, b| a.value.total_cmp(&b.value));
+        points.sort_by_cached_key(|item| OrderedFloat(item.value));
         let xi: Vec<f64> = points.iter().map(|point| point.xi_s).collect();
         let ends = [xi.first(), xi.last()].map(|xi| xi.copied().unwrap_or(f64::NAN));
         let holds = xi.len() > 1 && xi.windows(2).all(|pair| in_order(pair[0], pair[1]));

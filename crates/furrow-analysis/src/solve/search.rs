@@ -9,6 +9,7 @@ use furrow_lineage::batch::scheduler::{self, Solved};
 use furrow_lineage::batch::{self, phase::spaced};
 use furrow_lineage::batch::{Memo, SchedulerOptions, StoreWarning};
 use furrow_mechanics::division::{Division, DivisionInput};
+use ordered_float::OrderedFloat;
 
 use super::{Extreme, Gap, Jump, Question, Root, Smaller, Solution, SolveError, TOLERANCE};
 
@@ -110,7 +111,7 @@ impl Search<'_> {
             let off = found.as_ref().ok().and_then(|division| measure.of(division)).map(|outcome| outcome - wanted);
             Tried { value, found, off }
         }));
-        self.tried.sort_by(|a, b| a.value.total_cmp(&b.value));
+        self.tried.sort_by_cached_key(|item| OrderedFloat(item.value));
         Ok(())
     }
 
@@ -193,7 +194,7 @@ impl Search<'_> {
                 roots.extend(self.root(&two[usize::from(behind.abs() < before.abs())]));
             }
         }
-        roots.sort_by(|a, b| a.value.total_cmp(&b.value));
+        roots.sort_by_cached_key(|item| OrderedFloat(item.value));
         let outcomes = self.tried.iter().filter_map(|tried| {
             Some(Extreme {
                 outcome: tried.found.as_ref().ok().and_then(|division| measure.of(division))?,

@@ -56,7 +56,7 @@ impl InFile {
             InFile::Sum { sum } => sum.into_iter().map(InFile::text).collect::<Vec<_>>().join("+"),
             InFile::Fields(Pairs(parts)) => {
                 let part = |(field, Pairs(mut numbers)): (String, Pairs<Value>)| {
-                    numbers.sort_by_key(|(key, _)| key != "profile");
+                    numbers.sort_by_cached_key(|(key, _)| key != "profile");
                     let entries: Vec<String> = numbers.iter().flat_map(|(key, value)| value.entries(key)).collect();
                     format!("{field}:{}", entries.join(","))
                 };

@@ -115,7 +115,7 @@ impl Regulator {
 
     /// The same regulator with its couplings in the order of [`Field::ALL`].
     pub(super) fn sorted(mut self) -> Regulator {
-        self.couplings.sort_by_key(|coupling| coupling.field as usize);
+        self.couplings.sort_by_cached_key(|coupling| coupling.field as usize);
         self
     }
 

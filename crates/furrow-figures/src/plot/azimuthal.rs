@@ -1,6 +1,7 @@
 //! Non-axisymmetric modes of a stationary shape: the contour at φ and at φ + π, and the surface.
 
 use nalgebra::{Rotation3, Vector3};
+use ordered_float::OrderedFloat;
 
 use crate::drawing::cell::{Site, extent, shell};
 use crate::drawing::legend::{Key, Legend, titled};
@@ -105,7 +106,7 @@ fn surface(canvas: &mut Canvas, mode: &Mode, amplitude: f64, site: &Site) {
             facets.push((depth, flat, colour));
         }
     }
-    facets.sort_by(|a, b| a.0.total_cmp(&b.0));
+    facets.sort_by_cached_key(|item| OrderedFloat(item.0));
     for (_, corners, colour) in facets {
         canvas.facets([corners], colour);
     }

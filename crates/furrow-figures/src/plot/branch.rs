@@ -12,6 +12,7 @@ use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::{Cell, Parameter};
 use furrow_mechanics::cortex::{Cortex, Domain, Wall};
 use furrow_mechanics::equilibria::{Branch, Criticality, PointKind, ShapePoint};
+use ordered_float::OrderedFloat;
 
 /// A branch with contours under its name: `symmetric`, `asymmetric` or `cued`.
 type Named = (&'static str, Branch);
@@ -285,7 +286,7 @@ fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64
     });
     let events = branch.events.iter().map(|event| (knot(event.point().arclength, event.point()), None, None));
     let mut all: Vec<Place> = points.chain(events).collect();
-    let in_order = |all: &mut Vec<Place>| all.sort_by(|(a, ..), (b, ..)| a[0].total_cmp(&b[0]));
+    let in_order = |all: &mut Vec<Place>| all.sort_by_cached_key(|(at, ..)| OrderedFloat(at[0]));
     in_order(&mut all);
     let hopf = branch.hopf.iter().filter_map(|hopf| {
         let arclength = arclength_of(&all, [hopf.point.xi_s, value(&hopf.point)])?;

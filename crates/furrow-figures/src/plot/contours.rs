@@ -19,7 +19,7 @@ const MEASURED: Colour = [0xc9; 3];
 /// Draws the stages of a series, ending with the deepest furrow. The long axis is horizontal.
 pub fn draw(series: &Series) -> Canvas {
     let mut stages: Vec<&ContourMatch> = series.contours.iter().filter(|beside| beside.stage.is_some()).collect();
-    stages.sort_by_key(|beside| beside.stage);
+    stages.sort_by_cached_key(|beside| beside.stage);
     let in_row = stages.len().clamp(1, IN_ROW);
     let each = (WIDTH - 40.0) / in_row as f64;
     // All stages have the same scale, so that they can be compared.

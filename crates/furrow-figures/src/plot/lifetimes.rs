@@ -9,6 +9,7 @@ use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
 use furrow_analysis::compare::lifetimes::{CellComparison, LifetimesComparison};
 use furrow_measured::lifetimes::CellsOverTime;
 use furrow_measured::volumes::Unit;
+use ordered_float::OrderedFloat;
 
 const WIDTH: f64 = 1100.0;
 /// Heights of the charts over volume and birth, and of the chart over time.
@@ -179,7 +180,7 @@ fn numbers(canvas: &mut Canvas, at: [f64; 2], over_time: &OverTime, departure: O
 /// Founders by the time of their last division; founders with the same time share an entry.
 fn joined(last: &[LastDivision]) -> Vec<(f64, String)> {
     let mut sorted: Vec<&LastDivision> = last.iter().collect();
-    sorted.sort_by(|a, b| a.min.total_cmp(&b.min));
+    sorted.sort_by_cached_key(|item| OrderedFloat(item.min));
     let names = |of: &[&LastDivision]| of.iter().map(|last| last.founder.as_str()).collect::<Vec<_>>().join(", ");
     sorted.chunk_by(|a, b| a.min == b.min).map(|of| (of[0].min, names(of))).collect()
 }
@@ -199,7 +200,7 @@ const ROW: f64 = 19.0;
 
 /// Writes text at the top of a chart, each beside its time and in the first row where it overlaps no other.
 fn write_marks(chart: &mut Chart<'_>, mut marks: Vec<(f64, String, Colour)>) {
-    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    marks.sort_by_cached_key(|item| OrderedFloat(item.0));
     let [left, top, right, _] = chart.frame;
     let mut rows: Vec<f64> = Vec::new();
     for (min, words, colour) in marks {

@@ -1,6 +1,7 @@
 //! The results of a sweep: χ, or another quantity, over its first dense axis, with a curve for each value of a second axis and a
 //! panel for each value of the others; a map of outcomes if two axes are dense.
 
+use ordered_float::OrderedFloat;
 use serde_json::Value;
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
@@ -228,7 +229,7 @@ fn draw_curve(
 ) {
     if !sampled {
         let mut sorted = points.to_vec();
-        sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
+        sorted.sort_by_cached_key(|item| OrderedFloat(at(item)));
         // Broken at points without a value.
         for piece in sorted.split(|point| point.value.is_none()) {
             let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
@@ -357,7 +358,7 @@ fn named(sweep: &Sweep, axes: &[usize], places: &[usize]) -> String {
 fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>); 2]) -> Canvas {
     let edges = |values: &[f64]| {
         let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        order.sort_by_cached_key(|k| OrderedFloat(values[*k]));
         let sorted: Vec<f64> = order.iter().map(|k| values[*k]).collect();
         let mut bounds = vec![[0.0; 2]; values.len()];
         order.iter().zip(bins(&sorted)).for_each(|(k, bin)| bounds[*k] = bin);

@@ -1,7 +1,5 @@
 //! One stationary shape disturbed several times, with noise of different seeds.
 
-use rayon::prelude::*;
-
 use super::scheduler::{self, Result};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions};
 use furrow_mechanics::equilibria::stationary;
@@ -31,5 +29,5 @@ pub fn perturbations(input: &DivisionInput, count: usize, until: f64, threads: u
         });
         Disturbed { seed, found }
     };
-    Ok(scheduler::pool(threads)?.install(|| (0..count).into_par_iter().map(one).collect()))
+    Ok(scheduler::pool(threads)?.install(|| scheduler::in_parallel(count, one)))
 }

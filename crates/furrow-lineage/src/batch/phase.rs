@@ -5,7 +5,6 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::memo::{Failure, Memo};
@@ -145,7 +144,7 @@ impl PhasePlane {
             Column { x, at_rest: intervals, edges, error }
         };
         let pool = scheduler::pool(threads)?;
-        Ok(pool.install(|| self.across.par_iter().map(column).collect()))
+        Ok(pool.install(|| scheduler::in_parallel(self.across.len(), |k| column(&self.across[k]))))
     }
 
     /// Computes the diagram.

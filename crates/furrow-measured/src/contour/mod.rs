@@ -18,6 +18,7 @@ pub mod series;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
 use nalgebra::{Matrix2, Point2, Rotation2, SymmetricEigen, Vector2};
+use ordered_float::OrderedFloat;
 
 /// Largest share of its area by which a contour may change when loops are cut off. A larger change is more than a slip of the hand.
 const MOST_CUT: f64 = 0.01;
@@ -106,7 +107,7 @@ impl Contour {
         // Corners are put on a grid of 64-bit integers: with 32 bits, outlines of a few points upon each other took seconds.
         let pieces = points.simplify_shape_as::<i64>(FillRule::NonZero);
         let mut rings: Vec<&Vec<[f64; 2]>> = pieces.iter().flatten().collect();
-        rings.sort_by(|a, b| signed_area(b).abs().total_cmp(&signed_area(a).abs()));
+        rings.sort_by_cached_key(|ring| OrderedFloat(-signed_area(ring).abs()));
         let Some(largest) = rings.first() else { return Err(Unusable::NoArea) };
         let kept = signed_area(largest).abs();
         let rest: f64 = rings[1..].iter().map(|ring| signed_area(ring).abs()).sum();

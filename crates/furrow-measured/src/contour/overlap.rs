@@ -6,6 +6,7 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
 use nalgebra::Point2;
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 
 use super::{Contour, signed_area};
@@ -67,7 +68,7 @@ struct Sweep {
 impl Sweep {
     fn over(contour: &Contour) -> Sweep {
         let mut above: Vec<_> = contour.edges().collect();
-        above.sort_by(|a, b| lowest(b).total_cmp(&lowest(a)));
+        above.sort_by_cached_key(|item| OrderedFloat(-lowest(item)));
         Sweep { above, crossed: Vec::new() }
     }
 

@@ -4,6 +4,7 @@
 //! furrow and, if depths are alike, as before there is a furrow, by elongation. Both numbers have no
 //! unit. A series is of one cell, so all its contours share one scale: it makes their total area equal to the model's.
 
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 
 use super::furrow::furrow;
@@ -191,7 +192,7 @@ fn matched(
 fn stages(contours: &[ContourMatch]) -> Vec<usize> {
     let depth = |k: usize| contours[k].measured.depth;
     let mut free: Vec<usize> = (0..contours.len()).collect();
-    free.sort_by(|a, b| depth(*a).total_cmp(&depth(*b)));
+    free.sort_by_cached_key(|item| OrderedFloat(depth(*item)));
     if free.len() <= STAGES {
         return free;
     }
@@ -204,6 +205,6 @@ fn stages(contours: &[ContourMatch]) -> Vec<usize> {
             chosen.push(free.remove(at));
         }
     }
-    chosen.sort_by(|a, b| depth(*a).total_cmp(&depth(*b)));
+    chosen.sort_by_cached_key(|item| OrderedFloat(depth(*item)));
     chosen
 }

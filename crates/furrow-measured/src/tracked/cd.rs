@@ -89,7 +89,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
 fn chains(spots: &Spots, cells: HashMap<String, Vec<usize>>) -> Vec<Chain> {
     let mut chains: Vec<Chain> = cells.into_iter().map(|(name, spots)| Chain { name, spots, mother: None }).collect();
     // So that the first error is always the same.
-    chains.sort_by_key(|chain| chain.spots.iter().map(|spot| spots.get(*spot).line).min());
+    chains.sort_by_cached_key(|chain| chain.spots.iter().map(|spot| spots.get(*spot).line).min());
     let places: HashMap<String, usize> = chains.iter().enumerate().map(|(k, chain)| (chain.name.clone(), k)).collect();
     for chain in &mut chains {
         chain.mother = birth(&chain.name).and_then(|(mother, ..)| places.get(mother).copied());

@@ -2,6 +2,7 @@
 
 use furrow_input::InputError;
 use furrow_input::table::malformed;
+use ordered_float::OrderedFloat;
 
 use super::spots::Spots;
 
@@ -22,7 +23,7 @@ pub(super) struct Chain {
 /// Two spots of a chain at one time.
 pub(super) fn link(spots: &mut Spots, chains: &mut [Chain], file: &str, time: &str) -> Result<(), InputError> {
     for Chain { name, spots: of, .. } in chains.iter_mut() {
-        of.sort_by(|a, b| spots.get(*a).time.total_cmp(&spots.get(*b).time));
+        of.sort_by_cached_key(|k| OrderedFloat(spots.get(*k).time));
         for pair in of.windows(2) {
             let [first, second] = [spots.get(pair[0]), spots.get(pair[1])];
             if first.time == second.time {

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use furrow_input::InputError;
+use ordered_float::OrderedFloat;
 
 use super::{Format, SpotNames, TimeUnit, TrackedCell, TrackedLineage};
 use crate::names::{birth, is_cell, understood};
@@ -170,7 +171,7 @@ impl Spots {
             ));
         }
         let mut order: Vec<usize> = (0..self.spots.len()).collect();
-        order.sort_by(|a, b| self.spots[*a].time.total_cmp(&self.spots[*b].time));
+        order.sort_by_cached_key(|k| OrderedFloat(self.spots[*k].time));
         let mut cells: Vec<TrackedCell> = Vec::new();
         let mut of_spot = vec![0; self.spots.len()];
         for spot in order {

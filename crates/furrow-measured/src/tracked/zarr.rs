@@ -310,7 +310,7 @@ impl Layout {
                 }
             }
         }
-        found.sort_by_key(|file| file.place);
+        found.sort_by_cached_key(|file| file.place);
         Ok(found)
     }
 

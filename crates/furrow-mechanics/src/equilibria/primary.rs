@@ -7,6 +7,7 @@
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solution, SymmetryBreaking, System, mesh};
+use ordered_float::OrderedFloat;
 
 use super::azimuthal_scan::AzimuthalScan;
 use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, begin, newest_contour};
@@ -196,7 +197,7 @@ pub fn follow_within(
         branch.follow(options.xi, options.points, |branch, advance| {
             let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
             new.extend(detector.folds(branch, before, advance.passed_fold));
-            new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
+            new.sort_by_cached_key(|item| OrderedFloat(item.point().arclength));
             // A point that cannot be located may lie beyond the end.
             if let Some(end) = end_at_width(branch, narrowest).or_else(|| deflated(branch, options.reduced_volume)) {
                 detector.stop = Some(end);

@@ -8,6 +8,7 @@ use furrow_bvp::{
     Continuation, ContinuationError, ContinuationSettings, Direction, Fold, Metric, MinimallyAugmented, Solution,
     Termination, locate,
 };
+use ordered_float::OrderedFloat;
 use serde::Serialize;
 
 use super::error::PolarityError;
@@ -129,7 +130,7 @@ impl Chemistry {
         }
         // The search starts from the nearest size, as there may be several ranges of sizes.
         let mut scales = self.scales(&membrane);
-        scales.sort_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
+        scales.sort_by_cached_key(|item| OrderedFloat(item.ln().abs()));
         let (scale, state) = self.first_polarised(&membrane, &scales)?;
         let towards = if scale > 1.0 { Towards::Smaller } else { Towards::Larger };
         let mut branch = self.branch(membrane, scale, &state, towards)?;

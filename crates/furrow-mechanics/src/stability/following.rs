@@ -9,6 +9,7 @@
 use furrow_bvp::Solution;
 use furrow_cell::Parameter;
 use furrow_spectra::{Krylov, RitzValue};
+use ordered_float::OrderedFloat;
 
 use super::shifts::{REACH, shift_scale};
 use super::spectrum::Result;
@@ -163,7 +164,7 @@ impl Modes {
             (settled || size <= REACH * scale).then(|| Mode { rate: -value.re / square, size, settled, place })
         };
         let mut values: Vec<Mode> = ritz.iter().enumerate().filter_map(mode).collect();
-        values.sort_by(|a, b| b.rate.total_cmp(&a.rate));
+        values.sort_by_cached_key(|item| OrderedFloat(-item.rate));
         Modes { values }
     }
 
@@ -176,7 +177,7 @@ impl Modes {
     /// The indices of the modes from which the iteration at the next point starts: the rightmost, then the slowest.
     fn nearest(&self) -> Vec<usize> {
         let mut others = self.values[1..].to_vec();
-        others.sort_by(|a, b| a.size.total_cmp(&b.size));
+        others.sort_by_cached_key(|item| OrderedFloat(item.size));
         self.values[..1].iter().chain(&others).take(KEPT).map(|mode| mode.place).collect()
     }
 }

@@ -8,7 +8,9 @@ mod effect;
 mod run;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{atomic::AtomicBool, mpsc::channel};
+use std::sync::{Mutex, PoisonError, atomic::AtomicBool, mpsc::channel};
+
+use rayon::prelude::*;
 
 use self::run::{Assignment, Run};
 use super::memo::{Event, Failure, Memo, Solve};
@@ -278,6 +280,22 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
         .thread_name(|index| format!("solver-{index}"))
         .build()
         .map_err(|error| SchedulerError::Pool { threads, reason: error.to_string() })
+}
+
+/// Calls `of` with each number below `count` on the workers of the current pool and returns the results in order. Each call
+/// should take a millisecond or more. All callers share one compiled loop, which keeps the program small.
+pub fn in_parallel<U: Send>(count: usize, of: impl Fn(usize) -> U + Sync) -> Vec<U> {
+    let results: Vec<Mutex<Option<U>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    for_each_number(count, &|k| {
+        let result = of(k);
+        *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+    });
+    let result = |cell: Mutex<Option<U>>| cell.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.into_iter().filter_map(result).collect()
+}
+
+fn for_each_number(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().with_max_len(1).for_each(work);
 }
 
 #[cfg(test)]
