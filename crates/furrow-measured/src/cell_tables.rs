@@ -5,7 +5,7 @@ use std::io::Read;
 use furrow_input::table::{Header, Row, Table, split_unit, text, unit_of, units_listed};
 use furrow_input::{InputError, shown};
 
-use crate::layout::{Columns, Unit, VOLUMES, VolumeUnit, embryo_of_file};
+use crate::layout::{Columns, FRAME, Unit, VOLUMES, VolumeUnit, embryo_of_file};
 use crate::names::Names;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
 
@@ -29,7 +29,7 @@ impl Volumes {
                 Ok(unit) => {
                     let unit = unit.map(|unit| note_unit(file, &unit, &mut said)).transpose()?;
                     let factor = factor(unit.or(columns.volume.1), &embryo, options);
-                    self.read_row(columns, row, options, factor)
+                    self.read_row(columns, row, (file, options), factor)
                 }
                 Err(rejected) => Err(rejected),
             };
@@ -48,7 +48,7 @@ impl Volumes {
         &mut self,
         columns: &Columns,
         row: Row<'r>,
-        options: &ReadOptions,
+        (file, options): (&str, &ReadOptions),
         factor: f64,
     ) -> Result<f64, Rejected<'r>> {
         let at = |column: usize| Value::new(row, column);
@@ -60,7 +60,7 @@ impl Volumes {
         if embryo.text.is_empty() {
             return Err((embryo, "no name of an embryo".to_owned()));
         }
-        let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.written());
+        let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.written(), file);
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -81,7 +81,7 @@ impl Volumes {
         options: &ReadOptions,
         header: &Header<'_>,
     ) -> Result<Unit, InputError> {
-        let embryo = self.embryo(options.group_of(None), embryo_of_file(file));
+        let embryo = self.embryo(options.group_of(None), embryo_of_file(file), file);
         let (named, line) = (grid_unit(header, &embryo_of_file(file), &options.names)?, header.line as u64);
         let mut places: Vec<Option<usize>> = Vec::new();
         for (column, name) in header.names.iter().enumerate() {
@@ -131,7 +131,7 @@ impl Volumes {
 
 /// Whether a column of a grid contains the frames, or nothing, rather than a cell.
 fn is_frame(column: usize, name: &str) -> bool {
-    column == 0 || name.is_empty() || ["frame", "time", "time_point", "timepoint", "t"].contains(&&*name.to_lowercase())
+    column == 0 || name.is_empty() || FRAME.contains(&&*split_unit(name).0.to_lowercase())
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.

@@ -9,6 +9,7 @@ use crate::cell_tables::factor;
 use crate::events::{Division, GENERATION};
 use crate::layout::{ChiColumns, DivisionColumns, embryo_of_file};
 use crate::names::Names;
+use crate::several::Source;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
 
 /// The division of a row, with the name of its mother.
@@ -19,15 +20,17 @@ impl Volumes {
     pub(crate) fn read_divisions<R: Read>(
         &mut self,
         table: &mut Table<'_, R>,
-        file: &str,
+        (file, class): (&str, &[usize]),
         values: u64,
         division: impl for<'r> Fn(Row<'r>) -> Found<'r>,
     ) -> Result<(), InputError> {
         while let Some(row) = table.next_row()? {
             let found = fitting(row).and_then(&division);
+            let found = found.and_then(|found| self.with_clear_class(row, class, found));
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {
                     self.used += values + u64::from(division.mother_measured.is_some());
+                    self.division_sources.push(Source { name: division.embryo.clone(), file: file.to_owned() });
                     self.divisions.push(division);
                 }
                 Err(rejected) => self.skip(file, &rejected),
@@ -36,20 +39,38 @@ impl Volumes {
         Ok(())
     }
 
+    /// The division, unless its class has the name of another one: 1 and 12 join to 112, and so do 11 and 2.
+    fn with_clear_class<'r>(
+        &mut self,
+        row: Row<'r>,
+        class: &[usize],
+        (mother, division): (Value<'r>, Division),
+    ) -> Result<(Value<'r>, Division), Rejected<'r>> {
+        let Some(first) = class.first() else { return Ok((mother, division)) };
+        let parts: Vec<String> = class.iter().map(|column| Value::new(row, *column).written()).collect();
+        let known = self.classes.entry(division.mother.clone()).or_insert_with(|| parts.clone());
+        if *known == parts {
+            return Ok((mother, division));
+        }
+        let why =
+            format!("the class {} is {} here and {} before", division.mother, parts.join(" + "), known.join(" + "));
+        Err((Value::new(row, *first), why))
+    }
+
     /// The division, or the name of a mother that has divided before.
     fn first_of_its_mother<'r>(
         &mut self,
         file: &str,
         (mother, division): (Value<'r>, Division),
     ) -> Result<Division, Rejected<'r>> {
-        let key = (file.to_owned(), division.embryo.clone(), name_of(mother, &division.embryo, &self.names));
-        match self.division_lines.insert(key.clone(), mother.line) {
-            None => Ok(division),
-            Some(first) => {
-                self.division_lines.insert(key, first);
-                Err((mother, format!("a second division of this cell; the first is on line {first}")))
-            }
+        let name = name_of(mother, &division.embryo, &self.names);
+        let key = [file.to_owned(), division.embryo.clone(), division.group.clone(), name];
+        let first = *self.division_lines.entry(key).or_insert(mother.line);
+        if first == mother.line {
+            return Ok(division);
         }
+        let hint = if division.embryo == embryo_of_file(file) { " (a column embryo tells embryos apart)" } else { "" };
+        Err((mother, format!("a second division of this cell; the first is on line {first}{hint}")))
     }
 }
 

@@ -80,7 +80,7 @@ impl Columns {
         let (cell, volume, of_file) = (cell_column(header), volume_column(header)?, embryo);
         let embryo = header.find(&EMBRYO);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
-            let (group, frame) = (header.find(GROUP), header.find(&["frame", "time", "time_point"]));
+            let (group, frame) = (header.find(GROUP), header.find_with_unit(&FRAME));
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
@@ -102,6 +102,9 @@ pub(crate) const EMBRYO: [&str; 3] = ["embryo", "embryo_name", "sample"];
 
 /// The column of populations: groups of cells of the same embryos.
 pub(crate) const POPULATION: &str = "population";
+
+/// Names of the column of frames or times.
+pub(crate) const FRAME: [&str; 5] = ["frame", "time", "time_point", "timepoint", "t"];
 
 /// Names of the column of groups.
 const GROUP: &[&str] = &["group", "condition"];

@@ -7,7 +7,7 @@
 //! | [`tracked`] | cells followed over time: AceTree, StarryNite, TrackMate, MaMuT, Mastodon, napari, ultrack, GEFF |
 //! | [`matching`] | matches cells with other names to the cells of a lineage |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
-//! | [`per_embryo`], `pace` | numbers of single embryos; embryos beside each other |
+//! | [`per_embryo`], `pace`, `several` | numbers of single embryos; embryos beside each other; embryos of several tables |
 //! | [`lifetimes`], `lifetime_table` | tables of lifetimes: over volume, which sister divides first, cells alive over time |
 //! | [`trend`] | χ by decades of the mother's volume |
 //! | [`dose`] | asymmetry of a division over the dose of a protein |
@@ -46,6 +46,7 @@ pub mod names;
 mod pace;
 pub mod per_embryo;
 pub mod published;
+mod several;
 pub mod significance;
 pub mod statistics;
 pub mod tracked;

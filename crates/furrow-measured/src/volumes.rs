@@ -29,6 +29,7 @@ use crate::matching::Matched;
 use crate::names::Names;
 use crate::pace::{InEmbryos, Shares, shares};
 use crate::per_embryo::PerEmbryo;
+use crate::several::Source;
 use crate::tracked::{EmbryoFile, TrackOptions, TrackedCell, TrackedLineage, read_tracked};
 
 /// Options for reading a table.
@@ -69,7 +70,7 @@ pub struct Lifespan {
     /// Frames.
     pub frames: u64,
     /// Line of its first value.
-    line: u64,
+    pub(crate) line: u64,
     /// Its frames by their bits, where the table has a column of frames.
     seen: BTreeSet<u64>,
 }
@@ -90,6 +91,8 @@ pub struct Embryo {
     pub group: String,
     /// Its cells, in the order of the table.
     pub cells: Vec<Lifespan>,
+    /// Its name in its table, and the table.
+    pub(crate) source: Source,
 }
 
 /// An embryo beside the others.
@@ -202,8 +205,12 @@ pub struct Volumes {
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
-    /// Lines of divisions by file, embryo and mother.
-    pub(crate) division_lines: HashMap<(String, String, String), u64>,
+    /// Lines of divisions by file, embryo, group and mother.
+    pub(crate) division_lines: HashMap<[String; 4], u64>,
+    /// Embryos of the divisions, as their tables name them.
+    pub(crate) division_sources: Vec<Source>,
+    /// The texts that make up the name of each class.
+    pub(crate) classes: HashMap<String, Vec<String>>,
 }
 
 /// A value with its place.
@@ -263,13 +270,16 @@ impl Volumes {
         let header = table.columns(is_grid)?;
         (self.names, self.voxels) = (options.names.clone(), options.voxel.clone());
         self.files += 1;
+        // Embryos of other tables with the same names are compared at the end.
+        self.embryo_places.clear();
+        let (embryos, divisions) = (self.embryos.len(), self.divisions.len());
         let class = header.named(&options.class)?;
         let unit = if let Some(columns) = DivisionColumns::of(&header, class.clone())? {
             self.of_populations |= header.find(&[POPULATION]).is_some();
-            self.read_divisions(&mut table, file, 2, |row| division(row, &columns, options))?;
+            self.read_divisions(&mut table, (file, &class), 2, |row| division(row, &columns, options))?;
             columns.unit.kind
         } else if let Some(columns) = ChiColumns::of(&header, class.clone())? {
-            self.read_divisions(&mut table, file, 1, |row| chi_division(row, &columns, (file, options)))?;
+            self.read_divisions(&mut table, (file, &class), 1, |row| chi_division(row, &columns, (file, options)))?;
             Unit::OfMother
         } else if !class.is_empty() {
             return Err(header.refused("--class is for tables of divisions and of χ, with a mother in each row"));
@@ -278,6 +288,8 @@ impl Volumes {
         } else {
             self.read_grid(&mut table, file, options, &header)?
         };
+        self.join_embryos(embryos);
+        self.join_divisions(divisions);
         let unit = if unit == Unit::Voxels && !options.voxel.is_empty() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)
     }
@@ -317,9 +329,9 @@ impl Volumes {
     /// # Errors
     /// The first one that is not.
     pub fn require_voxels(&self) -> Result<(), InputError> {
-        let of_cells = self.embryos.iter().map(|embryo| embryo.name.as_str());
-        let mut names: Vec<&str> =
-            of_cells.chain(self.divisions.iter().map(|division| division.embryo.as_str())).collect();
+        let of_cells = self.embryos.iter().map(|embryo| embryo.source.name.as_str());
+        let of_divisions = self.division_sources.iter().map(|source| source.name.as_str());
+        let mut names: Vec<&str> = of_cells.chain(of_divisions).collect();
         names.sort_unstable();
         names.dedup();
         self.voxels.require_known(&names, "--voxel")
@@ -337,7 +349,8 @@ impl Volumes {
         let names = &options.names;
         (self.names, self.voxels) = (names.clone(), options.voxel.clone());
         self.files += 1;
-        let embryo = self.embryo(options.group_of(None), lineage.name);
+        let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
+        let embryo = self.embryo(options.group_of(None), lineage.name, file);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
         for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {
@@ -381,7 +394,7 @@ impl Volumes {
             group: embryo.group.clone(),
             cells: volumes.iter().filter(|(of, ..)| *of == k).count(),
             shared: shared[k],
-            voxel: self.voxels.of(&embryo.name),
+            voxel: self.voxels.of(&embryo.source.name),
             size_factor: of[k].map(f64::exp),
             scatter: scatter[k],
             length_scale: None,
@@ -413,10 +426,11 @@ impl Volumes {
         require_used(self.used, (file, "volumes"), &self.skipped, self.skipped_count)
     }
 
-    pub(crate) fn embryo(&mut self, group: String, name: String) -> usize {
+    pub(crate) fn embryo(&mut self, group: String, name: String, file: &str) -> usize {
         let embryos = &mut self.embryos;
         *self.embryo_places.entry((group.clone(), name.clone())).or_insert_with(|| {
-            embryos.push(Embryo { name, group, cells: Vec::new() });
+            let source = Source { name: name.clone(), file: file.to_owned() };
+            embryos.push(Embryo { name, group, cells: Vec::new(), source });
             embryos.len() - 1
         })
     }

@@ -289,6 +289,74 @@ fn no_cell_of_a_table_is_lost() {
     let table = b"embryo,cell,volume,note\ne,AB,59,ok\ne,P1,41,\"5 inch\ne,ABa,30,x\ne,ABp,29,x\n";
     let error = Volumes::default().read(&table[..], "t.csv", &ReadOptions::default()).unwrap_err().to_string();
     assert!(error.starts_with("t.csv:3") && error.contains("a quote that opens in this row is not closed"), "{error}");
+    let refused = |table: &str| {
+        Volumes::default().read(table.as_bytes(), "t.csv", &ReadOptions::default()).unwrap_err().to_string()
+    };
+    for table in [
+        "embryo,cell,volume_um3,note\ne1,AB,59,\ne1,P1,41,\"late\ne2,AB,60,\ne2,P1,40,\"late\n",
+        "embryo,cell,volume_um3\ne1,AB,59\n\",P1,41\ne2,AB,60\n\",P1,40\n",
+    ] {
+        let error = refused(table);
+        assert!(error.starts_with("t.csv:3") && error.contains("has what may be a row"), "{error}");
+    }
+    let notes = read(b"embryo,cell,volume_um3,note\ne1,AB,59,\"late,\nthen early\"\ne1,P1,41,\"5\"\" long\"\n");
+    assert_eq!((notes.used, notes.skipped_count), (2, 0));
+}
+
+/// Numbers of embryos begin again in every table, group and class.
+#[test]
+fn embryos_of_one_name_are_told_apart() {
+    let of_files = |tables: &[(&str, &str)]| {
+        let mut volumes = Volumes::default();
+        for (file, table) in tables {
+            volumes.read(table.as_bytes(), file, &ReadOptions::default()).unwrap();
+        }
+        volumes
+    };
+    let names = |volumes: &Volumes| volumes.embryos.iter().map(|embryo| embryo.name.clone()).collect::<Vec<_>>();
+    let head = "embryo,frame,cell,volume_um3\n";
+    let [monday, tuesday] = ["1,1,AB,60\n1,1,P1,40\n", "1,2,AB,55\n1,2,P1,45\n"].map(|rows| format!("{head}{rows}"));
+    let others = of_files(&[("mon/a.csv", &monday), ("tue/b.csv", &tuesday)]);
+    assert_eq!((names(&others), divisions(&others).divisions.len()), (vec!["a/1".to_owned(), "b/1".to_owned()], 2));
+    let alike = of_files(&[("mon/a.csv", &monday), ("tue/a.csv", &tuesday)]);
+    assert_eq!(names(&alike), ["mon/a/1", "tue/a/1"]);
+    let parts = of_files(&[("a.csv", &monday), ("b.csv", "embryo,frame,cell,volume_um3\n1,3,ABa,30\n1,3,ABp,30\n")]);
+    assert_eq!((names(&parts), divisions(&parts).divisions.len(), parts.skipped_count), (vec!["1".to_owned()], 2, 0));
+    let repeated = of_files(&[("a.csv", &monday), ("copy.csv", &monday)]);
+    assert_eq!((names(&repeated), repeated.used, repeated.skipped_count), (vec!["1".to_owned()], 2, 2));
+    let grids = ["frame,AB,P1\n1,600,400\n", "frame,AB,P1\n1,550,450\n"];
+    let grids = of_files(&[("mon/S1_Volume.csv", grids[0]), ("tue/S1_Volume.csv", grids[1])]);
+    assert_eq!(names(&grids), ["mon/S1", "tue/S1"]);
+
+    let chi = ["embryo,mother,chi_signed\n1,P0,0.18\n", "embryo,mother,chi_signed\n1,P0,0.05\n1,AB,0.01\n"];
+    let chi = of_files(&[("a.csv", chi[0]), ("b.csv", chi[1])]);
+    let embryos: Vec<&str> = chi.divisions.iter().map(|division| division.embryo.as_str()).collect();
+    assert_eq!(embryos, ["a/1", "b/1", "b/1"]);
+    let groups = read(b"group,embryo,mother,chi_signed\nwt,1,P0,0.18\nwt,2,P0,0.20\nmut,1,P0,0.05\nmut,2,P0,0.01\n");
+    assert_eq!((groups.divisions.len(), groups.skipped_count), (4, 0));
+    let hint = "a second division of this cell; the first is on line 2 (a column embryo tells embryos apart)";
+    assert_eq!(read(b"mother,chi\nP0,0.1\nP0,0.2\n").skipped[0].why, hint);
+}
+
+#[test]
+fn classes_that_read_alike_are_not_pooled() {
+    let options = ReadOptions { class: vec!["stage".to_owned(), "generation".to_owned()], ..ReadOptions::default() };
+    let table =
+        b"embryo,mother,stage,generation,larger_um3,smaller_um3\n1,a,1,12,60,40\n1,b,11,2,90,10\n1,c,1,12,55,45\n";
+    let mut volumes = Volumes::default();
+    volumes.read(&table[..], "t.csv", &options).unwrap();
+    assert_eq!(volumes.divisions.len(), 2);
+    assert_eq!(volumes.skipped[0].why, "the class 112 is 11 + 2 here and 1 + 12 before");
+}
+
+#[test]
+fn times_with_units_are_frames() {
+    for heading in ["Time (min)", "t", "timepoint", "Time / h", "frame"] {
+        let table =
+            format!("embryo,cell,{heading},volume_um3\ne,AB,0,14000\ne,AB,1,15000\ne,P1,0,10000\ne,P1,1,9000\n");
+        let volumes = read(table.as_bytes());
+        assert_eq!((volumes.skipped_count, volumes.embryos[0].cells[0].volume()), (0, 14500.0), "{heading}");
+    }
 }
 
 #[test]

@@ -133,6 +133,12 @@ impl<'f> Header<'f> {
         self.unified.iter().position(|name| names.contains(&name.as_str()))
     }
 
+    /// As [`find`](Self::find), where a heading may have a unit in brackets.
+    pub fn find_with_unit(&self, names: &[&str]) -> Option<usize> {
+        let is_one = |heading: &String| names.contains(&unified_name(split_unit(heading).0).as_str());
+        self.find(names).or_else(|| self.names.iter().position(is_one))
+    }
+
     /// The columns with these names, as users write them.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ use std::io::{Chain, Cursor, Read};
 
 use csv::ByteRecord;
 
-use crate::{InputError, foreign};
+use crate::{InputError, foreign, shown};
 use bounded::Bounded;
 use heading::is_unnamed;
 
@@ -30,6 +30,7 @@ pub struct Table<'f, R: Read> {
     reader: csv::Reader<Bounded<Chain<Cursor<Vec<u8>>, R>>>,
     record: ByteRecord,
     file: &'f str,
+    separator: u8,
     heading: Heading,
     numbers: Numbers,
 }
@@ -132,7 +133,7 @@ impl<'f, R: Read> Table<'f, R> {
         let mut builder = csv::ReaderBuilder::new();
         builder.delimiter(separator).flexible(true).has_headers(false);
         let reader = builder.from_reader(Bounded::new(Cursor::new(head).chain(from)));
-        Ok(Table { reader, record: ByteRecord::new(), file, heading: Heading::default(), numbers })
+        Ok(Table { reader, record: ByteRecord::new(), file, separator, heading: Heading::default(), numbers })
     }
 
     /// How its numbers are written.
@@ -233,7 +234,34 @@ impl<'f, R: Read> Table<'f, R> {
         if !more && spans_lines && self.reader.get_ref().has_open_quote() {
             return Err(malformed(self.file, before.max(1) as usize, "a quote that opens in this row is not closed"));
         }
+        if more && let Some(row) = self.quoted_row() {
+            let found = format!(
+                "a quoted text of this row ends on another line and has what may be a row, {}",
+                shown(&text(row))
+            );
+            let why = match self.reader.get_ref().has_open_quote() {
+                true => format!("a quote that opens in this row is not closed: {found}"),
+                false => format!("{found}: close the quotation mark, or leave it out"),
+            };
+            return Err(malformed(self.file, self.here().0.max(1) as usize, why));
+        }
         Ok(more)
+    }
+
+    /// A line in a quoted text that has as many fields as the heading, and a number among them: two quotation marks that are no
+    /// quotes hide the rows between them.
+    fn quoted_row(&self) -> Option<&[u8]> {
+        let columns = self.heading.named.max(2);
+        let is_row = |line: &&[u8]| {
+            let fields = || line.split(|byte| *byte == self.separator);
+            fields().count() >= columns && fields().any(|field| self.numbers.read(field).is_ok())
+        };
+        let lines = self
+            .record
+            .iter()
+            .filter(|field| field.contains(&b'\n'))
+            .flat_map(|field| field.split(|byte| *byte == b'\n'));
+        lines.map(<[u8]>::trim_ascii).find(|line| !self.heading.names.is_empty() && is_row(line))
     }
 }
 

@@ -15,6 +15,9 @@ pub struct Numbers {
     decimal: [bool; 2],
     /// Whether it sets thousands apart somewhere.
     thousands: [bool; 2],
+    /// Whether a point before three digits may set thousands apart: semicolons separate columns, as where commas are decimal signs, or
+    /// a column has whole numbers besides.
+    has_doubtful_points: bool,
 }
 
 /// The signs in a number.
@@ -38,6 +41,7 @@ impl Numbers {
                     found.thousands[k] |= shape.thousands == Some(sign);
                 }
             }
+            found.has_doubtful_points = separator == b';' || has_points_beside_whole_numbers(separator, head);
         }
         found
     }
@@ -77,16 +81,33 @@ impl Numbers {
         SIGNS.into_iter().zip(seen).any(|(known, seen)| seen && sign == Some(known))
     }
 
-    /// Whether a sign that could be either is the decimal sign. A point is, unless the table has decimal commas.
+    /// Whether a sign that could be either is the decimal sign. A point is, unless the table has decimal commas or doubtful points.
     fn is_decimal(self, sign: Option<char>) -> bool {
         let [comma, _] = self.decimal;
-        let seen = Self::has(self.decimal, sign) || sign == Some('.') && !comma;
+        let seen = Self::has(self.decimal, sign) || sign == Some('.') && !comma && !self.has_doubtful_points;
         seen && !Self::has(self.thousands, sign)
     }
 
     fn sets_thousands_apart(self, sign: Option<char>) -> bool {
         Self::has(self.thousands, sign) && !Self::has(self.decimal, sign)
     }
+}
+
+/// Whether a column has a number such as 1.450, which may be 1450, beside a whole one such as 980.
+fn has_points_beside_whole_numbers(separator: u8, head: &[u8]) -> bool {
+    let mut columns: Vec<[bool; 2]> = Vec::new();
+    for line in head.split(|byte| *byte == b'\n') {
+        for (k, field) in line.split(|byte| *byte == separator).enumerate() {
+            let Some(Shape { decimal, thousands, doubtful }) = shape(super::text(field).trim_matches(['"', '\r']))
+            else {
+                continue;
+            };
+            columns.resize(columns.len().max(k + 1), [false; 2]);
+            columns[k][0] |= doubtful && decimal == Some('.');
+            columns[k][1] |= decimal.is_none() && thousands.is_none();
+        }
+    }
+    columns.contains(&[true; 2])
 }
 
 /// A finite number with a point, as programs write it; `None` for other text.
@@ -178,7 +199,7 @@ mod tests {
             ("12.5", 12.5),
             ("1e-3", 0.001),
             ("7", 7.0),
-            ("1.017", 1.017),
+            ("0.017", 0.017),
         ] {
             assert_eq!(read("", text), Ok(number), "{text}");
         }
@@ -195,7 +216,13 @@ mod tests {
         assert_eq!(read("AB;1.017,5\nP1;1.017\n", "1.017"), Ok(1017.0));
         assert_eq!(read("AB;12.5\nP1;1.017\n", "1.017"), Ok(1.017));
         assert_eq!(read("\"AB\";\"15,6\"\n\"P1\";\"1,017\"\n", "1,017"), Ok(1.017));
+        let tabs = |table: &str| Numbers::of(b'\t', table.as_bytes()).read(b"1.017");
+        assert_eq!(tabs("P1\t1.017\n"), Ok(1.017));
+        assert_eq!(tabs("1\tAB\t1.234\n2\tP1\t1.017\n"), Ok(1.017));
+        assert_eq!(tabs("AB\t0.98\nP1\t1.017\nP2\t1\n"), Ok(1.017));
         let refusal = Err("may be 1.017 or 1017: no other number of the table says which".to_owned());
+        assert_eq!(tabs("AB\t980\nP1\t1.017\n"), refusal);
+        assert_eq!(read("AB;1.450\nP1;1.017\n", "1.017"), refusal);
         assert_eq!(read("AB;1,017\nP1;2,345\n", "1,017"), refusal);
         assert_eq!(read("AB;15,6\nP1;1.017\n", "1.017"), refusal);
         assert_eq!(read("AB;15,6\nP1;1,017.5\n", "1,017"), refusal);

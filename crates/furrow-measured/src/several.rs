@@ -1,0 +1,136 @@
+//! Embryos that several tables give one name.
+//!
+//! Tables of one embryo have different cells of it: their cells are joined. If a cell has values in two tables, the embryos differ
+//! and are called by their tables too, as `mon/1`. A table that repeats another adds nothing.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use crate::events::Division;
+use crate::layout::embryo_of_file;
+use crate::volumes::{Embryo, Skipped, Volumes, note};
+
+/// An embryo's name in its table, and the table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Source {
+    pub(crate) name: String,
+    pub(crate) file: String,
+}
+
+impl Source {
+    /// The name with the table's, or with the folder's where the table is named after the embryo; `is_whole` gives the whole path.
+    fn label(&self, is_whole: bool) -> String {
+        let Source { name, file } = self;
+        let path = Path::new(file).with_extension("");
+        let part = |path: Option<&Path>| path.and_then(Path::file_name).map(|part| part.to_string_lossy().into_owned());
+        let own = if embryo_of_file(file) == *name { part(path.parent()) } else { part(Some(&path)) };
+        match own.filter(|_| !is_whole) {
+            Some(own) => format!("{own}/{name}"),
+            None => format!("{}/{name}", path.display()),
+        }
+    }
+
+    /// The names of two embryos.
+    fn labels(sources: [&Source; 2]) -> [String; 2] {
+        let [a, b] = sources.map(|source| source.label(false));
+        if a == b { sources.map(|source| source.label(true)) } else { [a, b] }
+    }
+}
+
+/// How two embryos of one name compare.
+enum Kinship {
+    /// No cell is in both.
+    Parts,
+    /// Every cell of the second is in the first, with the same value.
+    Repeated,
+    /// A cell has two values.
+    Others,
+}
+
+impl Kinship {
+    /// `shared` tells of each value of the second whether the first has it: with the same value, with another, or not at all.
+    fn of(shared: impl Iterator<Item = Option<bool>>) -> Kinship {
+        let shared: Vec<Option<bool>> = shared.collect();
+        match () {
+            () if shared.iter().all(Option::is_none) => Kinship::Parts,
+            () if shared.iter().all(|same| *same == Some(true)) => Kinship::Repeated,
+            () => Kinship::Others,
+        }
+    }
+}
+
+impl Volumes {
+    /// Compares the embryos that a table has added, from number `first` on, with those before.
+    pub(crate) fn join_embryos(&mut self, first: usize) {
+        let new = self.embryos.split_off(first);
+        for embryo in new {
+            let is_namesake =
+                |other: &&mut Embryo| other.group == embryo.group && other.source.name == embryo.source.name;
+            let mut parts = None;
+            let (mut labels, mut repeated) = (None, false);
+            for other in self.embryos[..first].iter_mut().filter(is_namesake) {
+                let known = |cell: &str| other.cells.iter().find(|other| other.cell == cell && other.frames > 0);
+                let measured = embryo.cells.iter().filter(|cell| cell.frames > 0);
+                match Kinship::of(measured.map(|cell| Some(known(&cell.cell)?.volume() == cell.volume()))) {
+                    Kinship::Parts => parts = parts.or(Some(other)),
+                    Kinship::Repeated => repeated = true,
+                    Kinship::Others => {
+                        let [theirs, own] = Source::labels([&other.source, &embryo.source]);
+                        if other.name == other.source.name {
+                            other.name = theirs;
+                        }
+                        labels = Some(own);
+                    }
+                }
+            }
+            match (repeated, labels, parts) {
+                (true, ..) => self.skip_embryo(&embryo),
+                (false, Some(name), _) => self.embryos.push(Embryo { name, ..embryo }),
+                (false, None, Some(other)) => {
+                    other.cells.retain(|cell| cell.frames > 0);
+                    other.cells.extend(embryo.cells.into_iter().filter(|cell| cell.frames > 0));
+                }
+                (false, None, None) => self.embryos.push(embryo),
+            }
+        }
+    }
+
+    fn skip_embryo(&mut self, embryo: &Embryo) {
+        for cell in embryo.cells.iter().filter(|cell| cell.frames > 0) {
+            self.used -= cell.frames;
+            let why = "the same volume of this cell in another table";
+            let (file, column, value) = (embryo.source.file.clone(), "cell".to_owned(), cell.cell.clone());
+            let skipped = || Skipped { file, line: cell.line, column, value, why: why.to_owned() };
+            note(&mut self.skipped, &mut self.skipped_count, skipped);
+        }
+    }
+
+    /// Compares the embryos of divisions that a table has added, from number `first` on, with those before.
+    pub(crate) fn join_divisions(&mut self, first: usize) {
+        let (before, new) = self.divisions.split_at_mut(first);
+        let (sources, own) = self.division_sources.split_at(first);
+        let key = |source: &Source, division: &Division| (source.name.clone(), division.group.clone());
+        let mut done = HashSet::new();
+        for k in 0..new.len() {
+            let name = key(&own[k], &new[k]);
+            if !done.insert(name.clone()) {
+                continue;
+            }
+            let here: Vec<usize> = (0..new.len()).filter(|j| key(&own[*j], &new[*j]) == name).collect();
+            let there: Vec<usize> = (0..before.len()).filter(|j| key(&sources[*j], &before[*j]) == name).collect();
+            let both = |j: &usize| there.iter().any(|other| before[*other].mother == new[*j].mother);
+            if !here.iter().any(both) {
+                continue;
+            }
+            let mut label = own[k].label(false);
+            for other in there {
+                let [theirs, mine] = Source::labels([&sources[other], &own[k]]);
+                if before[other].embryo == sources[other].name {
+                    before[other].embryo = theirs;
+                }
+                label = mine;
+            }
+            here.into_iter().for_each(|j| new[j].embryo.clone_from(&label));
+        }
+    }
+}
