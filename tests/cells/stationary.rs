@@ -39,6 +39,35 @@ fn shapes_beyond_a_fold_are_found() {
     assert!(!spectrum.is_stable());
 }
 
+/// Just below a fold the shape on the near side is found, however close the fold: a step along the branch passes both sides at once.
+#[test]
+fn shapes_just_below_a_fold_are_on_its_near_side() {
+    let plain = |r0: f64, epsilon: f64| Cell { epsilon, ..Cell::new(r0) };
+    let numerics = Numerics::default();
+    let mut bent = plain(2.0, 0.87);
+    bent.material.spontaneous_curvature = 1.0;
+    for cell in
+        [plain(2.0, 0.87), plain(5.4, 0.87), plain(2.22, 0.64), plain(2.2, 0.87).with_cue(Cue::published()), bent]
+    {
+        let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
+        let branch = primary::follow(&cell, &numerics, &options, |_| false).unwrap();
+        let fold = branch.events[0].point().clone();
+        let off = |distance: f64| {
+            let shape = stationary(&Cell { xi_s: fold.xi_s * (1.0 - distance), ..cell.clone() }, &numerics).unwrap();
+            assert!(shape.folds.is_empty(), "{cell:?} {distance}");
+            fold.elongation - shape.elongation()
+        };
+        let far = off(1e-2);
+        let mut last = far;
+        for distance in [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6] {
+            let near = off(distance);
+            assert!(near / far > 0.0 && near.abs() < last.abs(), "{cell:?} {distance}: {near:e}, {far:e} farther away");
+            last = near;
+        }
+        assert!(last / far < 0.1, "{cell:?}: {last:e}, {far:e} farther away");
+    }
+}
+
 /// Beyond the fold at 27.03 nothing is left to come to rest in.
 #[test]
 fn a_cell_that_must_divide_has_no_shape() {

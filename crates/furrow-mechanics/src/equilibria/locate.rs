@@ -110,7 +110,7 @@ pub(super) fn end_at_width(branch: &mut Continuation<Cortex>, limit: f64) -> Opt
     let (gauss, domain) = (branch.system.gauss.clone(), branch.problem.domain);
     let scale = limit * branch.problem.cell.r0;
     let excess = |y: &Solution| narrowest(&gauss, y, domain).map_or(f64::INFINITY, |width| (width / scale).ln());
-    ended(branch, excess).then_some(BranchEnd::Pinched(limit))
+    ended(branch, CLOSE, excess).then_some(BranchEnd::Pinched(limit))
 }
 
 /// If the reduced volume has fallen to that at which the branch is to end since the point before, ends it at the shape of that reduced
@@ -124,14 +124,29 @@ pub(super) fn deflated(branch: &mut Continuation<Cortex>, until: Option<f64>) ->
     };
     // A branch that begins below may rise first.
     let above = branch.state.history.back(1).is_some_and(|(_, earlier)| excess(earlier) >= 0.0);
-    (above && ended(branch, excess)).then_some(BranchEnd::Deflated(until))
+    (above && ended(branch, CLOSE, excess)).then_some(BranchEnd::Deflated(until))
 }
 
-/// Whether a quantity of the newest shape of a branch is below 0; the shape at 0 between the last two points then replaces the newest,
-/// if there is one.
-fn ended(branch: &mut Continuation<Cortex>, excess: impl Fn(&Solution) -> f64) -> bool {
+/// If the branch passes ξ_s between its last but one point and a fold in its last step, moves its newest point there.
+pub(super) fn reached_before(branch: &mut Continuation<Cortex>, fold: &FoldPoint, xi_s: f64) -> bool {
+    let towards = if fold.maximum { 1.0 } else { -1.0 };
+    let short = |y: &Solution| (xi_s - y.scalars[XI]) * towards;
+    let begins_short = branch.state.history.back(1).is_some_and(|(_, earlier)| short(earlier) >= 0.0);
+    if !(begins_short && short(&fold.shape) < 0.0) {
+        return false;
+    }
+    (branch.state.solution, branch.state.arclength) = (fold.shape.clone(), fold.point.arclength);
+    branch.state.history.replace_newest(fold.point.arclength, &fold.shape);
+    ended(branch, 1e-12 * (1.0 + xi_s.abs()), short)
+}
+
+/// Relative accuracy of the width and of the reduced volume at which a branch ends.
+const CLOSE: f64 = 1e-6;
+
+/// Whether a quantity of the newest shape of a branch is below 0; the shape at 0 between the last two points, within `close`, then
+/// replaces the newest, if there is one.
+fn ended(branch: &mut Continuation<Cortex>, close: f64, excess: impl Fn(&Solution) -> f64) -> bool {
     const MOST: usize = 30;
-    const CLOSE: f64 = 1e-6;
     let beyond = excess(&branch.state.solution);
     if beyond >= 0.0 {
         return false;
@@ -146,7 +161,7 @@ fn ended(branch: &mut Continuation<Cortex>, excess: impl Fn(&Solution) -> f64) -
         branch.state.history.extrapolate(at, &mut y);
         branch.correct_across(&mut y, &tangent);
         let found = excess(&y);
-        if found.abs() < CLOSE {
+        if found.abs() < close {
             (branch.state.solution, branch.state.arclength) = (y, at);
             break;
         }

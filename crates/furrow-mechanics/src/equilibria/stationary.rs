@@ -91,30 +91,35 @@ pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, S
     // The branch is followed on a coarse mesh; if it turns back or is lost there, the given mesh decides.
     let (quick, parts) = primary::coarse(numerics);
     if parts > 1
-        && let Ok(shape) = along_branch(cell, &quick, long)
+        && let Ok((shape, false)) = along_branch(cell, &quick, long)
         && let Some(shape) = shape.refined(parts)
     {
         shape.holds()?;
         return Ok(shape);
     }
-    let mut shape = shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
-        Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. }) => {
-            along_branch(cell, numerics, max_step)
-        }
-        found => found,
-    })?;
+    let (mut shape, _) =
+        shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
+            Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. }) => {
+                along_branch(cell, numerics, max_step)
+            }
+            found => found,
+        })?;
     // At a fold the accuracy of the branch must suffice.
     let _ = shape.polish();
     shape.holds()?;
     Ok(shape)
 }
 
-fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<StationaryShape, StationaryError> {
+/// A slope of ξ_s over the arclength below this part of the steepest is near a fold.
+const FLAT: f64 = 0.1;
+
+/// The shape, and whether it is near a fold, where two shapes are alike and the mesh decides which is found.
+fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<(StationaryShape, bool), StationaryError> {
     let (name, xi_s) = (CellName::of(cell), cell.xi_s);
     let settings = ContinuationSettings { first_step: 0.3f64.min(max_step), max_step, ..Default::default() };
     let mut branch = primary::start(cell, numerics, &settings)?;
     let domain = branch.problem.domain;
-    let mut folds = Vec::new();
+    let (mut folds, mut steepest, mut is_reached) = (Vec::new(), branch.state.parameter_slope().abs(), false);
     // A subnormal number counts as zero and leaves no room between itself and 0.
     if xi_s.abs() > f64::MIN_POSITIVE {
         if xi_s < 0.0 {
@@ -122,19 +127,28 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
         }
         let range = if xi_s > 0.0 { [f64::MIN_POSITIVE, xi_s] } else { [xi_s, -f64::MIN_POSITIVE] };
         let farther = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-        let (mut furthest, mut before) = (0.0f64, 0.0);
-        let ended = branch.follow(range, MOST_POINTS, |branch, advance| {
-            let here = branch.state.parameter();
-            furthest = farther(furthest, here);
-            if advance.passed_fold {
+        let (mut furthest, mut before, mut course) = (0.0f64, 0.0, xi_s.signum());
+        let ended = branch.follow(range, MOST_POINTS, |branch, _| {
+            let (here, slope) = (branch.state.parameter(), branch.state.parameter_slope());
+            (furthest, steepest) = (farther(furthest, here), steepest.max(slope.abs()));
+            // The point on the bound of the range may lie before the fold that the step has passed.
+            if slope * course < 0.0 {
+                let fold = locate::fold_near(branch);
+                // A step over a fold may pass ξ_s twice: the shape before the fold comes first.
+                is_reached = fold.as_ref().is_ok_and(|fold| locate::reached_before(branch, fold, xi_s));
+                if is_reached {
+                    return false;
+                }
                 // The exact fold, or else the nearest point to it.
-                folds.push(locate::fold_near(branch).map_or(before, |fold| fold.point.xi_s));
+                folds.push(fold.map_or(before, |fold| fold.point.xi_s));
+                course = -course;
             }
             before = here;
             folds.is_empty() || waist(&branch.system.gauss, &branch.state.solution, domain) > PINCHING * cell.r0
         });
         let turn = folds.iter().copied().fold(furthest, farther);
         match ended {
+            _ if is_reached => {}
             Ok(Termination::ParameterBound(bound)) if bound == xi_s => {}
             Err(source) if folds.is_empty() => return Err(StationaryError::Lost { cell: name, xi_s, source }),
             Ok(Termination::PointLimit(points)) if folds.is_empty() => {
@@ -144,9 +158,10 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
             _ => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
         }
     }
+    let is_near_fold = is_reached || branch.state.parameter_slope().abs() < FLAT * steepest;
     let (cortex, mut solution) = (Cortex::new(cell, domain, &[]), branch.state.solution);
     solution.scalars.truncate(SHAPE_SCALARS);
-    Ok(StationaryShape { cortex, solution, folds })
+    Ok((StationaryShape { cortex, solution, folds }, is_near_fold))
 }
 
 /// A shape on a coarse mesh is accepted if its contour length agrees with a fine mesh to this relative accuracy.
