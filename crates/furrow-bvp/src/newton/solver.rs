@@ -5,6 +5,7 @@
 //! Ascher, Mattheij & Russell 1995, ch. 9 (mesh selection). Kierzenka & Shampine, ACM Trans. Math. Softw. 27, 299 (2001)
 //! (control of the defect).
 
+use crate::direction::Direction;
 use crate::gauss::Gauss;
 use crate::invalid::{self, InvalidInput};
 use crate::linear::System;
@@ -150,6 +151,9 @@ const STALLED_BY_ROUNDING: f64 = 1e-9;
 /// A defect below this that twice as many intervals do not make smaller is one of rounding.
 const ROUNDING: f64 = 1e-8;
 
+/// Rounding of a right-hand side, relative to 1 + |value|.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+
 /// Least width of an interval, in the spacing of numbers there.
 const LEAST_WIDTH: f64 = 16.0;
 
@@ -175,8 +179,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 /// On every mesh Newton solves the collocation equations; a full step that leaves next to no residual ends it, so that a linear problem
 /// takes one solve unless rounding leaves a larger one. Where the defect is too large, the mesh is redistributed so that
 /// every interval has an equal share of it, with as many intervals as its order h^(m+1) asks for, and graded towards layers.
-/// A bound on the error is checked with a further solution on halved intervals, which is returned; where the error is larger, the defect
-/// is made smaller. As long as a layer is too thin to be seen, intervals are added where the solution changes most. Where Newton fails,
+/// A bound on the error is checked with a further solution on halved intervals, which is returned, with one more correction, and beside
+/// nodes, where both may miss the same jump of f; where the error is larger, the defect is made smaller. As long as a layer is too thin to be seen, intervals are added where the solution changes most. Where Newton fails,
 /// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
 /// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end. All of it
 /// has a budget of work, and ends before the next factorisation once the interrupt of the settings is set.
@@ -305,7 +309,7 @@ impl Run<'_> {
         let needed = mesh::intervals_for(&y.mesh, &defects, y.m, self.tolerance).max(2);
         let solved = Solved { solution: y, defect, condition, work: self.work, slopes, error: None };
         let y = &solved.solution;
-        if condition * defect > SUSPECT {
+        if condition * defect > SUSPECT || condition > SINGULAR {
             let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
             match self.newton(&mut finer) {
                 Ok(()) => {}
@@ -354,11 +358,37 @@ impl Run<'_> {
             Err(source) => return Err(SolveError::Newton { intervals, source, best: Some(Box::new(solved)) }),
         }
         let apart = apart(&self.system.gauss, &solved, &finer).max(relative(&y.scalars, &finer.scalars));
-        let error = apart / (2f64.powi(y.m as i32) - 1.0);
         let (defects, slopes) = self.defects(&finer);
         let condition = condition::estimate(&mut self.system, &finer);
+        // A solution may approach one that leaves a scalar free, such as rest where a period is sought.
+        if condition > SINGULAR {
+            return Err(SolveError::Singular { condition, intervals });
+        }
+        let missed = condition.max(1.0) * self.missed(&finer, &defects);
+        let error = (apart / (2f64.powi(y.m as i32) - 1.0)).max(missed).max(self.unsettled(&finer));
         let (defect, work) = (largest(&defects), self.work);
         Ok(Solved { solution: finer, defect, condition, work, slopes, error: Some(error) })
+    }
+
+    /// One more correction, with the factors of Newton's last iterate: what rounding leaves of the error.
+    fn unsettled(&mut self, y: &Solution) -> f64 {
+        let mut correction = Direction::default();
+        let solved =
+            self.system.evaluate(self.problem, y, &[], false).and_then(|()| self.system.solve_own(&mut correction));
+        solved.map_or(f64::INFINITY, |()| correction.norm(y))
+    }
+
+    /// Integral of |u′ − f(u)| beside nodes where f jumps or is not smooth: halved intervals may miss the same jump.
+    fn missed(&mut self, y: &Solution, defects: &[f64]) -> f64 {
+        let gauss = &self.system.gauss;
+        let Some([_, beside]) = mesh::beside_nodes(gauss, self.problem, y) else { return f64::INFINITY };
+        let is_jump = |(size, defect): (&f64, &f64)| *size > SMOOTH * defect.max(ROUNDED);
+        if !beside.iter().zip(defects).any(is_jump) {
+            return 0.0;
+        }
+        let missed = mesh::missed(gauss, self.problem, y);
+        let jumps = missed.iter().zip(beside.iter().zip(defects)).filter(|(_, sizes)| is_jump(*sizes));
+        jumps.map(|([integral, _], _)| integral).sum()
     }
 
     fn stopped(&mut self, reason: Stop, intervals: usize) -> SolveError {
@@ -386,7 +416,8 @@ impl Run<'_> {
     /// Newton on the mesh of `y`.
     fn newton(&mut self, y: &mut Solution) -> Result<(), NewtonError> {
         let settings = self.settings;
-        let tolerance = settings.newton.tolerance.min(NEWTON_SHARE * self.tolerance).max(LEAST_TOLERANCE);
+        let allowed = self.tolerance.min(settings.error.unwrap_or(f64::INFINITY));
+        let tolerance = settings.newton.tolerance.min(NEWTON_SHARE * allowed).max(LEAST_TOLERANCE);
         let newton = Newton { tolerance, ..settings.newton };
         match newton.solve(&mut self.system, &mut self.scratch, self.problem, y, &[], false) {
             Ok(report) => self.work += report,

@@ -160,3 +160,88 @@ fn the_scale_of_conditions_does_not_matter() {
     solved.eval(&solved.solution.gauss(), 0.5, &mut y);
     assert!((y[0] - 16.0 / 9.0).abs() < 1e-9 && solved.condition < 100.0, "{y:?}, {}", solved.condition);
 }
+
+/// The bound on the error holds, or the solve fails, where f jumps, is not smooth, is small, or where rounding is amplified.
+#[test]
+fn the_bound_on_the_error_holds_for_rough_small_and_nearly_singular_problems() {
+    let within = |allowed: f64| Settings { error: Some(allowed), ..Settings::default() };
+    let from_zero = |n: usize, intervals: usize, settings: &Settings, rhs: &dyn Fn(f64, &[Jet], &mut [Jet])| {
+        let zeros = vec![0.0; intervals + 1];
+        let guess: Vec<&[f64]> = (0..n).map(|_| &zeros[..]).collect();
+        let conditions = |ya: &[Jet], yb: &[Jet], _: &[Jet], r: &mut [Jet]| {
+            r[0] = ya[0];
+            if n > 1 {
+                r[1] = yb[0];
+            }
+        };
+        let rhs = |x: f64, y: &[Jet], _: &[Jet], f: &mut [Jet]| rhs(x, y, f);
+        solve_bvp(rhs, conditions, &mesh::uniform(0.0, 1.0, intervals), &guess, &[], settings)
+    };
+    let check =
+        |case: &str, found: Result<furrow_bvp::Solved, SolveError>, allowed: f64, exact: &dyn Fn(f64) -> f64| {
+            let Ok(solved) = found else { return };
+            let y = &solved.solution;
+            let size = |(i, x): (usize, &f64)| (y.node(i)[0] - exact(*x)).abs() / (1.0 + exact(*x).abs());
+            let error = y.mesh.iter().enumerate().map(size).fold(0.0, f64::max);
+            assert!(error <= allowed, "{case}: {error:.1e}, estimated {:.1e}", solved.error.unwrap_or(f64::NAN));
+        };
+    for c in [0.8473154362416108, 0.3, 1.0 / 7.0] {
+        let found = from_zero(1, 10, &within(1e-8), &|x, _, f| f[0] = Jet::from(f64::from(x > c)));
+        check("a jump", found, 1e-8, &|x: f64| (x - c).max(0.0));
+    }
+    let found = from_zero(1, 10, &within(1e-8), &|x, _, f| f[0] = Jet::from(0.5 / x.sqrt()));
+    check("a root", found, 1e-8, &|x: f64| x.sqrt());
+    // u″ = −k exp(u/k) is k times Bratu's problem with λ = 1, whose value in the middle is 0.140539.
+    for k in [1e-6, 1e-7, 1e-8] {
+        let small = |_: f64, y: &[Jet], f: &mut [Jet]| {
+            f[0] = y[1];
+            f[1] = -(y[0] / k).exp() * k;
+        };
+        let found = from_zero(2, 4, &within(1e-10), &small).unwrap().solution;
+        let mut at_middle = [0.0; 2];
+        found.eval(&found.gauss(), 0.5, &mut at_middle);
+        let middle = at_middle[0] / k;
+        assert!((middle - 0.140_539).abs() < 1e-10 / k + 1e-6, "{k}: {middle}");
+    }
+    // u″ = 1 − c u near the first resonance, c = π².
+    let c = 9.869604431089359_f64;
+    let exact = |x: f64| (1.0 - (c.sqrt() * (x - 0.5)).cos() / (0.5 * c.sqrt()).cos()) / c;
+    let resonance = |_: f64, y: &[Jet], f: &mut [Jet]| {
+        f[0] = y[1];
+        f[1] = Jet::from(1.0) - y[0] * c;
+    };
+    // The exact solution itself is known to 1e-8 only.
+    check("a resonance", from_zero(2, 4, &within(1e-8), &resonance), 3e-8, &exact);
+}
+
+/// Van der Pol's equation with its period as an unknown: at rest every period fits.
+#[test]
+fn a_trivial_solution_that_leaves_a_scalar_free_is_singular() {
+    let grid = mesh::uniform(0.0, 1.0, 50);
+    for period in [3.0, 4.0, 5.0] {
+        let wave = |of: fn(f64) -> f64| grid.iter().map(|x| of(TAU * x)).collect::<Vec<f64>>();
+        let found = solve_bvp(
+            |_, y: &[Jet], p, f: &mut [Jet]| {
+                f[0] = p[0] * y[1];
+                f[1] = p[0] * ((-y[0] * y[0] + 1.0) * y[1] * 2.0 - y[0]);
+            },
+            |ya, yb, _, r| {
+                r[0] = ya[0] - yb[0];
+                r[1] = ya[1] - yb[1];
+                r[2] = ya[1];
+            },
+            &grid,
+            &[&wave(f64::cos), &wave(|x| -x.sin())],
+            &[period],
+            &Settings { error: Some(1e-8), ..Settings::default() },
+        );
+        match found {
+            Ok(solved) => assert!(solved.solution.node(0)[0].abs() > 1.0, "{period}: {:.1e}", solved.condition),
+            Err(error) => assert!(
+                matches!(error, SolveError::Singular { .. }),
+                "{period}: {}",
+                error.to_string().chars().take(200).collect::<String>()
+            ),
+        }
+    }
+}
