@@ -165,7 +165,8 @@ fn the_scale_of_conditions_does_not_matter() {
 #[test]
 fn the_bound_on_the_error_holds_for_rough_small_and_nearly_singular_problems() {
     let within = |allowed: f64| Settings { error: Some(allowed), ..Settings::default() };
-    let from_zero = |n: usize, intervals: usize, settings: &Settings, rhs: &dyn Fn(f64, &[Jet], &mut [Jet])| {
+    type Rhs<'f> = &'f dyn Fn(f64, &[Jet], &mut [Jet]);
+    let from_zero = |n: usize, intervals: usize, settings: &Settings, rhs: Rhs<'_>| {
         let zeros = vec![0.0; intervals + 1];
         let guess: Vec<&[f64]> = (0..n).map(|_| &zeros[..]).collect();
         let conditions = |ya: &[Jet], yb: &[Jet], _: &[Jet], r: &mut [Jet]| {
@@ -191,7 +192,7 @@ fn the_bound_on_the_error_holds_for_rough_small_and_nearly_singular_problems() {
     }
     let found = from_zero(1, 10, &within(1e-8), &|x, _, f| f[0] = Jet::from(0.5 / x.sqrt()));
     check("a root", found, 1e-8, &|x: f64| x.sqrt());
-    // u″ = −k exp(u/k) is k times Bratu's problem with λ = 1, whose value in the middle is 0.140539.
+    // Bratu's problem in units of k: its solution for λ = 1 is 0.140539 in the middle.
     for k in [1e-6, 1e-7, 1e-8] {
         let small = |_: f64, y: &[Jet], f: &mut [Jet]| {
             f[0] = y[1];
