@@ -5,7 +5,7 @@
 //! rows of a cell are averaged. Where embryos are known, each has its own [pace](EmbryoTimes), and births are counted from the same
 //! origin. Lines that begin with `#` are comments. A row that cannot be used is skipped and reported with its place.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::Read;
 
 use furrow_input::table::Table;
@@ -20,6 +20,7 @@ use crate::matching::Matched;
 use crate::names::Names;
 use crate::pace::{InEmbryos, Shares, shares};
 use crate::per_embryo::PerEmbryo;
+use crate::several::Source;
 use crate::significance::{Sample, Trend, power, sign_test, welch};
 use crate::statistics::{mean, sd};
 use crate::tracked::{EmbryoFile, TrackOptions, TrackedLineage, read_tracked};
@@ -110,14 +111,18 @@ struct RowOfEmbryo {
 struct Rows {
     rows: Vec<RowOfEmbryo>,
     embryos: Vec<EmbryoTimes>,
+    /// Their names in their tables, and the tables.
+    sources: Vec<Source>,
     has_means: bool,
 }
 
 impl Rows {
-    /// The place of an embryo.
-    fn embryo(&mut self, name: &str, frame_minutes: Option<f64>) -> usize {
-        let known = self.embryos.iter().position(|embryo| embryo.embryo == name);
+    /// The place of an embryo of a file.
+    fn embryo(&mut self, name: &str, file: &str, frame_minutes: Option<f64>) -> usize {
+        let source = Source { name: name.to_owned(), file: file.to_owned() };
+        let known = self.sources.iter().position(|known| *known == source);
         known.unwrap_or_else(|| {
+            self.sources.push(source);
             let embryo = EmbryoTimes {
                 embryo: name.to_owned(),
                 cells: 0,
@@ -130,6 +135,42 @@ impl Rows {
             self.embryos.push(embryo);
             self.embryos.len() - 1
         })
+    }
+
+    /// Compares the embryos from number `first` on with embryos of the same names in other tables: they are one embryo if they have
+    /// no cell in common, and else called by their tables too.
+    fn join(&mut self, first: usize) {
+        let cells: Vec<HashSet<String>> = (0..self.embryos.len())
+            .map(|place| {
+                let own = self.rows.iter().filter(|row| row.embryo == Some(place));
+                own.map(|row| row.lifetime.cell.clone()).collect()
+            })
+            .collect();
+        let mut joined = Vec::new();
+        for k in first..self.embryos.len() {
+            for other in (0..first).filter(|other| self.sources[*other].name == self.sources[k].name) {
+                if cells[other].is_disjoint(&cells[k]) {
+                    joined.push((k, other));
+                    break;
+                }
+                let [theirs, own] = Source::labels([&self.sources[other], &self.sources[k]]);
+                if self.embryos[other].embryo == self.sources[other].name {
+                    self.embryos[other].embryo = theirs;
+                }
+                self.embryos[k].embryo = own;
+            }
+        }
+        for (k, other) in joined.into_iter().rev() {
+            self.embryos.remove(k);
+            self.sources.remove(k);
+            for embryo in self.rows.iter_mut().filter_map(|row| row.embryo.as_mut()) {
+                match *embryo {
+                    place if place == k => *embryo = other,
+                    place if place > k => *embryo = place - 1,
+                    _ => {}
+                }
+            }
+        }
     }
 
     /// A value of the cells of known embryos.
@@ -275,14 +316,14 @@ impl Lifetimes {
         let mut table = Table::open(from, file)?;
         let columns = Columns::of(&table.columns(|_| false)?)?;
         rows.has_means |= columns.n.is_some();
-        let of_file = embryo_of_file(file);
+        let (of_file, before) = (embryo_of_file(file), rows.embryos.len());
         // Lines of the first rows of cells, by embryo.
         let mut places: HashMap<(Option<usize>, String), u64> = HashMap::new();
         while let Some(row) = table.next_row()? {
             let noted = columns.embryo_of(row).and_then(|embryo| {
                 let named = embryo.as_deref().or(several.then_some(of_file.as_str()));
                 let lifetime = read_row(row, &columns, named.unwrap_or(&of_file), &self.names)?;
-                let embryo = named.filter(|_| columns.n.is_none()).map(|embryo| rows.embryo(embryo, None));
+                let embryo = named.filter(|_| columns.n.is_none()).map(|embryo| rows.embryo(embryo, file, None));
                 let first = *places.entry((embryo, lifetime.cell.clone())).or_insert(row.line);
                 if first != row.line && (columns.n.is_some() || embryo.is_some()) {
                     let why = format!("a second row of this cell; the first is on line {first}");
@@ -296,6 +337,7 @@ impl Lifetimes {
                 Err(rejected) => note(&mut self.skipped, &mut self.skipped_count, || Skipped::new(file, &rejected)),
             }
         }
+        rows.join(before);
         Ok(())
     }
 
@@ -310,7 +352,8 @@ impl Lifetimes {
         self.matched.extend(embryo.matched.clone());
         self.skipped_count += lives.skipped_count;
         self.skipped.extend(lives.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
-        let place = rows.embryo(&embryo.name, frame_minutes);
+        let file = embryo.cells.first().map_or("", |cell| &cell.place.0);
+        let place = rows.embryo(&embryo.name, file, frame_minutes);
         self.used += lives.cells.len() as u64;
         rows.rows.extend(lives.cells.into_iter().map(|lifetime| RowOfEmbryo { lifetime, embryo: Some(place) }));
         Ok(())

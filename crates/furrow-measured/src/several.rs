@@ -31,7 +31,7 @@ impl Source {
     }
 
     /// The names of two embryos.
-    fn labels(sources: [&Source; 2]) -> [String; 2] {
+    pub(crate) fn labels(sources: [&Source; 2]) -> [String; 2] {
         let [a, b] = sources.map(|source| source.label(false));
         if a == b { sources.map(|source| source.label(true)) } else { [a, b] }
     }

@@ -235,3 +235,21 @@ fn each_embryo_has_its_pace_and_its_clock() {
     assert_eq!(found.embryos.iter().map(|embryo| embryo.embryo.as_str()).collect::<Vec<_>>(), ["one", "two"]);
     near(found.embryos[1].shift_min.unwrap(), 310.0 / 3.0);
 }
+
+/// Numbers of embryos begin again in every table: a cell in two of them is of two embryos.
+#[test]
+fn embryos_of_one_name_in_several_tables_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |tables: [&str; 2]| {
+        let paths = ["mon.csv", "tue.csv"].map(|name| folder.path().join(name));
+        paths.iter().zip(tables).for_each(|(path, table)| std::fs::write(path, table).unwrap());
+        let (files, _) = embryo_files(&paths).unwrap();
+        let lifetimes = Lifetimes::read_files(&files, &LifetimeOptions::default()).unwrap();
+        (lifetimes.embryos.iter().map(|embryo| embryo.embryo.clone()).collect::<Vec<_>>(), lifetimes.used)
+    };
+    let head = "embryo,cell,lifetime_min\n";
+    let [monday, tuesday] = ["1,AB,17\n1,P1,20\n2,AB,18\n", "1,AB,15\n1,P1,19\n"].map(|rows| format!("{head}{rows}"));
+    assert_eq!(of([&monday, &tuesday]), (vec!["mon/1".to_owned(), "2".to_owned(), "tue/1".to_owned()], 5));
+    let others = format!("{head}1,ABa,18\n3,AB,17\n");
+    assert_eq!(of([&monday, &others]), (vec!["1".to_owned(), "2".to_owned(), "3".to_owned()], 5));
+}
