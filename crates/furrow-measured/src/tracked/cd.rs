@@ -9,7 +9,7 @@ use std::path::Path;
 
 use furrow_input::{InputError, open_file};
 
-use super::chains::{self, Chain};
+use super::chains::{self, Chain, Only};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
 use crate::names::{birth, understood};
@@ -81,7 +81,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         cells.entry(name).or_default().push(spot);
     }
     let mut chains = chains(&spots, cells);
-    chains::link(&mut spots, &mut chains, &file, "time")?;
+    chains::link(&mut spots, &mut chains, (&file, "time"), Only::Daughter)?;
     spots.lineage(embryo_of(path), Format::CdTable, TimeUnit::Frames, unit_of_pixels(options))
 }
 

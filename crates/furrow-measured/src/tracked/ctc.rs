@@ -10,7 +10,7 @@ use std::path::Path;
 use furrow_input::table::malformed;
 use furrow_input::{InputError, read_text};
 
-use super::chains::{self, Chain};
+use super::chains::{self, Chain, Only};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackedLineage, whole};
 use crate::volumes::Unit;
@@ -53,6 +53,6 @@ pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputE
         let refused = || malformed(&file, line, format!("mother = {mother}: must be 0 or a label of the file"));
         chain.mother = Some(*places.get(&mother).ok_or_else(refused)?);
     }
-    chains::link(&mut spots, &mut chains, &file, "first frame")?;
+    chains::link(&mut spots, &mut chains, (&file, "first frame"), Only::SameCell)?;
     spots.lineage(embryo, Format::Ctc, TimeUnit::Frames, Unit::Voxels)
 }

@@ -41,7 +41,7 @@ pub(super) struct Spots {
     merged: HashSet<usize>,
     /// Spots that links give more than two daughters. All these links are left out.
     shattered: HashSet<usize>,
-    /// Spots that have lost a link: their remaining link leads to a daughter, unless the names are equal.
+    /// The last spots of cells, also by a link that they have lost: their remaining link leads to a daughter, unless the names are equal.
     parted: HashSet<usize>,
     /// Names of tracks and their first spots.
     pub tracks: Vec<(String, usize)>,
@@ -123,6 +123,11 @@ impl Spots {
         Ok(())
     }
 
+    /// Marks the last spot of a cell: what a link leads to from here is a daughter, unless the names are equal.
+    pub fn part(&mut self, spot: usize) {
+        self.parted.insert(spot);
+    }
+
     /// Takes a spot from its mother.
     fn unlink(&mut self, spot: usize) {
         let Some(mother) = self.previous[spot].take() else { return };
@@ -137,8 +142,7 @@ impl Spots {
         format!("{}{place}", furrow_input::shown(name))
     }
 
-    /// Whether a cell is born with a spot: at a division, or where the name becomes a daughter's because only one
-    /// daughter was followed.
+    /// Whether a cell is born with a spot: at a division, or where only one daughter was followed, and the file or the names say so.
     fn is_born(&self, spot: usize) -> bool {
         let Some(before) = self.previous[spot] else { return true };
         let (name, mother) = (&self.spots[spot].name, &self.spots[before].name);

@@ -12,7 +12,7 @@ use furrow_input::table::{Header, Row, Table, malformed, text};
 use furrow_input::{InputError, open_file, shown};
 use serde_json::Value as Json;
 
-use super::chains::{self, Chain};
+use super::chains::{self, Chain, Only};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels, whole, zarr};
 use crate::layout::volume_column;
@@ -109,7 +109,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         read_graph(&graph, &mut spots, &mut tracks)?;
     }
     let mut chains = tracks.chains(&file)?;
-    chains::link(&mut spots, &mut chains, &file, "t")?;
+    chains::link(&mut spots, &mut chains, (&file, "t"), Only::Daughter)?;
     spots.lineage(embryo_of(path), Format::Tracks, TimeUnit::Frames, columns.unit)
 }
 

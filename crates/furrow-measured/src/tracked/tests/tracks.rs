@@ -180,6 +180,29 @@ fn wrong_tables_of_tracks_are_refused_with_their_line() {
     assert_eq!(reports(&tracked(&path)), [why]);
 }
 
+/// Mother and daughter stay two cells where the other daughter is left out or was not followed.
+#[test]
+fn a_daughter_without_a_sister_is_no_part_of_her_mother() {
+    let heading = "track_id,t,y,x,parent_track_id,volume_um3";
+    let mother = "1,0,0,0,-1,9\n1,1,0,0,-1,9\n";
+    for rows in ["2,1,0,0,1,5\n2,2,0,0,1,5\n3,2,0,0,1,4\n3,3,0,0,1,4\n", "3,2,0,0,1,4\n3,3,0,0,1,4\n"] {
+        let (_folder, path) = file("tracks.csv", format!("{heading}\n{mother}{rows}"));
+        let lineage = tracked(&path);
+        let cell = |name: &str| lineage.cells.iter().find(|cell| cell.name == name).unwrap();
+        assert_eq!((cell("1").volume, cell("1").division, cell("1").last), (Some(9.0), Some(2.0), 1.0), "{rows}");
+        assert_eq!((cell("3").mother, cell("3").birth, cell("3").volume), (Some(0), 2.0, Some(4.0)), "{rows}");
+    }
+    // One name is one cell, though its track ends.
+    let (_folder, path) =
+        file("tracks.csv", "track_id,t,y,x,parent_track_id,name\n1,0,0,0,-1,AB\n2,2,0,0,1,AB\n3,4,0,0,2,ABa\n");
+    let lives_of = [("AB", None, 0.0, Some(4.0), 2.0), ("ABa", Some("AB"), 4.0, None, 4.0)];
+    assert_eq!(lives(&tracked(&path)), lives_of);
+    // Tracks of the Cell Tracking Challenge have gaps, unless a sister is left out.
+    let (_folder, path) = file("01.txt", "1 0 1 0\n2 3 4 1\n3 5 6 2\n4 4 6 2\n");
+    let lives_of = [("1", None, 0.0, Some(5.0), 4.0), ("4", None, 4.0, None, 6.0), ("3", Some("1"), 5.0, None, 6.0)];
+    assert_eq!(lives(&tracked(&path)), lives_of);
+}
+
 #[test]
 fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
     let text: String =
