@@ -13,6 +13,7 @@
 //! | `files` | the embryos in folders and patterns |
 //! | `chains` | links spots, where the file lists the spots of a cell together |
 //! | `spots` | spots and links of any format, as cells |
+//! | `namesakes` | which of several cells of one name comes first |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
 //!
@@ -30,6 +31,7 @@ mod ctc;
 mod files;
 mod geff;
 mod lifetimes;
+mod namesakes;
 mod rounds;
 mod shards;
 mod spot_tables;

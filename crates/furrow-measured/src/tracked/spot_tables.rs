@@ -80,6 +80,10 @@ pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Resul
         return Err(InputError::not_allowed(file, "links", "none", allowed));
     };
     read_links(&mut spots, &ids, &links, &layout)?;
+    // Single spots of TrackMate are outside its tracks. Mastodon has no other cells than its spots.
+    if format == Format::TrackMate {
+        spots.leave_out_unlinked(&file);
+    }
     spots.lineage(embryo_of(path), format, TimeUnit::Frames, unit)
 }
 

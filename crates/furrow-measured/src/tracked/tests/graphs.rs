@@ -64,6 +64,30 @@ fn trackmate_and_mastodon_give_the_same_cells() {
     assert_eq!(error, "film-Link.csv: is not a table of spots: it has links; they are read with their spots");
 }
 
+/// Single spots of TrackMate are no cells; of Mastodon they are, but do not push out the cell of their name.
+#[test]
+fn single_spots_push_out_no_cell() {
+    let stray = "AB,30,,1,1,1,1,60,1,9,1\n,31,,1,1,1,1,60,1,9,1\n";
+    let (_folder, path) = trackmate(&(TRACKMATE_SPOTS.to_owned() + stray), &trackmate_edges(&EDGES));
+    let lineage = tracked(&path);
+    assert_eq!(lives(&lineage), LIVES);
+    assert_eq!(reports(&lineage), ["15 ID 2: spots that belong to no track; the first is on this line"]);
+    assert_eq!((lineage.place_of("30"), lineage.place_of("AB")), (Place::Nowhere, Place::Cell(1)));
+
+    let spots = "Label,ID,Spot frame\nAB,9,0\nABa,8,0\nP0,1,1\nAB,2,2\nP1,3,2\nAB,4,3\n";
+    let (folder, path) = file("film-Spot.csv", spots);
+    let links = "Source spot id,Target spot id\n1,2\n1,3\n2,4\n";
+    fs::write(folder.path().join("film-Link.csv"), links).unwrap();
+    let lineage = tracked(&path);
+    let names: Vec<(&str, u64)> = lineage.cells.iter().map(|cell| (&*cell.name, cell.place.1)).collect();
+    assert_eq!(names, [("ABa", 3), ("P0", 4), ("AB", 5), ("P1", 6), ("AB", 2)]);
+    assert_eq!(lineage.cells[1].daughters, [2, 3]);
+    assert_eq!((lineage.cells[2].mother, lineage.cells[4].mother), (Some(1), None));
+    let (skipped, count) = lineage.skipped_with_names(&Names::default());
+    assert_eq!((count, skipped[0].line), (1, 2));
+    assert_eq!(skipped[0].why, "a second cell of this name; the first begins on line 5");
+}
+
 #[test]
 fn wrong_spots_and_links_are_refused_with_their_place() {
     let fine = trackmate_edges(&EDGES);
