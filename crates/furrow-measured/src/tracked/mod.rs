@@ -12,6 +12,7 @@
 //! | `container` | the GEFF inside a folder |
 //! | `files` | the embryos in folders and patterns |
 //! | `chains` | links spots, where the file lists the spots of a cell together |
+//! | `rows` | rows that are given twice, and links past spots that cannot be used |
 //! | `spots` | spots and links of any format, as cells |
 //! | `namesakes` | which of several cells of one name comes first |
 //!
@@ -33,6 +34,7 @@ mod geff;
 mod lifetimes;
 mod namesakes;
 mod rounds;
+mod rows;
 mod shards;
 mod spot_tables;
 mod spots;

@@ -1,10 +1,12 @@
 //! Spots and the links between them, as cells: chains of spots between divisions.
 
 use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
 
 use furrow_input::InputError;
 use ordered_float::OrderedFloat;
 
+use super::rows::{Link, links_past};
 use super::{Format, SpotNames, TimeUnit, TrackedCell, TrackedLineage, namesakes};
 use crate::names::{birth, is_cell, understood};
 use crate::volumes::{Skipped, Unit, note};
@@ -85,7 +87,7 @@ impl Spots {
     /// three daughters, no such link is used, as it is unknown which are right.
     ///
     /// # Errors
-    /// A link within a frame, or one given twice.
+    /// A link within a frame.
     pub fn link(&mut self, a: usize, b: usize, file: &str, line: u64) -> Result<(), InputError> {
         self.linked.extend([a, b]);
         let name = |spot: usize| self.shown(spot);
@@ -96,7 +98,10 @@ impl Spots {
             return refused(format!("a link from {a} to {b}, both at time {time}: links must lead to a later time"));
         }
         if self.previous[to] == Some(from) {
-            return refused(format!("a second link from {} to {}: each must be given once", name(from), name(to)));
+            let why = format!("a second link from {} to {}: it is used once", name(from), name(to));
+            let value = self.spots[to].name.clone();
+            self.skip(file, line, "link", &value, why);
+            return Ok(());
         }
         let value = self.spots[to].name.clone();
         let free = self.next[from].iter().position(Option::is_none);
@@ -131,6 +136,25 @@ impl Spots {
     /// Marks the last spot of a cell: what a link leads to from here is a daughter, unless the names are equal.
     pub fn part(&mut self, spot: usize) {
         self.parted.insert(spot);
+    }
+
+    /// Links spots by their ids, past spots without a place.
+    ///
+    /// # Errors
+    /// As [`Spots::link`].
+    pub fn link_all<K: Copy + Eq + Hash>(
+        &mut self,
+        links: Vec<Link<K>>,
+        places: &HashMap<K, usize>,
+        file: &str,
+    ) -> Result<(), InputError> {
+        let time = |id: K| places.get(&id).map(|spot| self.spots[*spot].time);
+        for (line, [from, to]) in links_past(links, time) {
+            if let (Some(from), Some(to)) = (places.get(&from), places.get(&to)) {
+                self.link(*from, *to, file, line)?;
+            }
+        }
+        Ok(())
     }
 
     /// Leaves out the spots that no link names: they belong to no track.

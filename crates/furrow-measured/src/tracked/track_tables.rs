@@ -9,10 +9,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use furrow_input::table::{Header, Row, Table, malformed, text};
-use furrow_input::{InputError, open_file, shown};
+use furrow_input::{InputError, open_file};
 use serde_json::Value as Json;
 
 use super::chains::{self, Chain, Only};
+use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels, whole, zarr};
 use crate::layout::volume_column;
@@ -88,18 +89,31 @@ struct Track {
 struct Tracks {
     all: Vec<Track>,
     places: HashMap<u64, usize>,
+    /// Whether rows are left out: then tracks may be missing.
+    has_gaps: bool,
 }
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let mut table = Table::open(open_file(path)?, &file)?;
-    let columns = Columns::of(&table.columns(|_| false)?, options)?;
-    let (mut spots, mut tracks) = (Spots::of(&file), Tracks::default());
+    let header = table.columns(|_| false)?;
+    let columns = Columns::of(&header, options)?;
+    let (mut spots, mut tracks, mut rows) = (Spots::of(&file), Tracks::default(), FirstRows::new());
     while let Some(row) = table.next_row()? {
-        if let Some((_, why)) = row.surplus() {
-            return Err(malformed(&file, row.line as usize, why));
+        let values = match Values::of(row, &columns) {
+            Ok(values) => values,
+            Err((column, why)) => {
+                spots.skip(&file, row.line, row.name(column), &text(row.text(column)), why);
+                tracks.has_gaps = true;
+                continue;
+            }
+        };
+        let contents = contents(&header.names, |column| row.text(column));
+        if let Some(first) = rows.repeated((values.track, values.time.to_bits()), row.line, contents) {
+            spots.skip(&file, row.line, row.name(columns.track), &values.track.to_string(), repeat(first));
+            continue;
         }
-        read_row(row, &columns, &file, options, (&mut spots, &mut tracks))?;
+        read_row(row, &values, &columns, &file, options, (&mut spots, &mut tracks))?;
     }
     let graph = match columns.parent {
         Some(_) => None,
@@ -108,28 +122,44 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     if let Some(graph) = graph {
         read_graph(&graph, &mut spots, &mut tracks)?;
     }
-    let mut chains = tracks.chains(&file)?;
+    let mut chains = tracks.chains(&mut spots, &file)?;
     chains::link(&mut spots, &mut chains, (&file, "t"), Only::Daughter)?;
     spots.lineage(embryo_of(path), Format::Tracks, TimeUnit::Frames, columns.unit)
 }
 
+/// What a row must have.
+struct Values {
+    track: u64,
+    time: f64,
+    parent: Option<u64>,
+}
+
+impl Values {
+    /// The values of a row, or the column that makes it useless, and why.
+    fn of(row: Row<'_>, columns: &Columns) -> Result<Values, (usize, String)> {
+        if let Some(surplus) = row.surplus() {
+            return Err(surplus);
+        }
+        let refused = |column: usize, why: &str| (column, why.to_owned());
+        let track = whole(row.text(columns.track));
+        let track = track.ok_or_else(|| refused(columns.track, "must be a whole number from 0"))?;
+        let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
+        let time = time.ok_or_else(|| refused(columns.time, "must be a number of frames"))?;
+        let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
+        let parent = parent.transpose().map_err(|column| refused(column, "must be a track_id, or -1"))?.flatten();
+        Ok(Values { track, time, parent })
+    }
+}
+
 fn read_row(
     row: Row<'_>,
+    &Values { track: id, time, parent }: &Values,
     columns: &Columns,
     file: &str,
     options: &TrackOptions,
     (spots, tracks): (&mut Spots, &mut Tracks),
 ) -> Result<(), InputError> {
     let written = |column: usize| text(row.text(column)).into_owned();
-    let refused = |column: usize, allowed: &str| {
-        let value = shown(&written(column));
-        malformed(file, row.line as usize, format!("{} = {value}: must be {allowed}", row.name(column)))
-    };
-    let id = whole(row.text(columns.track)).ok_or_else(|| refused(columns.track, "a whole number from 0"))?;
-    let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
-    let time = time.ok_or_else(|| refused(columns.time, "a number of frames"))?;
-    let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
-    let parent = parent.transpose().map_err(|column| refused(column, "a track_id, or -1"))?.flatten();
     let size = |column: usize| {
         let size = row.numbers.read(row.text(column)).ok().filter(|size| *size > 0.0 && *size < 1e30);
         size.ok_or(column)
@@ -173,13 +203,21 @@ fn parent_of(written: &[u8]) -> Option<Option<u64>> {
 
 impl Tracks {
     /// The tracks with the places of their mothers. Mother 0 is no mother if no track has this number.
-    fn chains(self, file: &str) -> Result<Vec<Chain>, InputError> {
-        let Tracks { all, places } = self;
+    ///
+    /// # Errors
+    /// A mother that is no track of the table, unless rows are left out: then this is reported.
+    fn chains(self, spots: &mut Spots, file: &str) -> Result<Vec<Chain>, InputError> {
+        let Tracks { all, places, has_gaps } = self;
         let chain = |Track { mut chain, parent }: Track| {
             if let Some((parent, line)) = parent.filter(|(parent, _)| *parent > 0 || places.contains_key(parent)) {
-                let refused =
-                    || malformed(file, line as usize, format!("parent = {parent}: must be a track of the table"));
-                chain.mother = Some(*places.get(&parent).ok_or_else(refused)?);
+                chain.mother = places.get(&parent).copied();
+                let allowed = "must be a track of the table";
+                if chain.mother.is_none() && !has_gaps {
+                    return Err(malformed(file, line as usize, format!("parent = {parent}: {allowed}")));
+                }
+                if chain.mother.is_none() {
+                    spots.skip(file, line, "parent", &parent.to_string(), allowed);
+                }
             }
             Ok(chain)
         };
@@ -213,7 +251,12 @@ fn read_graph(path: &Path, spots: &mut Spots, tracks: &mut Tracks) -> Result<(),
     let refused = |line: u64, why: String| Err(malformed(&file, line.max(1) as usize, why));
     for (line, child, parent) in edges(path, &file)? {
         let [Some(child_at), Some(_)] = [child, parent].map(|id| tracks.places.get(&id).copied()) else {
-            return refused(line, format!("{child} from {parent}: both must be tracks of the table"));
+            let allowed = "both must be tracks of the table";
+            if tracks.has_gaps {
+                spots.skip(&file, line, "child", &child.to_string(), format!("its parent is {parent}: {allowed}"));
+                continue;
+            }
+            return refused(line, format!("{child} from {parent}: {allowed}"));
         };
         let track = &mut tracks.all[child_at];
         match track.parent.replace((parent, line)) {

@@ -89,7 +89,6 @@ fn wrong_xml_is_refused_with_its_line() {
     for (from, to, message) in [
         ("micron", "parsec", "film.xml: spatialunits of Model = \"parsec\": must be micron, µm or pixel"),
         ("Spot ID=\"11\"", "Spot ID=\"a\"", "film.xml:7:1: ID of Spot = \"a\": must be a whole number from 0"),
-        ("POSITION_T=\"90\"", "T=\"90\"", "film.xml:7:1: the spot 11 has no number as its POSITION_T"),
         ("SPOT_SOURCE_ID=\"11\"", "SPOT_SOURCE_ID=\"99\"", "99: must be the ID of a spot"),
         ("<Spot ID=\"12\"", "<Spot ID=\"11\"", "film.xml:9:1: ID = 11: must be of one spot only"),
         ("</AllTracks>", "</AllTrack>", "film.xml:"),
@@ -106,6 +105,28 @@ fn wrong_xml_is_refused_with_its_line() {
     for end in (0..right.len()).step_by(97) {
         let (_folder, path) = file("film.xml", &right[..end]);
         let _ = read_tracked(&path, &TrackOptions::default());
+    }
+}
+
+#[test]
+fn unusable_and_repeated_elements_of_xml_are_left_out() {
+    let right = xml("spatialunits=\"micron\" timeunits=\"sec\"");
+    let (_folder, path) = file("film.xml", &right);
+    let (cells, edge) = (tracked(&path).cells, "<Edge SPOT_SOURCE_ID=\"24\" SPOT_TARGET_ID=\"45\" />\n");
+    let spot =
+        "<Spot ID=\"34\" name=\"ID&lt;34&gt;\" VISIBILITY=\"1\" RADIUS=\"10\" FRAME=\"4\"\n POSITION_T=\"360\" />\n";
+    for (from, to, why) in [
+        (spot.to_owned(), spot.replace("360", "NaN"), "POSITION_T NaN: must be a number: the spot 34 is left out"),
+        (spot.to_owned(), spot.repeat(2), "ID 34: the row of line"),
+        (edge.to_owned(), edge.repeat(2), "a second link from \"ID<24>\""),
+    ] {
+        let changed = right.replacen(&from, &to, 1);
+        assert_ne!(changed, right, "{from}");
+        let (_folder, path) = file("film.xml", changed);
+        let lineage = tracked(&path);
+        let times = |cells: &[TrackedCell]| cells.iter().map(|cell| (cell.birth, cell.division)).collect::<Vec<_>>();
+        assert_eq!(times(&lineage.cells), times(&cells), "{to}");
+        assert!(reports(&lineage)[0].contains(why) && lineage.skipped_count == 2, "{:?}\n{why}", reports(&lineage));
     }
 }
 
@@ -160,11 +181,9 @@ fn tables_of_ultrack_btrack_and_napari_give_the_same_cells() {
 fn wrong_tables_of_tracks_are_refused_with_their_line() {
     let heading = "track_id,t,y,x,parent_track_id";
     for (rows, message) in [
-        ("1,0,0,0,-1\na,1,0,0,-1\n", "tracks.csv:3:1: track_id = \"a\": must be a whole number from 0"),
-        ("1,zero,0,0,-1\n", "tracks.csv:2:1: t = \"zero\": must be a number of frames"),
-        ("1,0,0,0,mother\n", "tracks.csv:2:1: parent_track_id = \"mother\": must be a track_id, or -1"),
+        ("1,zero,0,0,-1\n", "cell that can be used: line 2, t: \"zero\": must be a number of frames"),
         ("1,0,0,0,7\n", "tracks.csv:2:1: parent = 7: must be a track of the table"),
-        ("1,0,0,0,-1\n1,0,0,0,-1\n", "tracks.csv:3:1: cell 1 a second time at time 0; the first is on line 2"),
+        ("1,0,0,0,-1\n1,0,0,1,-1\n", "tracks.csv:3:1: cell 1 a second time at time 0; the first is on line 2"),
         (
             "1,0,0,0,-1\n2,0,0,0,-1\n2,1,0,0,1\n",
             "tracks.csv:4:1: track 2 comes from no track in rows before, here from track 1",
@@ -175,6 +194,29 @@ fn wrong_tables_of_tracks_are_refused_with_their_line() {
         let error = refused(&path);
         assert!(error.contains(message), "{error}\n{message}");
     }
+    // A row that cannot be used or is given twice costs no other row.
+    for (row, why) in [
+        ("a,1,0,0,-1", "3 track_id a: must be a whole number from 0"),
+        (",1,0,0,-1", "3 track_id : must be a whole number from 0"),
+        ("1,,0,0,-1", "3 t : must be a number of frames"),
+        ("1,1,0,0,mother", "3 parent_track_id mother: must be a track_id, or -1"),
+        ("1,1,0,0,-1,5", "3  5: line 3 has 6 fields, the heading 5"),
+        ("1,0,0,0,-1", "3 track_id 1: the row of line 2 a second time"),
+    ] {
+        let (_folder, path) = file("tracks.csv", format!("{heading}\n1,0,0,0,-1\n{row}\n1,2,0,0,-1\n2,3,0,0,1\n"));
+        let lineage = tracked(&path);
+        assert_eq!(lives(&lineage), [("1", None, 0.0, Some(3.0), 2.0), ("2", Some("1"), 3.0, None, 3.0)], "{row}");
+        assert_eq!(reports(&lineage), [why]);
+    }
+    // Rows that pandas numbers are repeats too.
+    let (_folder, path) =
+        file("tracks.csv", format!(",{heading}\n0,1,0,0,0,-1\n1,1,0,0,0,-1\n2,2,1,0,0,5\n3,x,1,0,0,5\n"));
+    let why = [
+        "3 track_id 1: the row of line 2 a second time",
+        "5 track_id x: must be a whole number from 0",
+        "4 parent 5: must be a track of the table",
+    ];
+    assert_eq!(reports(&tracked(&path)), why);
     let (_folder, path) = file("tracks.csv", format!("{heading}\n1,0,0,0,-1\n1,1,0,0,-1\n2,1,0,0,1\n"));
     let why = "4 t 1: it is born while its mother 1 is still there, until time 1";
     assert_eq!(reports(&tracked(&path)), [why]);
@@ -219,14 +261,21 @@ fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
         assert_eq!((lineage.name.as_str(), lineage.cells.len()), ("02_GT", 5), "{}", place.display());
     }
     for (text, message) in [
-        ("1 0 4 0\n2 5 8\n", "01.txt:2:1: must be four whole numbers"),
-        ("1 5 4 0\n", "01.txt:1:1: first frame = 5: must not be after the last, 4"),
-        ("1 0 4 0\n1 5 6 0\n", "01.txt:2:1: label = 1: must be above 0 and of one line only"),
+        ("1 5 4 0\n", "line 1, line: \"1 5 4 0\": the label must be above 0, and the first frame not after the last"),
+        ("1 0 4 0\n1 5 6 0\n", "01.txt:2:1: label = 1: must be of one line only"),
         ("1 0 4 0\n2 5 6 9\n", "01.txt:2:1: mother = 9: must be 0 or a label of the file"),
     ] {
         let (_folder, path) = file("01.txt", text);
         assert!(refused(&path).contains(message), "{}\n{message}", refused(&path));
     }
+    let (folder, _) = file("man_track.txt", "1 0 4 0\n2 5 8\n1 0 4 0\n3 5 6 2\n");
+    let path = folder.path();
+    let why = [
+        "2 line 2 5 8: must be four whole numbers: label, first and last frame, mother or 0",
+        "3 label 1: the row of line 1 a second time",
+        "4 mother 2: must be 0 or a label of the file",
+    ];
+    assert_eq!((tracked(path).cells.len(), reports(&tracked(path))), (2, why.map(str::to_owned).to_vec()));
 }
 
 #[test]
