@@ -10,7 +10,9 @@ use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes, mean_volumes};
 use furrow_measured::matching::Matched;
 use furrow_measured::names::Names;
 use furrow_measured::published::SULSTON;
-use furrow_measured::tracked::{EmbryoFile, TimeUnit, TrackOptions, TrackedLineage, embryo_files, read_tracked};
+use furrow_measured::tracked::{
+    EmbryoFile, TableKind, TimeUnit, TrackOptions, TrackedLineage, embryo_files, read_tracked,
+};
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 
 /// How an observed embryo is read.
@@ -66,7 +68,7 @@ impl Observed {
             return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count });
         }
         let lifetimes = LifetimeOptions { names: names.clone(), ..LifetimeOptions::default() };
-        let lifetimes = Lifetimes::read_files(&embryo_files(&[path.to_owned()])?.0, &lifetimes)?;
+        let lifetimes = Lifetimes::read_files(&embryo_files(&[path.to_owned()], TableKind::Lifetimes)?.0, &lifetimes)?;
         let reading = ReadOptions { names: names.clone(), voxel: (*voxel).into(), ..ReadOptions::default() };
         let sizes = if volumes.is_empty() { Volumes::default() } else { Volumes::of_files(volumes, &reading)? };
         names.require_met()?;

@@ -51,7 +51,7 @@ use furrow_input::table::text;
 use furrow_input::{InputError, foreign, open_file};
 use serde::Serialize;
 
-pub use files::{EmbryoFile, LeftOut, embryo_files};
+pub use files::{EmbryoFile, LeftOut, TableKind, embryo_files};
 pub use lifetimes::TrackedLifetimes;
 pub use rounds::{Absent, TrackedRounds};
 

@@ -15,7 +15,10 @@ use serde_json::Value as Json;
 use super::chains::{self, Chain, Only};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels, whole, zarr};
+use super::{
+    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, sphere_of_pixels, unit_of_pixels, whole,
+    zarr,
+};
 use crate::layout::volume_column;
 use crate::volumes::Unit;
 
@@ -243,6 +246,23 @@ fn graph_beside(path: &Path) -> Result<PathBuf, InputError> {
             format!("a column, or a graph beside the table ({}): else no cell has a mother", tried.join(", "));
         InputError::not_allowed(path.display().to_string(), "parent_track_id", "none", allowed)
     })
+}
+
+/// Whether a file has the graph of a table of tracks beside it: it is read with that table.
+pub(super) fn is_graph(path: &Path) -> bool {
+    let is_one = path.extension().is_some_and(|extension| extension == "csv" || extension == "json");
+    let stem = embryo_of(path);
+    let tables = [
+        stem.contains("graph").then(|| stem.replace("graph", "tracks")),
+        stem.strip_suffix("_graph").map(str::to_owned),
+    ];
+    let beside =
+        |stem: String| ["csv", "tsv", "txt"].map(|extension| path.with_file_name(format!("{stem}.{extension}")));
+    let is_table = |table: &PathBuf| {
+        let has_tracks = || matches!(located_file(table), Ok(Some((Format::Tracks, _))));
+        table.is_file() && has_tracks() && graph_beside(table).is_ok_and(|graph| graph == path)
+    };
+    is_one && tables.into_iter().flatten().flat_map(beside).any(|table| is_table(&table))
 }
 
 /// Adds the mothers that a graph gives.

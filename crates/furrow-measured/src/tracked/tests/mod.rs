@@ -88,7 +88,7 @@ fn refused(path: &Path) -> String {
 /// The lifetimes of an embryo.
 fn lifetimes(path: &Path, frame_minutes: Option<f64>) -> Result<Lifetimes, InputError> {
     let options = LifetimeOptions { frame_minutes: frame_minutes.into(), ..LifetimeOptions::default() };
-    Lifetimes::read_files(&embryo_files(&[path.to_owned()])?.0, &options)
+    Lifetimes::read_files(&embryo_files(&[path.to_owned()], TableKind::Lifetimes)?.0, &options)
 }
 
 /// Name, mother's name, birth, division and last time of each cell.

@@ -278,6 +278,47 @@ fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
     assert_eq!((tracked(path).cells.len(), reports(&tracked(path))), (2, why.map(str::to_owned).to_vec()));
 }
 
+/// Tables in a folder are read, but for graphs and links of others; damaged files are named with the reason.
+#[test]
+fn folders_have_tables_of_the_kind_that_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("Sample01_Volume.csv", "time,AB,P1\n1,9,8\n"),
+        ("long.csv", "embryo,cell,volume_um3\ne,AB,9\n"),
+        ("lives.csv", "cell,lifetime_min\nAB,16\n"),
+        ("e_tracks.csv", "track_id,t,y,x\n1,0,0,0\n"),
+        ("e_graph.csv", "child,parent\n"),
+        ("c.zip", "PK\u{3}\u{4}damaged"),
+    ];
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let paths = [folder.path().to_owned()];
+    for (kind, right, wrong) in [
+        (
+            TableKind::Volumes,
+            "Sample01_Volume e_tracks long",
+            "lives.csv: is neither an embryo that was followed nor a table of volumes",
+        ),
+        (
+            TableKind::Lifetimes,
+            "e_tracks lives",
+            "long.csv: is neither an embryo that was followed nor a table of lifetimes",
+        ),
+    ] {
+        let (found, left) = embryo_files(&paths, kind).unwrap();
+        let names: Vec<String> = found.into_iter().map(|file| file.name).collect();
+        assert_eq!(names.join(" "), right);
+        let left = left.into_iter().map(|left| left.why).collect::<Vec<_>>().join("\n");
+        assert!(left.contains("c.zip: is not a zip archive") && left.contains(wrong), "{left}");
+    }
+    files[..5].iter().for_each(|(name, _)| fs::remove_file(folder.path().join(name)).unwrap());
+    let error = embryo_files(&paths, TableKind::Volumes).unwrap_err().to_string();
+    let (first, last) =
+        ("is not a folder with an embryo that was followed or a table of volumes: ", "c.zip: is not a zip archive");
+    assert!(error.contains(first) && error.contains(last), "{error}");
+}
+
 #[test]
 fn folders_and_patterns_stand_for_the_embryos_in_them() {
     let text: String =
@@ -294,12 +335,14 @@ fn folders_and_patterns_stand_for_the_embryos_in_them() {
     }
     fs::write(at("notes.txt"), "none\n").unwrap();
     let files = |paths: &[PathBuf]| {
-        let (files, left) = embryo_files(paths)?;
-        let left: Vec<String> = left.into_iter().flat_map(|left| left.files).collect();
+        let (files, left) = embryo_files(paths, TableKind::Volumes)?;
+        let left: Vec<String> = left.into_iter().map(|left| left.why).collect();
         Ok::<_, InputError>((files.into_iter().map(|file| file.name).collect::<Vec<_>>(), left))
     };
     let (names, left) = files(&[folder.path().to_owned()]).unwrap();
-    assert_eq!((names.join(" "), left), ("01 02 a_spots b_spots".to_owned(), vec!["notes.txt".to_owned()]));
+    assert_eq!(names.join(" "), "01 02 a_spots b_spots");
+    let why = "notes.txt: is neither an embryo that was followed nor a table of volumes: 1:1: no column is called";
+    assert!(left.len() == 1 && left[0].contains(why), "{left:?}");
     let (names, _) = files(&[at("*_*.csv"), at("01"), at("not there")]).unwrap();
     assert_eq!(names, ["a_spots", "b_spots", "01", "not there"]);
     // Files of one name are called after their folders.
@@ -311,6 +354,10 @@ fn folders_and_patterns_stand_for_the_embryos_in_them() {
     let error = files(&[at("*.xml")]).unwrap_err().to_string();
     assert!(error.contains("files = 0: must be a pattern that a file fits; there are 01, 02, a_edges"), "{error}");
     fs::create_dir(at("empty")).unwrap();
+    // A file is read once, under any of its paths.
+    let (names, left) = files(&[at("a_spots.csv"), at("empty/../a_spots.csv"), at("a_*.csv")]).unwrap();
+    assert_eq!((names, left.len()), (vec!["a_spots".to_owned()], 2));
+    assert!(left[0].ends_with("a_spots.csv, which is read once"), "{left:?}");
     let error = files(&[at("empty")]).unwrap_err().to_string();
     assert!(error.contains("it is a folder with neither nuclei of AceTree"), "{error}");
 }
