@@ -198,7 +198,7 @@ impl Heading {
 pub(super) fn radius_unit(text: &str) -> Option<Unit> {
     match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
         "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => Some(Unit::CubicMicrometres),
-        "pixel" | "pixels" | "" => Some(Unit::Voxels),
+        "pixel" | "pixels" | "px" | "" => Some(Unit::Voxels),
         _ => None,
     }
 }

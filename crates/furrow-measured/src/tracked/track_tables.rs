@@ -1,6 +1,6 @@
 //! Tables of tracks, a row per track and frame, as napari, ultrack and btrack write them.
 //!
-//! The columns are `track_id`, a time (`t`), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
+//! The columns are `track_id`, a time (`t`; `time (min)` has a unit), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
 //! (btrack). napari has that in a graph of its own, which is read from a file beside the table: `…_graph.csv` with the columns `child`
 //! and `parent`, or `…_graph.json`, `{"child": [parent], …}`. Sizes are `volume` (with its unit), `radius` or `diameter` in pixels, or
 //! beside a column `z` `area`, which counts voxels.
@@ -8,16 +8,17 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use furrow_input::table::{Header, Row, Table, malformed, text};
+use furrow_input::table::{Header, Row, TIMES, Table, malformed, split_unit, text, unit_of, units_listed};
 use furrow_input::{InputError, open_file};
 use serde_json::Value as Json;
 
 use super::chains::{self, Chain, Only};
 use super::rows::{FirstRows, contents, repeat};
+use super::spot_tables::radius_unit;
 use super::spots::{Spot, Spots};
 use super::{
-    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, sphere_of_pixels, unit_of_pixels, whole,
-    zarr,
+    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, sphere, sphere_of_pixels, unit_of_pixels,
+    whole, zarr,
 };
 use crate::layout::volume_column;
 use crate::volumes::Unit;
@@ -29,9 +30,44 @@ const CHILD: [&str; 3] = ["child", "track_id", "track"];
 
 /// Whether these are the columns of a table of tracks.
 pub(super) fn is_table(columns: &[&str]) -> bool {
-    let lower: Vec<String> = columns.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
-    let has = |names: &[&str]| lower.iter().any(|name| names.contains(&name.as_str()));
-    has(&TRACK) && has(&TIME) && (has(&["x"]) && has(&["y"]) || has(&PARENT)) && !has(&["embryo"])
+    // Positions may have units, too.
+    let has = |names: &[&str]| columns.iter().any(|name| names.contains(&unified(split_unit(name).0).as_str()));
+    let has_time = columns.iter().any(|name| time_unit(name).is_some());
+    has(&TRACK) && has_time && (has(&["x"]) && has(&["y"]) || has(&PARENT)) && !has(&["embryo"])
+}
+
+/// A name of a column in lower case and with underscores.
+fn unified(name: &str) -> String {
+    name.to_lowercase().replace([' ', '-'], "_")
+}
+
+/// The unit in the heading of a column of times, as `t`, `time (min)` or `time_s`; `None` for another column.
+fn time_unit(heading: &str) -> Option<&str> {
+    let (name, unit) = split_unit(heading);
+    if TIME.contains(&unified(name).as_str()) {
+        return Some(unit.unwrap_or_default());
+    }
+    let (name, unit) = heading.rsplit_once(['_', ' '])?;
+    let name = unified(name);
+    let is_time = TIME.contains(&name.strip_suffix("_in").unwrap_or(&name));
+    (is_time && unit_of(unit, &TIMES).is_some()).then_some(unit)
+}
+
+/// The column of times, and their minutes unless they are frames. A column without a unit comes before others.
+fn time_column(header: &Header<'_>) -> Result<Option<(usize, Option<f64>)>, InputError> {
+    let units: Vec<(usize, &str)> =
+        header.names.iter().enumerate().filter_map(|(column, name)| Some((column, time_unit(name)?))).collect();
+    let Some((column, unit)) = units.iter().find(|(_, unit)| unit.is_empty()).or(units.first()).copied() else {
+        return Ok(None);
+    };
+    if ["", "frame", "frames"].contains(&unit.to_lowercase().as_str()) {
+        return Ok(Some((column, None)));
+    }
+    let minutes = unit_of(unit, &TIMES).map(|unit| unit.size).ok_or_else(|| {
+        let (heading, allowed) = (&header.names[column], units_listed(&TIMES));
+        header.refused(format!("the unit of column {}, {heading:?}, must be frames or one of {allowed}", column + 1))
+    })?;
+    Ok(Some((column, Some(minutes))))
 }
 
 /// The size of a row.
@@ -42,12 +78,16 @@ enum Size {
     Volume(usize, f64),
     /// A length in pixels, and how many of it are a diameter.
     Length(usize, f64),
+    /// The same in micrometres.
+    Micrometres(usize, f64),
 }
 
 /// The columns of a table.
 struct Columns {
     track: usize,
     time: usize,
+    /// Minutes in a unit of time; `None` for frames.
+    minutes: Option<f64>,
     parent: Option<usize>,
     name: Option<usize>,
     size: Size,
@@ -56,28 +96,42 @@ struct Columns {
 
 impl Columns {
     fn of(header: &Header<'_>, options: &TrackOptions) -> Result<Columns, InputError> {
-        let (track, time) = (header.find(&TRACK), header.find(&TIME));
-        let (Some(track), Some(time)) = (track, time) else {
+        let (track, time) = (header.find(&TRACK), time_column(header)?);
+        let (Some(track), Some((time, minutes))) = (track, time) else {
+            let time = time.map(|(column, _)| column);
             return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));
         };
         let voxel = options.pixel.map_or(1.0, |pixel| pixel.powi(3));
         let voxels = unit_of_pixels(options);
-        let [radius, diameter, area, z] = [&["radius"][..], &["diameter"], &["area", "n_voxels", "num_voxels"], &["z"]]
-            .map(|names| header.find(names));
+        let area = header.find(&["area", "n_voxels", "num_voxels"]).filter(|_| header.find(&["z"]).is_some());
         let (size, unit) = match volume_column(header)? {
             Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind),
             // Programs that count in voxels do not say so.
             Some((at, _)) => (Size::Volume(at, voxel), voxels),
-            None => match (radius, diameter, area.filter(|_| z.is_some())) {
-                (Some(at), ..) => (Size::Length(at, 2.0), voxels),
-                (None, Some(at), _) => (Size::Length(at, 1.0), voxels),
-                (None, None, Some(at)) => (Size::Volume(at, voxel), voxels),
-                (None, None, None) => (Size::Unknown, voxels),
+            None => match (length(header)?, area) {
+                (Some(Size::Micrometres(at, part)), _) => (Size::Micrometres(at, part), Unit::CubicMicrometres),
+                (Some(size), _) => (size, voxels),
+                (None, Some(at)) => (Size::Volume(at, voxel), voxels),
+                (None, None) => (Size::Unknown, voxels),
             },
         };
         let name = header.find(&["name", "cell_name"]);
-        Ok(Columns { track, time, parent: header.find(&PARENT), name, size, unit })
+        Ok(Columns { track, time, minutes, parent: header.find(&PARENT), name, size, unit })
     }
+}
+
+/// The column of radii or diameters, in pixels unless the heading has micrometres.
+fn length(header: &Header<'_>) -> Result<Option<Size>, InputError> {
+    for (name, part) in [("radius", 2.0), ("diameter", 1.0)] {
+        let Some(at) = header.names.iter().position(|heading| unified(split_unit(heading).0) == name) else { continue };
+        let heading = &header.names[at];
+        return match radius_unit(split_unit(heading).1.unwrap_or_default()) {
+            Some(Unit::CubicMicrometres) => Ok(Some(Size::Micrometres(at, part))),
+            Some(_) => Ok(Some(Size::Length(at, part))),
+            None => Err(header.refused(format!("the unit of column {}, {heading:?}, must be µm or pixel", at + 1))),
+        };
+    }
+    Ok(None)
 }
 
 /// A track while its rows are read.
@@ -127,7 +181,8 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     }
     let mut chains = tracks.chains(&mut spots, &file)?;
     chains::link(&mut spots, &mut chains, (&file, "t"), Only::Daughter)?;
-    spots.lineage(embryo_of(path), Format::Tracks, TimeUnit::Frames, columns.unit)
+    let time = if columns.minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
+    spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)
 }
 
 /// What a row must have.
@@ -147,7 +202,8 @@ impl Values {
         let track = whole(row.text(columns.track));
         let track = track.ok_or_else(|| refused(columns.track, "must be a whole number from 0"))?;
         let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
-        let time = time.ok_or_else(|| refused(columns.time, "must be a number of frames"))?;
+        let allowed = if columns.minutes.is_some() { "must be a time" } else { "must be a number of frames" };
+        let time = time.ok_or_else(|| refused(columns.time, allowed))? * columns.minutes.unwrap_or(1.0);
         let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
         let parent = parent.transpose().map_err(|column| refused(column, "must be a track_id, or -1"))?.flatten();
         Ok(Values { track, time, parent })
@@ -170,6 +226,7 @@ fn read_row(
     let volume = match columns.size {
         Size::Unknown => Ok(None),
         Size::Volume(column, unit) => size(column).map(|size| Some(size * unit)),
+        Size::Micrometres(column, part) => size(column).map(|size| Some(sphere(size * part))),
         Size::Length(column, part) => size(column).map(|size| Some(sphere_of_pixels(size * part, options))),
     };
     if let Err(column) = volume {

@@ -177,6 +177,40 @@ fn tables_of_ultrack_btrack_and_napari_give_the_same_cells() {
     assert_eq!(in_order(lives(&lineage)), LIVES);
 }
 
+/// The unit of times is in their heading; without one they are frames.
+#[test]
+fn times_of_tracks_may_have_a_unit() {
+    for (heading, unit, times) in [
+        ("t", TimeUnit::Frames, [30.0, 90.0]),
+        ("Time (frames)", TimeUnit::Frames, [30.0, 90.0]),
+        ("time (min)", TimeUnit::Minutes, [30.0, 90.0]),
+        ("Time [s]", TimeUnit::Minutes, [0.5, 1.5]),
+        ("time_h", TimeUnit::Minutes, [1800.0, 5400.0]),
+        ("t in s", TimeUnit::Minutes, [0.5, 1.5]),
+    ] {
+        let rows = "1,30,0,0,-1\n2,90,0,0,1\n";
+        let (_folder, path) = file("tracks.csv", format!("track_id,{heading},y (µm),x (µm),parent_track_id\n{rows}"));
+        let lineage = tracked(&path);
+        assert_eq!(
+            (lineage.time, lineage.cells[0].birth, lineage.cells[1].birth),
+            (unit, times[0], times[1]),
+            "{heading}"
+        );
+    }
+    for (heading, unit, volume) in [
+        ("radius", Unit::Voxels, sphere(4.0)),
+        ("Diameter (px)", Unit::Voxels, sphere(2.0)),
+        ("Radius (µm)", Unit::CubicMicrometres, sphere(4.0)),
+    ] {
+        let (_folder, path) = file("tracks.csv", format!("track_id,t,parent,{heading}\n1,0,-1,2\n"));
+        let lineage = tracked(&path);
+        assert_eq!((lineage.volumes, lineage.cells[0].volume), (unit, Some(volume)), "{heading}");
+    }
+    let (_folder, path) = file("tracks.csv", "track_id,time (weeks),y,x,parent_track_id\n1,0,0,0,-1\n");
+    let why = "tracks.csv:1:1: the unit of column 2, \"time (weeks)\", must be frames or one of min, s, h";
+    assert_eq!(refused(&path), why);
+}
+
 #[test]
 fn wrong_tables_of_tracks_are_refused_with_their_line() {
     let heading = "track_id,t,y,x,parent_track_id";
