@@ -118,6 +118,7 @@ impl ObservedArgs {
         for line in matched_text(found.matched.as_slice()).lines() {
             messages::write(messages::Level::Info, format_args!("{line}"));
         }
+        messages::warn_of(&found.warnings);
         if let Some(first) = found.skipped.first() {
             messages::warning!("{} values are not used; the first is {first}", found.skipped_count);
         }
