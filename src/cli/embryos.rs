@@ -49,7 +49,7 @@ impl MatchArgs {
 const MOST_LEFT_OUT: usize = 10;
 
 /// The files of embryos and tables by paths, folders and patterns. Warnings name the files that are left out.
-pub fn files_of(paths: &[PathBuf], tables: Tables) -> Result<Vec<EmbryoFile>, InputError> {
+pub fn files_of(paths: &[PathBuf], tables: TableKind) -> Result<Vec<EmbryoFile>, InputError> {
     let (files, left_out) = embryo_files(paths, tables)?;
     for LeftOut { why, .. } in left_out.iter().take(MOST_LEFT_OUT) {
         messages::warning!("not read: {why}");

@@ -43,7 +43,7 @@ pub struct LeftOut {
 const MOST: usize = 10_000;
 
 /// Most files that an error names.
-const MOST_NAMED: usize = 10;
+const MOST_NAMED: usize = 3;
 
 /// Bytes at the start of a table that decide what it has.
 const HEAD: u64 = 1 << 16;
@@ -123,6 +123,8 @@ fn in_folder(
             Some(why) => others.push(LeftOut { path, why }),
         }
     }
+    // Files of a known format that cannot be read come first.
+    others.sort_by_cached_key(|LeftOut { path, .. }| path.is_dir() || matches!(located_file(path), Ok(None)));
     if found.len() == before {
         // Several GEFFs in a container.
         found.extend(container::geffs_in(folder)?);
@@ -158,6 +160,8 @@ fn why_left_out(path: &Path, tables: TableKind) -> Option<String> {
         Ok(None) => tables.refused(path).err().map(|error| {
             let (file, error) = (path.display().to_string(), error.to_string());
             let error = error.strip_prefix(&format!("{file}:")).unwrap_or(&error).trim_start();
+            // What is wrong, without the layouts of tables.
+            let error = error.split("; ").next().unwrap_or(error);
             format!("{file}: is neither an embryo that was followed nor a table of {}: {error}", tables.name())
         }),
     }
