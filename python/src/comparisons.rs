@@ -13,7 +13,7 @@ use furrow_measured::contour::polygons::Traced;
 use furrow_measured::contour::series::{ModelContour, Series, series as laid_beside};
 use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
-use furrow_measured::tracked::{TrackOptions, embryo_files, read_embryo};
+use furrow_measured::tracked::{TableKind, TrackOptions, embryo_files, read_embryo};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
@@ -98,7 +98,7 @@ impl VolumesAsked {
         if let Some(text) = text {
             volumes.read(text.as_bytes(), "volumes", &options)?;
         }
-        embryo_files(files)?.0.iter().try_for_each(|file| volumes.read_file(file, &options))?;
+        embryo_files(files, TableKind::Volumes)?.0.iter().try_for_each(|file| volumes.read_file(file, &options))?;
         Ok(())
     }
 

@@ -14,7 +14,7 @@ use furrow_input::shown;
 use furrow_lineage::Lineage;
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
 use furrow_measured::published::jankele2021_lifetimes;
-use furrow_measured::tracked::embryo_files;
+use furrow_measured::tracked::{TableKind, embryo_files};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -78,7 +78,7 @@ impl TestAsked {
             let found = match table {
                 (_, Some(text)) => Lifetimes::read_with(text.as_bytes(), "lifetimes", &options)?,
                 (files, None) if files.is_empty() => jankele2021_lifetimes()?,
-                (files, None) => Lifetimes::read_files(&embryo_files(files)?.0, &options)?,
+                (files, None) => Lifetimes::read_files(&embryo_files(files, TableKind::Lifetimes)?.0, &options)?,
             };
             all.push(Others::lifetimes(&found, lineage, *sd, "lifetimes")?);
         }
@@ -95,7 +95,13 @@ impl TestAsked {
         let chosen = Chosen { cells: self.cells.as_deref(), groups: self.population.as_deref() };
         let (files, text) = &self.table;
         let Some(text) = text else {
-            return Ok(Observations::read(&embryo_files(files)?.0, &reading, lineage, chosen, [ARGUMENTS; 2])?);
+            return Ok(Observations::read(
+                &embryo_files(files, TableKind::Volumes)?.0,
+                &reading,
+                lineage,
+                chosen,
+                [ARGUMENTS; 2],
+            )?);
         };
         let mut volumes = Volumes::default();
         volumes.read(text.as_bytes(), "table", &reading)?;

@@ -9,7 +9,7 @@ use furrow_measured::dose::Doses;
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes, mean_volumes};
 use furrow_measured::names::Names;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
-use furrow_measured::tracked::embryo_files;
+use furrow_measured::tracked::{TableKind, embryo_files};
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -44,7 +44,7 @@ impl TimesAsked {
         let lifetimes = match &self.table {
             (_, Some(text)) => Lifetimes::read_with(text.as_bytes(), "lifetimes", &options)?,
             (files, None) if files.is_empty() => jankele2021_lifetimes()?,
-            (files, None) => Lifetimes::read_files(&embryo_files(files)?.0, &options)?,
+            (files, None) => Lifetimes::read_files(&embryo_files(files, TableKind::Lifetimes)?.0, &options)?,
         };
         let volumes = self.read_volumes(&names, only_of_worm)?;
         names.require_met()?;
@@ -60,7 +60,7 @@ impl TimesAsked {
         if let Some(text) = text {
             volumes.read(text.as_bytes(), "volumes", &options)?;
         }
-        embryo_files(files)?.0.iter().try_for_each(|file| volumes.read_file(file, &options))?;
+        embryo_files(files, TableKind::Volumes)?.0.iter().try_for_each(|file| volumes.read_file(file, &options))?;
         volumes.require_used("volumes")?;
         Ok(volumes)
     }

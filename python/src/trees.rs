@@ -18,7 +18,7 @@ use furrow_lineage::batch::Quantisation;
 use furrow_lineage::batch::scheduler::Summary;
 use furrow_lineage::clock::alive;
 use furrow_lineage::{CellId, Tree, TreeCell};
-use furrow_measured::tracked::embryo_files;
+use furrow_measured::tracked::{TableKind, embryo_files};
 use furrow_mechanics::division::Division;
 use furrow_report::{self as report, TreeSummary};
 use numpy::PyArray1;
@@ -235,7 +235,8 @@ pub fn export_observed<'py>(
         }
         let lineage = lineage_of(asked.lineage.as_deref())?;
         let names = matched_names(&lineage, &asked.matching)?;
-        let (frame_minutes, voxel, volumes) = (asked.frame_minutes, asked.voxel, embryo_files(&asked.volumes)?.0);
+        let (frame_minutes, voxel, volumes) =
+            (asked.frame_minutes, asked.voxel, embryo_files(&asked.volumes, TableKind::Volumes)?.0);
         let options = ObservedOptions { volumes, frame_minutes, voxel, names: names.clone() };
         let observed = Observed::read(&asked.embryo, &options)?.lineage;
         let founders: Vec<&str> = lineage.founders.iter().map(|founder| founder.name.as_str()).collect();

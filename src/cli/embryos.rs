@@ -11,7 +11,7 @@ use furrow_measured::lifetimes::EmbryoTimes;
 use furrow_measured::matching::{Matched, Matching};
 use furrow_measured::names::Names;
 use furrow_measured::per_embryo::PerEmbryo;
-use furrow_measured::tracked::{EmbryoFile, LeftOut, embryo_files};
+use furrow_measured::tracked::{EmbryoFile, LeftOut, TableKind, embryo_files};
 use furrow_measured::volumes::{EmbryoSize, Unit};
 
 use super::messages;
@@ -45,16 +45,17 @@ impl MatchArgs {
     }
 }
 
-/// The files of embryos by paths, folders and patterns. A warning counts the files of folders that are no embryos.
-pub fn files_of(paths: &[PathBuf]) -> Result<Vec<EmbryoFile>, InputError> {
-    let (files, left_out) = embryo_files(paths)?;
-    for LeftOut { folder, files } in left_out {
-        let first = files.first().map_or("", String::as_str);
-        messages::warning!(
-            "{}: {} files are no embryos and not read, the first is {first}",
-            folder.display(),
-            files.len()
-        );
+/// Most files that are left out with a warning each; more are counted.
+const MOST_LEFT_OUT: usize = 10;
+
+/// The files of embryos and tables by paths, folders and patterns. Warnings name the files that are left out.
+pub fn files_of(paths: &[PathBuf], tables: TableKind) -> Result<Vec<EmbryoFile>, InputError> {
+    let (files, left_out) = embryo_files(paths, tables)?;
+    for LeftOut { why, .. } in left_out.iter().take(MOST_LEFT_OUT) {
+        messages::warning!("not read: {why}");
+    }
+    if left_out.len() > MOST_LEFT_OUT {
+        messages::warning!("not read: {} more files", left_out.len() - MOST_LEFT_OUT);
     }
     Ok(files)
 }

@@ -14,6 +14,7 @@ use furrow_formats::exchange::{
 use furrow_formats::{TREE_SCHEMA, read_tree};
 use furrow_input::InputError;
 use furrow_measured::names::Names;
+use furrow_measured::tracked::TableKind;
 use furrow_report::founder_colours;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -112,11 +113,12 @@ impl ObservedArgs {
             let fine = value.is_none_or(|value| (1e-6..=1e6).contains(&value));
             InputError::require(fine, option, field, value.unwrap_or_default(), "a number from 1e-6 to 1e6")?;
         }
-        let volumes = files_of(&self.volumes)?;
+        let volumes = files_of(&self.volumes, TableKind::Volumes)?;
         let found = Observed::read(file, &ObservedOptions { volumes, frame_minutes, voxel, names })?;
         for line in matched_text(found.matched.as_slice()).lines() {
             messages::write(messages::Level::Info, format_args!("{line}"));
         }
+        messages::warn_of(&found.warnings);
         if let Some(first) = found.skipped.first() {
             messages::warning!("{} values are not used; the first is {first}", found.skipped_count);
         }

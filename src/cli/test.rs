@@ -19,7 +19,7 @@ use furrow_lineage::batch::Store;
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
 use furrow_measured::published::jankele2021_lifetimes;
-use furrow_measured::tracked::EmbryoFile;
+use furrow_measured::tracked::{EmbryoFile, TableKind};
 use furrow_measured::volumes::{ReadOptions, Unit};
 use serde_json::json;
 
@@ -137,7 +137,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
     let free = args.free.as_ref().map(|texts| Free::list(texts, &lineage, "--free")).transpose()?;
     let hypotheses = hypotheses(args, free.as_deref(), &lineage, &settings)?;
-    let files = files_of(&args.tables)?;
+    let files = files_of(&args.tables, TableKind::Volumes)?;
     let observations = observations(args, &files, &lineage)?;
     let table = files.first().map_or(String::new(), |file| file.path.display().to_string());
     let noise = Noise::of(&observations, args.noise, args.folded, (&table, "--noise"))?;
@@ -196,9 +196,10 @@ fn others(args: &TestArgs, lineage: &Lineage) -> Result<Vec<Others>, CliError> {
         let names = args.matching.names(lineage)?;
         let found = match files {
             [one] if one.as_os_str() == PUBLISHED => jankele2021_lifetimes()?,
-            files => {
-                Lifetimes::read_files(&files_of(files)?, &LifetimeOptions { names, ..LifetimeOptions::default() })?
-            }
+            files => Lifetimes::read_files(
+                &files_of(files, TableKind::Lifetimes)?,
+                &LifetimeOptions { names, ..LifetimeOptions::default() },
+            )?,
         };
         Ok::<_, CliError>(Others::lifetimes(&found, lineage, args.lifetime_sd, "--lifetimes")?)
     };

@@ -4,13 +4,15 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use furrow_formats::exchange::{Kind, Sheet, SheetCell, SheetColumn};
-use furrow_input::InputError;
 use furrow_input::table::{Table, text};
+use furrow_input::{InputError, listed};
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes, mean_volumes};
 use furrow_measured::matching::Matched;
 use furrow_measured::names::Names;
 use furrow_measured::published::SULSTON;
-use furrow_measured::tracked::{EmbryoFile, TimeUnit, TrackOptions, TrackedLineage, embryo_files, read_tracked};
+use furrow_measured::tracked::{
+    EmbryoFile, TableKind, TimeUnit, TrackOptions, TrackedLineage, embryo_files, read_tracked,
+};
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 
 /// How an observed embryo is read.
@@ -37,6 +39,8 @@ pub struct Observed {
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
+    /// Doubts about the times.
+    pub warnings: Vec<String>,
 }
 
 /// Names the lineage of C. elegans in place of a file.
@@ -54,7 +58,13 @@ impl Observed {
             let allowed = "without volumes, minutes per frame and voxels: it has minutes and no sizes";
             InputError::require(!given, SULSTON1983, "options", "(given)", allowed)?;
             let lineage = ObservedLineage::sulston(names)?;
-            return Ok(Observed { lineage, matched: None, skipped: Vec::new(), skipped_count: 0 });
+            return Ok(Observed {
+                lineage,
+                matched: None,
+                skipped: Vec::new(),
+                skipped_count: 0,
+                warnings: Vec::new(),
+            });
         }
         if let Some(mut embryo) = read_tracked(path, &TrackOptions { pixel: *voxel, frame_minutes: *frame_minutes })? {
             let allowed = "left out with an embryo that was followed, which has sizes of its own";
@@ -63,19 +73,20 @@ impl Observed {
             names.require_met()?;
             let (skipped, skipped_count) = (embryo.skipped.clone(), embryo.skipped_count);
             let lineage = ObservedLineage::of_tracked(&embryo, names);
-            return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count });
+            return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count, warnings: Vec::new() });
         }
         let lifetimes = LifetimeOptions { names: names.clone(), ..LifetimeOptions::default() };
-        let lifetimes = Lifetimes::read_files(&embryo_files(&[path.to_owned()])?.0, &lifetimes)?;
+        let lifetimes = Lifetimes::read_files(&embryo_files(&[path.to_owned()], TableKind::Lifetimes)?.0, &lifetimes)?;
         let reading = ReadOptions { names: names.clone(), voxel: (*voxel).into(), ..ReadOptions::default() };
         let sizes = if volumes.is_empty() { Volumes::default() } else { Volumes::of_files(volumes, &reading)? };
         names.require_met()?;
         let name = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
         let means = mean_volumes(&sizes).into_iter().collect();
         let lineage = ObservedLineage::of_lifetimes(&name, &lifetimes, &means, sizes.unit);
+        let warnings = lineage.doubts_of_births(&lifetimes);
         let skipped = lifetimes.skipped.into_iter().chain(sizes.skipped).collect();
         let skipped_count = lifetimes.skipped_count + sizes.skipped_count;
-        Ok(Observed { lineage, matched: None, skipped, skipped_count })
+        Ok(Observed { lineage, matched: None, skipped, skipped_count, warnings })
     }
 }
 
@@ -172,7 +183,8 @@ impl ObservedLineage {
         Ok(ObservedLineage { name: SULSTON1983.to_owned(), cells, time: TimeUnit::Minutes, volumes: None })
     }
 
-    /// The cells of tables of lifetimes, with mean volumes. A cell's name gives its mother.
+    /// The cells of tables of lifetimes, with mean volumes. A cell's name gives its mother. A cell without a birth in the table is born
+    /// when its mother divides; a cell without an ancestor in a table without births is born at 0.
     pub fn of_lifetimes(
         name: &str,
         lifetimes: &Lifetimes,
@@ -185,27 +197,60 @@ impl ObservedLineage {
         let mut all: Vec<&str> = lifetimes.cells.iter().map(|life| life.cell.as_str()).collect();
         all.sort_by_cached_key(|cell| (depth(cell), !is_first(names, cell)));
         let places: HashMap<&str, usize> = all.iter().enumerate().map(|(place, cell)| (*cell, place)).collect();
+        let has_births = lifetimes.cells.iter().any(|life| life.birth.is_some());
+        let begins = |cell: &str| {
+            !has_births
+                && std::iter::successors(mother(cell), |above| mother(above))
+                    .all(|above| !places.contains_key(above.as_str()))
+        };
         let mut cells: Vec<ObservedCell> = Vec::with_capacity(all.len());
         for (place, cell) in all.iter().enumerate() {
+            let starts = begins(cell).then_some(0.0);
             let mother = mother(cell).and_then(|mother| places.get(mother.as_str()).copied());
             let life = lifetimes.of(cell);
             if let Some(mother) = mother {
                 let free = cells[mother].daughters.iter_mut().find(|daughter| daughter.is_none());
                 free.into_iter().for_each(|daughter| *daughter = Some(place));
             }
+            let from_mother = mother.map_or(starts, |mother| cells[mother].division);
+            let birth = life.and_then(|life| life.birth).or(from_mother);
             cells.push(ObservedCell {
                 name: (*cell).to_owned(),
                 tracked: None,
                 mother,
                 daughters: [None; 2],
                 generation: mother.map_or(0, |mother: usize| cells[mother].generation + 1),
-                birth: life.and_then(|life| life.birth),
-                division: life.and_then(|life| life.division()),
+                birth,
+                division: birth.zip(life).map(|(birth, life)| birth + life.mean),
                 last: None,
                 volume: volumes.get(*cell).copied(),
             });
         }
         ObservedLineage { name: name.to_owned(), cells, time: TimeUnit::Minutes, volumes: unit }
+    }
+
+    /// What is doubtful about the births of cells from tables of lifetimes.
+    fn doubts_of_births(&self, lifetimes: &Lifetimes) -> Vec<String> {
+        let names = |is_so: &dyn Fn(&ObservedCell) -> bool| -> Vec<&str> {
+            self.cells.iter().filter(|cell| is_so(cell)).map(|cell| cell.name.as_str()).collect()
+        };
+        let unknown = names(&|cell| cell.birth.is_none());
+        let is_given = |cell: &ObservedCell| lifetimes.of(&cell.name).is_some_and(|life| life.birth.is_some());
+        let first = names(&|cell| cell.mother.is_none() && cell.birth.is_some() && !is_given(cell));
+        let shown = |names: &[&str]| listed(names.iter().copied(), ", ");
+        let mut doubts = Vec::new();
+        if !unknown.is_empty() {
+            let why = "their births are not known, so they have neither times nor branch lengths";
+            doubts.push(format!("{why}: {} cells, {}", unknown.len(), shown(&unknown)));
+        }
+        if first.len() > 1 {
+            doubts.push(format!(
+                "the table has no births: each of {} cells is born at minute 0, {}",
+                first.len(),
+                shown(&first)
+            ));
+        }
+        doubts
     }
 
     /// The cells as formats write them, with the founders of a lineage.
@@ -283,6 +328,45 @@ mod tests {
     use super::*;
     use crate::compare::names_of;
     use furrow_lineage::Lineage;
+
+    /// Births follow from the lifetimes of mothers, unless one is missing.
+    #[test]
+    fn a_table_of_lifetimes_without_births_has_times() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lives.csv");
+        let read = |table: &str| {
+            std::fs::write(&path, table).unwrap();
+            let found = Observed::read(&path, &ObservedOptions::default()).unwrap();
+            let times = |cell: &ObservedCell| (cell.name.clone(), cell.birth.zip(cell.division));
+            (found.lineage.cells.iter().map(times).collect::<Vec<_>>(), found.warnings)
+        };
+        let named = |times: &[(&str, Option<(f64, f64)>)]| -> Vec<(String, Option<(f64, f64)>)> {
+            times.iter().map(|(name, times)| ((*name).to_owned(), *times)).collect()
+        };
+        let (times, warnings) = read("cell,lifetime_min\nP0,10\nAB,16\nP1,19\nABa,17\n");
+        let right = [
+            ("P0", Some((0.0, 10.0))),
+            ("AB", Some((10.0, 26.0))),
+            ("P1", Some((10.0, 29.0))),
+            ("ABa", Some((26.0, 43.0))),
+        ];
+        assert_eq!((times, warnings), (named(&right), vec![]));
+        // ABa is missing, and two cells have no mother.
+        let (times, warnings) = read("cell,lifetime_min\nAB,16\nP1,19\nABal,17\n");
+        let right = [("AB", Some((0.0, 16.0))), ("P1", Some((0.0, 19.0))), ("ABal", None)];
+        assert_eq!(times, named(&right));
+        assert_eq!(
+            warnings,
+            [
+                "their births are not known, so they have neither times nor branch lengths: 1 cells, ABal",
+                "the table has no births: each of 2 cells is born at minute 0, AB, P1",
+            ]
+        );
+        // The table's own clock.
+        let (times, warnings) = read("cell,lifetime_min,birth_min\nP0,10,\nAB,16,12\nABa,17,\n");
+        let right = [("P0", None), ("AB", Some((12.0, 28.0))), ("ABa", Some((28.0, 45.0)))];
+        assert_eq!((times, warnings.len()), (named(&right), 1));
+    }
 
     /// The lineage file has the same numbers of terminal cells by founder, and the table the same births and divisions.
     #[test]

@@ -8,7 +8,7 @@ use furrow_measured::events::divisions;
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
 use furrow_measured::matching::{By, Matched, Matching};
 use furrow_measured::names::{NamedFounder, Names};
-use furrow_measured::tracked::{TrackOptions, TrackedLineage, embryo_files, read_embryo};
+use furrow_measured::tracked::{TableKind, TrackOptions, TrackedLineage, embryo_files, read_embryo};
 use furrow_measured::volumes::{ReadOptions, Volumes};
 
 /// An egg that divides into animal (smaller) and vegetal, and animal into A1 (larger) and A2; letters below.
@@ -78,7 +78,7 @@ impl Files {
 /// The lifetimes of a table.
 fn lifetimes(path: &Path, names: Names) -> Result<Lifetimes, InputError> {
     Lifetimes::read_files(
-        &embryo_files(&[path.to_owned()])?.0,
+        &embryo_files(&[path.to_owned()], TableKind::Lifetimes)?.0,
         &LifetimeOptions { names, ..LifetimeOptions::default() },
     )
 }

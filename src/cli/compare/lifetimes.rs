@@ -22,6 +22,7 @@ use furrow_measured::names::Names;
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::Trend;
 use furrow_measured::statistics::SPREAD_FROM;
+use furrow_measured::tracked::TableKind;
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -70,7 +71,10 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let volumes = match &args.volumes[..] {
         [] if of_worm => jankele2021_volumes()?,
         [] => Volumes::default(),
-        files => Volumes::of_files(&files_of(files)?, &ReadOptions { names: names.clone(), ..ReadOptions::default() })?,
+        files => Volumes::of_files(
+            &files_of(files, TableKind::Volumes)?,
+            &ReadOptions { names: names.clone(), ..ReadOptions::default() },
+        )?,
     };
     names.require_met()?;
     let tree = model.tree(context)?;
@@ -92,7 +96,7 @@ fn lifetimes(args: &LifetimesArgs, names: &Names) -> Result<Lifetimes, InputErro
     }
     let (frame_minutes, common_pace) = (frame_minutes(&args.frame_minutes)?, args.common_pace);
     Lifetimes::read_files(
-        &files_of(&args.tables)?,
+        &files_of(&args.tables, TableKind::Lifetimes)?,
         &LifetimeOptions { frame_minutes, common_pace, names: names.clone() },
     )
 }

@@ -5,6 +5,7 @@ use furrow_measured::events::Division;
 use furrow_measured::names::Names;
 use furrow_measured::published::{SEA_URCHIN_SOURCE, SOURCE, jankele2021, villoutreix2016};
 use furrow_measured::statistics::Line;
+use furrow_measured::tracked::TableKind;
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
@@ -217,7 +218,7 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<MeasuredVolumes, InputError
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
         let options =
             ReadOptions { voxel: voxel.clone(), group, unit: args.unit, names: cells.clone(), class: Vec::new() };
-        for file in &files_of(files)? {
+        for file in &files_of(files, TableKind::Volumes)? {
             volumes.read_file(file, &options)?;
         }
     }

@@ -13,6 +13,7 @@ use furrow_formats::write_atomically;
 use furrow_input::listed;
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
 use furrow_measured::published::{SOURCE, jankele2021_lifetimes, jankele2021_volumes};
+use furrow_measured::tracked::TableKind;
 use furrow_measured::volumes::{ReadOptions, Volumes};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -64,14 +65,15 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
         tables => {
             let (frame_minutes, common_pace) = (frame_minutes(&args.frame_minutes)?, args.common_pace);
             let options = LifetimeOptions { frame_minutes, common_pace, names: names.clone() };
-            Lifetimes::read_files(&files_of(tables)?, &options)?
+            Lifetimes::read_files(&files_of(tables, TableKind::Lifetimes)?, &options)?
         }
     };
     let volumes = match &args.volumes[..] {
         [] => jankele2021_volumes()?,
-        tables => {
-            Volumes::of_files(&files_of(tables)?, &ReadOptions { names: names.clone(), ..ReadOptions::default() })?
-        }
+        tables => Volumes::of_files(
+            &files_of(tables, TableKind::Volumes)?,
+            &ReadOptions { names: names.clone(), ..ReadOptions::default() },
+        )?,
     };
     names.require_met()?;
     let files = listed_or(&args.volumes, "the published volumes");

@@ -9,7 +9,8 @@ use std::path::Path;
 
 use furrow_input::{InputError, open_file};
 
-use super::chains::{self, Chain};
+use super::chains::{self, Chain, Only};
+use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
 use crate::names::{birth, understood};
@@ -49,6 +50,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let mut spots = Spots::of(&file);
     let mut cells: HashMap<String, Vec<usize>> = HashMap::new();
     let numbers = table.numbers();
+    let mut rows = FirstRows::new();
     while let Some((line, row)) = table.next()? {
         let text = |at: usize| text(row.get(at).unwrap_or_default().trim_ascii()).into_owned();
         let (name, time) = match at {
@@ -70,6 +72,11 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
             continue;
         }
         let name = understood(&name).unwrap_or(name);
+        let contents = contents(&header, |at| row.get(at).unwrap_or_default().trim_ascii());
+        if let Some(first) = rows.repeated((name.clone(), frame.to_bits()), line, contents) {
+            spots.skip(&file, line, "cell", &name, repeat(first));
+            continue;
+        }
         let written = size.map(text);
         let diameter = written.as_deref().and_then(|size| numbers.read(size.as_bytes()).ok());
         let diameter = diameter.filter(|size| *size > 0.0 && *size < 1e30);
@@ -81,7 +88,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         cells.entry(name).or_default().push(spot);
     }
     let mut chains = chains(&spots, cells);
-    chains::link(&mut spots, &mut chains, &file, "time")?;
+    chains::link(&mut spots, &mut chains, (&file, "time"), Only::Daughter)?;
     spots.lineage(embryo_of(path), Format::CdTable, TimeUnit::Frames, unit_of_pixels(options))
 }
 

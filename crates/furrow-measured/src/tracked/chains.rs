@@ -17,11 +17,26 @@ pub(super) struct Chain {
     pub mother: Option<usize>,
 }
 
-/// Links the spots of each chain, and its first one to the last of its mother. `time` is the name of the column of times.
+/// What a chain without a sister is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Only {
+    /// The only daughter that was followed.
+    Daughter,
+    /// The same cell as its mother after a gap.
+    SameCell,
+}
+
+/// Links the spots of each chain, and its first one to the last of its mother. `time` is the name of the column of times, `only` says
+/// what a chain without a sister is. A chain whose sister is left out is a daughter.
 ///
 /// # Errors
 /// Two spots of a chain at one time.
-pub(super) fn link(spots: &mut Spots, chains: &mut [Chain], file: &str, time: &str) -> Result<(), InputError> {
+pub(super) fn link(
+    spots: &mut Spots,
+    chains: &mut [Chain],
+    (file, time): (&str, &str),
+    only: Only,
+) -> Result<(), InputError> {
     for Chain { name, spots: of, .. } in chains.iter_mut() {
         of.sort_by_cached_key(|k| OrderedFloat(spots.get(*k).time));
         for pair in of.windows(2) {
@@ -42,8 +57,12 @@ pub(super) fn link(spots: &mut Spots, chains: &mut [Chain], file: &str, time: &s
         if until < born {
             spots.link(*last, *first, file, line)?;
         } else {
+            spots.part(*last);
             let why = format!("it is born while its mother {} is still there, until time {until}", mother.name);
             spots.skip(file, line, time, &born.to_string(), why);
+        }
+        if only == Only::Daughter {
+            spots.part(*last);
         }
     }
     Ok(())

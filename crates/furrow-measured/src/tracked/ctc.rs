@@ -10,7 +10,8 @@ use std::path::Path;
 use furrow_input::table::malformed;
 use furrow_input::{InputError, read_text};
 
-use super::chains::{self, Chain};
+use super::chains::{self, Chain, Only};
+use super::rows::{FirstRows, contents_of, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackedLineage, whole};
 use crate::volumes::Unit;
@@ -23,20 +24,30 @@ pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputE
     let text = read_text(path)?;
     let mut spots = Spots::of(&file);
     let (mut chains, mut mothers, mut places) = (Vec::new(), Vec::new(), HashMap::new());
+    let (mut rows, mut has_gaps) = (FirstRows::new(), false);
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     for (line, row) in lines.map(|(k, row)| (k + 1, row)) {
         let numbers: Option<Vec<u64>> = row.split_whitespace().map(|word| whole(word.as_bytes())).collect();
         let Some([label, first, last, mother]) =
             numbers.as_deref().and_then(|numbers| <[u64; 4]>::try_from(numbers).ok())
         else {
-            return Err(malformed(&file, line, "must be four whole numbers: label, first and last frame, mother or 0"));
+            let why = "must be four whole numbers: label, first and last frame, mother or 0";
+            spots.skip(&file, line as u64, "line", row, why);
+            has_gaps = true;
+            continue;
         };
-        if first > last {
-            return Err(malformed(&file, line, format!("first frame = {first}: must not be after the last, {last}")));
+        if first > last || label == 0 {
+            let why = "the label must be above 0, and the first frame not after the last";
+            spots.skip(&file, line as u64, "line", row, why);
+            has_gaps = true;
+            continue;
         }
-        if places.insert(label, chains.len()).is_some() || label == 0 {
-            let why = format!("label = {label}: must be above 0 and of one line only");
-            return Err(malformed(&file, line, why));
+        if let Some(before) = rows.repeated(label, line as u64, contents_of([first, last, mother])) {
+            spots.skip(&file, line as u64, "label", &label.to_string(), repeat(before));
+            continue;
+        }
+        if places.insert(label, chains.len()).is_some() {
+            return Err(malformed(&file, line, format!("label = {label}: must be of one line only")));
         }
         let mut ends = vec![first];
         ends.extend(Some(last).filter(|last| *last > first));
@@ -50,9 +61,15 @@ pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputE
         mothers.push((line, mother));
     }
     for (chain, (line, mother)) in chains.iter_mut().zip(mothers).filter(|(_, (_, mother))| *mother > 0) {
-        let refused = || malformed(&file, line, format!("mother = {mother}: must be 0 or a label of the file"));
-        chain.mother = Some(*places.get(&mother).ok_or_else(refused)?);
+        chain.mother = places.get(&mother).copied();
+        let allowed = "must be 0 or a label of the file";
+        match (chain.mother, has_gaps) {
+            (Some(_), _) => {}
+            // It may be on a line that is left out.
+            (None, true) => spots.skip(&file, line as u64, "mother", &mother.to_string(), allowed),
+            (None, false) => return Err(malformed(&file, line, format!("mother = {mother}: {allowed}"))),
+        }
     }
-    chains::link(&mut spots, &mut chains, &file, "first frame")?;
+    chains::link(&mut spots, &mut chains, (&file, "first frame"), Only::SameCell)?;
     spots.lineage(embryo, Format::Ctc, TimeUnit::Frames, Unit::Voxels)
 }

@@ -6,7 +6,7 @@
 //! # References
 //! <https://live-image-tracking-tools.github.io/geff>.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use furrow_input::InputError;
@@ -44,11 +44,9 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         return Err(refused("geff.axes", &metadata["axes"], "at least one axis of the type \"time\""));
     };
     let ids = ids(path, &file)?;
-    let mut places = HashMap::new();
-    for (k, id) in ids.iter().enumerate() {
-        if places.insert(*id, k).is_some() {
-            return Err(InputError::not_allowed(&file, "nodes/ids", id, "of one node only"));
-        }
+    let mut known = HashSet::new();
+    if let Some(id) = ids.iter().find(|id| !known.insert(**id)) {
+        return Err(InputError::not_allowed(&file, "nodes/ids", id, "of one node only"));
     }
     let nodes = Nodes { folder: path.join("nodes"), count: ids.len() };
     let axis_name = axis["name"].as_str().unwrap_or("t");
@@ -62,17 +60,18 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     })?;
     let names = nodes.names()?;
     let sizes = Sizes::read(&nodes, metadata, axes, &file, options)?;
-    let mut spots = Spots::of(&file);
+    let (mut spots, mut places) = (Spots::of(&file), HashMap::new());
     for (k, id) in ids.iter().enumerate() {
-        let time = times[k].filter(|time| time.is_finite()).ok_or_else(|| {
-            let field = format!("nodes/props/{axis_name} of node {id}");
-            InputError::not_allowed(&file, field, times[k].unwrap_or(f64::NAN), "a number")
-        })?;
+        let Some(time) = times[k].filter(|time| time.is_finite()) else {
+            let (field, value) = (format!("nodes/props/{axis_name} of node {id}"), times[k].unwrap_or(f64::NAN));
+            spots.skip(&file, 0, &field, &value.to_string(), "must be a number");
+            continue;
+        };
         let name = names.get(k).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| id.to_string());
         let volume = sizes.volume(&mut spots, &file, *id, k);
-        spots.push(Spot { time: time * minutes, id: Some(*id), name, volume, file: 0, line: 0 });
+        places.insert(*id, spots.push(Spot { time: time * minutes, id: Some(*id), name, volume, file: 0, line: 0 }));
     }
-    link(&mut spots, &places, path, &file)?;
+    link(&mut spots, (&known, &places), path, &file)?;
     spots.lineage(embryo_of(path), Format::Geff, time, sizes.unit)
 }
 
@@ -84,22 +83,27 @@ fn ids(path: &Path, file: &str) -> Result<Vec<i128>, InputError> {
     ids.ok_or_else(|| InputError::not_allowed(file, "nodes/ids", found, "one whole number per node"))
 }
 
-/// Links the nodes of each edge.
-fn link(spots: &mut Spots, places: &HashMap<i128, usize>, path: &Path, file: &str) -> Result<(), InputError> {
+/// Links the nodes of each edge. Of the known nodes only those with a place have a time.
+fn link(
+    spots: &mut Spots,
+    (known, places): (&HashSet<i128>, &HashMap<i128, usize>),
+    path: &Path,
+    file: &str,
+) -> Result<(), InputError> {
     let Array { shape, values } = zarr::read(&path.join("edges/ids"), Rows::Ids)?;
     let found = format!("{} of shape {shape:?}", values.kind());
     let ends = values.integers().filter(|_| matches!(shape[..], [_, 2]));
     let allowed = "whole numbers in two columns, source and target";
     let ends = ends.ok_or_else(|| InputError::not_allowed(file, "edges/ids", found, allowed))?;
+    let mut links = Vec::with_capacity(ends.len() / 2);
     for (row, ends) in ends.chunks_exact(2).enumerate() {
-        let place = |id: i128| {
-            let refused = || InputError::not_allowed(file, format!("edges/ids[{row}]"), id, "a node's id");
-            places.get(&id).copied().ok_or_else(refused)
-        };
+        if let Some(id) = ends.iter().find(|id| !known.contains(id)) {
+            return Err(InputError::not_allowed(file, format!("edges/ids[{row}]"), id, "a node's id"));
+        }
         // Rows are counted as lines are.
-        spots.link(place(ends[0])?, place(ends[1])?, &format!("{file}/edges/ids"), row as u64 + 1)?;
+        links.push((row as u64 + 1, [ends[0], ends[1]]));
     }
-    Ok(())
+    spots.link_all(links, places, &format!("{file}/edges/ids"))
 }
 
 /// The arrays of nodes.

@@ -12,7 +12,9 @@
 //! | `container` | the GEFF inside a folder |
 //! | `files` | the embryos in folders and patterns |
 //! | `chains` | links spots, where the file lists the spots of a cell together |
+//! | `rows` | rows that are given twice, and links past spots that cannot be used |
 //! | `spots` | spots and links of any format, as cells |
+//! | `namesakes` | which of several cells of one name comes first |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
 //!
@@ -30,7 +32,9 @@ mod ctc;
 mod files;
 mod geff;
 mod lifetimes;
+mod namesakes;
 mod rounds;
+mod rows;
 mod shards;
 mod spot_tables;
 mod spots;
@@ -47,7 +51,7 @@ use furrow_input::table::text;
 use furrow_input::{InputError, foreign, open_file};
 use serde::Serialize;
 
-pub use files::{EmbryoFile, LeftOut, embryo_files};
+pub use files::{EmbryoFile, LeftOut, TableKind, embryo_files};
 pub use lifetimes::TrackedLifetimes;
 pub use rounds::{Absent, TrackedRounds};
 

@@ -34,7 +34,7 @@ pub struct Absent {
 
 impl TrackedLineage {
     /// Rounds of these founders, and the reason for each founder without rounds. A founder that divided before the recording began has
-    /// its daughters' rounds and one more. Of several cells of one name the one born first is used.
+    /// its daughters' rounds and one more. Of several cells of one name the first is used.
     pub fn rounds(&self, founders: &[&str], names: &Names) -> (Vec<TrackedRounds>, Vec<Absent>) {
         let known = self.counts_by_name(names);
         let (mut found, mut absent) = (Vec::new(), Vec::new());
@@ -83,11 +83,20 @@ impl TrackedLineage {
         self.cells.iter().filter(is_last).count() as u32
     }
 
-    /// What could not be used, and the cells without a name: the first of them, and how many there are.
+    /// What could not be used, the cells without a name, and the cells with a name that another one has: the first of them, and how many
+    /// there are.
     pub fn skipped_with_names(&self, names: &Names) -> (Vec<Skipped>, u64) {
         let (mut skipped, mut count) = (self.skipped.clone(), self.skipped_count);
-        for cell in self.cells.iter().filter(|cell| !names.is_cell(&cell.name)) {
-            note(&mut skipped, &mut count, || cell.unused(names.unknown()));
+        let mut first: HashMap<&str, &TrackedCell> = HashMap::new();
+        for cell in &self.cells {
+            if !names.is_cell(&cell.name) {
+                note(&mut skipped, &mut count, || cell.unused(names.unknown()));
+            } else if let Some(first) = first.get(cell.name.as_str()) {
+                let why = format!("a second cell of this name; the first begins on line {}", first.place.1);
+                note(&mut skipped, &mut count, || cell.unused(&why));
+            } else {
+                first.insert(&cell.name, cell);
+            }
         }
         (skipped, count)
     }

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use csv::ByteRecord;
 use furrow_input::{InputError, listed, open_file, shown};
 
+use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{
     Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels, whole,
@@ -72,7 +73,7 @@ pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Resul
     let layout = if format == Format::Mastodon { MASTODON } else { TRACKMATE };
     let file = path.display().to_string();
     let mut spots = Spots::of(&file);
-    let mut ids = HashMap::new();
+    let mut ids = Ids::default();
     let unit = read_spots(&mut spots, &mut ids, path, &layout, options)?;
     let (links, tried) = links_beside(path, &layout);
     let Some(links) = links else {
@@ -80,6 +81,10 @@ pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Resul
         return Err(InputError::not_allowed(file, "links", "none", allowed));
     };
     read_links(&mut spots, &ids, &links, &layout)?;
+    // Single spots of TrackMate are outside its tracks. Mastodon has no other cells than its spots.
+    if format == Format::TrackMate {
+        spots.leave_out_unlinked(&file);
+    }
     spots.lineage(embryo_of(path), format, TimeUnit::Frames, unit)
 }
 
@@ -193,7 +198,7 @@ impl Heading {
 pub(super) fn radius_unit(text: &str) -> Option<Unit> {
     match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
         "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => Some(Unit::CubicMicrometres),
-        "pixel" | "pixels" | "" => Some(Unit::Voxels),
+        "pixel" | "pixels" | "px" | "" => Some(Unit::Voxels),
         _ => None,
     }
 }
@@ -216,10 +221,18 @@ fn opened<'f>(
     Ok((table, heading))
 }
 
+/// Spots by their ids.
+#[derive(Default)]
+struct Ids {
+    places: HashMap<u64, usize>,
+    /// Whether spots are left out: then links may lead to them.
+    have_gaps: bool,
+}
+
 /// Adds the spots of a table, and returns the unit of their volumes.
 fn read_spots(
     spots: &mut Spots,
-    ids: &mut HashMap<u64, usize>,
+    ids: &mut Ids,
     path: &Path,
     layout: &Layout,
     options: &TrackOptions,
@@ -241,15 +254,22 @@ fn read_spots(
         None if radius.is_some() && options.pixel.is_none() => Unit::Relative,
         _ => unit_of_pixels(options),
     };
-    let numbers = table.numbers();
+    let (numbers, mut rows) = (table.numbers(), FirstRows::new());
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let text = |bytes: &[u8]| text(bytes).into_owned();
-        let whole = |name: &str, bytes: &[u8]| {
-            let why = || format!("{name} = {}: must be a whole number from 0", shown(&text(bytes)));
-            whole(bytes).ok_or_else(|| malformed(&file, line as usize, why()))
+        let (Some(id), Some(time)) = (whole(id), whole(frame)) else {
+            let (name, value) = if whole(id).is_none() { (layout.spot[1][0], id) } else { (layout.spot[2][0], frame) };
+            spots.skip(&file, line, name, &text(value), "must be a whole number from 0");
+            ids.have_gaps = true;
+            continue;
         };
-        let (id, time) = (whole(layout.spot[1][0], id)?, whole(layout.spot[2][0], frame)? as f64);
+        let contents = contents(&heading.names, |at| row.get(at).unwrap_or_default().trim_ascii());
+        if let Some(first) = rows.repeated(id, line, contents) {
+            spots.skip(&file, line, layout.spot[1][0], &id.to_string(), repeat(first));
+            continue;
+        }
+        let time = time as f64;
         let size = radius.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let radius = size.and_then(|size| numbers.read(size).ok()).filter(|radius| *radius > 0.0 && *radius < 1e30);
         if let (Some(size), None) = (size, radius) {
@@ -259,7 +279,7 @@ fn read_spots(
         let sphere = |d: f64| if in_um { sphere(d) } else { sphere_of_pixels(d, options) };
         let volume = radius.map(|radius| sphere(2.0 * radius));
         let spot = spots.push(Spot { time, id: Some(id.into()), name: text(label), volume, file: 0, line });
-        if let Some(first) = ids.insert(id, spot) {
+        if let Some(first) = ids.places.insert(id, spot) {
             let first = spots.get(first).line;
             let why = format!("ID = {id}: must be of one spot only; line {first} has it too");
             return Err(malformed(&file, line as usize, why));
@@ -269,7 +289,7 @@ fn read_spots(
 }
 
 /// Adds the links of a table.
-fn read_links(spots: &mut Spots, ids: &HashMap<u64, usize>, path: &Path, layout: &Layout) -> Result<(), InputError> {
+fn read_links(spots: &mut Spots, ids: &Ids, path: &Path, layout: &Layout) -> Result<(), InputError> {
     let file = path.display().to_string();
     let (mut table, heading) = opened(path, &file, layout, &layout.link)?;
     let ends = [false, true].map(|is_target| {
@@ -278,16 +298,18 @@ fn read_links(spots: &mut Spots, ids: &HashMap<u64, usize>, path: &Path, layout:
     });
     let [from, to] = ends;
     let ends = [from?, to?];
+    let mut links = Vec::new();
     while let Some((line, row)) = table.next()? {
         let mut found = [0; 2];
         for (k, at) in ends.into_iter().enumerate() {
             let text = row.get(at).unwrap_or_default().trim_ascii();
-            found[k] = *whole(text).and_then(|id| ids.get(&id)).ok_or_else(|| {
+            let is_known = |id: &u64| ids.have_gaps || ids.places.contains_key(id);
+            found[k] = whole(text).filter(is_known).ok_or_else(|| {
                 let (name, text) = (layout.link[k][0], shown(&String::from_utf8_lossy(text)));
                 malformed(&file, line as usize, format!("{name} = {text}: must be the ID of a spot"))
             })?;
         }
-        spots.link(found[0], found[1], &file, line)?;
+        links.push((line, found));
     }
-    Ok(())
+    spots.link_all(links, &ids.places, &file)
 }

@@ -1,11 +1,13 @@
 //! Spots and the links between them, as cells: chains of spots between divisions.
 
 use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
 
 use furrow_input::InputError;
 use ordered_float::OrderedFloat;
 
-use super::{Format, SpotNames, TimeUnit, TrackedCell, TrackedLineage};
+use super::rows::{Link, links_past};
+use super::{Format, SpotNames, TimeUnit, TrackedCell, TrackedLineage, namesakes};
 use crate::names::{birth, is_cell, understood};
 use crate::volumes::{Skipped, Unit, note};
 use furrow_input::table::malformed;
@@ -41,8 +43,12 @@ pub(super) struct Spots {
     merged: HashSet<usize>,
     /// Spots that links give more than two daughters. All these links are left out.
     shattered: HashSet<usize>,
-    /// Spots that have lost a link: their remaining link leads to a daughter, unless the names are equal.
+    /// The last spots of cells, also by a link that they have lost: their remaining link leads to a daughter, unless the names are equal.
     parted: HashSet<usize>,
+    /// Spots that some link names, used or not.
+    linked: HashSet<usize>,
+    /// Spots that are no cells.
+    left_out: HashSet<usize>,
     /// Names of tracks and their first spots.
     pub tracks: Vec<(String, usize)>,
     skipped: Vec<Skipped>,
@@ -81,8 +87,9 @@ impl Spots {
     /// three daughters, no such link is used, as it is unknown which are right.
     ///
     /// # Errors
-    /// A link within a frame, or one given twice.
+    /// A link within a frame.
     pub fn link(&mut self, a: usize, b: usize, file: &str, line: u64) -> Result<(), InputError> {
+        self.linked.extend([a, b]);
         let name = |spot: usize| self.shown(spot);
         let refused = |why: String| Err(malformed(file, line as usize, why));
         let (from, to) = if self.spots[a].time <= self.spots[b].time { (a, b) } else { (b, a) };
@@ -91,7 +98,10 @@ impl Spots {
             return refused(format!("a link from {a} to {b}, both at time {time}: links must lead to a later time"));
         }
         if self.previous[to] == Some(from) {
-            return refused(format!("a second link from {} to {}: each must be given once", name(from), name(to)));
+            let why = format!("a second link from {} to {}: it is used once", name(from), name(to));
+            let value = self.spots[to].name.clone();
+            self.skip(file, line, "link", &value, why);
+            return Ok(());
         }
         let value = self.spots[to].name.clone();
         let free = self.next[from].iter().position(Option::is_none);
@@ -123,6 +133,39 @@ impl Spots {
         Ok(())
     }
 
+    /// Marks the last spot of a cell: what a link leads to from here is a daughter, unless the names are equal.
+    pub fn part(&mut self, spot: usize) {
+        self.parted.insert(spot);
+    }
+
+    /// Links spots by their ids, past spots without a place.
+    ///
+    /// # Errors
+    /// As [`Spots::link`].
+    pub fn link_all<K: Copy + Eq + Hash>(
+        &mut self,
+        links: Vec<Link<K>>,
+        places: &HashMap<K, usize>,
+        file: &str,
+    ) -> Result<(), InputError> {
+        let time = |id: K| places.get(&id).map(|spot| self.spots[*spot].time);
+        for (line, [from, to]) in links_past(links, time) {
+            if let (Some(from), Some(to)) = (places.get(&from), places.get(&to)) {
+                self.link(*from, *to, file, line)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Leaves out the spots that no link names: they belong to no track.
+    pub fn leave_out_unlinked(&mut self, file: &str) {
+        self.left_out = (0..self.spots.len()).filter(|spot| !self.linked.contains(spot)).collect();
+        let (count, line) = (self.left_out.len(), self.left_out.iter().map(|spot| self.spots[*spot].line).min());
+        if let Some(line) = line {
+            self.skip(file, line, "ID", &count.to_string(), "spots that belong to no track; the first is on this line");
+        }
+    }
+
     /// Takes a spot from its mother.
     fn unlink(&mut self, spot: usize) {
         let Some(mother) = self.previous[spot].take() else { return };
@@ -137,8 +180,7 @@ impl Spots {
         format!("{}{place}", furrow_input::shown(name))
     }
 
-    /// Whether a cell is born with a spot: at a division, or where the name becomes a daughter's because only one
-    /// daughter was followed.
+    /// Whether a cell is born with a spot: at a division, or where only one daughter was followed, and the file or the names say so.
     fn is_born(&self, spot: usize) -> bool {
         let Some(before) = self.previous[spot] else { return true };
         let (name, mother) = (&self.spots[spot].name, &self.spots[before].name);
@@ -158,7 +200,8 @@ impl Spots {
         time: TimeUnit,
         volumes: Unit,
     ) -> Result<TrackedLineage, InputError> {
-        if self.spots.is_empty() {
+        let mut order: Vec<usize> = (0..self.spots.len()).filter(|spot| !self.left_out.contains(spot)).collect();
+        if order.is_empty() {
             let file = self.files.first().cloned().unwrap_or_default();
             let reason = self.skipped.first().map_or("it has no spots".to_owned(), |first| {
                 let Skipped { line, column, value, why, .. } = first;
@@ -170,21 +213,26 @@ impl Spots {
                 reason,
             ));
         }
-        let mut order: Vec<usize> = (0..self.spots.len()).collect();
         order.sort_by_cached_key(|k| OrderedFloat(self.spots[*k].time));
         let mut cells: Vec<TrackedCell> = Vec::new();
-        let mut of_spot = vec![0; self.spots.len()];
+        let mut of_spot = vec![None; self.spots.len()];
+        let mut counts: Vec<usize> = Vec::new();
         for spot in order {
-            let index = match self.previous[spot].filter(|_| !self.is_born(spot)) {
-                Some(before) => of_spot[before],
+            let before = self.previous[spot].and_then(|before| of_spot[before]);
+            let index = match before.filter(|_| !self.is_born(spot)) {
+                Some(same) => same,
                 None => {
-                    let mother = self.previous[spot].map(|before| of_spot[before]);
-                    self.begin(&mut cells, spot, mother)
+                    counts.push(0);
+                    self.begin(&mut cells, spot, before)
                 }
             };
-            of_spot[spot] = index;
+            of_spot[spot] = Some(index);
+            counts[index] += 1;
             self.extend(&mut cells[index], spot);
         }
+        let places = namesakes::order(&cells, &counts);
+        let of_spot: Vec<Option<usize>> = of_spot.into_iter().map(|cell| cell.map(|cell| places[cell])).collect();
+        let cells = namesakes::moved(cells, &places);
         let known = self.known(&of_spot);
         let Spots { skipped, skipped_count, .. } = self;
         let matched = None;
@@ -192,21 +240,20 @@ impl Spots {
     }
 
     /// Names, tracks and ids of spots with their cells. A name comes before an equal id.
-    fn known(&self, of_spot: &[usize]) -> SpotNames {
+    fn known(&self, of_spot: &[Option<usize>]) -> SpotNames {
         let mut known: SpotNames = HashMap::new();
         let mut add = |name: &str, cell: usize| {
             let cells = known.entry(name.to_owned()).or_insert(Some(cell));
             *cells = cells.filter(|before| *before == cell);
         };
-        let named = self.spots.iter().zip(of_spot).filter(|(spot, _)| !spot.name.is_empty());
-        named.for_each(|(spot, cell)| add(&spot.name, *cell));
-        let tracks: Vec<(&String, usize)> = self.tracks.iter().map(|(name, spot)| (name, of_spot[*spot])).collect();
-        for (name, cell) in tracks {
-            known.entry(name.clone()).or_insert(Some(cell));
+        let used = || self.spots.iter().zip(of_spot).filter_map(|(spot, cell)| Some((spot, (*cell)?)));
+        used().filter(|(spot, _)| !spot.name.is_empty()).for_each(|(spot, cell)| add(&spot.name, cell));
+        for (name, spot) in &self.tracks {
+            known.entry(name.clone()).or_insert(of_spot[*spot]);
         }
-        for (spot, cell) in self.spots.iter().zip(of_spot) {
+        for (spot, cell) in used() {
             if let Some(id) = spot.id {
-                known.entry(id.to_string()).or_insert(Some(*cell));
+                known.entry(id.to_string()).or_insert(Some(cell));
             }
         }
         known

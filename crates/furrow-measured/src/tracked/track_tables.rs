@@ -1,6 +1,6 @@
 //! Tables of tracks, a row per track and frame, as napari, ultrack and btrack write them.
 //!
-//! The columns are `track_id`, a time (`t`), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
+//! The columns are `track_id`, a time (`t`; `time (min)` has a unit), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
 //! (btrack). napari has that in a graph of its own, which is read from a file beside the table: `…_graph.csv` with the columns `child`
 //! and `parent`, or `…_graph.json`, `{"child": [parent], …}`. Sizes are `volume` (with its unit), `radius` or `diameter` in pixels, or
 //! beside a column `z` `area`, which counts voxels.
@@ -8,13 +8,18 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use furrow_input::table::{Header, Row, Table, malformed, text};
-use furrow_input::{InputError, open_file, shown};
+use furrow_input::table::{Header, Row, TIMES, Table, malformed, split_unit, text, unit_of, units_listed};
+use furrow_input::{InputError, open_file};
 use serde_json::Value as Json;
 
-use super::chains::{self, Chain};
+use super::chains::{self, Chain, Only};
+use super::rows::{FirstRows, contents, repeat};
+use super::spot_tables::radius_unit;
 use super::spots::{Spot, Spots};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels, whole, zarr};
+use super::{
+    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, sphere, sphere_of_pixels, unit_of_pixels,
+    whole, zarr,
+};
 use crate::layout::volume_column;
 use crate::volumes::Unit;
 
@@ -25,9 +30,44 @@ const CHILD: [&str; 3] = ["child", "track_id", "track"];
 
 /// Whether these are the columns of a table of tracks.
 pub(super) fn is_table(columns: &[&str]) -> bool {
-    let lower: Vec<String> = columns.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
-    let has = |names: &[&str]| lower.iter().any(|name| names.contains(&name.as_str()));
-    has(&TRACK) && has(&TIME) && (has(&["x"]) && has(&["y"]) || has(&PARENT)) && !has(&["embryo"])
+    // Positions may have units, too.
+    let has = |names: &[&str]| columns.iter().any(|name| names.contains(&unified(split_unit(name).0).as_str()));
+    let has_time = columns.iter().any(|name| time_unit(name).is_some());
+    has(&TRACK) && has_time && (has(&["x"]) && has(&["y"]) || has(&PARENT)) && !has(&["embryo"])
+}
+
+/// A name of a column in lower case and with underscores.
+fn unified(name: &str) -> String {
+    name.to_lowercase().replace([' ', '-'], "_")
+}
+
+/// The unit in the heading of a column of times, as `t`, `time (min)` or `time_s`; `None` for another column.
+fn time_unit(heading: &str) -> Option<&str> {
+    let (name, unit) = split_unit(heading);
+    if TIME.contains(&unified(name).as_str()) {
+        return Some(unit.unwrap_or_default());
+    }
+    let (name, unit) = heading.rsplit_once(['_', ' '])?;
+    let name = unified(name);
+    let is_time = TIME.contains(&name.strip_suffix("_in").unwrap_or(&name));
+    (is_time && unit_of(unit, &TIMES).is_some()).then_some(unit)
+}
+
+/// The column of times, and their minutes unless they are frames. A column without a unit comes before others.
+fn time_column(header: &Header<'_>) -> Result<Option<(usize, Option<f64>)>, InputError> {
+    let units: Vec<(usize, &str)> =
+        header.names.iter().enumerate().filter_map(|(column, name)| Some((column, time_unit(name)?))).collect();
+    let Some((column, unit)) = units.iter().find(|(_, unit)| unit.is_empty()).or(units.first()).copied() else {
+        return Ok(None);
+    };
+    if ["", "frame", "frames"].contains(&unit.to_lowercase().as_str()) {
+        return Ok(Some((column, None)));
+    }
+    let minutes = unit_of(unit, &TIMES).map(|unit| unit.size).ok_or_else(|| {
+        let (heading, allowed) = (&header.names[column], units_listed(&TIMES));
+        header.refused(format!("the unit of column {}, {heading:?}, must be frames or one of {allowed}", column + 1))
+    })?;
+    Ok(Some((column, Some(minutes))))
 }
 
 /// The size of a row.
@@ -38,12 +78,16 @@ enum Size {
     Volume(usize, f64),
     /// A length in pixels, and how many of it are a diameter.
     Length(usize, f64),
+    /// The same in micrometres.
+    Micrometres(usize, f64),
 }
 
 /// The columns of a table.
 struct Columns {
     track: usize,
     time: usize,
+    /// Minutes in a unit of time; `None` for frames.
+    minutes: Option<f64>,
     parent: Option<usize>,
     name: Option<usize>,
     size: Size,
@@ -52,28 +96,42 @@ struct Columns {
 
 impl Columns {
     fn of(header: &Header<'_>, options: &TrackOptions) -> Result<Columns, InputError> {
-        let (track, time) = (header.find(&TRACK), header.find(&TIME));
-        let (Some(track), Some(time)) = (track, time) else {
+        let (track, time) = (header.find(&TRACK), time_column(header)?);
+        let (Some(track), Some((time, minutes))) = (track, time) else {
+            let time = time.map(|(column, _)| column);
             return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));
         };
         let voxel = options.pixel.map_or(1.0, |pixel| pixel.powi(3));
         let voxels = unit_of_pixels(options);
-        let [radius, diameter, area, z] = [&["radius"][..], &["diameter"], &["area", "n_voxels", "num_voxels"], &["z"]]
-            .map(|names| header.find(names));
+        let area = header.find(&["area", "n_voxels", "num_voxels"]).filter(|_| header.find(&["z"]).is_some());
         let (size, unit) = match volume_column(header)? {
             Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind),
             // Programs that count in voxels do not say so.
             Some((at, _)) => (Size::Volume(at, voxel), voxels),
-            None => match (radius, diameter, area.filter(|_| z.is_some())) {
-                (Some(at), ..) => (Size::Length(at, 2.0), voxels),
-                (None, Some(at), _) => (Size::Length(at, 1.0), voxels),
-                (None, None, Some(at)) => (Size::Volume(at, voxel), voxels),
-                (None, None, None) => (Size::Unknown, voxels),
+            None => match (length(header)?, area) {
+                (Some(Size::Micrometres(at, part)), _) => (Size::Micrometres(at, part), Unit::CubicMicrometres),
+                (Some(size), _) => (size, voxels),
+                (None, Some(at)) => (Size::Volume(at, voxel), voxels),
+                (None, None) => (Size::Unknown, voxels),
             },
         };
         let name = header.find(&["name", "cell_name"]);
-        Ok(Columns { track, time, parent: header.find(&PARENT), name, size, unit })
+        Ok(Columns { track, time, minutes, parent: header.find(&PARENT), name, size, unit })
     }
+}
+
+/// The column of radii or diameters, in pixels unless the heading has micrometres.
+fn length(header: &Header<'_>) -> Result<Option<Size>, InputError> {
+    for (name, part) in [("radius", 2.0), ("diameter", 1.0)] {
+        let Some(at) = header.names.iter().position(|heading| unified(split_unit(heading).0) == name) else { continue };
+        let heading = &header.names[at];
+        return match radius_unit(split_unit(heading).1.unwrap_or_default()) {
+            Some(Unit::CubicMicrometres) => Ok(Some(Size::Micrometres(at, part))),
+            Some(_) => Ok(Some(Size::Length(at, part))),
+            None => Err(header.refused(format!("the unit of column {}, {heading:?}, must be µm or pixel", at + 1))),
+        };
+    }
+    Ok(None)
 }
 
 /// A track while its rows are read.
@@ -88,18 +146,31 @@ struct Track {
 struct Tracks {
     all: Vec<Track>,
     places: HashMap<u64, usize>,
+    /// Whether rows are left out: then tracks may be missing.
+    has_gaps: bool,
 }
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let mut table = Table::open(open_file(path)?, &file)?;
-    let columns = Columns::of(&table.columns(|_| false)?, options)?;
-    let (mut spots, mut tracks) = (Spots::of(&file), Tracks::default());
+    let header = table.columns(|_| false)?;
+    let columns = Columns::of(&header, options)?;
+    let (mut spots, mut tracks, mut rows) = (Spots::of(&file), Tracks::default(), FirstRows::new());
     while let Some(row) = table.next_row()? {
-        if let Some((_, why)) = row.surplus() {
-            return Err(malformed(&file, row.line as usize, why));
+        let values = match Values::of(row, &columns) {
+            Ok(values) => values,
+            Err((column, why)) => {
+                spots.skip(&file, row.line, row.name(column), &text(row.text(column)), why);
+                tracks.has_gaps = true;
+                continue;
+            }
+        };
+        let contents = contents(&header.names, |column| row.text(column));
+        if let Some(first) = rows.repeated((values.track, values.time.to_bits()), row.line, contents) {
+            spots.skip(&file, row.line, row.name(columns.track), &values.track.to_string(), repeat(first));
+            continue;
         }
-        read_row(row, &columns, &file, options, (&mut spots, &mut tracks))?;
+        read_row(row, &values, &columns, &file, options, (&mut spots, &mut tracks))?;
     }
     let graph = match columns.parent {
         Some(_) => None,
@@ -108,28 +179,46 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     if let Some(graph) = graph {
         read_graph(&graph, &mut spots, &mut tracks)?;
     }
-    let mut chains = tracks.chains(&file)?;
-    chains::link(&mut spots, &mut chains, &file, "t")?;
-    spots.lineage(embryo_of(path), Format::Tracks, TimeUnit::Frames, columns.unit)
+    let mut chains = tracks.chains(&mut spots, &file)?;
+    chains::link(&mut spots, &mut chains, (&file, "t"), Only::Daughter)?;
+    let time = if columns.minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
+    spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)
+}
+
+/// What a row must have.
+struct Values {
+    track: u64,
+    time: f64,
+    parent: Option<u64>,
+}
+
+impl Values {
+    /// The values of a row, or the column that makes it useless, and why.
+    fn of(row: Row<'_>, columns: &Columns) -> Result<Values, (usize, String)> {
+        if let Some(surplus) = row.surplus() {
+            return Err(surplus);
+        }
+        let refused = |column: usize, why: &str| (column, why.to_owned());
+        let track = whole(row.text(columns.track));
+        let track = track.ok_or_else(|| refused(columns.track, "must be a whole number from 0"))?;
+        let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
+        let allowed = if columns.minutes.is_some() { "must be a time" } else { "must be a number of frames" };
+        let time = time.ok_or_else(|| refused(columns.time, allowed))? * columns.minutes.unwrap_or(1.0);
+        let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
+        let parent = parent.transpose().map_err(|column| refused(column, "must be a track_id, or -1"))?.flatten();
+        Ok(Values { track, time, parent })
+    }
 }
 
 fn read_row(
     row: Row<'_>,
+    &Values { track: id, time, parent }: &Values,
     columns: &Columns,
     file: &str,
     options: &TrackOptions,
     (spots, tracks): (&mut Spots, &mut Tracks),
 ) -> Result<(), InputError> {
     let written = |column: usize| text(row.text(column)).into_owned();
-    let refused = |column: usize, allowed: &str| {
-        let value = shown(&written(column));
-        malformed(file, row.line as usize, format!("{} = {value}: must be {allowed}", row.name(column)))
-    };
-    let id = whole(row.text(columns.track)).ok_or_else(|| refused(columns.track, "a whole number from 0"))?;
-    let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
-    let time = time.ok_or_else(|| refused(columns.time, "a number of frames"))?;
-    let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
-    let parent = parent.transpose().map_err(|column| refused(column, "a track_id, or -1"))?.flatten();
     let size = |column: usize| {
         let size = row.numbers.read(row.text(column)).ok().filter(|size| *size > 0.0 && *size < 1e30);
         size.ok_or(column)
@@ -137,6 +226,7 @@ fn read_row(
     let volume = match columns.size {
         Size::Unknown => Ok(None),
         Size::Volume(column, unit) => size(column).map(|size| Some(size * unit)),
+        Size::Micrometres(column, part) => size(column).map(|size| Some(sphere(size * part))),
         Size::Length(column, part) => size(column).map(|size| Some(sphere_of_pixels(size * part, options))),
     };
     if let Err(column) = volume {
@@ -173,13 +263,21 @@ fn parent_of(written: &[u8]) -> Option<Option<u64>> {
 
 impl Tracks {
     /// The tracks with the places of their mothers. Mother 0 is no mother if no track has this number.
-    fn chains(self, file: &str) -> Result<Vec<Chain>, InputError> {
-        let Tracks { all, places } = self;
+    ///
+    /// # Errors
+    /// A mother that is no track of the table, unless rows are left out: then this is reported.
+    fn chains(self, spots: &mut Spots, file: &str) -> Result<Vec<Chain>, InputError> {
+        let Tracks { all, places, has_gaps } = self;
         let chain = |Track { mut chain, parent }: Track| {
             if let Some((parent, line)) = parent.filter(|(parent, _)| *parent > 0 || places.contains_key(parent)) {
-                let refused =
-                    || malformed(file, line as usize, format!("parent = {parent}: must be a track of the table"));
-                chain.mother = Some(*places.get(&parent).ok_or_else(refused)?);
+                chain.mother = places.get(&parent).copied();
+                let allowed = "must be a track of the table";
+                if chain.mother.is_none() && !has_gaps {
+                    return Err(malformed(file, line as usize, format!("parent = {parent}: {allowed}")));
+                }
+                if chain.mother.is_none() {
+                    spots.skip(file, line, "parent", &parent.to_string(), allowed);
+                }
             }
             Ok(chain)
         };
@@ -207,13 +305,35 @@ fn graph_beside(path: &Path) -> Result<PathBuf, InputError> {
     })
 }
 
+/// Whether a file has the graph of a table of tracks beside it: it is read with that table.
+pub(super) fn is_graph(path: &Path) -> bool {
+    let is_one = path.extension().is_some_and(|extension| extension == "csv" || extension == "json");
+    let stem = embryo_of(path);
+    let tables = [
+        stem.contains("graph").then(|| stem.replace("graph", "tracks")),
+        stem.strip_suffix("_graph").map(str::to_owned),
+    ];
+    let beside =
+        |stem: String| ["csv", "tsv", "txt"].map(|extension| path.with_file_name(format!("{stem}.{extension}")));
+    let is_table = |table: &PathBuf| {
+        let has_tracks = || matches!(located_file(table), Ok(Some((Format::Tracks, _))));
+        table.is_file() && has_tracks() && graph_beside(table).is_ok_and(|graph| graph == path)
+    };
+    is_one && tables.into_iter().flatten().flat_map(beside).any(|table| is_table(&table))
+}
+
 /// Adds the mothers that a graph gives.
 fn read_graph(path: &Path, spots: &mut Spots, tracks: &mut Tracks) -> Result<(), InputError> {
     let file = path.display().to_string();
     let refused = |line: u64, why: String| Err(malformed(&file, line.max(1) as usize, why));
     for (line, child, parent) in edges(path, &file)? {
         let [Some(child_at), Some(_)] = [child, parent].map(|id| tracks.places.get(&id).copied()) else {
-            return refused(line, format!("{child} from {parent}: both must be tracks of the table"));
+            let allowed = "both must be tracks of the table";
+            if tracks.has_gaps {
+                spots.skip(&file, line, "child", &child.to_string(), format!("its parent is {parent}: {allowed}"));
+                continue;
+            }
+            return refused(line, format!("{child} from {parent}: {allowed}"));
         };
         let track = &mut tracks.all[child_at];
         match track.parent.replace((parent, line)) {

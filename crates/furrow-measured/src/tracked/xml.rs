@@ -3,7 +3,7 @@
 //! Read are the spots of the tracks that are kept (`FilteredTracks`; without it all), their edges, and the units of the model:
 //! `spatialunits` of radii, and `timeunits` of `POSITION_T`. Where times have no unit, or minutes per frame are given, `FRAME` counts.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 use furrow_input::table::{TIMES, malformed, unit_of};
@@ -11,6 +11,7 @@ use furrow_input::{InputError, read_text_up_to, shown};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
+use super::rows::{contents_of, repeat};
 use super::spot_tables::radius_unit;
 use super::spots::{Spot, Spots};
 use super::{
@@ -31,9 +32,11 @@ struct Written {
     line: u64,
     id: u64,
     name: String,
-    frame: Option<f64>,
-    time: Option<f64>,
+    frame: String,
+    time: String,
     radius: Option<f64>,
+    /// All its attributes.
+    contents: u64,
 }
 
 /// A track: its name, whether it is kept, and the lines and ends of its edges.
@@ -75,11 +78,11 @@ impl Element<'_> {
     fn id(&self, name: &str) -> Result<u64, InputError> {
         whole(self.text(name).as_bytes()).ok_or_else(|| self.refused(name, "a whole number from 0"))
     }
+}
 
-    /// A number; `None` without one.
-    fn number(&self, name: &str) -> Option<f64> {
-        self.text(name).parse().ok().filter(|number: &f64| number.is_finite())
-    }
+/// A number; `None` without one.
+fn finite(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
@@ -91,25 +94,32 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let kept = |track: &&Track| document.kept.as_ref().is_none_or(|kept| kept.contains(&track.id));
     let tracks: Vec<&Track> = document.tracks.iter().filter(kept).collect();
     let tracked: HashSet<u64> = tracks.iter().flat_map(|track| &track.edges).flat_map(|(_, ends)| *ends).collect();
-    let (mut spots, mut places) = (Spots::of(&file), HashMap::new());
+    let (mut spots, mut places, mut first) = (Spots::of(&file), HashMap::new(), HashMap::new());
     for written in document.spots.iter().filter(|spot| tracked.contains(&spot.id)) {
-        let Written { line, id, name, frame, time, radius } = written;
-        let time = minutes.map_or(*frame, |minutes| time.map(|time| time * minutes)).ok_or_else(|| {
-            let wanted = if minutes.is_some() { "POSITION_T" } else { "FRAME" };
-            malformed(&file, *line as usize, format!("the spot {id} has no number as its {wanted}"))
-        })?;
+        let Written { line, id, name, frame, time, radius, contents } = written;
+        let before = first.entry(*id).or_insert(written);
+        if before.line != *line {
+            if before.contents != *contents {
+                return Err(malformed(&file, *line as usize, format!("ID = {id}: must be of one spot only")));
+            }
+            spots.skip(&file, *line, "ID", &id.to_string(), repeat(before.line));
+            continue;
+        }
+        let (column, written) = if minutes.is_some() { ("POSITION_T", time) } else { ("FRAME", frame) };
+        let Some(time) = finite(written).map(|time| time * minutes.unwrap_or(1.0)) else {
+            spots.skip(&file, *line, column, written, format!("must be a number: the spot {id} is left out"));
+            continue;
+        };
         if radius.is_none() {
             spots.skip(&file, *line, "RADIUS", "", "must be a radius above 0");
         }
         let in_um = unit == Unit::CubicMicrometres && !document.in_pixels();
         let volume = radius.map(|r| if in_um { sphere(2.0 * r) } else { sphere_of_pixels(2.0 * r, options) });
         let spot = spots.push(Spot { time, name: name.clone(), id: Some((*id).into()), volume, file: 0, line: *line });
-        if places.insert(*id, spot).is_some() {
-            return Err(malformed(&file, *line as usize, format!("ID = {id}: must be of one spot only")));
-        }
+        places.insert(*id, spot);
     }
-    document.link(&tracks, &places, &mut spots, &file)?;
-    let left = document.spots.len() - places.len();
+    document.link(&tracks, |id| first.contains_key(&id), &places, &mut spots, &file)?;
+    let left = document.spots.iter().filter(|spot| !tracked.contains(&spot.id)).count();
     if left > 0 {
         spots.skip(
             &file,
@@ -149,9 +159,10 @@ impl Document {
                 line: element.line,
                 id: element.id("ID")?,
                 name: element.text("name").to_owned(),
-                frame: element.number("FRAME"),
-                time: element.number("POSITION_T"),
-                radius: element.number("RADIUS").filter(|radius| *radius > 0.0 && *radius < 1e30),
+                frame: element.text("FRAME").to_owned(),
+                time: element.text("POSITION_T").to_owned(),
+                radius: finite(element.text("RADIUS")).filter(|radius| *radius > 0.0 && *radius < 1e30),
+                contents: contents_of(element.attributes.iter().collect::<BTreeMap<_, _>>()),
             }),
             "Track" => {
                 let (id, name) = (element.text("TRACK_ID").to_owned(), element.text("name").to_owned());
@@ -189,27 +200,23 @@ impl Document {
         }
     }
 
+    /// Links the spots of the edges. Of the known spots only those with a place have a time.
     fn link(
         &self,
         tracks: &[&Track],
+        is_known: impl Fn(u64) -> bool,
         places: &HashMap<u64, usize>,
         spots: &mut Spots,
         file: &str,
     ) -> Result<(), InputError> {
         for Track { name, edges, .. } in tracks {
-            let mut first: Option<usize> = None;
-            for (line, ends) in edges {
-                let place = |id: u64| {
-                    let refused = || malformed(file, *line as usize, format!("{id}: must be the ID of a spot"));
-                    places.get(&id).copied().ok_or_else(refused)
-                };
-                let [from, to] = [place(ends[0])?, place(ends[1])?];
-                spots.link(from, to, file, *line)?;
-                for spot in [from, to] {
-                    let is_earlier = |first: usize| spots.get(spot).time < spots.get(first).time;
-                    first = Some(first.filter(|first| !is_earlier(*first)).unwrap_or(spot));
-                }
+            let unknown = |(line, ends): &(u64, [u64; 2])| Some((*line, *ends.iter().find(|id| !is_known(**id))?));
+            if let Some((line, id)) = edges.iter().find_map(unknown) {
+                return Err(malformed(file, line as usize, format!("{id}: must be the ID of a spot")));
             }
+            spots.link_all(edges.clone(), places, file)?;
+            let ends = edges.iter().flat_map(|(_, ends)| ends).filter_map(|id| places.get(id).copied());
+            let first = ends.min_by(|a, b| spots.get(*a).time.total_cmp(&spots.get(*b).time));
             spots.tracks.extend(first.filter(|_| !name.is_empty()).map(|first| (name.clone(), first)));
         }
         Ok(())

@@ -7,7 +7,7 @@ use furrow_measured::lifetimes::{
 };
 use furrow_measured::published::{jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::{Sample, Trend, sign_test, welch};
-use furrow_measured::tracked::embryo_files;
+use furrow_measured::tracked::{TableKind, embryo_files};
 use serde_json::Value;
 
 use super::close;
@@ -198,7 +198,7 @@ fn each_embryo_has_its_pace_and_its_clock() {
     let path = folder.path().join("t.csv");
     std::fs::write(&path, &table).unwrap();
     let read = |common_pace: bool| {
-        let files = embryo_files(std::slice::from_ref(&path)).unwrap().0;
+        let files = embryo_files(std::slice::from_ref(&path), TableKind::Lifetimes).unwrap().0;
         Lifetimes::read_files(&files, &LifetimeOptions { common_pace, ..LifetimeOptions::default() }).unwrap()
     };
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
@@ -231,7 +231,9 @@ fn each_embryo_has_its_pace_and_its_clock() {
         std::fs::write(&path, format!("cell,lifetime_min,birth_min\n{text}")).unwrap();
         path
     });
-    let found = Lifetimes::read_files(&embryo_files(&tables).unwrap().0, &LifetimeOptions::default()).unwrap();
+    let found =
+        Lifetimes::read_files(&embryo_files(&tables, TableKind::Lifetimes).unwrap().0, &LifetimeOptions::default())
+            .unwrap();
     assert_eq!(found.embryos.iter().map(|embryo| embryo.embryo.as_str()).collect::<Vec<_>>(), ["one", "two"]);
     near(found.embryos[1].shift_min.unwrap(), 310.0 / 3.0);
 }

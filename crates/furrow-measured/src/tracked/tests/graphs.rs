@@ -64,6 +64,69 @@ fn trackmate_and_mastodon_give_the_same_cells() {
     assert_eq!(error, "film-Link.csv: is not a table of spots: it has links; they are read with their spots");
 }
 
+/// A spot that cannot be used or is given twice costs no other spot, and cells go on past it.
+#[test]
+fn unusable_and_repeated_spots_and_links_are_left_out() {
+    // The last spot of a cell may be the one that is left out.
+    let ends_of = |lives: &[Life<'_>]| {
+        lives.iter().map(|life| format!("{:?}", (life.0, life.1, life.2, life.3))).collect::<Vec<_>>()
+    };
+    let ends = |lineage: &TrackedLineage| ends_of(&lives(lineage));
+    let forwards = EDGES.map(|(a, b)| (a.min(b), a.max(b)));
+    let edges = trackmate_edges(&forwards);
+    let twice = |row: &str| (row.to_owned(), format!("{row}{row}"));
+    let replaced = |from: &str, to: &str| (from.to_owned(), to.to_owned());
+    for (is_spot, (from, to), why) in [
+        (true, replaced("ID11,11,", "ID11,-11,"), "6 ID -11: must be a whole number from 0"),
+        (true, replaced("120,2,20", "120,NaN,20"), "6 FRAME NaN: must be a whole number from 0"),
+        (true, twice("ID11,11,0,1,1,1,1,120,2,20,1\n"), "7 ID 11: the row of line 6 a second time"),
+        (false, twice("ID11 → ID12,0,11,12\n"), "7 link AB: a second link from \"ID11\" (film_spots.csv:6) to"),
+    ] {
+        let (spots, edges) = match is_spot {
+            true => (TRACKMATE_SPOTS.replace(&from, &to), edges.clone()),
+            false => (TRACKMATE_SPOTS.to_owned(), edges.replace(&from, &to)),
+        };
+        let (folder, path) = trackmate(&spots, &edges);
+        let (lineage, folder) = (tracked(&path), format!("{}/", folder.path().display()));
+        assert_eq!(ends(&lineage), ends_of(&LIVES), "{to}");
+        let reports = reports(&lineage).join("\n").replace(&folder, "");
+        assert!(reports.starts_with(why) && lineage.skipped_count == 1, "{reports}\n{why}");
+    }
+    for version in [2, 3] {
+        let mut files = geff(version, 10);
+        let times =
+            files.iter_mut().find(|(name, _)| name.ends_with("props/t/values/0") || name.ends_with("t/values/c/0"));
+        times.unwrap().1[32..40].copy_from_slice(&f64::NAN.to_le_bytes());
+        let lineage = tracked(&written(&files).path().join("embryo.geff"));
+        assert_eq!(ends(&lineage), ends_of(&LIVES));
+        assert_eq!(reports(&lineage), ["0 nodes/props/t of node 14 NaN: must be a number"]);
+    }
+}
+
+/// Single spots of TrackMate are no cells; of Mastodon they are, but do not push out the cell of their name.
+#[test]
+fn single_spots_push_out_no_cell() {
+    let stray = "AB,30,,1,1,1,1,60,1,9,1\n,31,,1,1,1,1,60,1,9,1\n";
+    let (_folder, path) = trackmate(&(TRACKMATE_SPOTS.to_owned() + stray), &trackmate_edges(&EDGES));
+    let lineage = tracked(&path);
+    assert_eq!(lives(&lineage), LIVES);
+    assert_eq!(reports(&lineage), ["15 ID 2: spots that belong to no track; the first is on this line"]);
+    assert_eq!((lineage.place_of("30"), lineage.place_of("AB")), (Place::Nowhere, Place::Cell(1)));
+
+    let spots = "Label,ID,Spot frame\nAB,9,0\nABa,8,0\nP0,1,1\nAB,2,2\nP1,3,2\nAB,4,3\n";
+    let (folder, path) = file("film-Spot.csv", spots);
+    let links = "Source spot id,Target spot id\n1,2\n1,3\n2,4\n";
+    fs::write(folder.path().join("film-Link.csv"), links).unwrap();
+    let lineage = tracked(&path);
+    let names: Vec<(&str, u64)> = lineage.cells.iter().map(|cell| (&*cell.name, cell.place.1)).collect();
+    assert_eq!(names, [("ABa", 3), ("P0", 4), ("AB", 5), ("P1", 6), ("AB", 2)]);
+    assert_eq!(lineage.cells[1].daughters, [2, 3]);
+    assert_eq!((lineage.cells[2].mother, lineage.cells[4].mother), (Some(1), None));
+    let (skipped, count) = lineage.skipped_with_names(&Names::default());
+    assert_eq!((count, skipped[0].line), (1, 2));
+    assert_eq!(skipped[0].why, "a second cell of this name; the first begins on line 5");
+}
+
 #[test]
 fn wrong_spots_and_links_are_refused_with_their_place() {
     let fine = trackmate_edges(&EDGES);
@@ -178,7 +241,7 @@ fn headings_of_any_number_of_lines_are_read() {
     assert_eq!(lives(&tracked(&path)), LIVES);
     // A row without ids is no heading.
     let (_folder, path) = trackmate(&without(TRACKMATE_SPOTS, &one).replace("P0,10,0", "P0,,0"), &edges);
-    assert!(refused(&path).starts_with("film_spots.csv:2:1: ID = \"\": must be a whole number"), "{}", refused(&path));
+    assert_eq!(reports(&tracked(&path)), ["2 ID : must be a whole number from 0"]);
 }
 
 /// Ids beyond 2^53, and as another program may write them.

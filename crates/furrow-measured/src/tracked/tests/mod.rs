@@ -88,7 +88,7 @@ fn refused(path: &Path) -> String {
 /// The lifetimes of an embryo.
 fn lifetimes(path: &Path, frame_minutes: Option<f64>) -> Result<Lifetimes, InputError> {
     let options = LifetimeOptions { frame_minutes: frame_minutes.into(), ..LifetimeOptions::default() };
-    Lifetimes::read_files(&embryo_files(&[path.to_owned()])?.0, &options)
+    Lifetimes::read_files(&embryo_files(&[path.to_owned()], TableKind::Lifetimes)?.0, &options)
 }
 
 /// Name, mother's name, birth, division and last time of each cell.
@@ -255,7 +255,7 @@ fn wrong_archives_and_cd_tables_are_refused() {
         ("cellTime,size\nAB,9\n".to_owned(), "line 2, cellTime: \"AB\": must be a cell and a frame, as AB:3"),
         (header.to_owned(), "CD.csv: is not CD table with a cell that can be used: it has no spots"),
         (
-            format!("{header}AB:1,AB,1,0,9\nAB:1,AB,1,0,9\n"),
+            format!("{header}AB:1,AB,1,0,9\nAB:1,AB,1,0,8\n"),
             "CD.csv:3:1: cell AB a second time at time 1; the first is on line 2",
         ),
         (format!("{header}AB:1,AB,NaN,0,9\n"), "line 2, time: \"NaN\": must be a number of frames from 0"),
@@ -267,6 +267,9 @@ fn wrong_archives_and_cd_tables_are_refused() {
     let (_folder, path) = file("CD.csv", format!("{header}a,AB,5,0,9\nb,ABa,5,0,-9\nc,,5,0,9\n"));
     let lineage = tracked(&path);
     let why: Vec<&str> = lineage.skipped.iter().map(|s| s.why.as_str()).collect();
+    let twice = format!("{header}AB:1,AB,1,0,9\nAB:1,AB,1,0,9\n");
+    let (_folder, path) = file("CD.csv", twice);
+    assert_eq!(reports(&tracked(&path)), ["3 cell AB: the row of line 2 a second time"]);
     let late = "it is born while its mother AB is still there, until time 5";
     assert_eq!(why, ["must be a diameter above 0, in pixels", "must be the name of a cell", late]);
 }

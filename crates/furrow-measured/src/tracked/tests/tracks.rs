@@ -89,7 +89,6 @@ fn wrong_xml_is_refused_with_its_line() {
     for (from, to, message) in [
         ("micron", "parsec", "film.xml: spatialunits of Model = \"parsec\": must be micron, µm or pixel"),
         ("Spot ID=\"11\"", "Spot ID=\"a\"", "film.xml:7:1: ID of Spot = \"a\": must be a whole number from 0"),
-        ("POSITION_T=\"90\"", "T=\"90\"", "film.xml:7:1: the spot 11 has no number as its POSITION_T"),
         ("SPOT_SOURCE_ID=\"11\"", "SPOT_SOURCE_ID=\"99\"", "99: must be the ID of a spot"),
         ("<Spot ID=\"12\"", "<Spot ID=\"11\"", "film.xml:9:1: ID = 11: must be of one spot only"),
         ("</AllTracks>", "</AllTrack>", "film.xml:"),
@@ -106,6 +105,28 @@ fn wrong_xml_is_refused_with_its_line() {
     for end in (0..right.len()).step_by(97) {
         let (_folder, path) = file("film.xml", &right[..end]);
         let _ = read_tracked(&path, &TrackOptions::default());
+    }
+}
+
+#[test]
+fn unusable_and_repeated_elements_of_xml_are_left_out() {
+    let right = xml("spatialunits=\"micron\" timeunits=\"sec\"");
+    let (_folder, path) = file("film.xml", &right);
+    let (cells, edge) = (tracked(&path).cells, "<Edge SPOT_SOURCE_ID=\"24\" SPOT_TARGET_ID=\"45\" />\n");
+    let spot =
+        "<Spot ID=\"34\" name=\"ID&lt;34&gt;\" VISIBILITY=\"1\" RADIUS=\"10\" FRAME=\"4\"\n POSITION_T=\"360\" />\n";
+    for (from, to, why) in [
+        (spot.to_owned(), spot.replace("360", "NaN"), "POSITION_T NaN: must be a number: the spot 34 is left out"),
+        (spot.to_owned(), spot.repeat(2), "ID 34: the row of line"),
+        (edge.to_owned(), edge.repeat(2), "a second link from \"ID<24>\""),
+    ] {
+        let changed = right.replacen(&from, &to, 1);
+        assert_ne!(changed, right, "{from}");
+        let (_folder, path) = file("film.xml", changed);
+        let lineage = tracked(&path);
+        let times = |cells: &[TrackedCell]| cells.iter().map(|cell| (cell.birth, cell.division)).collect::<Vec<_>>();
+        assert_eq!(times(&lineage.cells), times(&cells), "{to}");
+        assert!(reports(&lineage)[0].contains(why) && lineage.skipped_count == 2, "{:?}\n{why}", reports(&lineage));
     }
 }
 
@@ -156,15 +177,47 @@ fn tables_of_ultrack_btrack_and_napari_give_the_same_cells() {
     assert_eq!(in_order(lives(&lineage)), LIVES);
 }
 
+/// The unit of times is in their heading; without one they are frames.
+#[test]
+fn times_of_tracks_may_have_a_unit() {
+    for (heading, unit, times) in [
+        ("t", TimeUnit::Frames, [30.0, 90.0]),
+        ("Time (frames)", TimeUnit::Frames, [30.0, 90.0]),
+        ("time (min)", TimeUnit::Minutes, [30.0, 90.0]),
+        ("Time [s]", TimeUnit::Minutes, [0.5, 1.5]),
+        ("time_h", TimeUnit::Minutes, [1800.0, 5400.0]),
+        ("t in s", TimeUnit::Minutes, [0.5, 1.5]),
+    ] {
+        let rows = "1,30,0,0,-1\n2,90,0,0,1\n";
+        let (_folder, path) = file("tracks.csv", format!("track_id,{heading},y (µm),x (µm),parent_track_id\n{rows}"));
+        let lineage = tracked(&path);
+        assert_eq!(
+            (lineage.time, lineage.cells[0].birth, lineage.cells[1].birth),
+            (unit, times[0], times[1]),
+            "{heading}"
+        );
+    }
+    for (heading, unit, volume) in [
+        ("radius", Unit::Voxels, sphere(4.0)),
+        ("Diameter (px)", Unit::Voxels, sphere(2.0)),
+        ("Radius (µm)", Unit::CubicMicrometres, sphere(4.0)),
+    ] {
+        let (_folder, path) = file("tracks.csv", format!("track_id,t,parent,{heading}\n1,0,-1,2\n"));
+        let lineage = tracked(&path);
+        assert_eq!((lineage.volumes, lineage.cells[0].volume), (unit, Some(volume)), "{heading}");
+    }
+    let (_folder, path) = file("tracks.csv", "track_id,time (weeks),y,x,parent_track_id\n1,0,0,0,-1\n");
+    let why = "tracks.csv:1:1: the unit of column 2, \"time (weeks)\", must be frames or one of min, s, h";
+    assert_eq!(refused(&path), why);
+}
+
 #[test]
 fn wrong_tables_of_tracks_are_refused_with_their_line() {
     let heading = "track_id,t,y,x,parent_track_id";
     for (rows, message) in [
-        ("1,0,0,0,-1\na,1,0,0,-1\n", "tracks.csv:3:1: track_id = \"a\": must be a whole number from 0"),
-        ("1,zero,0,0,-1\n", "tracks.csv:2:1: t = \"zero\": must be a number of frames"),
-        ("1,0,0,0,mother\n", "tracks.csv:2:1: parent_track_id = \"mother\": must be a track_id, or -1"),
+        ("1,zero,0,0,-1\n", "cell that can be used: line 2, t: \"zero\": must be a number of frames"),
         ("1,0,0,0,7\n", "tracks.csv:2:1: parent = 7: must be a track of the table"),
-        ("1,0,0,0,-1\n1,0,0,0,-1\n", "tracks.csv:3:1: cell 1 a second time at time 0; the first is on line 2"),
+        ("1,0,0,0,-1\n1,0,0,1,-1\n", "tracks.csv:3:1: cell 1 a second time at time 0; the first is on line 2"),
         (
             "1,0,0,0,-1\n2,0,0,0,-1\n2,1,0,0,1\n",
             "tracks.csv:4:1: track 2 comes from no track in rows before, here from track 1",
@@ -175,9 +228,55 @@ fn wrong_tables_of_tracks_are_refused_with_their_line() {
         let error = refused(&path);
         assert!(error.contains(message), "{error}\n{message}");
     }
+    // A row that cannot be used or is given twice costs no other row.
+    for (row, why) in [
+        ("a,1,0,0,-1", "3 track_id a: must be a whole number from 0"),
+        (",1,0,0,-1", "3 track_id : must be a whole number from 0"),
+        ("1,,0,0,-1", "3 t : must be a number of frames"),
+        ("1,1,0,0,mother", "3 parent_track_id mother: must be a track_id, or -1"),
+        ("1,1,0,0,-1,5", "3  5: line 3 has 6 fields, the heading 5"),
+        ("1,0,0,0,-1", "3 track_id 1: the row of line 2 a second time"),
+    ] {
+        let (_folder, path) = file("tracks.csv", format!("{heading}\n1,0,0,0,-1\n{row}\n1,2,0,0,-1\n2,3,0,0,1\n"));
+        let lineage = tracked(&path);
+        assert_eq!(lives(&lineage), [("1", None, 0.0, Some(3.0), 2.0), ("2", Some("1"), 3.0, None, 3.0)], "{row}");
+        assert_eq!(reports(&lineage), [why]);
+    }
+    // Rows that pandas numbers are repeats too.
+    let (_folder, path) =
+        file("tracks.csv", format!(",{heading}\n0,1,0,0,0,-1\n1,1,0,0,0,-1\n2,2,1,0,0,5\n3,x,1,0,0,5\n"));
+    let why = [
+        "3 track_id 1: the row of line 2 a second time",
+        "5 track_id x: must be a whole number from 0",
+        "4 parent 5: must be a track of the table",
+    ];
+    assert_eq!(reports(&tracked(&path)), why);
     let (_folder, path) = file("tracks.csv", format!("{heading}\n1,0,0,0,-1\n1,1,0,0,-1\n2,1,0,0,1\n"));
     let why = "4 t 1: it is born while its mother 1 is still there, until time 1";
     assert_eq!(reports(&tracked(&path)), [why]);
+}
+
+/// Mother and daughter stay two cells where the other daughter is left out or was not followed.
+#[test]
+fn a_daughter_without_a_sister_is_no_part_of_her_mother() {
+    let heading = "track_id,t,y,x,parent_track_id,volume_um3";
+    let mother = "1,0,0,0,-1,9\n1,1,0,0,-1,9\n";
+    for rows in ["2,1,0,0,1,5\n2,2,0,0,1,5\n3,2,0,0,1,4\n3,3,0,0,1,4\n", "3,2,0,0,1,4\n3,3,0,0,1,4\n"] {
+        let (_folder, path) = file("tracks.csv", format!("{heading}\n{mother}{rows}"));
+        let lineage = tracked(&path);
+        let cell = |name: &str| lineage.cells.iter().find(|cell| cell.name == name).unwrap();
+        assert_eq!((cell("1").volume, cell("1").division, cell("1").last), (Some(9.0), Some(2.0), 1.0), "{rows}");
+        assert_eq!((cell("3").mother, cell("3").birth, cell("3").volume), (Some(0), 2.0, Some(4.0)), "{rows}");
+    }
+    // One name is one cell, though its track ends.
+    let (_folder, path) =
+        file("tracks.csv", "track_id,t,y,x,parent_track_id,name\n1,0,0,0,-1,AB\n2,2,0,0,1,AB\n3,4,0,0,2,ABa\n");
+    let lives_of = [("AB", None, 0.0, Some(4.0), 2.0), ("ABa", Some("AB"), 4.0, None, 4.0)];
+    assert_eq!(lives(&tracked(&path)), lives_of);
+    // Tracks of the Cell Tracking Challenge have gaps, unless a sister is left out.
+    let (_folder, path) = file("01.txt", "1 0 1 0\n2 3 4 1\n3 5 6 2\n4 4 6 2\n");
+    let lives_of = [("1", None, 0.0, Some(5.0), 4.0), ("4", None, 4.0, None, 6.0), ("3", Some("1"), 5.0, None, 6.0)];
+    assert_eq!(lives(&tracked(&path)), lives_of);
 }
 
 #[test]
@@ -196,14 +295,62 @@ fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
         assert_eq!((lineage.name.as_str(), lineage.cells.len()), ("02_GT", 5), "{}", place.display());
     }
     for (text, message) in [
-        ("1 0 4 0\n2 5 8\n", "01.txt:2:1: must be four whole numbers"),
-        ("1 5 4 0\n", "01.txt:1:1: first frame = 5: must not be after the last, 4"),
-        ("1 0 4 0\n1 5 6 0\n", "01.txt:2:1: label = 1: must be above 0 and of one line only"),
+        ("1 5 4 0\n", "line 1, line: \"1 5 4 0\": the label must be above 0, and the first frame not after the last"),
+        ("1 0 4 0\n1 5 6 0\n", "01.txt:2:1: label = 1: must be of one line only"),
         ("1 0 4 0\n2 5 6 9\n", "01.txt:2:1: mother = 9: must be 0 or a label of the file"),
     ] {
         let (_folder, path) = file("01.txt", text);
         assert!(refused(&path).contains(message), "{}\n{message}", refused(&path));
     }
+    let (folder, _) = file("man_track.txt", "1 0 4 0\n2 5 8\n1 0 4 0\n3 5 6 2\n");
+    let path = folder.path();
+    let why = [
+        "2 line 2 5 8: must be four whole numbers: label, first and last frame, mother or 0",
+        "3 label 1: the row of line 1 a second time",
+        "4 mother 2: must be 0 or a label of the file",
+    ];
+    assert_eq!((tracked(path).cells.len(), reports(&tracked(path))), (2, why.map(str::to_owned).to_vec()));
+}
+
+/// Tables in a folder are read, but for graphs and links of others; damaged files are named with the reason.
+#[test]
+fn folders_have_tables_of_the_kind_that_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("Sample01_Volume.csv", "time,AB,P1\n1,9,8\n"),
+        ("long.csv", "embryo,cell,volume_um3\ne,AB,9\n"),
+        ("lives.csv", "cell,lifetime_min\nAB,16\n"),
+        ("e_tracks.csv", "track_id,t,y,x\n1,0,0,0\n"),
+        ("e_graph.csv", "child,parent\n"),
+        ("c.zip", "PK\u{3}\u{4}damaged"),
+    ];
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let paths = [folder.path().to_owned()];
+    for (kind, right, wrong) in [
+        (
+            TableKind::Volumes,
+            "Sample01_Volume e_tracks long",
+            "lives.csv: is neither an embryo that was followed nor a table of volumes",
+        ),
+        (
+            TableKind::Lifetimes,
+            "e_tracks lives",
+            "long.csv: is neither an embryo that was followed nor a table of lifetimes",
+        ),
+    ] {
+        let (found, left) = embryo_files(&paths, kind).unwrap();
+        let names: Vec<String> = found.into_iter().map(|file| file.name).collect();
+        assert_eq!(names.join(" "), right);
+        let left = left.into_iter().map(|left| left.why).collect::<Vec<_>>().join("\n");
+        assert!(left.contains("c.zip: is not a zip archive") && left.contains(wrong), "{left}");
+    }
+    files[..5].iter().for_each(|(name, _)| fs::remove_file(folder.path().join(name)).unwrap());
+    let error = embryo_files(&paths, TableKind::Volumes).unwrap_err().to_string();
+    let (first, last) =
+        ("is not a folder with an embryo that was followed or a table of volumes: ", "c.zip: is not a zip archive");
+    assert!(error.contains(first) && error.contains(last), "{error}");
 }
 
 #[test]
@@ -222,12 +369,14 @@ fn folders_and_patterns_stand_for_the_embryos_in_them() {
     }
     fs::write(at("notes.txt"), "none\n").unwrap();
     let files = |paths: &[PathBuf]| {
-        let (files, left) = embryo_files(paths)?;
-        let left: Vec<String> = left.into_iter().flat_map(|left| left.files).collect();
+        let (files, left) = embryo_files(paths, TableKind::Volumes)?;
+        let left: Vec<String> = left.into_iter().map(|left| left.why).collect();
         Ok::<_, InputError>((files.into_iter().map(|file| file.name).collect::<Vec<_>>(), left))
     };
     let (names, left) = files(&[folder.path().to_owned()]).unwrap();
-    assert_eq!((names.join(" "), left), ("01 02 a_spots b_spots".to_owned(), vec!["notes.txt".to_owned()]));
+    assert_eq!(names.join(" "), "01 02 a_spots b_spots");
+    let why = "notes.txt: is neither an embryo that was followed nor a table of volumes: 1:1: no column is called";
+    assert!(left.len() == 1 && left[0].contains(why), "{left:?}");
     let (names, _) = files(&[at("*_*.csv"), at("01"), at("not there")]).unwrap();
     assert_eq!(names, ["a_spots", "b_spots", "01", "not there"]);
     // Files of one name are called after their folders.
@@ -239,6 +388,10 @@ fn folders_and_patterns_stand_for_the_embryos_in_them() {
     let error = files(&[at("*.xml")]).unwrap_err().to_string();
     assert!(error.contains("files = 0: must be a pattern that a file fits; there are 01, 02, a_edges"), "{error}");
     fs::create_dir(at("empty")).unwrap();
+    // A file is read once, under any of its paths.
+    let (names, left) = files(&[at("a_spots.csv"), at("empty/../a_spots.csv"), at("a_*.csv")]).unwrap();
+    assert_eq!((names, left.len()), (vec!["a_spots".to_owned()], 2));
+    assert!(left[0].ends_with("a_spots.csv, which is read once"), "{left:?}");
     let error = files(&[at("empty")]).unwrap_err().to_string();
     assert!(error.contains("it is a folder with neither nuclei of AceTree"), "{error}");
 }
