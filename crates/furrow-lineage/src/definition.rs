@@ -1,9 +1,7 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
 use std::collections::{BTreeMap, HashMap};
-use std::marker::PhantomData;
 
-use serde::de::MapAccess;
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Lifetimes};
@@ -13,7 +11,7 @@ use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
 use furrow_cell::{Cell, Cue, CueError, Numerics, Parameter, ShellChoice};
-use furrow_input::{InputError, did_you_mean, listed, shown};
+use furrow_input::{InputError, did_you_mean, listed, shown, unique_map};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../lineages/c_elegans.ron");
@@ -439,31 +437,5 @@ fn without<'a>(mut names: impl Iterator<Item = &'a String>) -> bool {
 pub(super) fn unique<'de, C: Deserialize<'de>, D: serde::Deserializer<'de>>(
     deserializer: D,
 ) -> Result<BTreeMap<String, C>, D::Error> {
-    struct Cues<C>(PhantomData<C>);
-    impl<'de, C: Deserialize<'de>> serde::de::Visitor<'de> for Cues<C> {
-        type Value = BTreeMap<String, C>;
-
-        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-            f.write_str("cues by name")
-        }
-
-        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-            entries(map, |name| format!("the cue {name} stands twice"))
-        }
-    }
-    deserializer.deserialize_map(Cues(PhantomData))
-}
-
-/// The entries of a map by name; `twice` is the error for a name, in quotes, that is given again.
-pub(super) fn entries<'de, V: Deserialize<'de>, A: MapAccess<'de>>(
-    mut map: A,
-    twice: impl Fn(&str) -> String,
-) -> Result<BTreeMap<String, V>, A::Error> {
-    let mut entries = BTreeMap::new();
-    while let Some((name, value)) = map.next_entry::<String, V>()? {
-        if entries.insert(name.clone(), value).is_some() {
-            return Err(serde::de::Error::custom(twice(&shown(&name))));
-        }
-    }
-    Ok(entries)
+    unique_map(deserializer, "cues by name", |name| format!("the cue {name} stands twice"))
 }
