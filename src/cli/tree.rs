@@ -293,6 +293,8 @@ pub fn prepared(
         warn_of_size(&lineage.units(), [cell.r0.or(of_lineage).unwrap_or(Length::Natural(given.cell.r0))]);
     }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
+    let named = file.map_or(lineage.name.clone(), |file| file.display().to_string());
+    lineage.check_physics(&settings.cell, &settings.numerics, &named)?;
     Ok((lineage, settings))
 }
 

@@ -10,8 +10,8 @@ use super::rules::{PhysicsRule, Place, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
-use furrow_cell::{Cell, Cue, CueError, Numerics, Parameter, ShellChoice};
-use furrow_input::{InputError, did_you_mean, listed, shown, unique_map};
+use furrow_cell::{Cell, Cue, CueError, Parameter, ShellChoice};
+use furrow_input::{did_you_mean, listed, shown, unique_map};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../lineages/c_elegans.ron");
@@ -244,20 +244,6 @@ impl Lineage {
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
     }
 
-    /// Checks whether its cells can divide with the law of `cell` and the symmetry of `numerics`; errors say they came from
-    /// `source_name`.
-    ///
-    /// # Errors
-    /// Names the cue, founder or rule and the reason.
-    pub fn check_cells(&self, cell: &Cell, numerics: &Numerics, source_name: &str) -> Result<(), InputError> {
-        if numerics.modes == 0 {
-            self.check_axisymmetric(source_name)?;
-        }
-        let of_founders = self.founders.iter().flat_map(|founder| founder.cue.iter().chain(names(&founder.cue_rules)));
-        let cues = of_founders.chain(names(&self.cue_rules)).filter_map(|name| self.cue(name));
-        cues.into_iter().try_for_each(|cue| cell.clone().with_cue(cue).check_law(source_name))
-    }
-
     /// Whether every cue that a founder or a rule names is `none`.
     pub fn is_without_cues(&self) -> bool {
         let of_founder = |founder: &Founder| without(founder.cue.iter()) && without(names(&founder.cue_rules));
@@ -424,7 +410,7 @@ impl Lineage {
 }
 
 /// Names of the cues of rules.
-fn names(rules: &[CueRule]) -> impl Iterator<Item = &String> {
+pub(super) fn names(rules: &[CueRule]) -> impl Iterator<Item = &String> {
     rules.iter().map(|rule| &rule.cue)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`definition`], [`founder`], `read`, `check`, `clash` | the lineage file: founders, cues, names, limits; reading it, checking it |
+//! | [`definition`], [`founder`], `read`, `check`, `clash`, `fits` | the lineage file: founders, cues, names, limits; reading it, checking it, also beside the settings of a run |
 //! | [`clock`] | how long cells live; births and divisions in minutes |
 //! | [`scenario`] | one of several lineages that are compared |
 //! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
@@ -19,6 +19,7 @@ mod check;
 mod clash;
 pub mod clock;
 pub mod definition;
+mod fits;
 pub mod founder;
 pub mod grow;
 pub mod observed;

@@ -157,6 +157,12 @@ impl PhysicsRule {
         })
     }
 
+    /// The value that it gives every cell it applies to; `None` if that depends on the cell.
+    pub(super) fn fixed_value(&self) -> Option<f64> {
+        let start = self.value.filter(|_| self.per.is_none())?;
+        Some(start * self.factor.unwrap_or(1.0) + self.add.unwrap_or(0.0))
+    }
+
     /// The first invalid field: its name, its value and the allowed values.
     pub(super) fn complaint(&self) -> Option<(&'static str, String, String)> {
         let PhysicsRule { parameter, value, from_mother, factor, add, per, .. } = *self;
