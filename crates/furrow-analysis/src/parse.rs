@@ -237,7 +237,8 @@ impl Check<'_> {
             return self.refuse(field(), shown(name), format!("a parameter of one axis, and axes[{first}] has it"));
         }
         if let Some(first) = before.iter().position(|axis| axis.target.number() == target.number()) {
-            let allowed = format!("a parameter that no other axis sets, and axes[{first}] = {} does", before[first].name);
+            let allowed =
+                format!("a parameter that no other axis sets, and axes[{first}] = {} does", before[first].name);
             return self.refuse(field(), shown(name), allowed);
         }
         Ok(target)

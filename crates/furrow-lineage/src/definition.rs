@@ -113,6 +113,9 @@ pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {
     pub clock: Option<Clock<L>>,
     /// Founders, in the order tables list them.
     pub founders: Vec<Founder<S>>,
+    /// Whether the file has a cue with a number in µm.
+    #[serde(skip)]
+    pub cues_in_micrometres: bool,
 }
 
 /// Whether a name matches a pattern with `*` for any letters.
@@ -168,11 +171,8 @@ impl Lineage {
     /// that give the length of L_h can confuse the two. For other files with radii in µm a message states the L_h that is used.
     pub fn doubtful_radii(&self) -> Vec<String> {
         let units = self.units();
-        if let (None, Some(length)) = (self.units.and_then(|units| units.length_um), units.length_um) {
-            return vec![format!(
-                "radii are in µm, and the lineage does not say how long L_h is: {length} µm is taken, the worm's; \
-                 add units: (length_um: …)"
-            )];
+        if self.units.and_then(|units| units.length_um).is_none() && units.length_um.is_some() {
+            return vec![self.length_is_taken("radii")];
         }
         let doubt = |founder: &Founder| match (founder.r0, units.length_um) {
             (Some(Length::Natural(r0)), Some(_)) if r0 > DOUBTFUL => Some(format!(
@@ -183,6 +183,26 @@ impl Lineage {
             _ => None,
         };
         self.founders.iter().filter_map(doubt).collect()
+    }
+
+    /// What is doubtful in the file, a sentence for each: [`doubtful_radii`](Self::doubtful_radii), widths of cues in µm without a length
+    /// of L_h, and [`idle_rules`](Self::idle_rules).
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = self.doubtful_radii();
+        if self.cues_in_micrometres && self.units().length_um.is_none() {
+            doubts.push(self.length_is_taken("numbers of cues"));
+        }
+        doubts.extend(self.idle_rules());
+        doubts
+    }
+
+    /// Says which L_h is taken where the file does not say how long it is, and something is in µm.
+    fn length_is_taken(&self, what: &str) -> String {
+        let length = self.units().length_um();
+        format!(
+            "{what} are in µm, and the lineage does not say how long L_h is: {length} µm is taken, the worm's; \
+             add units: (length_um: …)"
+        )
     }
 
     /// The cue called `name`; `none` is always defined.

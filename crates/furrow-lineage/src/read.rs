@@ -72,12 +72,43 @@ fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
     let written: Lineage<WrittenCue, WrittenLifetimes, WrittenShell> =
         parse_document(text, file, "a lineage file", "Lineage")?;
     // Without `..`: the compiler asks for every field.
-    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders } =
-        written;
+    let Lineage {
+        name,
+        citation,
+        naming,
+        units,
+        limits,
+        cues,
+        cue_rules,
+        physics_rules,
+        dies,
+        clock,
+        founders,
+        cues_in_micrometres: _,
+    } = written;
+    let cues_in_micrometres = in_micrometres(&cues);
     let cues = in_units(cues, units, file)?;
     let clock = clock.map(|clock| clock.resolved(file)).transpose()?;
     let founders = in_shells(founders, [text, file])?;
-    Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders })
+    Ok(Lineage {
+        name,
+        citation,
+        naming,
+        units,
+        limits,
+        cues,
+        cue_rules,
+        physics_rules,
+        dies,
+        clock,
+        founders,
+        cues_in_micrometres,
+    })
+}
+
+/// Whether a number of a cue is in µm.
+fn in_micrometres(cues: &BTreeMap<String, WrittenCue>) -> bool {
+    cues.values().any(WrittenCue::is_in_micrometres)
 }
 
 /// Cues in L_h and τ.
@@ -174,6 +205,7 @@ impl Differing {
         base.naming = naming.unwrap_or(base.naming);
         base.units = units.or(base.units);
         base.limits = limits.unwrap_or(base.limits);
+        base.cues_in_micrometres |= in_micrometres(&cues);
         base.cues.extend(in_units(cues, base.units, file)?);
         if !cue_rules.is_empty() {
             base.cue_rules = cue_rules;
