@@ -42,7 +42,7 @@ class TreeCell(Result):
     ``r0``: Radius R0, in L_h.
     ``volume_fraction``: Its volume over that of the first cell.
     ``cue``: Its cue.
-    ``outcome``: ``symmetric``, ``asymmetric`` or ``failed``; None if a limit stopped it.
+    ``outcome``: ``symmetric``, ``asymmetric`` or ``failed``; None if it is undecided, or a limit or the lineage file stopped it.
     ``ended``: Why it has no daughters.
     ``chi``: Size asymmetry χ.
     ``chi_signed``: Positive if the daughter at the pole u = 0 is smaller.

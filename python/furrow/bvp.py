@@ -144,7 +144,7 @@ def solve_bvp(
         guess,
         unknown,
         _singular(S, len(guess)),
-        _known(besides, len(guess), unknown),
+        _known(besides, nodes, len(guess), unknown),
         (_tolerance("tol", tol), None if error_tol is None else _tolerance("error_tol", error_tol)),
         _most_nodes(max_nodes, *guess.shape) - 1,
     )
@@ -174,6 +174,8 @@ def _real(field: str, value: ArrayLike) -> NDArray[np.float64]:
     """An array of real numbers, which may be infinite or no numbers."""
     allowed = "a real number or an array of real numbers"
     try:
+        if _is_masked(value):
+            raise _unfit(field, "an array with masked entries", "numbers throughout: fill the masked entries")
         found = np.asarray(value)
         if np.iscomplexobj(found):
             raise _unfit(field, "complex numbers", "real values: state real and imaginary parts as components")
@@ -184,6 +186,11 @@ def _real(field: str, value: ArrayLike) -> NDArray[np.float64]:
         raise
     except (TypeError, ValueError, OverflowError):
         raise refused(field, value, allowed) from None
+
+
+def _is_masked(value: object) -> bool:
+    """Whether an array, or a row of a list of them, has masked entries, which would be taken as numbers."""
+    return bool(np.ma.is_masked(value)) or isinstance(value, (list, tuple)) and any(map(np.ma.is_masked, value))
 
 
 def _finite(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -246,8 +253,10 @@ def _singular(S: ArrayLike | None, n: int) -> tuple[NDArray[np.float64], NDArray
     return _finite("S", matrix), np.ascontiguousarray(np.linalg.pinv(np.identity(n) - matrix))
 
 
-def _known(besides: Sequence[Solution], n: int, p: NDArray[np.float64] | None) -> list[Collocation]:
-    """The polynomials of known solutions of a problem with n components."""
+def _known(
+    besides: Sequence[Solution], nodes: NDArray[np.float64], n: int, p: NDArray[np.float64] | None
+) -> list[Collocation]:
+    """The polynomials of known solutions of a problem with n components on the interval of some nodes."""
     allowed = "a list of results of furrow.bvp.solve_bvp"
     if isinstance(besides, Solution):
         raise _unfit("besides", "one solution", allowed)
@@ -262,7 +271,16 @@ def _known(besides: Sequence[Solution], n: int, p: NDArray[np.float64] | None) -
         if sizes != own:
             found, needed = (f"{c} components and {s} scalar unknowns" for c, s in (sizes, own))
             raise _unfit("besides", f"a solution of {found}", f"solutions of this problem, which has {needed}")
+        _same_interval(one.x, nodes)
     return [one._collocation for one in known]
+
+
+def _same_interval(known: NDArray[np.float64], nodes: NDArray[np.float64]) -> None:
+    """Refuses a known solution on another interval than that of the nodes, except for rounding."""
+    slack = 1e-9 * (nodes[-1] - nodes[0])
+    if abs(known[0] - nodes[0]) > slack or abs(known[-1] - nodes[-1]) > slack:
+        found, needed = (f"from {x[0]:.6g} to {x[-1]:.6g}" for x in (known, nodes))
+        raise _unfit("besides", f"a solution {found}", f"solutions on the interval of this problem, {needed}")
 
 
 def _derivative(nu: SupportsIndex) -> int:

@@ -173,6 +173,10 @@ impl<'py> Functions<'_, 'py> {
             arguments.push(PyArray1::from_slice(self.py, p).into_any());
         }
         let answer = function.call1(pyo3::types::PyTuple::new(self.py, arguments)?)?;
+        if N > 1 && answer.len()? != N {
+            let found = format!("{} arrays", answer.len()?);
+            return Err(Error::not_allowed(name, found, format!("a function that returns {N} arrays")).into());
+        }
         let mut out = shapes.map(|_| Vec::new());
         for (k, shape) in shapes.into_iter().enumerate() {
             let part = if N == 1 { answer.clone() } else { answer.get_item(k)? };

@@ -93,6 +93,7 @@ fn named(Scenario { name, folder, label, cue, .. }: Scenario, tree: Tree) -> Nam
 fn work(summary: &Summary, unknown: usize, trees: &[Tree]) -> Document {
     let mut warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
     warnings.extend(trees.iter().filter_map(Tree::lacks_regulator));
+    warnings.extend(trees.iter().flat_map(|tree| tree.lineage.rules_without_cue()));
     if unknown > 0 {
         warnings.push(format!("{unknown} cues have no critical radius: all divisions of their cells were computed"));
     }

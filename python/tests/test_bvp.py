@@ -143,6 +143,9 @@ REFUSED = [
     ({"y": np.zeros(5)}, "y", r"shape \(5,\): must be an array of shape \(n, 5\)"),
     ({"y": np.zeros((0, 5))}, "y", r"shape \(0, 5\): must be an array of shape \(n, 5\)"),
     ({"y": [[0], [0, 1]]}, "y", "real numbers"),
+    ({"y": np.ma.masked_equal(GUESS[1], 0)}, "y", "y = an array with masked entries: must be numbers throughout"),
+    ({"x": np.ma.masked_equal(GUESS[0], 1)}, "x", "x = an array with masked entries"),
+    ({"y": [np.ma.masked_equal(row, 0) for row in GUESS[1]]}, "y", "y = an array with masked entries"),
     ({"p": [1, math.nan]}, "p", r"p = nan at \[1\]: must be finite"),
     ({"p": math.inf}, "p", r"p = inf at \[0\]: must be finite"),
     ({"p": [1j]}, "p", "real and imaginary parts"),
@@ -189,6 +192,18 @@ def test_known_solutions_are_of_the_same_problem():
         solve_bvp(bratu, ends, *GUESS, besides=found)
     with pytest.raises(furrow.InputError, match=r"solution of 2 components and 0 scalar .* which has 1 components and 0"):
         solve_bvp(lambda x, y: y, lambda ya, yb: ya - 1, [0, 1], [[1, 1]], besides=[found])
+
+
+def test_known_solutions_are_on_the_same_interval():
+    found = solve_bvp(bratu, ends, *GUESS)
+    with pytest.raises(furrow.InputError, match="a solution from 0 to 1: must be solutions on the interval .* from 0 to 1.5"):
+        solve_bvp(bratu, ends, 1.5 * GUESS[0], GUESS[1], besides=[found])
+
+
+def test_derivatives_of_conditions_are_as_many_as_there_are_arguments():
+    three = (np.identity(2), np.identity(2), np.zeros((2, 1)))
+    with pytest.raises(furrow.InputError, match="bc_jac = 3 arrays: must be a function that returns 2 arrays"):
+        solve_bvp(bratu, ends, *GUESS, bc_jac=lambda ya, yb: three)
 
 
 def test_complex_values_are_refused():

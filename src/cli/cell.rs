@@ -63,14 +63,14 @@ impl CueArgs {
     }
 }
 
-/// Reads a lineage file, or the built-in one, and warns of radii that look like µm.
+/// Reads a lineage file, or the built-in one, and warns of what is doubtful in it.
 ///
 /// # Errors
 /// As [`Lineage::load`].
 pub fn load_lineage(file: Option<&Path>) -> Result<Lineage, InputError> {
     let lineage = Lineage::load(file)?;
     let place = || file.map_or(String::new(), |file| format!("{}: ", file.display()));
-    lineage.doubtful_radii().iter().for_each(|doubt| messages::warning!("{}{doubt}", place()));
+    lineage.doubts().iter().for_each(|doubt| messages::warning!("{}{doubt}", place()));
     Ok(lineage)
 }
 

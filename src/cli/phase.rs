@@ -63,6 +63,8 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         InputError::require(fine, option, "xi_s", value, "a finite number, 0 or above")?;
     }
     let Varied { cell, parameter, range } = args.vary.read(&mut context)?;
+    let fine = args.points > 1 || range[0] == range[1];
+    InputError::require(fine, "--points", "points", args.points, "2 at least where --from and --to differ")?;
     context.check_azimuthal(args.azimuthal)?;
     context.settings.check_divisions("settings")?;
     let picture = args.plot.file()?;

@@ -51,7 +51,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     if !matches!(sweep.kind, Kind::Division | Kind::Tree | Kind::Critical) {
         sweep.settings.check_axisymmetric("settings")?;
     }
-    messages::warn_of(sweep.lineage.doubtful_radii());
+    messages::warn_of(sweep.lineage.doubts());
     warn_of_size(&sweep.lineage.units(), radii(&sweep));
     if sweep.sets_cues_of_trees() {
         tell_who_gets("the cue", &sweep.lineage, &sweep.settings.cell, "");

@@ -133,6 +133,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     }
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
+    scenarios.iter().for_each(|scenario| warn_of_rules(scenario, !args.cue.is_empty()));
     if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
         return super::ensemble::grow_over(file, scenario, context, args.out.as_deref(), &picture);
     }
@@ -293,6 +294,8 @@ pub fn prepared(
         warn_of_size(&lineage.units(), [cell.r0.or(of_lineage).unwrap_or(Length::Natural(given.cell.r0))]);
     }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
+    let named = file.map_or(lineage.name.clone(), |file| file.display().to_string());
+    lineage.check_physics(&settings.cell, &settings.numerics, &named)?;
     Ok((lineage, settings))
 }
 
@@ -353,6 +356,15 @@ pub fn grown(
         warn_of_origin(tree, &scenario.name);
     }
     Ok((grown, spread))
+}
+
+/// Warns of rules that set a number which no cue of the lineage has, unless an option took all cues away.
+fn warn_of_rules(scenario: &Scenario, is_replaced: bool) {
+    if is_replaced && scenario.lineage.is_without_cues() {
+        return;
+    }
+    let place = if scenario.name.is_empty() { String::new() } else { format!("{}: ", scenario.name) };
+    messages::warn_of(scenario.lineage.rules_without_cue().into_iter().map(|doubt| format!("{place}{doubt}")));
 }
 
 /// Warns of cells that the lineage says die and that the tree does not have.

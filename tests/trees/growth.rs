@@ -125,6 +125,9 @@ fn founders_stop_after_their_rounds_and_named_cells_die() {
     // Qaaaa and Qaapa are daughters of cells that divide; the daughters of Qaaa, which dies, are not born.
     assert_eq!(ended(&tree, |reason| *reason == TerminalReason::Dies), ["Qaaa", "Qaapa"]);
     assert_eq!(ended(&tree, |reason| *reason == TerminalReason::MaxDepth { max_depth: 5 }).len(), 13);
+    // None of them has failed to divide: no division was computed.
+    let stopped = tree.cells().map(|id| tree.cell(id)).filter(|cell| cell.fate.terminal_reason().is_some());
+    assert!(stopped.into_iter().all(|cell| cell.fate.outcome().is_none()));
 }
 
 /// A neuroblast: the cue goes to the larger daughter at each division, and her sisters divide once.

@@ -207,15 +207,21 @@ impl Check<'_> {
         let name = given.parameter.as_str();
         let target = match (name, name.parse()) {
             ("cue", _) => Some(Target::Cue),
-            ("seed", _) if matches!(self.document.kind, Kind::Division | Kind::Tree) => Some(Target::Seed),
+            ("seed", _) => Some(Target::Seed),
             (_, Ok(parameter @ (Parameter::Cue { .. } | Parameter::Regulator(_)))) => {
                 Some(Target::CueNumber(parameter))
             }
             _ => canonical_name(name).ok().map(Target::Field),
         };
         let field = || format!("axes[{k}].parameter");
+        let has_seeds = matches!(self.document.kind, Kind::Division | Kind::Tree);
+        if name == "seed" && !has_seeds {
+            let allowed = "another parameter: only divisions and trees have an axis of seeds";
+            return self.refuse(field(), shown(name), allowed);
+        }
         let Some(target) = target else {
-            let known: Vec<&str> = settings::names().chain(["seed", "cue"]).chain(Parameter::OF_CUES).collect();
+            let seed = has_seeds.then_some("seed");
+            let known: Vec<&str> = settings::names().chain(seed).chain(["cue"]).chain(Parameter::OF_CUES).collect();
             let nearest = did_you_mean(name, known.iter().copied());
             return self.refuse(field(), shown(name), format!("one of {}{nearest}", known.join(", ")));
         };
@@ -229,6 +235,11 @@ impl Check<'_> {
         }
         if let Some(first) = before.iter().position(|axis| axis.target == target) {
             return self.refuse(field(), shown(name), format!("a parameter of one axis, and axes[{first}] has it"));
+        }
+        if let Some(first) = before.iter().position(|axis| axis.target.number() == target.number()) {
+            let allowed =
+                format!("a parameter that no other axis sets, and axes[{first}] = {} does", before[first].name);
+            return self.refuse(field(), shown(name), allowed);
         }
         Ok(target)
     }
@@ -266,6 +277,8 @@ impl Check<'_> {
         let allowed = format!("a whole number from 1 to {MOST_POINTS}");
         self.require((1..=MOST_POINTS).contains(&count), format!("axes[{k}].{of}.count"), count, &allowed)?;
         if range.is_some() {
+            let allowed = format!("2 at least where from and to differ; of one value write list: [{from}]");
+            self.require(count > 1 || from == to, format!("axes[{k}].{of}.count"), count, &allowed)?;
             let values = spaced(from, to, count).into_iter().map(|value| rounded(value, [from, to]));
             return Ok(values.map(AxisValue::Number).collect());
         }

@@ -2,6 +2,7 @@
 
 /// A value of an axis: a number, or a word where the parameter takes words; a cue as users write it.
 pub use furrow_cell::settings::Value as AxisValue;
+use furrow_cell::settings::number_set_by;
 use furrow_cell::{Cue, Parameter};
 use furrow_mechanics::division::DivisionInput;
 
@@ -16,6 +17,16 @@ pub enum Target {
     CueNumber(Parameter),
     /// The seed of the noise.
     Seed,
+}
+
+impl Target {
+    /// The same, with the number that a field sets in place of the field: two targets with the same one exclude each other.
+    pub(super) fn number(self) -> Target {
+        match self {
+            Target::Field(name) => Target::Field(number_set_by(name)),
+            other => other,
+        }
+    }
 }
 
 /// One axis: a parameter and its values.

@@ -1,7 +1,7 @@
 //! The sweep file: of what kind, over which axes, from what cell.
 
 use super::points::{Axes, AxisValue, Point, Target};
-use furrow_cell::settings::Settings;
+use furrow_cell::settings::{SHELL_PROFILE, Settings};
 use furrow_cell::{Cell, Cue, Scheme};
 use furrow_input::InputError;
 use furrow_lineage::Lineage;
@@ -118,6 +118,8 @@ impl Sweep {
                 Target::Seed => seed = axis.values[place].number().map_or(seed, |number| number as u64),
             }
         }
+        // A table sets the aspect ratio, which an axis of its own then replaces.
+        pairs.sort_by_key(|(name, _)| *name != SHELL_PROFILE);
         let set = settings.assign(&self.file, &pairs);
         if settings.numerics.scheme == Scheme::Converged && pairs.iter().any(|(name, _)| *name == "dt") {
             // An axis of steps is one of the published scheme: the other divides alike at all of them.

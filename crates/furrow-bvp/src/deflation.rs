@@ -105,7 +105,7 @@ impl Deflation {
         if dims.missing_conditions() != 0 {
             return Err(InvalidInput::NotSquare { missing: dims.missing_conditions(), allowed: "0" }.into());
         }
-        known.iter().try_for_each(|y| y.fits(dims))?;
+        known.iter().try_for_each(|y| y.fits(dims).and_then(|()| invalid::interval(&y.mesh, &guess.mesh)))?;
         let metric = self.norm(guess);
         metric.check(guess)?;
         let mut last = DeflationError::NotFound { iterations: 0, known: known.len(), correction: f64::INFINITY };

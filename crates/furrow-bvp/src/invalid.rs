@@ -77,6 +77,14 @@ pub enum InvalidInput {
         /// How many there are.
         count: usize,
     },
+    /// A known solution on another interval than the guess.
+    #[error("a known solution from {} to {}, and the problem is from {} to {}", known[0], known[1], own[0], own[1])]
+    Interval {
+        /// Ends of the known solution.
+        known: [f64; 2],
+        /// Ends of the guess.
+        own: [f64; 2],
+    },
     /// A number outside its range.
     #[error("{name} is {value}, {allowed} is allowed")]
     Setting {
@@ -122,6 +130,19 @@ pub(crate) fn setting(
     allowed: &'static str,
 ) -> Result<(), InvalidInput> {
     if is_allowed { Ok(()) } else { Err(InvalidInput::Setting { name, value, allowed }) }
+}
+
+/// Refuses a known solution whose mesh has other ends than that of the guess, except for rounding.
+pub(crate) fn interval(known: &[f64], own: &[f64]) -> Result<(), InvalidInput> {
+    let (Some(known), Some(own)) = (ends(known), ends(own)) else { return Ok(()) };
+    let slack = 1e-9 * (own[1] - own[0]);
+    let is_same = (0..2).all(|k| (known[k] - own[k]).abs() <= slack);
+    if is_same { Ok(()) } else { Err(InvalidInput::Interval { known, own }) }
+}
+
+/// First and last node of a mesh.
+fn ends(mesh: &[f64]) -> Option<[f64; 2]> {
+    Some([*mesh.first()?, *mesh.last()?])
 }
 
 /// Refuses a mesh with fewer than two nodes, or with nodes that are not finite or do not increase.

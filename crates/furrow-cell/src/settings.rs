@@ -255,12 +255,18 @@ impl Settings {
         self.check_fields(source_name)
     }
 
-    /// Sets fields by their [canonical names](canonical_name), in order; `xi_b` last, from the ξ_s that is then in force.
+    /// Sets fields by their [canonical names](canonical_name), in order; `xi_b` last, from the ξ_s that is then in force, and not beside
+    /// `xi_ratio`, which it sets.
     /// Whether the values are allowed is left to [`check`](Self::check).
     ///
     /// # Errors
     /// A value of another kind than its field; errors say it came from `source_name`.
     pub fn assign(&mut self, source_name: &str, pairs: &[(&str, Value)]) -> Result<(), InputError> {
+        let given = |wanted: &str| pairs.iter().find(|(name, _)| *name == wanted);
+        if let (Some((_, xi_b)), Some(_)) = (given(XI_B), given(XI_RATIO)) {
+            let allowed = format!("left out where {XI_RATIO} is given, which it sets");
+            return Err(InputError::not_allowed(source_name, XI_B, xi_b, allowed));
+        }
         let mut xi_b = None;
         for (name, value) in pairs {
             let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
@@ -517,8 +523,16 @@ pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static st
 /// Sets `xi_ratio` from the ξ_s in force.
 const XI_B: &str = "xi_b";
 
+/// What it sets.
+const XI_RATIO: &str = "xi_ratio";
+
+/// The number that a field sets, by its canonical name: `xi_b` sets `xi_ratio`.
+pub fn number_set_by(name: &'static str) -> &'static str {
+    if name == XI_B { XI_RATIO } else { name }
+}
+
 /// Sets the shell's profile from a table, and `aspect` with it.
-const SHELL_PROFILE: &str = "shell_profile";
+pub const SHELL_PROFILE: &str = "shell_profile";
 
 /// The name of the field that a key of `--set` means: an alias's own, and without the section before it. A constant of a law
 /// keeps its `law.`; whether the law has it is known when it is set.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `ron`, `place` | RON documents; the field that an error is about |
 //! | `csv_text` | text in CSV files that spreadsheets may open |
+//! | `map` | maps by name without a name that is given twice |
 //! | `file` | text files of bounded length |
 //! | `foreign` | files of other kinds, which errors name |
 //! | `names` | names in messages: quoted, shortened, listed, the nearest known one |
@@ -12,6 +13,7 @@
 mod csv_text;
 mod file;
 pub mod foreign;
+mod map;
 mod names;
 mod place;
 mod ron;
@@ -19,6 +21,7 @@ pub mod table;
 
 pub use csv_text::{csv_field, csv_value};
 pub use file::{LONGEST, open_file, read_text, read_text_up_to};
+pub use map::{unique_entries, unique_map};
 pub use names::{did_you_mean, forbidden, listed, printable, printable_lines, rounded_number, shown, shown_number};
 pub use place::json_field_at;
 pub use ron::{parse_document, parse_ron};

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::definition::{Lineage, entries};
+use super::definition::Lineage;
 use super::tree::{CellId, Tree, TreeCell};
 use furrow_input::table::{TIMES, Table, malformed, text as text_of};
-use furrow_input::{InputError, read_text, shown};
+use furrow_input::{InputError, read_text, shown, unique_entries};
 
 /// Lifetimes in minutes by the names of cells.
 pub type Lifetimes = BTreeMap<String, f64>;
@@ -122,7 +122,7 @@ impl<'de> Deserialize<'de> for WrittenLifetimes {
             }
 
             fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<WrittenLifetimes, A::Error> {
-                entries(map, |name| format!("the cell {name} is given twice")).map(WrittenLifetimes::Inline)
+                unique_entries(map, |name| format!("the cell {name} is given twice")).map(WrittenLifetimes::Inline)
             }
         }
         deserializer.deserialize_any(Written)

@@ -1,9 +1,7 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
 use std::collections::{BTreeMap, HashMap};
-use std::marker::PhantomData;
 
-use serde::de::MapAccess;
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Lifetimes};
@@ -12,8 +10,8 @@ use super::rules::{PhysicsRule, Place, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{split_terms, starts_with_field};
-use furrow_cell::{Cell, Cue, CueError, Numerics, Parameter, ShellChoice};
-use furrow_input::{InputError, did_you_mean, listed, shown};
+use furrow_cell::{Cell, Cue, CueError, Parameter, ShellChoice};
+use furrow_input::{did_you_mean, listed, shown, unique_map};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../lineages/c_elegans.ron");
@@ -115,6 +113,9 @@ pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {
     pub clock: Option<Clock<L>>,
     /// Founders, in the order tables list them.
     pub founders: Vec<Founder<S>>,
+    /// Whether the file has a cue with a number in µm.
+    #[serde(skip)]
+    pub cues_in_micrometres: bool,
 }
 
 /// Whether a name matches a pattern with `*` for any letters.
@@ -170,11 +171,8 @@ impl Lineage {
     /// that give the length of L_h can confuse the two. For other files with radii in µm a message states the L_h that is used.
     pub fn doubtful_radii(&self) -> Vec<String> {
         let units = self.units();
-        if let (None, Some(length)) = (self.units.and_then(|units| units.length_um), units.length_um) {
-            return vec![format!(
-                "radii are in µm, and the lineage does not say how long L_h is: {length} µm is taken, the worm's; \
-                 add units: (length_um: …)"
-            )];
+        if self.units.and_then(|units| units.length_um).is_none() && units.length_um.is_some() {
+            return vec![self.length_is_taken("radii")];
         }
         let doubt = |founder: &Founder| match (founder.r0, units.length_um) {
             (Some(Length::Natural(r0)), Some(_)) if r0 > DOUBTFUL => Some(format!(
@@ -185,6 +183,26 @@ impl Lineage {
             _ => None,
         };
         self.founders.iter().filter_map(doubt).collect()
+    }
+
+    /// What is doubtful in the file, a sentence for each: [`doubtful_radii`](Self::doubtful_radii), widths of cues in µm without a length
+    /// of L_h, and [`idle_rules`](Self::idle_rules).
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = self.doubtful_radii();
+        if self.cues_in_micrometres && self.units().length_um.is_none() {
+            doubts.push(self.length_is_taken("numbers of cues"));
+        }
+        doubts.extend(self.idle_rules());
+        doubts
+    }
+
+    /// Says which L_h is taken where the file does not say how long it is, and something is in µm.
+    fn length_is_taken(&self, what: &str) -> String {
+        let length = self.units().length_um();
+        format!(
+            "{what} are in µm, and the lineage does not say how long L_h is: {length} µm is taken, the worm's; \
+             add units: (length_um: …)"
+        )
     }
 
     /// The cue called `name`; `none` is always defined.
@@ -244,20 +262,6 @@ impl Lineage {
         let founder = &self.founders[founder];
         let acts = |name: &String| self.cue(name).is_some_and(|cue| cell.clone().with_cue(cue).has_cue());
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
-    }
-
-    /// Checks whether its cells can divide with the law of `cell` and the symmetry of `numerics`; errors say they came from
-    /// `source_name`.
-    ///
-    /// # Errors
-    /// Names the cue, founder or rule and the reason.
-    pub fn check_cells(&self, cell: &Cell, numerics: &Numerics, source_name: &str) -> Result<(), InputError> {
-        if numerics.modes == 0 {
-            self.check_axisymmetric(source_name)?;
-        }
-        let of_founders = self.founders.iter().flat_map(|founder| founder.cue.iter().chain(names(&founder.cue_rules)));
-        let cues = of_founders.chain(names(&self.cue_rules)).filter_map(|name| self.cue(name));
-        cues.into_iter().try_for_each(|cue| cell.clone().with_cue(cue).check_law(source_name))
     }
 
     /// Whether every cue that a founder or a rule names is `none`.
@@ -426,7 +430,7 @@ impl Lineage {
 }
 
 /// Names of the cues of rules.
-fn names(rules: &[CueRule]) -> impl Iterator<Item = &String> {
+pub(super) fn names(rules: &[CueRule]) -> impl Iterator<Item = &String> {
     rules.iter().map(|rule| &rule.cue)
 }
 
@@ -439,31 +443,5 @@ fn without<'a>(mut names: impl Iterator<Item = &'a String>) -> bool {
 pub(super) fn unique<'de, C: Deserialize<'de>, D: serde::Deserializer<'de>>(
     deserializer: D,
 ) -> Result<BTreeMap<String, C>, D::Error> {
-    struct Cues<C>(PhantomData<C>);
-    impl<'de, C: Deserialize<'de>> serde::de::Visitor<'de> for Cues<C> {
-        type Value = BTreeMap<String, C>;
-
-        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-            f.write_str("cues by name")
-        }
-
-        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-            entries(map, |name| format!("the cue {name} stands twice"))
-        }
-    }
-    deserializer.deserialize_map(Cues(PhantomData))
-}
-
-/// The entries of a map by name; `twice` is the error for a name, in quotes, that is given again.
-pub(super) fn entries<'de, V: Deserialize<'de>, A: MapAccess<'de>>(
-    mut map: A,
-    twice: impl Fn(&str) -> String,
-) -> Result<BTreeMap<String, V>, A::Error> {
-    let mut entries = BTreeMap::new();
-    while let Some((name, value)) = map.next_entry::<String, V>()? {
-        if entries.insert(name.clone(), value).is_some() {
-            return Err(serde::de::Error::custom(twice(&shown(&name))));
-        }
-    }
-    Ok(entries)
+    unique_map(deserializer, "cues by name", |name| format!("the cue {name} stands twice"))
 }

@@ -2,11 +2,11 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`definition`], [`founder`], `read`, `check`, `clash` | the lineage file: founders, cues, names, limits; reading it, checking it |
+//! | [`definition`], [`founder`], `read`, `check`, `clash`, `fits` | the lineage file: founders, cues, names, limits; reading it, checking it, also beside the settings of a run |
 //! | [`clock`] | how long cells live; births and divisions in minutes |
 //! | [`scenario`] | one of several lineages that are compared |
 //! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
-//! | [`rules`] | parameters of cells by generation, size and mother |
+//! | [`rules`], `idle` | parameters of cells by generation, size and mother; rules that never act |
 //! | [`observed`], [`physics`], [`units`] | observed counts and parameters of a founder, µm and minutes |
 //! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is solved |
 //! | [`thresholds`] | cells that are too small to divide |
@@ -19,8 +19,10 @@ mod check;
 mod clash;
 pub mod clock;
 pub mod definition;
+mod fits;
 pub mod founder;
 pub mod grow;
+mod idle;
 pub mod observed;
 pub mod physics;
 pub mod priority;

@@ -14,7 +14,7 @@ use super::rules::PhysicsRule;
 use super::units::Units;
 use furrow_cell::cue::WrittenCue;
 use furrow_cell::profile::WrittenShell;
-use furrow_cell::{Cue, CueError, Parameter};
+use furrow_cell::{Cue, CueError};
 use furrow_input::{InputError, did_you_mean, parse_document, parse_ron, read_text, shown};
 
 impl Lineage {
@@ -53,34 +53,6 @@ impl Lineage {
         checked(lineage, text, file)
     }
 
-    /// Refuses flattened shells and cues at one side of the axis, for trees of cells with axial symmetry; errors name `file`.
-    ///
-    /// # Errors
-    /// Names the cue, the founder or the rule.
-    pub(crate) fn check_axisymmetric(&self, file: &str) -> Result<(), InputError> {
-        if let Some((name, cue)) = self.cues.iter().find(|(_, cue)| cue.is_one_sided()) {
-            let allowed = "without at=PHI for cells with axial symmetry, whose modes are 0";
-            return Err(InputError::not_allowed(file, format!("cues[{name:?}]"), cue, allowed));
-        }
-        let allowed = "1 for cells with axial symmetry, whose modes are 0";
-        let flattened =
-            |founder: &&Founder| founder.physics.shell_flattening.is_some_and(|flattening| flattening != 1.0);
-        if let Some(founder) = self.founders.iter().find(flattened) {
-            let field = format!("founder {}: physics.shell_flattening", shown(&founder.name));
-            return Err(InputError::not_allowed(file, field, founder.physics.shell_flattening.unwrap_or(1.0), allowed));
-        }
-        let rules = self.founders.iter().flat_map(|founder| &founder.physics_rules).chain(&self.physics_rules);
-        match rules.into_iter().find(|rule| rule.parameter == Parameter::Flattening) {
-            Some(rule) => Err(InputError::not_allowed(
-                file,
-                "physics_rules",
-                rule.parameter,
-                "another parameter for cells with axial symmetry",
-            )),
-            None => Ok(()),
-        }
-    }
-
     /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
     ///
     /// # Errors
@@ -100,12 +72,43 @@ fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
     let written: Lineage<WrittenCue, WrittenLifetimes, WrittenShell> =
         parse_document(text, file, "a lineage file", "Lineage")?;
     // Without `..`: the compiler asks for every field.
-    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders } =
-        written;
+    let Lineage {
+        name,
+        citation,
+        naming,
+        units,
+        limits,
+        cues,
+        cue_rules,
+        physics_rules,
+        dies,
+        clock,
+        founders,
+        cues_in_micrometres: _,
+    } = written;
+    let cues_in_micrometres = in_micrometres(&cues);
     let cues = in_units(cues, units, file)?;
     let clock = clock.map(|clock| clock.resolved(file)).transpose()?;
     let founders = in_shells(founders, [text, file])?;
-    Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, dies, clock, founders })
+    Ok(Lineage {
+        name,
+        citation,
+        naming,
+        units,
+        limits,
+        cues,
+        cue_rules,
+        physics_rules,
+        dies,
+        clock,
+        founders,
+        cues_in_micrometres,
+    })
+}
+
+/// Whether a number of a cue is in µm.
+fn in_micrometres(cues: &BTreeMap<String, WrittenCue>) -> bool {
+    cues.values().any(WrittenCue::is_in_micrometres)
 }
 
 /// Cues in L_h and τ.
@@ -202,6 +205,7 @@ impl Differing {
         base.naming = naming.unwrap_or(base.naming);
         base.units = units.or(base.units);
         base.limits = limits.unwrap_or(base.limits);
+        base.cues_in_micrometres |= in_micrometres(&cues);
         base.cues.extend(in_units(cues, base.units, file)?);
         if !cue_rules.is_empty() {
             base.cue_rules = cue_rules;

@@ -38,6 +38,17 @@ pub struct Span {
 }
 
 impl Span {
+    /// Whether it includes all cells of another span.
+    pub(crate) fn covers(&self, other: &Span) -> bool {
+        let within = |limit: Option<f64>, of_other: Option<f64>, fits: fn(f64, f64) -> bool| {
+            limit.is_none_or(|limit| of_other.is_some_and(|of_other| fits(of_other, limit)))
+        };
+        self.from_generation <= other.from_generation
+            && self.to_generation.is_none_or(|last| other.to_generation.is_some_and(|of_other| of_other <= last))
+            && within(self.below_r0, other.below_r0, |of_other, limit| of_other <= limit)
+            && within(self.above_r0, other.above_r0, |of_other, limit| of_other >= limit)
+    }
+
     /// Whether it includes a cell of a generation and radius.
     pub(crate) fn includes(&self, generation: u32, r0: f64) -> bool {
         generation >= self.from_generation
@@ -155,6 +166,12 @@ impl PhysicsRule {
             Some(Per::R0) => times(r0),
             Some(Per::MotherChi) => times(mother?.chi),
         })
+    }
+
+    /// The value that it gives every cell it applies to; `None` if that depends on the cell.
+    pub(super) fn fixed_value(&self) -> Option<f64> {
+        let start = self.value.filter(|_| self.per.is_none())?;
+        Some(start * self.factor.unwrap_or(1.0) + self.add.unwrap_or(0.0))
     }
 
     /// The first invalid field: its name, its value and the allowed values.

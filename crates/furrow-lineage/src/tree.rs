@@ -46,9 +46,19 @@ impl TerminalReason {
         TerminalReason::MostRounds { most_rounds }
     }
 
-    /// True if a limit stopped the cell and mechanics did not.
-    pub(crate) fn is_limit(&self) -> bool {
-        matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
+    /// True if mechanics say that the cell does not divide. Limits, the lineage file and failed computations say nothing of it.
+    fn is_mechanical(&self) -> bool {
+        match self {
+            TerminalReason::AtRest { .. }
+            | TerminalReason::BelowPitchfork { .. }
+            | TerminalReason::BelowCuedFold { .. }
+            | TerminalReason::BelowBentBoundary { .. } => true,
+            TerminalReason::Undecided { .. }
+            | TerminalReason::Dies
+            | TerminalReason::MostRounds { .. }
+            | TerminalReason::MaxDepth { .. }
+            | TerminalReason::MaxCells { .. } => false,
+        }
     }
 
     /// The reason's name in files.
@@ -148,11 +158,10 @@ impl Fate {
         if let Fate::Terminal { reason, .. } = self { Some(reason) } else { None }
     }
 
-    /// How its division ended; `None` for an undecided cell and for one stopped by a limit.
+    /// How its division ended; `None` for an undecided cell, and for one that a limit or the lineage file stopped.
     pub fn outcome(&self) -> Option<Outcome> {
         match self {
-            Fate::Terminal { reason: TerminalReason::Undecided { .. }, division: None } => None,
-            Fate::Terminal { reason, division: None } => (!reason.is_limit()).then_some(Outcome::Arrested),
+            Fate::Terminal { reason, division: None } => reason.is_mechanical().then_some(Outcome::Arrested),
             fate => fate.division().map(|division| division.outcome()),
         }
     }

@@ -3,14 +3,14 @@
 use std::fmt::Display;
 
 use furrow_cell::{Cell, Numerics, Parameter};
-use furrow_input::{InputError, did_you_mean, parse_document};
+use furrow_input::{InputError, did_you_mean, parse_document, unique_map};
 use furrow_lineage::Lineage;
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
 use furrow_lineage::batch::{Memo, scheduler, solve};
 use furrow_mechanics::calibration::Threshold;
 use furrow_mechanics::calibration::statements::{GivenCriticality, GivenDivision};
 use furrow_mechanics::division::DivisionInput;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
@@ -66,9 +66,15 @@ pub struct OutOfSample {
     /// Their name.
     pub name: String,
     /// Volumes that replace those from divisions, as shares of the first cell's.
+    #[serde(deserialize_with = "volumes")]
     pub volumes: BTreeMap<String, f64>,
     /// What was measured.
     pub chi: Vec<MeasuredChi>,
+}
+
+/// Reads volumes by name, and refuses duplicate names.
+fn volumes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    unique_map(deserializer, "volumes by the cell's name", |name| format!("the volume of {name} stands twice"))
 }
 
 /// The targets of a fit.
@@ -227,6 +233,13 @@ mod tests {
     use super::*;
     use furrow_cell::settings::Settings;
     use furrow_lineage::batch::Quantisation;
+
+    #[test]
+    fn a_volume_that_is_given_twice_is_refused() {
+        let text = EMBRYO.replacen("volumes: {", r#"volumes: {"P1": 0.2, "P1": 0.3, "#, 1);
+        let error = parse_document::<Targets>(&text, "t.ron", "a file of targets", "Fit").unwrap_err().to_string();
+        assert!(error.ends_with(r#"the volume of "P1" stands twice"#), "{error}");
+    }
 
     /// A zygote without a cue divides equally in embryos: one preset says so too, the other contradicts it.
     #[test]

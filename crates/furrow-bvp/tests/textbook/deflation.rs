@@ -43,6 +43,14 @@ fn bratu_has_two_solutions() {
     assert!(matches!(none, Err(DeflationError::NotFound { known: 2, .. })), "{none:?}");
 }
 
+#[test]
+fn a_known_solution_on_another_interval_is_refused() {
+    let mut bratu = ends_at_zero(|_, y, f| (f[0], f[1]) = (y[1], -y[0].exp()));
+    let on = |to| Solution::constant(4, &mesh::uniform(0.0, to, 10), &[0.0, 0.0], &[]);
+    let refused = search().solve(&mut bratu, &on(1.0), &[on(1.5)]).unwrap_err();
+    assert_eq!(refused.to_string(), "a known solution from 0 to 1.5, and the problem is from 0 to 1");
+}
+
 /// u″ + λ(u − u³) = 0 on a length of 1 with π² < λ = 20 < 4π²: 0 and ±u.
 #[test]
 fn a_cubic_has_three_solutions() {

@@ -56,6 +56,12 @@ impl WrittenCue {
         WrittenCue { cue, physical: physical.into_iter().map(Parameter::Regulator).collect() }
     }
 
+    /// Whether it has a number in µm.
+    pub fn is_in_micrometres(&self) -> bool {
+        let has_no_length = Parameter::Regulator(RegulatorQuantity::Turnover);
+        self.physical.iter().any(|parameter| *parameter != has_no_length)
+    }
+
     /// How many terms it has.
     pub(super) fn terms(&self) -> usize {
         self.cue.terms.len()

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::names::{ConstantName, Known, LONGEST_NAME, reserved};
 use super::program::Program;
 use super::text::{ExpressionError, compile};
 use super::{Constant, Expression, Law};
-use furrow_input::{InputError, did_you_mean, forbidden, parse_document, read_text, shown};
+use furrow_input::{InputError, did_you_mean, forbidden, parse_document, read_text, shown, unique_map};
 
 /// Most characters of a law's name.
 const LONGEST: usize = 60;
@@ -20,7 +20,7 @@ const LONGEST: usize = 60;
 #[serde(deny_unknown_fields, rename = "Law")]
 pub(super) struct Document {
     name: String,
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, deserialize_with = "constants", skip_serializing_if = "BTreeMap::is_empty")]
     constants: BTreeMap<String, Constant>,
     stress_uu: String,
     stress_phiphi: String,
@@ -31,6 +31,11 @@ pub(super) struct Document {
     /// Whether u counts from the other pole.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     reversed: bool,
+}
+
+/// Reads constants by name, and refuses duplicate names.
+fn constants<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Constant>, D::Error> {
+    unique_map(deserializer, "constants by name", |name| format!("the constant {name} stands twice"))
 }
 
 /// Why a document is no law.

@@ -197,6 +197,12 @@ mod tests {
     }
 
     #[test]
+    fn a_constant_that_is_given_twice_is_refused() {
+        let error = law("a*xi_s", r#""a": (value: 1.0), "a": (value: 2.0)"#).unwrap_err();
+        assert!(error.ends_with(r#"constants["a"]: the constant "a" stands twice"#), "{error}");
+    }
+
+    #[test]
     fn a_law_that_reads_the_regulator_makes_a_cue_of_it() {
         let carried: Cue = REGULATOR.parse().unwrap();
         let plain = Cell::new(2.0).with_cue(carried);
