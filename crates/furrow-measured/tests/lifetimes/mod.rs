@@ -245,7 +245,7 @@ fn embryos_of_one_name_in_several_tables_are_told_apart() {
     let of = |tables: [&str; 2]| {
         let paths = ["mon.csv", "tue.csv"].map(|name| folder.path().join(name));
         paths.iter().zip(tables).for_each(|(path, table)| std::fs::write(path, table).unwrap());
-        let (files, _) = embryo_files(&paths).unwrap();
+        let (files, _) = embryo_files(&paths, TableKind::Lifetimes).unwrap();
         let lifetimes = Lifetimes::read_files(&files, &LifetimeOptions::default()).unwrap();
         (lifetimes.embryos.iter().map(|embryo| embryo.embryo.clone()).collect::<Vec<_>>(), lifetimes.used)
     };
