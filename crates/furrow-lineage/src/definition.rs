@@ -113,9 +113,23 @@ pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {
     pub clock: Option<Clock<L>>,
     /// Founders, in the order tables list them.
     pub founders: Vec<Founder<S>>,
-    /// Whether the file has a cue with a number in µm.
+    /// How the file is written, as far as that is doubtful.
     #[serde(skip)]
+    pub written: Written,
+}
+
+/// How a lineage file is written. It is no part of the lineage: lineages that are written in other ways are equal, and other files do not
+/// have it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Written {
+    /// Whether a cue has a number in µm.
     pub cues_in_micrometres: bool,
+}
+
+impl PartialEq for Written {
+    fn eq(&self, _: &Written) -> bool {
+        true
+    }
 }
 
 /// Whether a name matches a pattern with `*` for any letters.
@@ -189,7 +203,7 @@ impl Lineage {
     /// of L_h, and [`idle_rules`](Self::idle_rules).
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.doubtful_radii();
-        if self.cues_in_micrometres && self.units().length_um.is_none() {
+        if self.written.cues_in_micrometres && self.units().length_um.is_none() {
             doubts.push(self.length_is_taken("numbers of cues"));
         }
         doubts.extend(self.idle_rules());

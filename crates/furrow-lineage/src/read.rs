@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 
 use super::check::Check;
 use super::clock::{Clock, WrittenLifetimes};
-use super::definition::{C_ELEGANS, CueRule, Limits, Lineage, unique};
+use super::definition::{C_ELEGANS, CueRule, Limits, Lineage, Written, unique};
 use super::founder::{Founder, in_shells};
 use super::rules::PhysicsRule;
 use super::units::Units;
@@ -84,9 +84,9 @@ fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
         dies,
         clock,
         founders,
-        cues_in_micrometres: _,
+        written: _,
     } = written;
-    let cues_in_micrometres = in_micrometres(&cues);
+    let written = Written { cues_in_micrometres: in_micrometres(&cues) };
     let cues = in_units(cues, units, file)?;
     let clock = clock.map(|clock| clock.resolved(file)).transpose()?;
     let founders = in_shells(founders, [text, file])?;
@@ -102,7 +102,7 @@ fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
         dies,
         clock,
         founders,
-        cues_in_micrometres,
+        written,
     })
 }
 
@@ -205,7 +205,7 @@ impl Differing {
         base.naming = naming.unwrap_or(base.naming);
         base.units = units.or(base.units);
         base.limits = limits.unwrap_or(base.limits);
-        base.cues_in_micrometres |= in_micrometres(&cues);
+        base.written.cues_in_micrometres |= in_micrometres(&cues);
         base.cues.extend(in_units(cues, base.units, file)?);
         if !cue_rules.is_empty() {
             base.cue_rules = cue_rules;
