@@ -30,10 +30,10 @@ fn names() -> Names {
 }
 
 /// Spots of an egg (1, 2), its daughters 3 and 4 in frame 2, the daughters of 3 (5, 6) in frame 4, of 4 (7, 8) in frames 4 and 5,
-/// and a spot of something else (9).
+/// and two spots of something else (9, 13).
 const SPOTS: &str = "LABEL,ID,FRAME,RADIUS\n\
-    ID1,1,0,10\nID2,2,1,10\nID3,3,2,9\nID4,4,2,6\nID5,5,4,7\nID6,6,4,7\nID7,7,4,3\nID8,8,5,4\nID10,10,6,4\nID9,9,0,2\n";
-const EDGES: &str = "SPOT_SOURCE_ID,SPOT_TARGET_ID\n1,2\n2,3\n2,4\n3,5\n3,6\n4,7\n4,8\n8,10\n";
+    ID1,1,0,10\nID2,2,1,10\nID3,3,2,9\nID4,4,2,6\nID5,5,4,7\nID6,6,4,7\nID7,7,4,3\nID8,8,5,4\nID10,10,6,4\nID9,9,0,2\nID13,13,1,2\n";
+const EDGES: &str = "SPOT_SOURCE_ID,SPOT_TARGET_ID\n1,2\n2,3\n2,4\n3,5\n3,6\n4,7\n4,8\n8,10\n9,13\n";
 
 struct Files {
     folder: tempfile::TempDir,
