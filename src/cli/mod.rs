@@ -55,7 +55,6 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
-#[command(defer = true)]
 enum Command {
     /// Grows a lineage from one cell, division by division, until no cell can divide
     ///
@@ -177,15 +176,14 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 /// Reads the arguments. clap copies the options of all commands into each command it knows: where the first argument names one,
-/// it gets to know that one alone, and the others are never built. The names of the command's options go to `options`.
+/// it gets to know that one alone. The names of the command's options go to `options`.
 fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
     let commands = Command::augment_subcommands(clap::Command::default());
     let named = std::env::args_os().nth(1).and_then(|name| commands.find_subcommand(name).cloned());
-    let mut known = match named {
+    let known = match named {
         Some(named) => Cli::command().subcommand(named),
         None => command(),
     };
-    known.build();
     let mut known = with_negative_numbers(known);
     let mut matches = known.try_get_matches_from_mut(std::env::args_os())?;
     let (mut command, mut below) = (&known, &matches);
