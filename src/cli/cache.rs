@@ -5,6 +5,7 @@ use super::error::CliError;
 use super::messages;
 use super::output::print_as;
 use clap::{Args, Subcommand};
+use furrow_input::InputError;
 use furrow_lineage::batch::store::maintenance;
 use std::fmt::Write;
 
@@ -35,6 +36,8 @@ enum Action {
 
 pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
     messages::set_level(globals);
+    let allowed = "left out: this command is about the cache";
+    InputError::require(!globals.no_cache, "--no-cache", "cache", "--no-cache", allowed)?;
     let folder = cache_folder(globals)?;
     let report = match args.action {
         Action::Verify { repair: true } => maintenance::repair(&folder)?,

@@ -63,7 +63,7 @@ impl CueArgs {
     }
 }
 
-/// Reads a lineage file, or the built-in one, and warns of what is doubtful in it.
+/// Reads a lineage file, or the built-in one, and warns of its doubtful values.
 ///
 /// # Errors
 /// As [`Lineage::load`].

@@ -20,7 +20,9 @@ use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::scheduler::solve_all;
 use furrow_lineage::batch::{self, Failure, Filming, Memo, replicates, replicates_by};
-use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
+use furrow_mechanics::division::{
+    Division, DivisionInput, DivisionOptions, Ending, Frame, Recorder, Statistics, Trajectory,
+};
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
@@ -509,7 +511,8 @@ fn division_text(d: &Division, units: &Units) -> String {
 /// The prediction of linear theory for a cell that does not divide, where a disturbance that is not axisymmetric grows.
 fn one_sided(cell: &Cell, solved: &[Replicate]) -> String {
     // Without axial symmetry the bend is computed.
-    let rests = solved.iter().any(|one| one.division.chi().is_none() && one.division.neck_offset.is_none());
+    let is_stable = |ending: &Ending| matches!(ending, Ending::Arrested { growth_rate: Some(rate) } if *rate < 0.0);
+    let rests = solved.iter().any(|one| is_stable(&one.division.ending) && one.division.neck_offset.is_none());
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
             "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory; --three-dimensional computes how it ends\n"

@@ -33,10 +33,12 @@ mod test;
 mod tree;
 mod vary;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use context::{Context, Globals};
 pub use error::CliError;
 use std::borrow::Cow;
+use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
 /// Predicts cell divisions of embryos from mechanics: how unequal they are, how many rounds there are, and when a lineage stops.
@@ -191,9 +193,31 @@ fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
         (command, below) = (command.find_subcommand(name).unwrap_or(command), matches);
     }
     options.extend(command.get_arguments().filter_map(clap::Arg::get_long).map(str::to_owned));
+    if let Some(clash) = one_file_twice(below, options) {
+        return Err(known.error(ErrorKind::ArgumentConflict, clash));
+    }
     Cli::from_arg_matches_mut(&mut matches)
         .and_then(|cli| Ok((cli.globals, Command::from_arg_matches_mut(&mut matches)?)))
         .map_err(|error| error.format(&mut known))
+}
+
+/// Options that write a file.
+const WRITTEN: [&str; 9] = ["out", "plot", "movie", "frames", "csv", "write", "posterior", "table", "front"];
+
+/// Two options of a command that name one file, if there are any: one output would replace the other.
+fn one_file_twice(matches: &clap::ArgMatches, options: &[String]) -> Option<String> {
+    let written = WRITTEN.into_iter().filter(|name| options.iter().any(|option| option == name));
+    let mut named: Vec<(&str, PathBuf)> = Vec::new();
+    for name in written {
+        let Ok(Some(mut values)) = matches.try_get_raw(name) else { continue };
+        let Some(file) = values.next() else { continue };
+        let file: PathBuf = Path::new(file).components().filter(|part| *part != Component::CurDir).collect();
+        if let Some((other, _)) = named.iter().find(|(_, known)| *known == file) {
+            return Some(format!("--{other} and --{name} both write {}: give each a file of its own", file.display()));
+        }
+        named.push((name, file));
+    }
+    None
 }
 
 /// Makes a write beyond the limit on file sizes fail like one to a full disk. Without a handler the signal would kill the process,

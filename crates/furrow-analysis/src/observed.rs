@@ -229,7 +229,7 @@ impl ObservedLineage {
         ObservedLineage { name: name.to_owned(), cells, time: TimeUnit::Minutes, volumes: unit }
     }
 
-    /// What is doubtful about the births of cells from tables of lifetimes.
+    /// Doubts about the births of cells from tables of lifetimes.
     fn doubts_of_births(&self, lifetimes: &Lifetimes) -> Vec<String> {
         let names = |is_so: &dyn Fn(&ObservedCell) -> bool| -> Vec<&str> {
             self.cells.iter().filter(|cell| is_so(cell)).map(|cell| cell.name.as_str()).collect()

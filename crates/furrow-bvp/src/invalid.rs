@@ -132,7 +132,7 @@ pub(crate) fn setting(
     if is_allowed { Ok(()) } else { Err(InvalidInput::Setting { name, value, allowed }) }
 }
 
-/// Refuses a known solution whose mesh has other ends than that of the guess, except for rounding.
+/// Refuses a known solution on another interval than the guess, except for rounding.
 pub(crate) fn interval(known: &[f64], own: &[f64]) -> Result<(), InvalidInput> {
     let (Some(known), Some(own)) = (ends(known), ends(own)) else { return Ok(()) };
     let slack = 1e-9 * (own[1] - own[0]);

@@ -523,7 +523,7 @@ pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static st
 /// Sets `xi_ratio` from the ξ_s in force.
 const XI_B: &str = "xi_b";
 
-/// What it sets.
+/// The number that `xi_b` sets.
 const XI_RATIO: &str = "xi_ratio";
 
 /// The number that a field sets, by its canonical name: `xi_b` sets `xi_ratio`.

@@ -199,7 +199,7 @@ impl Lineage {
         self.founders.iter().filter_map(doubt).collect()
     }
 
-    /// What is doubtful in the file, a sentence for each: [`doubtful_radii`](Self::doubtful_radii), widths of cues in µm without a length
+    /// Doubts about the file, a sentence for each: [`doubtful_radii`](Self::doubtful_radii), widths of cues in µm without a length
     /// of L_h, and [`idle_rules`](Self::idle_rules).
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.doubtful_radii();

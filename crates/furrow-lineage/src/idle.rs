@@ -8,7 +8,7 @@ use super::rules::{PhysicsRule, Span};
 use furrow_cell::{Cell, Parameter};
 use furrow_input::shown;
 
-/// A list of rules: where it is in the file, its field, and of each rule what it sets and the cells it applies to.
+/// A list of rules: its place in the file, its field, and the number and the cells of each rule.
 struct Rules {
     place: String,
     field: &'static str,
@@ -27,7 +27,7 @@ impl Rules {
         })
     }
 
-    /// A sentence for each rule whose cells an earlier rule has all.
+    /// A sentence for each rule that an earlier rule covers.
     fn covered(&self) -> impl Iterator<Item = String> {
         self.all.iter().enumerate().filter_map(|(k, (sets, span))| {
             let earlier = self.all[..k].iter().position(|(other, wider)| other == sets && wider.covers(span))?;

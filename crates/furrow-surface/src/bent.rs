@@ -161,6 +161,14 @@ pub enum BentError {
         /// Activity of the first state that was computed.
         xi_s: f64,
     },
+    /// No activity of the range is above the threshold.
+    #[error("bent states begin at xi_s = {xi_s:.4}, beyond {xi_max}")]
+    Beyond {
+        /// Their threshold.
+        xi_s: f64,
+        /// The largest activity.
+        xi_max: f64,
+    },
     /// The bent states stay stable.
     #[error("the bent states are stable to the largest bend that is followed")]
     Unbounded,
@@ -451,6 +459,9 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
     check(cell)?;
     let mut work = Work::default();
     let (threshold, [near, mut bent]) = begin(cell, numerics, &mut work)?;
+    if threshold.xi_s.max(near.cell.xi_s) > xi_max {
+        return Err(BentError::Beyond { xi_s: threshold.xi_s, xi_max });
+    }
     let mut before = bent.point()?;
     let points = vec![near.point()?, before];
     let mut found = BentBranch { threshold, points, work, pitchfork: None, fold: None, ended: BranchEnd::Enough };
@@ -480,6 +491,7 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
         (bent, before, step) = (next, now, (1.5 * step).min(STEP));
     }
     if before.xi_s > xi_max {
+        found.points.retain(|point| point.xi_s <= xi_max);
         found.ended = BranchEnd::Bound(xi_max);
     }
     Ok(found)

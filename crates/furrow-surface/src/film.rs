@@ -30,7 +30,7 @@ pub struct Step {
 pub struct Observables {
     /// Time, in τ.
     pub t: f64,
-    /// The neck; `None` without a waist.
+    /// The neck, with u as a share of the mean meridian; `None` without a waist.
     pub neck: Option<Neck>,
     /// (V_above − V_below)/V for the parts on both sides of the neck; 0 without a neck.
     pub asymmetry: f64,
@@ -120,9 +120,10 @@ impl Step {
     fn of(problem: &Problem, level: &Level) -> Step {
         let surface = &level.state.surface;
         let neck = neck(&problem.space, surface);
+        let along = |neck: Neck| Neck { u: problem.mean_meridian(surface).share_at(neck.u), ..neck };
         let shape = Observables {
             t: level.t,
-            neck,
+            neck: neck.map(along),
             asymmetry: neck.map_or(0.0, |neck| asymmetry(&problem.space, surface, &neck)),
             length: problem.contour_length(surface),
             pressure: level.state.pressure,

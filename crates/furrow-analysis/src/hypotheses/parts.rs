@@ -17,6 +17,7 @@ use crate::table::csv_of;
 
 /// Columns of a part beside its numbers.
 pub(super) const LOG_EVIDENCE: &str = "log_evidence";
+pub(super) const ASKED: &str = "asked";
 pub(super) const PART: &str = "part";
 /// The column of hypotheses, where a table has several.
 pub(super) const HYPOTHESIS: &str = "hypothesis";
@@ -39,16 +40,20 @@ struct Row {
     texts: Vec<String>,
     hypothesis: String,
     log_evidence: f64,
+    /// The hash of its data and model, if the part has it.
+    asked: Option<String>,
     part: u64,
 }
 
 /// Puts the parts of a sample together, as `furrow test --shard` wrote them.
 ///
 /// # Errors
-/// A file that is no part, parts with different columns, of different numbers of parts, and a part that is missing or there twice.
+/// A file that is no part, parts with different columns, of different data or models, of different numbers of parts, and a part that is
+/// missing or there twice.
 pub fn merge_parts(files: &[PathBuf]) -> Result<MergedSample, InputError> {
     let (mut head, mut rows, mut seen): (Vec<String>, Vec<Row>, BTreeMap<u64, String>) = Default::default();
     let mut of_all = None;
+    let mut asked: BTreeMap<String, (String, Option<String>)> = BTreeMap::new();
     for file in files {
         let source = file.display().to_string();
         let (columns, read, Shard { number, of }) = part(file, &source)?;
@@ -59,6 +64,13 @@ pub fn merge_parts(files: &[PathBuf]) -> Result<MergedSample, InputError> {
         if let Some(other) = seen.insert(number, source.clone()) {
             let allowed = format!("each part once; {other} is the same");
             return Err(InputError::not_allowed(source, PART, format!("{number}/{of}"), allowed));
+        }
+        for Row { hypothesis, asked: own, .. } in &read {
+            let (first, known) = asked.entry(hypothesis.clone()).or_insert_with(|| (source.clone(), own.clone()));
+            let allowed =
+                || format!("as in {first}: parts are of one table, cue, list of free numbers, noise and lineage");
+            let value = own.as_deref().unwrap_or("(none)");
+            InputError::require(known == own, &source, ASKED, value, allowed())?;
         }
         head = columns;
         rows.extend(read);
@@ -81,7 +93,7 @@ fn part(file: &Path, source: &str) -> Result<(Vec<String>, Vec<Row>, Shard), Inp
         found.ok_or_else(|| InputError::not_allowed(source, "columns", columns.join(","), allowed))
     };
     let (evidence, number) = (place(LOG_EVIDENCE)?, place(PART)?);
-    let hypothesis = columns.iter().position(|column| column == HYPOTHESIS);
+    let [hypothesis, asked] = [HYPOTHESIS, ASKED].map(|name| columns.iter().position(|column| column == name));
     let (mut rows, mut which): (Vec<Row>, Option<Shard>) = (Vec::new(), None);
     while let Some(row) = table.next_row()? {
         let line = format!("{source}:{}", row.line);
@@ -93,11 +105,13 @@ fn part(file: &Path, source: &str) -> Result<(Vec<String>, Vec<Row>, Shard), Inp
             return Err(refused(number, "the same in every row"));
         }
         let hypothesis = hypothesis.map_or(String::new(), |k| texts[k].clone());
-        let kept = texts.into_iter().enumerate().filter(|(k, _)| ![evidence, number].contains(k));
-        rows.push(Row { texts: kept.map(|(_, text)| text).collect(), hypothesis, log_evidence, part: shard.number });
+        let own = asked.map(|k| texts[k].clone());
+        let kept = texts.into_iter().enumerate().filter(|(k, _)| ![evidence, number].contains(k) && Some(*k) != asked);
+        let texts = kept.map(|(_, text)| text).collect();
+        rows.push(Row { texts, hypothesis, log_evidence, asked: own, part: shard.number });
     }
     let shard = which.ok_or_else(|| InputError::not_allowed(source, "rows", "(none)", "at least one point"))?;
-    columns.retain(|name| name != LOG_EVIDENCE && name != PART);
+    columns.retain(|name| ![LOG_EVIDENCE, ASKED, PART].contains(&name.as_str()));
     Ok((columns, rows, shard))
 }
 
@@ -159,6 +173,9 @@ mod tests {
         assert!(refused(&[first.clone(), other]).contains("the columns of"));
         let other = write("d.csv", "epsilon,log_evidence,part\n25,-1,2/3\n");
         assert!(refused(&[first, other]).contains("part = 2/3: must be a part of 2"));
+        let [one, other] = [("f.csv", "aa,1/2"), ("g.csv", "bb,2/2")]
+            .map(|(name, of)| write(name, &format!("epsilon,log_evidence,asked,part\n0.8,-1,{of}\n")));
+        assert!(refused(&[one, other]).contains("g.csv: asked = bb: must be as in "));
         let whole = write("e.csv", "epsilon\n0.8\n");
         assert!(refused(&[whole]).contains("which furrow test --shard writes"));
     }

@@ -7,6 +7,7 @@
 //!
 //! The check of a cell compares its measured mean with means that the sample predicts for as many divisions with their errors.
 
+use furrow_lineage::batch::SOLVER_VERSION;
 use furrow_measured::significance::normal_tail;
 use furrow_measured::statistics::{mean, sd};
 use serde::Serialize;
@@ -19,7 +20,7 @@ use super::hierarchy::{self, ByEmbryo, EmbryoNumber};
 use super::noise::{Noise, NoiseKind, UNDIVIDED};
 use super::observations::{Observation, Observations};
 use super::others::{self, Others};
-use super::parts::{HYPOTHESIS, LOG_EVIDENCE, PART};
+use super::parts::{ASKED, HYPOTHESIS, LOG_EVIDENCE, PART};
 use crate::constants::{EMBRYO, named};
 use crate::fit::chain::Model;
 use crate::fit::error::check_cancelled;
@@ -102,6 +103,9 @@ pub struct Posterior {
     /// The place of its most likely point in the unit cube.
     #[serde(skip)]
     pub(super) best: Vec<f64>,
+    /// A hash of the data and the model, by which parts of one sample know each other.
+    #[serde(skip)]
+    pub(super) asked: String,
 }
 
 /// The results at one point of the sample.
@@ -139,6 +143,17 @@ pub(super) fn log_density_of(rows: &[Observation], chi: &[Option<f64>], noise: &
     }
     let squares = n as f64 * sd.powi(2);
     ln_gamma_of_half(n) - 2.0_f64.ln() - 0.5 * n as f64 * (PI * squares).ln()
+}
+
+/// A hash of the measurements, their errors, the model and the solver's version.
+fn asked(Question { observations, noise, .. }: &Question<'_>, model: &Model<'_>, by_embryo: Option<usize>) -> String {
+    let Observations { rows, others, units, .. } = observations;
+    let Model { run, template, unknowns, .. } = model;
+    let all = format!(
+        "{rows:?} {others:?} {units:?} {noise:?} {:?} {:?} {template:?} {unknowns:?} {by_embryo:?} {SOLVER_VERSION}",
+        run.lineage, run.settings
+    );
+    blake3::hash(all.as_bytes()).to_hex()[..16].to_owned()
 }
 
 /// Draws the sample of a hypothesis's model.
@@ -197,6 +212,7 @@ pub(super) fn posterior(
             Some(_) => hierarchy::numbers(units, particles.iter().map(|particle| &particle.computed.moments)),
             None => Vec::new(),
         },
+        asked: asked(question, model, by_embryo),
         best: best.map_or(Vec::new(), |particle| particle.place[..model.unknowns.len()].to_vec()),
         points,
     })
@@ -246,7 +262,7 @@ fn predicted(question: &Question<'_>, particles: &[Particle<Computed>], cell: us
 }
 
 /// The samples of hypotheses as a table: a column for each number, and one of the hypotheses' names if there are several. Numbers that
-/// a hypothesis does not have are empty. A part of a sample also has its log evidence and which part it is.
+/// a hypothesis does not have are empty. A part of a sample also has its log evidence, a hash of the data and the model, and which part it is.
 pub fn samples_csv<'a>(
     hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)> + Clone,
     part: Option<Shard>,
@@ -260,14 +276,15 @@ pub fn samples_csv<'a>(
     let is_one = hypotheses.clone().count() == 1;
     let named = |name: &str| if is_one { None } else { Some(name.to_owned()) };
     let head = named(HYPOTHESIS).into_iter().chain(names.iter().map(|name| (*name).to_owned()));
-    let of_part = part.iter().flat_map(|_| [LOG_EVIDENCE, PART]).map(str::to_owned);
+    let of_part = part.iter().flat_map(|_| [LOG_EVIDENCE, ASKED, PART]).map(str::to_owned);
     let head = head.chain(of_part).collect();
     let rows = hypotheses.flat_map(|(hypothesis, posterior)| {
         let places: Vec<Option<usize>> =
             names.iter().map(|name| posterior.parameters.iter().position(|number| number.name == *name)).collect();
         let row = move |point: &Vec<f64>| {
             let value = |place: &Option<usize>| place.map_or(String::new(), |k| point[k].to_string());
-            let of_part = part.iter().flat_map(|part| [posterior.log_evidence.to_string(), part.to_string()]);
+            let of_part = |part: Shard| [posterior.log_evidence.to_string(), posterior.asked.clone(), part.to_string()];
+            let of_part = part.into_iter().flat_map(of_part);
             named(hypothesis).into_iter().chain(places.iter().map(value)).chain(of_part).collect::<Vec<String>>()
         };
         posterior.points.iter().map(row).collect::<Vec<_>>()

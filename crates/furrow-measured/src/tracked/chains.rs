@@ -17,7 +17,7 @@ pub(super) struct Chain {
     pub mother: Option<usize>,
 }
 
-/// What a chain without a sister is.
+/// The meaning of a chain without a sister.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Only {
     /// The only daughter that was followed.
@@ -26,8 +26,8 @@ pub(super) enum Only {
     SameCell,
 }
 
-/// Links the spots of each chain, and its first one to the last of its mother. `time` is the name of the column of times, `only` says
-/// what a chain without a sister is. A chain whose sister is left out is a daughter.
+/// Links the spots of each chain, and its first one to the last of its mother. `time` is the name of the column of times, `only` is
+/// the meaning of a chain without a sister. A chain whose sister is left out is a daughter.
 ///
 /// # Errors
 /// Two spots of a chain at one time.

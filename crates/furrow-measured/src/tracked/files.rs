@@ -45,7 +45,7 @@ const MOST: usize = 10_000;
 /// Most files that an error names.
 const MOST_NAMED: usize = 3;
 
-/// Bytes at the start of a table that decide what it has.
+/// Bytes at the start of a table from which its kind is known.
 const HEAD: u64 = 1 << 16;
 
 /// Finds the files of embryos. A folder is an embryo itself, or holds embryos and tables of this kind; a name with `*` finds the files
@@ -137,7 +137,7 @@ fn in_folder(
     Ok(())
 }
 
-/// The error for a folder of which no file can be read.
+/// The error for a folder without a readable file.
 fn nothing_in(folder: &Path, tables: TableKind, others: &[LeftOut]) -> InputError {
     let mut why: Vec<&str> = others.iter().take(MOST_NAMED).map(|other| other.why.as_str()).collect();
     let more = format!("{} more", others.len().saturating_sub(MOST_NAMED));
@@ -160,7 +160,7 @@ fn why_left_out(path: &Path, tables: TableKind) -> Option<String> {
         Ok(None) => tables.refused(path).err().map(|error| {
             let (file, error) = (path.display().to_string(), error.to_string());
             let error = error.strip_prefix(&format!("{file}:")).unwrap_or(&error).trim_start();
-            // What is wrong, without the layouts of tables.
+            // The list of layouts behind the reason is left out.
             let error = error.split("; ").next().unwrap_or(error);
             format!("{file}: is neither an embryo that was followed nor a table of {}: {error}", tables.name())
         }),
@@ -168,7 +168,7 @@ fn why_left_out(path: &Path, tables: TableKind) -> Option<String> {
 }
 
 impl TableKind {
-    /// What the tables have.
+    /// The quantity in the tables.
     fn name(self) -> &'static str {
         match self {
             TableKind::Volumes => "volumes",
@@ -179,7 +179,7 @@ impl TableKind {
     /// Tries to read the beginning of a file as such a table.
     ///
     /// # Errors
-    /// It is none.
+    /// The file is no such table.
     fn refused(self, path: &Path) -> Result<(), InputError> {
         let (file, mut head) = (path.display().to_string(), Vec::new());
         open_file(path)?.take(HEAD).read_to_end(&mut head).map_err(|e| InputError::unreadable(path, e))?;

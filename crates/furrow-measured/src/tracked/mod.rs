@@ -14,7 +14,7 @@
 //! | `chains` | links spots, where the file lists the spots of a cell together |
 //! | `rows` | rows that are given twice, and links past spots that cannot be used |
 //! | `spots` | spots and links of any format, as cells |
-//! | `namesakes` | which of several cells of one name comes first |
+//! | `namesakes` | the order of several cells of one name |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
 //!

@@ -19,7 +19,7 @@ impl<K: Eq + Hash> FirstRows<K> {
     }
 }
 
-/// What a row has in the columns with a name: the others may count rows.
+/// A hash of a row's fields in the columns with a name: others may count rows.
 pub(super) fn contents<'r>(names: &[String], text: impl Fn(usize) -> &'r [u8]) -> u64 {
     let is_named = |name: &String| !name.is_empty() && !name.starts_with("Unnamed: ");
     let texts = names.iter().enumerate().filter(|(_, name)| is_named(name)).map(|(column, _)| text(column));
@@ -42,7 +42,7 @@ pub(super) fn repeat(first: u64) -> String {
 pub(super) type Link<K> = (u64, [K; 2]);
 
 /// The links between spots that can be used. Where a spot cannot be used, the one before it is linked with those after it, so that its
-/// cell goes on. `time` is that of a spot, if it can be used.
+/// cell goes on. `time` gives the time of a usable spot.
 pub(super) fn links_past<K: Copy + Eq + Hash>(links: Vec<Link<K>>, time: impl Fn(K) -> Option<f64>) -> Vec<Link<K>> {
     let mut all: Vec<Option<Link<K>>> = Vec::with_capacity(links.len());
     let (mut links_of, mut lost): (HashMap<K, Vec<usize>>, Vec<K>) = Default::default();

@@ -133,7 +133,7 @@ impl Spots {
         Ok(())
     }
 
-    /// Marks the last spot of a cell: what a link leads to from here is a daughter, unless the names are equal.
+    /// Marks the last spot of a cell: a link from here leads to a daughter, unless the names are equal.
     pub fn part(&mut self, spot: usize) {
         self.parted.insert(spot);
     }

@@ -185,7 +185,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)
 }
 
-/// What a row must have.
+/// The required values of a row.
 struct Values {
     track: u64,
     time: f64,
