@@ -190,7 +190,7 @@ def _real(field: str, value: ArrayLike) -> NDArray[np.float64]:
 
 def _is_masked(value: object) -> bool:
     """Whether an array, or a row of a list of them, has masked entries, which would be taken as numbers."""
-    return bool(np.ma.is_masked(value)) or isinstance(value, (list, tuple)) and any(map(np.ma.is_masked, value))
+    return bool(np.ma.is_masked(value)) or (isinstance(value, (list, tuple)) and any(map(np.ma.is_masked, value)))
 
 
 def _finite(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -196,7 +196,7 @@ def test_known_solutions_are_of_the_same_problem():
 
 def test_known_solutions_are_on_the_same_interval():
     found = solve_bvp(bratu, ends, *GUESS)
-    with pytest.raises(furrow.InputError, match="a solution from 0 to 1: must be solutions on the interval .* from 0 to 1.5"):
+    with pytest.raises(furrow.InputError, match=r"a solution from 0 to 1: must be solutions on the interval .* from 0 to 1.5"):
         solve_bvp(bratu, ends, 1.5 * GUESS[0], GUESS[1], besides=[found])
 
 

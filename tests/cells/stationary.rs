@@ -51,7 +51,7 @@ fn shapes_just_below_a_fold_are_on_its_near_side() {
     {
         let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
         let branch = primary::follow(&cell, &numerics, &options, |_| false).unwrap();
-        let fold = branch.events[0].point().clone();
+        let fold = *branch.events[0].point();
         let off = |distance: f64| {
             let shape = stationary(&Cell { xi_s: fold.xi_s * (1.0 - distance), ..cell.clone() }, &numerics).unwrap();
             assert!(shape.folds.is_empty(), "{cell:?} {distance}");

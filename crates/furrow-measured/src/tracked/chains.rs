@@ -27,7 +27,7 @@ pub(super) enum Only {
 }
 
 /// Links the spots of each chain, and its first one to the last of its mother. `time` is the name of the column of times, `only` is
-/// the meaning of a chain without a sister. A chain whose sister is left out is a daughter.
+/// the meaning of a chain without a sister. If the sister is left out, it is a daughter.
 ///
 /// # Errors
 /// Two spots of a chain at one time.
