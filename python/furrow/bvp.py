@@ -253,9 +253,7 @@ def _singular(S: ArrayLike | None, n: int) -> tuple[NDArray[np.float64], NDArray
     return _finite("S", matrix), np.ascontiguousarray(np.linalg.pinv(np.identity(n) - matrix))
 
 
-def _known(
-    besides: Sequence[Solution], nodes: NDArray[np.float64], n: int, p: NDArray[np.float64] | None
-) -> list[Collocation]:
+def _known(besides: Sequence[Solution], nodes: NDArray[np.float64], n: int, p: NDArray[np.float64] | None) -> list[Collocation]:
     """The polynomials of known solutions of a problem with n components on the interval of some nodes."""
     allowed = "a list of results of furrow.bvp.solve_bvp"
     if isinstance(besides, Solution):
