@@ -7,6 +7,7 @@ use super::output::{print_as, seed, writable_file};
 use super::tree::prepared;
 use clap::Args;
 use furrow_formats::write_atomically;
+use furrow_input::InputError;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -32,6 +33,10 @@ pub struct ExploreArgs {
 
 pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
     let (lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.as_deref())?;
+    let is_page =
+        args.out.extension().is_some_and(|name| ["html", "htm"].iter().any(|page| name.eq_ignore_ascii_case(page)));
+    let file = format!("{:?}", args.out.display().to_string());
+    InputError::require(is_page, "--out", "file", file, "a file whose name ends in .html or .htm")?;
     writable_file("--out", args.out.as_path())?;
     let page = furrow_report::explorer(&lineage, &settings);
     write_atomically(&args.out, page.as_bytes())?;

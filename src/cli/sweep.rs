@@ -29,7 +29,7 @@ pub struct SweepArgs {
     /// Sweep file: kind, axes and settings
     #[arg(value_name = "SWEEP.ron")]
     sweep: PathBuf,
-    /// Output folder; files of another sweep in it are overwritten
+    /// Output folder; files of another sweep in it are overwritten, unless that sweep was interrupted and can be resumed
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
     /// Solves only part K of N, chosen by the points' hashes; see furrow merge
