@@ -1,9 +1,9 @@
 //! Embryos that several tables give one name.
 //!
 //! Tables of one embryo have different cells of it: their cells are joined. If a cell has values in two tables, the embryos differ
-//! and are called by their tables too, as `mon/1`. A table that repeats another adds nothing.
+//! and are called by their tables too, as `mon/1`. A table of volumes that repeats another adds nothing.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use crate::events::Division;
@@ -59,6 +59,15 @@ impl Kinship {
     }
 }
 
+/// The places of divisions by the embryo's name in its table and the group.
+fn by_embryo(sources: &[Source], divisions: &[Division]) -> HashMap<(String, String), Vec<usize>> {
+    let mut found: HashMap<(String, String), Vec<usize>> = HashMap::new();
+    for (k, (source, division)) in sources.iter().zip(divisions).enumerate() {
+        found.entry((source.name.clone(), division.group.clone())).or_default().push(k);
+    }
+    found
+}
+
 impl Volumes {
     /// Compares the embryos that a table has added, from number `first` on, with those before.
     pub(crate) fn join_embryos(&mut self, first: usize) {
@@ -109,24 +118,19 @@ impl Volumes {
     pub(crate) fn join_divisions(&mut self, first: usize) {
         let (before, new) = self.divisions.split_at_mut(first);
         let (sources, own) = self.division_sources.split_at(first);
-        let key = |source: &Source, division: &Division| (source.name.clone(), division.group.clone());
-        let mut done = HashSet::new();
-        for k in 0..new.len() {
-            let name = key(&own[k], &new[k]);
-            if !done.insert(name.clone()) {
+        let known = by_embryo(sources, before);
+        for (name, here) in by_embryo(own, new) {
+            let Some(there) = known.get(&name) else { continue };
+            let mothers: HashSet<&str> = there.iter().map(|other| before[*other].mother.as_str()).collect();
+            if !here.iter().any(|k| mothers.contains(new[*k].mother.as_str())) {
                 continue;
             }
-            let here: Vec<usize> = (0..new.len()).filter(|j| key(&own[*j], &new[*j]) == name).collect();
-            let there: Vec<usize> = (0..before.len()).filter(|j| key(&sources[*j], &before[*j]) == name).collect();
-            let both = |j: &usize| there.iter().any(|other| before[*other].mother == new[*j].mother);
-            if !here.iter().any(both) {
-                continue;
-            }
-            let mut label = own[k].label(false);
+            let own = &own[here[0]];
+            let mut label = own.label(false);
             for other in there {
-                let [theirs, mine] = Source::labels([&sources[other], &own[k]]);
-                if before[other].embryo == sources[other].name {
-                    before[other].embryo = theirs;
+                let [theirs, mine] = Source::labels([&sources[*other], own]);
+                if before[*other].embryo == sources[*other].name {
+                    before[*other].embryo = theirs;
                 }
                 label = mine;
             }

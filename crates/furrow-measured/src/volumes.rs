@@ -270,8 +270,7 @@ impl Volumes {
         let header = table.columns(is_grid)?;
         (self.names, self.voxels) = (options.names.clone(), options.voxel.clone());
         self.files += 1;
-        // Embryos of other tables with the same names are compared at the end.
-        self.embryo_places.clear();
+        self.begin_file();
         let (embryos, divisions) = (self.embryos.len(), self.divisions.len());
         let class = header.named(&options.class)?;
         let unit = if let Some(columns) = DivisionColumns::of(&header, class.clone())? {
@@ -350,6 +349,7 @@ impl Volumes {
         (self.names, self.voxels) = (names.clone(), options.voxel.clone());
         self.files += 1;
         let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
+        self.begin_file();
         let embryo = self.embryo(options.group_of(None), lineage.name, file);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
@@ -376,6 +376,7 @@ impl Volumes {
                 Err(rejected) => self.skip(file, &rejected),
             }
         }
+        self.join_embryos(embryo);
         self.of_nuclei |= is_of_nuclei;
         let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
         self.require_unit(unit, file)
@@ -424,6 +425,12 @@ impl Volumes {
         }
         let file = self.skipped.first().map_or(tables, |skipped| &skipped.file);
         require_used(self.used, (file, "volumes"), &self.skipped, self.skipped_count)
+    }
+
+    /// Embryos of earlier files with the same names are compared at the end of a file, and may move then.
+    fn begin_file(&mut self) {
+        self.embryo_places.clear();
+        self.cell_places.clear();
     }
 
     pub(crate) fn embryo(&mut self, group: String, name: String, file: &str) -> usize {

@@ -324,6 +324,9 @@ fn embryos_of_one_name_are_told_apart() {
     assert_eq!((names(&parts), divisions(&parts).divisions.len(), parts.skipped_count), (vec!["1".to_owned()], 2, 0));
     let repeated = of_files(&[("a.csv", &monday), ("copy.csv", &monday)]);
     assert_eq!((names(&repeated), repeated.used, repeated.skipped_count), (vec!["1".to_owned()], 2, 2));
+    let third =
+        of_files(&[("a.csv", &monday), ("copy.csv", &monday), ("b.csv", "embryo,cell,volume_um3\n2,P1,45\n2,AB,55\n")]);
+    assert_eq!((names(&third), divisions(&third).divisions.len()), (vec!["1".to_owned(), "2".to_owned()], 2));
     let grids = ["frame,AB,P1\n1,600,400\n", "frame,AB,P1\n1,550,450\n"];
     let grids = of_files(&[("mon/S1_Volume.csv", grids[0]), ("tue/S1_Volume.csv", grids[1])]);
     assert_eq!(names(&grids), ["mon/S1", "tue/S1"]);
