@@ -1,5 +1,7 @@
 //! A collocation solution: mesh, node values, stage values, scalar unknowns.
 
+use multiversion::multiversion;
+
 use crate::dense::add_multiple;
 use crate::dimensions::{Dimensions, TooLarge};
 use crate::gauss::{Gauss, MAX_STAGES};
@@ -181,6 +183,15 @@ impl Solution {
         self.interpolate(i, &basis, out);
     }
 
+    /// One component of the polynomial of interval i at θ ∈ [0, 1]; NaN if there is no such component.
+    pub fn component_in(&self, gauss: &Gauss, i: usize, theta: f64, component: usize) -> f64 {
+        let mut basis = [0.0; MAX_STAGES + 1];
+        gauss.basis(theta, &mut basis);
+        let at = |values: &[f64]| values.get(component).copied().unwrap_or(f64::NAN);
+        let stages = rows(&self.stages, i, self.m * self.components).chunks_exact(self.components);
+        stages.zip(&basis[1..]).fold(basis[0] * at(self.node(i)), |sum, (y, weight)| sum + weight * at(y))
+    }
+
     /// Derivative with respect to x of the polynomial of interval i at θ ∈ [0, 1].
     pub fn slope_in(&self, gauss: &Gauss, i: usize, theta: f64, out: &mut [f64]) {
         let mut basis = [0.0; MAX_STAGES + 1];
@@ -205,22 +216,32 @@ impl Solution {
     }
 
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
+    // Inlined, and without closures, for loops that are compiled for other instruction sets.
+    #[inline(always)]
     pub(crate) fn interpolate<'a>(&'a self, i: usize, basis: &[f64], out: &mut [f64]) {
         /// Sums of N components are kept in registers.
         #[inline(always)]
         fn sized<const N: usize>(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
             let (Some(node), Some(out)) = (node.first_chunk::<N>(), out.first_chunk_mut::<N>()) else { return };
-            let mut sum = node.map(|y| basis[0] * y);
             let stages = stages.as_chunks::<N>().0;
-            let add = |sum: &mut [f64; N], weight: f64, y: &[f64; N]| (0..N).for_each(|c| sum[c] += weight * y[c]);
-            match (stages, basis) {
+            match (<&[[f64; N]; 4]>::try_from(stages), basis.first_chunk::<5>()) {
                 // The usual four stages.
-                ([y1, y2, y3, y4], [_, b1, b2, b3, b4, ..]) => {
-                    [(b1, y1), (b2, y2), (b3, y3), (b4, y4)].into_iter().for_each(|(b, y)| add(&mut sum, *b, y));
-                }
-                _ => stages.iter().zip(&basis[1..]).for_each(|(y, b)| add(&mut sum, *b, y)),
+                (Ok(stages), Some(basis)) => *out = weighted(node, stages, basis),
+                _ => *out = weighted(node, stages, basis),
             }
-            *out = sum;
+        }
+        #[inline(always)]
+        fn weighted<const N: usize>(node: &[f64; N], stages: &[[f64; N]], basis: &[f64]) -> [f64; N] {
+            let mut sum = [0.0; N];
+            for c in 0..N {
+                sum[c] = basis[0] * node[c];
+            }
+            for (y, weight) in stages.iter().zip(&basis[1..]) {
+                for c in 0..N {
+                    sum[c] += weight * y[c];
+                }
+            }
+            sum
         }
         fn any(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
             out.iter_mut().zip(node).for_each(|(o, y)| *o = basis[0] * y);
@@ -229,8 +250,7 @@ impl Solution {
             }
         }
         let (n, m) = (self.components, self.m);
-        let part = |values: &'a [f64], size: usize| values.get(i * size..(i + 1) * size).unwrap_or(&[]);
-        let (node, stages) = (part(&self.nodes, n), part(&self.stages, m * n));
+        let (node, stages) = (rows(&self.nodes, i, n), rows(&self.stages, i, m * n));
         match n {
             1 => sized::<1>(node, stages, basis, out),
             2 => sized::<2>(node, stages, basis, out),
@@ -319,36 +339,44 @@ impl Transfer {
     /// Transfers values. For a solution on another mesh, or with other stages, the weights are made anew.
     pub fn apply(&self, from: &Solution, to: &mut Solution) {
         if (from.m, from.intervals()) == (self.m, self.intervals) {
-            self.weigh(from, to);
+            weigh(self, from, to);
         } else {
             let gauss = from.gauss();
-            Transfer { m: from.m, ..Transfer::new(&gauss, &from.mesh, &self.mesh) }.weigh(from, to);
+            weigh(&Transfer { m: from.m, ..Transfer::new(&gauss, &from.mesh, &self.mesh) }, from, to);
         }
     }
+}
 
-    fn weigh(&self, from: &Solution, to: &mut Solution) {
-        let (n, m) = (from.components, from.m);
-        (to.components, to.m) = (n, m);
-        to.mesh.clone_from(&self.mesh);
-        to.scalars.clone_from(&from.scalars);
-        to.nodes.resize(self.mesh.len() * n, 0.0);
-        to.stages.resize(to.intervals() * m * n, 0.0);
-        for (k, (interval, weights)) in self.places.iter().enumerate() {
-            let (i, j) = (k / (m + 1), k % (m + 1));
-            let out = match j.checked_sub(1) {
-                None => to.nodes.get_mut(i * n..(i + 1) * n),
-                Some(j) => to.stages.get_mut((i * m + j) * n..(i * m + j + 1) * n),
-            };
-            let (Some(out), Some(&weight)) = (out, weights.get(m + 1)) else { continue };
-            let right = from.nodes.get((interval + 1) * n..(interval + 2) * n).unwrap_or(&[]);
-            if weight == 1.0 {
-                out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
-                continue;
-            }
-            from.interpolate(*interval, weights, out);
-            for (o, right) in out.iter_mut().zip(right) {
-                *o += weight * right;
-            }
+/// The part of values that belongs to interval or node i; empty beyond the end.
+#[inline(always)]
+fn rows(values: &[f64], i: usize, size: usize) -> &[f64] {
+    values.get(i * size..(i + 1) * size).unwrap_or(&[])
+}
+
+/// Transfers values of a solution on the mesh that the weights are for.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+fn weigh(transfer: &Transfer, from: &Solution, to: &mut Solution) {
+    let (n, m) = (from.components, from.m);
+    (to.components, to.m) = (n, m);
+    to.mesh.clone_from(&transfer.mesh);
+    to.scalars.clone_from(&from.scalars);
+    to.nodes.resize(to.mesh.len() * n, 0.0);
+    to.stages.resize(to.intervals() * m * n, 0.0);
+    for (k, (interval, weights)) in transfer.places.iter().enumerate() {
+        let (i, j) = (k / (m + 1), k % (m + 1));
+        let out = match j.checked_sub(1) {
+            None => to.nodes.get_mut(i * n..(i + 1) * n),
+            Some(j) => to.stages.get_mut((i * m + j) * n..(i * m + j + 1) * n),
+        };
+        let (Some(out), Some(&weight)) = (out, weights.get(m + 1)) else { continue };
+        let right = rows(&from.nodes, interval + 1, n);
+        if weight == 1.0 {
+            out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
+            continue;
+        }
+        from.interpolate(*interval, weights, out);
+        for (o, right) in out.iter_mut().zip(right) {
+            *o += weight * right;
         }
     }
 }

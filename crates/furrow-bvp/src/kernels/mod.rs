@@ -12,6 +12,5 @@ pub use block::AntisymmetricEnd;
 pub(crate) use block::{BlockFactor, EndJacobian};
 pub(crate) use condense::Condensed;
 pub(crate) use operator::{MAX_READINGS, Responses};
-pub(crate) use stages::Interval;
 pub use table::Kernels;
 pub(crate) use table::{forces_onto_nodes, read_responses};

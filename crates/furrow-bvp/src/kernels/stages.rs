@@ -1,19 +1,78 @@
-//! The collocation equations of one interval but for their right-hand sides.
+//! Residuals of the collocation equations, and products of their Jacobian.
 
-use crate::dimensions::Dimensions;
+use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
+use crate::direction::{Direction, Residual};
 use crate::gauss::{Gauss, MAX_STAGES};
 
+use super::condense::{Condensed, part, part_mut};
 use super::shape::{Shape, Sizes};
 
-/// Values on one interval.
-#[derive(Clone, Copy, Debug)]
-pub struct Interval<'a> {
+/// Values on one interval of width h.
+#[derive(Clone, Copy)]
+struct Interval<'a> {
+    h: f64,
     /// Left node value; n.
-    pub left: &'a [f64],
+    left: &'a [f64],
     /// Stage values; m × n.
-    pub stages: &'a [f64],
+    stages: &'a [f64],
     /// Right node value; n.
-    pub right: &'a [f64],
+    right: &'a [f64],
+}
+
+impl<'a> Interval<'a> {
+    #[inline(always)]
+    fn new(i: usize, h: f64, [nodes, stages]: [&'a [f64]; 2], Sizes { n, m, .. }: Sizes) -> Interval<'a> {
+        let (left, right) = nodes[i * n..(i + 2) * n].split_at(n);
+        Interval { h, left, stages: part(stages, i, m * n), right }
+    }
+}
+
+/// Turns f at the stages of all intervals, in `rows`, into the residuals of the stages, and writes those of the nodes, for values
+/// [nodes, stages].
+#[inline(always)]
+pub fn residuals<S: Shape>(
+    gauss: &Gauss,
+    mesh: &[f64],
+    values: [&[f64]; 2],
+    rows: &mut [f64],
+    node_rows: &mut [f64],
+) {
+    let components = values[0].len() / mesh.len();
+    let sizes = S::sizes(Dimensions { components, ..Dimensions::default() }, gauss.m);
+    for i in 0..mesh.len() - 1 {
+        let interval = Interval::new(i, mesh[i + 1] - mesh[i], values, sizes);
+        let rows = part_mut(rows, i, sizes.m * sizes.n);
+        differences(sizes, gauss, interval, rows, part_mut(node_rows, i, sizes.n));
+    }
+}
+
+/// Adds J δ at the stages and nodes to `out`, without the scalar unknowns of δ.
+#[inline(always)]
+pub fn apply<S: Shape>(condensed: &Condensed, gauss: &Gauss, direction: &Direction, out: &mut Residual) {
+    let sizes = condensed.sizes::<S>();
+    let Sizes { n, m, .. } = sizes;
+    let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
+    let (rows, node) = scratch[..(m + 1) * n].split_at_mut(m * n);
+    for i in 0..condensed.intervals() {
+        let interval = Interval::new(i, condensed.h[i], [&direction.nodes, &direction.stages], sizes);
+        for k in 0..m * n {
+            let f = part(part(&condensed.fy, i, m * n * n), k, n);
+            let y = part(interval.stages, k / n, n);
+            let mut sum = f[0] * y[0];
+            for c in 1..n {
+                sum += f[c] * y[c];
+            }
+            rows[k] = sum;
+        }
+        differences(sizes, gauss, interval, rows, node);
+        let (to, to_node) = (part_mut(&mut out.stages, i, m * n), part_mut(&mut out.nodes, i, n));
+        for k in 0..m * n {
+            to[k] += rows[k];
+        }
+        for k in 0..n {
+            to_node[k] += node[k];
+        }
+    }
 }
 
 /// Components that are treated at once.
@@ -29,11 +88,10 @@ fn two_groups(of: &[f64], from: [usize; 2]) -> [[f64; GROUP]; 2] {
     out
 }
 
-/// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval (m × n) and writes its node residual
+/// Multiplies f at the stages of one interval (m × n) by −h, adds Σ_k D_jk (Y_k − y₀), and writes the node residual
 /// y₀ + Σ d_j (Y_j − y₀) − y₁ (n).
 #[inline(always)]
-pub fn differences<S: Shape>(gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
-    let Sizes { n, m, .. } = S::sizes(Dimensions { components: interval.left.len(), ..Dimensions::default() }, gauss.m);
+fn differences(Sizes { n, m, .. }: Sizes, gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
     if (GROUP..=2 * GROUP).contains(&n) {
         in_two_groups([n, m], gauss, interval, residual, node);
     } else {
@@ -44,7 +102,7 @@ pub fn differences<S: Shape>(gauss: &Gauss, interval: Interval<'_>, residual: &m
 /// The first and the last components, in two groups that overlap, so that neither is padded.
 #[inline(always)]
 fn in_two_groups([n, m]: [usize; 2], gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
-    let Interval { left: y0, stages, right: y1 } = interval;
+    let Interval { h, left: y0, stages, right: y1 } = interval;
     let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
     let groups = [0, n - GROUP];
     let starts = two_groups(y0, groups);
@@ -70,7 +128,7 @@ fn in_two_groups([n, m]: [usize; 2], gauss: &Gauss, interval: Interval<'_>, resi
                 }
             }
             for t in 0..GROUP {
-                sums[g][t] += sum[t];
+                sums[g][t] = sums[g][t] * -h + sum[t];
                 end[g][t] += d[j] * difference[j][g][t];
             }
         }
@@ -88,7 +146,7 @@ fn in_two_groups([n, m]: [usize; 2], gauss: &Gauss, interval: Interval<'_>, resi
 
 #[inline(always)]
 fn in_padded_groups([n, m]: [usize; 2], gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
-    let Interval { left: y0, stages, right: y1 } = interval;
+    let Interval { h, left: y0, stages, right: y1 } = interval;
     let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
     for from in (0..n).step_by(GROUP) {
         let width = (n - from).min(GROUP);
@@ -109,7 +167,7 @@ fn in_padded_groups([n, m]: [usize; 2], gauss: &Gauss, interval: Interval<'_>, r
             }
             let row = &mut residual[j * n + from..j * n + from + width];
             for t in 0..width {
-                row[t] += sum[t];
+                row[t] = row[t] * -h + sum[t];
             }
             for t in 0..GROUP {
                 end[t] += d[j] * difference[j][t];

@@ -15,7 +15,7 @@ use super::block::BlockFactor;
 use super::condense::Condensed;
 use super::operator::Responses;
 use super::shape::{Components, RuntimeSizes, Shape, StaticSizes};
-use super::stages::{self, Interval};
+use super::stages;
 
 /// The functions that run over all intervals, for any sizes or for given ones.
 ///
@@ -31,7 +31,8 @@ pub struct Kernels {
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
     pub(crate) complete: fn(&Condensed, &Gauss, &mut Direction),
-    pub(crate) differences: fn(&Gauss, Interval<'_>, &mut [f64], &mut [f64]),
+    pub(crate) residuals: fn(&Gauss, &[f64], [&[f64]; 2], &mut [f64], &mut [f64]),
+    pub(crate) apply: fn(&Condensed, &Gauss, &Direction, &mut Residual),
     pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearCondition]) -> Result<(), PivotFailure>,
     pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
     pub(crate) backward: fn(&mut BlockFactor, &mut [f64], &[f64]),
@@ -74,7 +75,8 @@ impl Kernels {
             condense: condense::<S>,
             particular: particular::<S>,
             complete: complete::<S>,
-            differences: differences::<S>,
+            residuals: residuals::<S>,
+            apply: apply::<S>,
             eliminate: eliminate::<S>,
             forward: forward::<S>,
             backward: backward::<S>,
@@ -175,8 +177,19 @@ fn backward<S: Shape>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn differences<S: Shape>(gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
-    stages::differences::<S>(gauss, interval, residual, node)
+fn residuals<S: Shape>(
+    gauss: &Gauss,
+    mesh: &[f64],
+    values: [&[f64]; 2],
+    rows: &mut [f64],
+    node_rows: &mut [f64],
+) {
+    stages::residuals::<S>(gauss, mesh, values, rows, node_rows);
+}
+
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+fn apply<S: Shape>(condensed: &Condensed, gauss: &Gauss, direction: &Direction, out: &mut Residual) {
+    stages::apply::<S>(condensed, gauss, direction, out);
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]

@@ -1,11 +1,10 @@
 //! The antisymmetric problem that belongs to a problem on a mirror-symmetric half.
 
 use crate::dense::Determinant;
-use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
+use crate::dimensions::Dimensions;
 use crate::direction::{Direction, Residual};
-use crate::gauss::MAX_STAGES;
 use crate::invalid::{self, InvalidInput};
-use crate::kernels::{AntisymmetricEnd, Interval};
+use crate::kernels::AntisymmetricEnd;
 
 use super::system::{FactorisationError, Progress, System};
 
@@ -88,21 +87,7 @@ impl System {
         invalid::length("node values of the direction", direction.nodes.len(), (intervals + 1) * n)?;
         invalid::length("stage rows of the residual", out.stages.len(), intervals * m * n)?;
         invalid::length("node rows of the residual", out.nodes.len(), intervals * n)?;
-        let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
-        let (rows, node) = scratch[..(m + 1) * n].split_at_mut(m * n);
-        for (i, h) in self.condensed.h.iter().enumerate() {
-            let stages = &direction.stages[i * m * n..(i + 1) * m * n];
-            for (j, (rows, y)) in rows.chunks_exact_mut(n).zip(stages.chunks_exact(n)).enumerate() {
-                let f = self.condensed.fy[(i * m + j) * n * n..(i * m + j + 1) * n * n].chunks_exact(n);
-                for (row, f) in rows.iter_mut().zip(f) {
-                    *row = -h * product(f, y);
-                }
-            }
-            let [left, right] = [i, i + 1].map(|k| &direction.nodes[k * n..(k + 1) * n]);
-            (self.kernels.differences)(&self.gauss, Interval { left, stages, right }, rows, node);
-            add(&mut out.stages[i * m * n..(i + 1) * m * n], rows);
-            add(&mut out.nodes[i * n..(i + 1) * n], node);
-        }
+        (self.kernels.apply)(&self.condensed, &self.gauss, direction, out);
         let (first, last) = (&direction.nodes[..n], &direction.nodes[direction.nodes.len() - n..]);
         for (rows, y, out) in [(&self.ends.left[0], first, &mut out.left), (&end.rows, last, &mut out.right)] {
             out.iter_mut().zip(rows.chunks_exact(n)).for_each(|(out, row)| *out += product(row, y));
@@ -160,8 +145,4 @@ impl System {
 
 fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn add(to: &mut [f64], terms: &[f64]) {
-    to.iter_mut().zip(terms).for_each(|(to, term)| *to += term);
 }

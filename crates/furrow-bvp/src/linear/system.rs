@@ -5,7 +5,7 @@ use crate::dimensions::{Dimensions, MAX_CONDITIONS, MAX_UNKNOWNS};
 use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::Gauss;
 use crate::invalid::{self, InvalidInput, length};
-use crate::kernels::{AntisymmetricEnd, BlockFactor, Condensed, EndJacobian, Interval, Kernels};
+use crate::kernels::{AntisymmetricEnd, BlockFactor, Condensed, EndJacobian, Kernels};
 use crate::metric;
 use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, PointJacobian};
 use crate::solution::Solution;
@@ -48,7 +48,8 @@ pub struct System {
     pub(crate) kernels: Kernels,
     pub(super) block: BlockFactor,
     pub(super) ends: EndJacobian,
-    /// Collocation points of the last evaluation, and the integrands there.
+    /// Mesh and collocation points of the last evaluation, and the integrands there.
+    mesh: Vec<f64>,
     pub(super) places: Vec<f64>,
     pub(super) integrands: Vec<f64>,
     /// The derivatives have been evaluated.
@@ -102,6 +103,7 @@ impl System {
             kernels: Kernels::general(),
             block: BlockFactor::default(),
             ends: EndJacobian::default(),
+            mesh: Vec::new(),
             places: Vec::new(),
             integrands: Vec::new(),
             evaluated: false,
@@ -211,10 +213,13 @@ impl System {
         r.stages.resize(intervals * m * n, 0.0);
         r.nodes.resize(intervals * n, 0.0);
         self.integrands.resize(intervals * m * ni, 0.0);
-        self.places.clear();
-        for interval in y.mesh.windows(2) {
-            let h = interval[1] - interval[0];
-            self.places.extend(self.gauss.c.iter().map(|c| interval[0] + h * c));
+        if self.mesh != y.mesh {
+            self.mesh.clone_from(&y.mesh);
+            self.places.clear();
+            for interval in y.mesh.windows(2) {
+                let h = interval[1] - interval[0];
+                self.places.extend(self.gauss.c.iter().map(|c| interval[0] + h * c));
+            }
         }
         problem.prepare_points(&self.places, &y.scalars);
         let (f, g) = (&mut r.stages[..], &mut self.integrands[..]);
@@ -227,21 +232,12 @@ impl System {
         } else {
             problem.rhs_many(points, &y.scalars, f, g);
         }
-        for i in 0..intervals {
-            let h = y.mesh[i + 1] - y.mesh[i];
-            for j in 0..m {
-                for k in 0..ni {
-                    r.border[k] += h * self.gauss.b[j] * self.integrands[(i * m + j) * ni + k];
-                }
+        for (ends, integrands) in y.mesh.windows(2).zip(self.integrands.chunks_exact((m * ni).max(1))) {
+            for (b, g) in self.gauss.b.iter().zip(integrands.chunks_exact(ni.max(1))) {
+                r.border.iter_mut().zip(g).for_each(|(sum, g)| *sum += (ends[1] - ends[0]) * b * g);
             }
-            let range = i * m * n..(i + 1) * m * n;
-            let rows = &mut r.stages[range.clone()];
-            for row in rows.iter_mut() {
-                *row *= -h;
-            }
-            let interval = Interval { left: y.node(i), stages: &y.stages[range], right: y.node(i + 1) };
-            (self.kernels.differences)(&self.gauss, interval, rows, &mut r.nodes[i * n..(i + 1) * n]);
         }
+        (self.kernels.residuals)(&self.gauss, &y.mesh, [&y.nodes, &y.stages], &mut r.stages, &mut r.nodes);
     }
 
     /// The conditions at both ends and their derivatives.

@@ -280,7 +280,7 @@ impl<D: Number> Constants<D> {
     /// The coefficients at u on a contour of length `length`.
     #[inline]
     pub fn at(&self, u: f64, length: D) -> LocalCoefficients<D> {
-        self.painted(self.profiles(u, length))
+        if self.vary() { self.painted(self.profiles(u, length)) } else { self.uniform }
     }
 
     /// The coefficients at u and the angle `phi` about the axis, in radians; their slopes are left out.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use furrow_bvp::{CollocationPoint, Gauss, Solution};
+use furrow_bvp::{Bracket, CollocationPoint, Gauss, Solution};
 
 use super::Cortex;
 use super::equations::{Carried, Domain, LENGTH, PHI, PSI, R, REGULATED, Z};
@@ -119,14 +119,9 @@ pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
             let theta = if j < y.m { gauss.c[j] } else { 1.0 };
             let psi = if j < y.m { y.stage(i, j)[PSI] } else { y.node(i + 1)[PSI] };
             if before.1 > 0.5 * PI && psi <= 0.5 * PI {
-                let (mut low, mut high) = (before.0, theta);
-                for _ in 0..60 {
-                    let middle = 0.5 * (low + high);
-                    y.eval_in(gauss, i, middle, &mut value[..y.components]);
-                    if value[PSI] > 0.5 * PI { low = middle } else { high = middle }
-                }
-                y.eval_in(gauss, i, 0.5 * (low + high), &mut value[..y.components]);
-                let found = Neck { u: y.mesh[i] + 0.5 * (low + high) * (y.mesh[i + 1] - y.mesh[i]), radius: value[R] };
+                let theta = waist(gauss, y, i, [before.into(), [theta, psi]]);
+                y.eval_in(gauss, i, theta, &mut value[..y.components]);
+                let found = Neck { u: y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]), radius: value[R] };
                 if best.is_none_or(|b| found.radius < b.radius) {
                     best = Some(found);
                 }
@@ -135,6 +130,39 @@ pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
         }
     }
     best
+}
+
+/// Next to a root, ψ is evaluated; farther away its sign is known.
+const NEAR: f64 = 1e-11;
+/// ψ − π/2 is above rounding.
+const CLEAR: f64 = 1e-14;
+
+/// θ at which ψ passes π/2 downwards on interval i, between two θ with their ψ: by halving, to the last digit. Where ψ changes
+/// faster than rounding, a secant tells on which side of a middle the root is.
+fn waist(gauss: &Gauss, y: &Solution, i: usize, ends: [[f64; 2]; 2]) -> f64 {
+    let excess = |theta: f64| y.component_in(gauss, i, theta, PSI) - 0.5 * PI;
+    let mut bracket = Bracket::new(ends.map(|[theta, psi]| [theta, psi - 0.5 * PI]));
+    for _ in 0..10 {
+        let theta = bracket.secant();
+        let here = excess(theta);
+        bracket.keep([theta, here]);
+        if here.abs() < CLEAR {
+            break;
+        }
+    }
+    let [mut low, mut high] = ends.map(|[theta, _]| theta);
+    let root = bracket.secant();
+    let near = [root - NEAR, root + NEAR];
+    let is_found = excess(near[0]) > CLEAR && excess(near[1]) < -CLEAR;
+    let [from, to] = if is_found { near } else { [low, high] };
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if middle == low || middle == high {
+            break;
+        }
+        if middle <= from || middle < to && excess(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }
 
 /// Volume enclosed between the first pole and the plane at u, by Gauss quadrature of πr² sinψ.
