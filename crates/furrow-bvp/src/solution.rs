@@ -216,39 +216,7 @@ impl Solution {
     }
 
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
-    // Inlined, and without closures, for loops that are compiled for other instruction sets.
-    #[inline(always)]
-    pub(crate) fn interpolate<'a>(&'a self, i: usize, basis: &[f64], out: &mut [f64]) {
-        /// Sums of N components are kept in registers.
-        #[inline(always)]
-        fn sized<const N: usize>(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
-            let (Some(node), Some(out)) = (node.first_chunk::<N>(), out.first_chunk_mut::<N>()) else { return };
-            let stages = stages.as_chunks::<N>().0;
-            match (<&[[f64; N]; 4]>::try_from(stages), basis.first_chunk::<5>()) {
-                // The usual four stages.
-                (Ok(stages), Some(basis)) => *out = weighted(node, stages, basis),
-                _ => *out = weighted(node, stages, basis),
-            }
-        }
-        #[inline(always)]
-        fn weighted<const N: usize>(node: &[f64; N], stages: &[[f64; N]], basis: &[f64]) -> [f64; N] {
-            let mut sum = [0.0; N];
-            for c in 0..N {
-                sum[c] = basis[0] * node[c];
-            }
-            for (y, weight) in stages.iter().zip(&basis[1..]) {
-                for c in 0..N {
-                    sum[c] += weight * y[c];
-                }
-            }
-            sum
-        }
-        fn any(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
-            out.iter_mut().zip(node).for_each(|(o, y)| *o = basis[0] * y);
-            for (weight, y) in basis[1..].iter().zip(stages.chunks_exact(out.len().max(1))) {
-                out.iter_mut().zip(y).for_each(|(o, y)| *o += weight * y);
-            }
-        }
+    pub(crate) fn interpolate(&self, i: usize, basis: &[f64], out: &mut [f64]) {
         let (n, m) = (self.components, self.m);
         let (node, stages) = (rows(&self.nodes, i, n), rows(&self.stages, i, m * n));
         match n {
@@ -258,7 +226,12 @@ impl Solution {
             4 => sized::<4>(node, stages, basis, out),
             6 => sized::<6>(node, stages, basis, out),
             7 => sized::<7>(node, stages, basis, out),
-            _ => any(node, stages, basis, out),
+            _ => {
+                out.iter_mut().zip(node).for_each(|(o, y)| *o = basis[0] * y);
+                for (weight, y) in basis[1..].iter().zip(stages.chunks_exact(n.max(1))) {
+                    out.iter_mut().zip(y).for_each(|(o, y)| *o += weight * y);
+                }
+            }
         }
     }
 
@@ -339,44 +312,99 @@ impl Transfer {
     /// Transfers values. For a solution on another mesh, or with other stages, the weights are made anew.
     pub fn apply(&self, from: &Solution, to: &mut Solution) {
         if (from.m, from.intervals()) == (self.m, self.intervals) {
-            weigh(self, from, to);
+            self.weigh(from, to);
         } else {
             let gauss = from.gauss();
-            weigh(&Transfer { m: from.m, ..Transfer::new(&gauss, &from.mesh, &self.mesh) }, from, to);
+            Transfer { m: from.m, ..Transfer::new(&gauss, &from.mesh, &self.mesh) }.weigh(from, to);
+        }
+    }
+
+    fn weigh(&self, from: &Solution, to: &mut Solution) {
+        let (n, m) = (from.components, from.m);
+        (to.components, to.m) = (n, m);
+        to.mesh.clone_from(&self.mesh);
+        to.scalars.clone_from(&from.scalars);
+        to.nodes.resize(to.mesh.len() * n, 0.0);
+        to.stages.resize(to.intervals() * m * n, 0.0);
+        let Solution { nodes, stages, .. } = to;
+        let is_whole = (from.nodes.len(), from.stages.len()) == (from.mesh.len() * n, from.intervals() * m * n);
+        match n {
+            7 if is_whole => transfer_values::<7>(self, from, nodes, stages),
+            9 if is_whole => transfer_values::<9>(self, from, nodes, stages),
+            _ => {
+                for (k, (interval, weights)) in self.places.iter().enumerate() {
+                    let (i, j) = (k / (m + 1), k % (m + 1));
+                    let out = match j.checked_sub(1) {
+                        None => nodes.get_mut(i * n..(i + 1) * n),
+                        Some(j) => stages.get_mut((i * m + j) * n..(i * m + j + 1) * n),
+                    };
+                    let (Some(out), Some(&weight)) = (out, weights.get(m + 1)) else { continue };
+                    let right = rows(&from.nodes, interval + 1, n);
+                    if weight == 1.0 {
+                        out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
+                        continue;
+                    }
+                    from.interpolate(*interval, weights, out);
+                    out.iter_mut().zip(right).for_each(|(o, right)| *o += weight * right);
+                }
+            }
         }
     }
 }
 
 /// The part of values that belongs to interval or node i; empty beyond the end.
-#[inline(always)]
 fn rows(values: &[f64], i: usize, size: usize) -> &[f64] {
     values.get(i * size..(i + 1) * size).unwrap_or(&[])
 }
 
-/// Transfers values of a solution on the mesh that the weights are for.
-#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn weigh(transfer: &Transfer, from: &Solution, to: &mut Solution) {
-    let (n, m) = (from.components, from.m);
-    (to.components, to.m) = (n, m);
-    to.mesh.clone_from(&transfer.mesh);
-    to.scalars.clone_from(&from.scalars);
-    to.nodes.resize(to.mesh.len() * n, 0.0);
-    to.stages.resize(to.intervals() * m * n, 0.0);
-    for (k, (interval, weights)) in transfer.places.iter().enumerate() {
-        let (i, j) = (k / (m + 1), k % (m + 1));
-        let out = match j.checked_sub(1) {
-            None => to.nodes.get_mut(i * n..(i + 1) * n),
-            Some(j) => to.stages.get_mut((i * m + j) * n..(i * m + j + 1) * n),
-        };
-        let (Some(out), Some(&weight)) = (out, weights.get(m + 1)) else { continue };
-        let right = rows(&from.nodes, interval + 1, n);
-        if weight == 1.0 {
-            out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
-            continue;
+/// [`Solution::interpolate`] for N components.
+fn sized<const N: usize>(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
+    if let (Some(node), Some(out)) = (node.first_chunk::<N>(), out.first_chunk_mut::<N>()) {
+        *out = weighted(node, stages.as_chunks::<N>().0, basis);
+    }
+}
+
+/// basis₀ y₀ + Σ_j basis_j Y_j of N components, with sums in registers. The usual four stages are unrolled.
+#[inline(always)]
+fn weighted<const N: usize>(node: &[f64; N], stages: &[[f64; N]], basis: &[f64]) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for c in 0..N {
+        sum[c] = basis[0] * node[c];
+    }
+    if let ([y1, y2, y3, y4], [_, b1, b2, b3, b4, ..]) = (stages, basis) {
+        for (weight, y) in [(b1, y1), (b2, y2), (b3, y3), (b4, y4)] {
+            for c in 0..N {
+                sum[c] += weight * y[c];
+            }
         }
-        from.interpolate(*interval, weights, out);
-        for (o, right) in out.iter_mut().zip(right) {
-            *o += weight * right;
+    } else {
+        for (weight, y) in basis[1..].iter().zip(stages) {
+            for c in 0..N {
+                sum[c] += weight * y[c];
+            }
+        }
+    }
+    sum
+}
+
+/// Values on the mesh that the weights are for, of N components, on the new mesh.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+fn transfer_values<const N: usize>(transfer: &Transfer, from: &Solution, nodes: &mut [f64], stages: &mut [f64]) {
+    let m = from.m;
+    let (from_nodes, from_stages) = (from.nodes.as_chunks::<N>().0, from.stages.as_chunks::<N>().0);
+    let (nodes, stages) = (nodes.as_chunks_mut::<N>().0, stages.as_chunks_mut::<N>().0);
+    for (i, places) in transfer.places.chunks(m + 1).enumerate() {
+        for (j, (interval, weights)) in places.iter().enumerate() {
+            let out = if j == 0 { &mut nodes[i] } else { &mut stages[i * m + j - 1] };
+            let (right, weight) = (&from_nodes[interval + 1], weights[m + 1]);
+            if weight == 1.0 {
+                *out = *right;
+                continue;
+            }
+            let sum = weighted(&from_nodes[*interval], &from_stages[interval * m..(interval + 1) * m], weights);
+            for c in 0..N {
+                out[c] = sum[c] + weight * right[c];
+            }
         }
     }
 }

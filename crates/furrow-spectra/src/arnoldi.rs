@@ -104,8 +104,9 @@ pub struct NoEigenvalues {
 pub struct Krylov {
     basis: Vec<Vec<f64>>,
     hessenberg: Vec<f64>,
-    /// Coefficients in the basis of the Ritz vectors found last, of complex ones the real part.
-    vectors: Vec<Vec<f64>>,
+    /// The Ritz vectors found last: Schur vectors of the projected matrix, and coefficients of the Ritz vectors in them.
+    schur: DMatrix<f64>,
+    vectors: Vec<Vec<Complex<f64>>>,
     /// Where the next run starts; anywhere if empty.
     start: Vec<f64>,
 }
@@ -189,8 +190,11 @@ impl Krylov {
     pub fn start_near(&mut self, which: &[usize]) {
         self.start.clear();
         self.start.resize(self.basis.first().map_or(0, Vec::len), 0.0);
-        for coefficients in which.iter().filter_map(|&place| self.vectors.get(place)) {
-            for (coefficient, v) in coefficients.iter().zip(&self.basis) {
+        for vector in which.iter().filter_map(|&place| self.vectors.get(place)) {
+            let norm = squared(vector).sqrt();
+            for (row, v) in self.basis.iter().enumerate().take(self.schur.nrows()) {
+                // Of complex vectors the real part.
+                let coefficient = entry(&self.schur, vector, row).re / norm;
                 self.start.iter_mut().zip(v).for_each(|(to, v)| *to += coefficient * v);
             }
         }
@@ -226,24 +230,34 @@ impl Krylov {
         let (q, t) = Schur::try_new(projected, f64::EPSILON, MOST_ITERATIONS * k).ok_or(failed)?.unpack();
         let mut out = Vec::with_capacity(k);
         self.vectors.clear();
+        self.schur = q;
         let mut end = 0;
         while end < k {
             end += width_from(&t, end);
             let (value, vector) = eigenpair(&t, end);
-            let norm = vector.iter().map(Complex::norm_sqr).sum::<f64>();
+            let norm = squared(&vector);
             if !(value.re.is_finite() && value.im.is_finite() && norm.is_finite()) {
                 return Err(failed);
             }
-            let entry = |row: usize| (0..end).map(|c| vector[c] * q[(row, c)]).sum::<Complex<f64>>();
-            let residual = rest * (entry(k - 1).norm_sqr() / norm).sqrt();
+            let residual = rest * (entry(&self.schur, &vector, k - 1).norm_sqr() / norm).sqrt();
             let signs: &[f64] = if value.im == 0.0 { &[1.0] } else { &[1.0, -1.0] };
             for sign in signs {
                 out.push(RitzValue { re: value.re, im: sign * value.im, residual });
-                self.vectors.push((0..k).map(|row| entry(row).re / norm.sqrt()).collect());
+                self.vectors.push(vector.clone());
             }
         }
         Ok(out)
     }
+}
+
+/// Σ |x|².
+fn squared(vector: &[Complex<f64>]) -> f64 {
+    vector.iter().map(Complex::norm_sqr).sum()
+}
+
+/// An entry of a Ritz vector, from its coefficients in the Schur vectors q.
+fn entry(q: &DMatrix<f64>, vector: &[Complex<f64>], row: usize) -> Complex<f64> {
+    vector.iter().enumerate().map(|(c, x)| x * q[(row, c)]).sum()
 }
 
 /// Most iterations for one eigenvalue of a projected matrix.

@@ -38,25 +38,29 @@ impl Lu {
     }
 
     /// Solves for one right-hand side in place (n entries, padded to whole lanes).
-    #[inline(always)]
     pub fn solve(&self, x: &mut [Lane]) {
-        let (n, lanes) = (self.size(), lanes_for(self.size()));
-        for k in 0..n {
-            let flat = x.as_flattened_mut();
-            flat.swap(k, self.exchange[k] as usize);
-            let value = flat[k];
-            subtract(&mut x[..lanes], value, &self.lower[k * lanes..(k + 1) * lanes]);
-        }
-        for k in (0..n).rev() {
-            let value = x[k / LANE][k % LANE] * self.reciprocal[k];
-            x[k / LANE][k % LANE] = value;
-            subtract(&mut x[..lanes], value, &self.upper[k * lanes..(k + 1) * lanes]);
-        }
+        substitute(self, x);
     }
 
     /// Multiplies the determinant of the block into `det`.
     pub fn multiply_into(&self, det: &mut Determinant) {
         det.multiply(&self.reciprocal, &self.exchange);
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+fn substitute(Lu { lower, upper, reciprocal, exchange }: &Lu, x: &mut [Lane]) {
+    let (n, lanes) = (reciprocal.len(), lanes_for(reciprocal.len()));
+    for k in 0..n {
+        let flat = x.as_flattened_mut();
+        flat.swap(k, exchange[k] as usize);
+        let value = flat[k];
+        subtract(&mut x[..lanes], value, &lower[k * lanes..(k + 1) * lanes]);
+    }
+    for k in (0..n).rev() {
+        let value = x[k / LANE][k % LANE] * reciprocal[k];
+        x[k / LANE][k % LANE] = value;
+        subtract(&mut x[..lanes], value, &upper[k * lanes..(k + 1) * lanes]);
     }
 }
 

@@ -174,6 +174,9 @@ pub fn zeroed(v: &mut Vec<f64>, len: usize) {
         *v = vec![0.0; len + len / 2];
         return v.truncate(len);
     }
+    if v.len() == len && len <= 128 {
+        return v.fill(0.0);
+    }
     v.resize(len, 0.0);
     v.chunks_mut(128).for_each(|part| part.fill(0.0));
 }

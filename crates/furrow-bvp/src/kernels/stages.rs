@@ -30,13 +30,7 @@ impl<'a> Interval<'a> {
 /// Turns f at the stages of all intervals, in `rows`, into the residuals of the stages, and writes those of the nodes, for values
 /// [nodes, stages].
 #[inline(always)]
-pub fn residuals<S: Shape>(
-    gauss: &Gauss,
-    mesh: &[f64],
-    values: [&[f64]; 2],
-    rows: &mut [f64],
-    node_rows: &mut [f64],
-) {
+pub fn residuals<S: Shape>(gauss: &Gauss, mesh: &[f64], values: [&[f64]; 2], rows: &mut [f64], node_rows: &mut [f64]) {
     let components = values[0].len() / mesh.len();
     let sizes = S::sizes(Dimensions { components, ..Dimensions::default() }, gauss.m);
     for i in 0..mesh.len() - 1 {
@@ -91,7 +85,13 @@ fn two_groups(of: &[f64], from: [usize; 2]) -> [[f64; GROUP]; 2] {
 /// Multiplies f at the stages of one interval (m × n) by −h, adds Σ_k D_jk (Y_k − y₀), and writes the node residual
 /// y₀ + Σ d_j (Y_j − y₀) − y₁ (n).
 #[inline(always)]
-fn differences(Sizes { n, m, .. }: Sizes, gauss: &Gauss, interval: Interval<'_>, residual: &mut [f64], node: &mut [f64]) {
+fn differences(
+    Sizes { n, m, .. }: Sizes,
+    gauss: &Gauss,
+    interval: Interval<'_>,
+    residual: &mut [f64],
+    node: &mut [f64],
+) {
     if (GROUP..=2 * GROUP).contains(&n) {
         in_two_groups([n, m], gauss, interval, residual, node);
     } else {

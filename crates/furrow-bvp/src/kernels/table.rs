@@ -177,13 +177,7 @@ fn backward<S: Shape>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn residuals<S: Shape>(
-    gauss: &Gauss,
-    mesh: &[f64],
-    values: [&[f64]; 2],
-    rows: &mut [f64],
-    node_rows: &mut [f64],
-) {
+fn residuals<S: Shape>(gauss: &Gauss, mesh: &[f64], values: [&[f64]; 2], rows: &mut [f64], node_rows: &mut [f64]) {
     stages::residuals::<S>(gauss, mesh, values, rows, node_rows);
 }
 

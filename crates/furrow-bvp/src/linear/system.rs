@@ -232,9 +232,12 @@ impl System {
         } else {
             problem.rhs_many(points, &y.scalars, f, g);
         }
-        for (ends, integrands) in y.mesh.windows(2).zip(self.integrands.chunks_exact((m * ni).max(1))) {
-            for (b, g) in self.gauss.b.iter().zip(integrands.chunks_exact(ni.max(1))) {
-                r.border.iter_mut().zip(g).for_each(|(sum, g)| *sum += (ends[1] - ends[0]) * b * g);
+        for (k, sum) in r.border.iter_mut().enumerate().take(ni) {
+            for (ends, g) in y.mesh.windows(2).zip(self.integrands.chunks_exact(m * ni)) {
+                let h = ends[1] - ends[0];
+                for (j, b) in self.gauss.b.iter().enumerate() {
+                    *sum += h * b * g[j * ni + k];
+                }
             }
         }
         (self.kernels.residuals)(&self.gauss, &y.mesh, [&y.nodes, &y.stages], &mut r.stages, &mut r.nodes);

@@ -141,7 +141,7 @@ impl<D: Number> LocalCoefficients<D> {
 /// Each profile of the cue costs an exponential. Profiles change with the mesh, with numbers of the cue, and, if a
 /// width is given in L_h, with the length of the contour; the coefficients change with every other parameter too.
 #[derive(Clone, Debug, Default)]
-pub(super) struct CoefficientCache {
+pub(crate) struct CoefficientCache {
     /// Whether profiles depend on the length of the contour.
     by_length: bool,
     x: Vec<f64>,
@@ -149,10 +149,15 @@ pub(super) struct CoefficientCache {
     /// The cue's [`profiles`](Constants::profiles) at every place.
     profiles: Vec<[f64; 2]>,
     /// Empty if they must be recomputed.
-    local: Vec<LocalCoefficients<f64>>,
+    local: Vec<[f64; COEFFICIENTS]>,
 }
 
 impl CoefficientCache {
+    /// A cache for other places.
+    pub fn for_others(&self) -> CoefficientCache {
+        CoefficientCache { by_length: self.by_length, ..CoefficientCache::default() }
+    }
+
     /// Discards everything except the profiles; `by_length` says whether a width of the cue is given in L_h.
     pub fn refresh(&mut self, by_length: bool) {
         self.by_length = by_length;
@@ -171,7 +176,7 @@ impl CoefficientCache {
         }
         if local.is_empty() && !x.is_empty() {
             let of_points = profiles.chunks_exact(profiles.len() / x.len());
-            local.extend(of_points.map(|profiles| constants.painted(profiles.iter().copied())));
+            local.extend(of_points.map(|profiles| constants.painted(profiles.iter().copied()).into_array()));
         }
     }
 
@@ -189,12 +194,12 @@ impl CoefficientCache {
         constants: &Constants<f64>,
         points: CollocationPoints<'_>,
         length: f64,
-    ) -> (Cow<'_, [LocalCoefficients<f64>]>, &[[f64; 2]]) {
+    ) -> (Cow<'_, [[f64; COEFFICIENTS]]>, &[[f64; 2]]) {
         if !constants.vary() {
             return (Cow::Borrowed(&[]), &[]);
         }
         let Some(range) = self.known(points.first, points.x, length) else {
-            return (points.x.iter().map(|&x| constants.at(x, length)).collect(), &[]);
+            return (points.x.iter().map(|&x| constants.at(x, length).into_array()).collect(), &[]);
         };
         let each = self.profiles.len() / self.x.len().max(1);
         (Cow::Borrowed(&self.local[range.clone()]), &self.profiles[range.start * each..range.end * each])
@@ -203,7 +208,7 @@ impl CoefficientCache {
     /// Coefficients at one collocation point.
     pub fn at(&self, constants: &Constants<f64>, point: CollocationPoint, length: f64) -> LocalCoefficients<f64> {
         let known = self.known(point.index, &[point.x], length);
-        known.map_or_else(|| constants.at(point.x, length), |range| self.local[range.start])
+        known.map_or_else(|| constants.at(point.x, length), |range| self.local[range.start].into())
     }
 }
 

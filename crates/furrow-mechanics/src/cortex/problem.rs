@@ -7,7 +7,7 @@ use furrow_bvp::{
 };
 use num_dual::Dual64;
 
-use super::coefficients::CoefficientCache;
+use super::coefficients::{COEFFICIENTS, CoefficientCache};
 use super::columns::Column;
 use super::equations::{
     BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PSI, Q, R, REGULATED, T, V,
@@ -126,6 +126,11 @@ impl Cortex {
         &self.constants
     }
 
+    /// An empty cache of coefficients, for other places than the collocation points.
+    pub(super) fn coefficient_cache(&self) -> CoefficientCache {
+        self.coefficients.for_others()
+    }
+
     /// Changes one parameter.
     pub fn set(&mut self, parameter: Parameter, value: f64) {
         parameter.set(&mut self.cell, value);
@@ -165,7 +170,7 @@ impl Cortex {
         !varies && cue.terms().iter().all(|term| term.amplitude == 0.0)
     }
 
-    fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>], profiles: &'a [[f64; 2]]) -> Sweep<'a> {
+    fn sweep<'a>(&'a self, local: &'a [[f64; COEFFICIENTS]], profiles: &'a [[f64; 2]]) -> Sweep<'a> {
         let Cortex { constants, rate, past, carried_past, noise, free, .. } = self;
         Sweep {
             constants,
@@ -209,8 +214,7 @@ impl Cortex {
 
     /// [`of_state`](Constants::of_state) at a collocation point.
     pub(crate) fn coefficients_at(&self, at: CollocationPoint, y: &[f64], length: f64) -> LocalCoefficients<f64> {
-        let here = self.coefficients.at(&self.constants, at, length);
-        if y.len() == REGULATED { self.constants.regulated(here, y[PHI], y[J] * length) } else { here }
+        self.constants.in_state(self.coefficients.at(&self.constants, at, length), y, length)
     }
 
     /// The derivatives of the right-hand sides at one point, with state `y` and contour length `length`, by the motion

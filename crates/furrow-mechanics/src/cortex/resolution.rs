@@ -1,8 +1,9 @@
 //! The mesh monitor, which determines where a mesh is fine.
 
-use furrow_bvp::Solution;
+use furrow_bvp::{CollocationPoint, Solution};
 
 use super::Cortex;
+use super::coefficients::CoefficientCache;
 use super::equations::{J, LENGTH, PHI, PSI, R, REGULATED};
 
 /// Floor added to the mesh monitor everywhere, as a fraction of its mean.
@@ -36,27 +37,46 @@ fn gradient(y: &[f64], length: f64) -> f64 {
     if y.len() == REGULATED { REGULATOR * length * y[J].abs() / (1.0 + y[PHI].abs()) } else { 0.0 }
 }
 
+/// The places at which a monitor evaluates the cue of a cell, and the coefficients there, which stay the same while the mesh does.
+#[derive(Default)]
+pub struct Places {
+    u: Vec<f64>,
+    coefficients: Option<CoefficientCache>,
+}
+
 /// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue and the regulator, plus
 /// a floor of three tenths of their mean, so that no region is left empty. `symmetric` averages it with its mirror
-/// image on a mirror-symmetric mesh.
-pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<f64>) {
-    let length = y.scalars[LENGTH];
+/// image on a mirror-symmetric mesh. `places` are of the same cell in every call.
+pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, places: &mut Places, weight: &mut Vec<f64>) {
+    let (length, constants) = (y.scalars[LENGTH], cortex.constants());
     let end = y.mesh[y.intervals()] - y.mesh[0];
     weight.clear();
-    let mut reader = cortex.constants().reader();
+    let Places { u, coefficients } = places;
+    u.clear();
+    for x in y.mesh.windows(2) {
+        u.extend((0..y.m).map(|j| x[0] + (x[1] - x[0]) * (j as f64 + 0.5) / y.m as f64));
+    }
+    let cache = coefficients.get_or_insert_with(|| cortex.coefficient_cache());
+    if constants.vary() {
+        cache.prepare(constants, u, length);
+    }
+    let mut reader = constants.reader();
     for i in 0..y.intervals() {
-        let (from, to) = (y.mesh[i], y.mesh[i + 1]);
         let (mut largest, mut carried): (f64, f64) = (0.0, 0.0);
         for j in 0..y.m {
-            let s = y.stage(i, j);
-            let u = from + (to - from) * (j as f64 + 0.5) / y.m as f64;
+            let (index, s) = (i * y.m + j, y.stage(i, j));
             let c2 = s[PSI].sin() / s[R];
-            let here = cortex.constants().of_state(u, s, length);
-            let c1 = reader.mean_curvature(u, &here, s, length)[0] - c2;
+            let here = if constants.vary() {
+                cache.at(constants, CollocationPoint { x: u[index], index }, length)
+            } else {
+                constants.uniform
+            };
+            let here = constants.in_state(here, s, length);
+            let c1 = reader.mean_curvature(u[index], &here, s, length)[0] - c2;
             largest = largest.max(length * (c1.abs() + c2.abs()));
             carried = carried.max(gradient(s, length));
         }
-        weight.push(largest + steepness(cortex, from, to, length).max(carried));
+        weight.push(largest + steepness(cortex, y.mesh[i], y.mesh[i + 1], length).max(carried));
     }
     if symmetric {
         let n = weight.len();

@@ -31,11 +31,18 @@ pub(super) struct Sweep<'a> {
     /// Factor on the activity at every collocation point; empty if it is 1 everywhere.
     pub noise: &'a [f64],
     /// The coefficients at the points of the sweep, without the contribution of a regulator; empty if they are uniform.
-    pub local: &'a [LocalCoefficients<f64>],
+    pub local: &'a [[f64; COEFFICIENTS]],
     /// The cue's profiles at these points; empty if they are not cached.
     pub profiles: &'a [[f64; 2]],
     /// Number of scalar unknowns.
     pub scalars: usize,
+}
+
+impl Sweep<'_> {
+    /// The coefficients at a point of the sweep, without the contribution of a regulator.
+    pub(super) fn painted(&self, point: usize) -> LocalCoefficients<f64> {
+        self.local.get(point).map_or(self.constants.uniform, |here| (*here).into())
+    }
 }
 
 /// Points of a group.
@@ -62,6 +69,8 @@ pub(super) fn put<const K: usize>(values: &mut [Values; K], i: usize, numbers: [
 pub(super) struct Group<const N: usize> {
     y: [Values; N],
     local: [Values; COEFFICIENTS],
+    /// The coefficients that a cue changes.
+    varying: Vec<usize>,
     /// Derivatives of the coefficients by φ.
     by_phi: [Values; COEFFICIENTS],
     past: [Values; 2],
@@ -86,6 +95,7 @@ impl<const N: usize> Group<N> {
         Group {
             y: [[0.0; GROUP]; N],
             local: sweep.constants.uniform.into_array().map(|value| [value; GROUP]),
+            varying: if sweep.local.is_empty() { Vec::new() } else { sweep.constants.varying() },
             by_phi: [[0.0; GROUP]; COEFFICIENTS],
             past: [[0.0; GROUP]; 2],
             carried_past: [[0.0; GROUP]; 3],
@@ -113,12 +123,14 @@ impl<const N: usize> Group<N> {
                 if sweep.rate != 0.0 {
                     put(&mut self.carried_past, i, sweep.carried_past[index].parts());
                 }
-                let painted = *sweep.local.get(point).unwrap_or(&sweep.constants.uniform);
+                let painted = sweep.painted(point);
                 let (here, by_phi) = sweep.constants.regulated_by_phi(painted, y[PHI], y[J] * length);
                 put(&mut self.local, i, here.into_array());
                 put(&mut self.by_phi, i, by_phi.into_array());
             } else if let Some(here) = sweep.local.get(point) {
-                put(&mut self.local, i, here.into_array());
+                for &k in &self.varying {
+                    self.local[k][i] = here[k];
+                }
             }
         }
     }

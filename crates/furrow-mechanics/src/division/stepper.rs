@@ -15,7 +15,8 @@ use furrow_bvp::{
 
 use super::halves::Halves;
 use crate::cortex::equations::{COMPONENTS, Carried, LENGTH, PHI, R, REGULATED, Z};
-use crate::cortex::{Cortex, amount, resolution, symmetry};
+use crate::cortex::resolution::{self, Places};
+use crate::cortex::{Cortex, amount, symmetry};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) in one interval at the default resolution
 /// of 48.
@@ -159,6 +160,7 @@ pub struct Stepper {
     scratch: NewtonScratch,
     newton: Newton,
     weight: Vec<f64>,
+    places: Places,
     grid: Vec<f64>,
     /// Whether the current factors belong to half contours, and their rate.
     factored: Option<(bool, f64)>,
@@ -186,6 +188,7 @@ impl Stepper {
             scratch: NewtonScratch::default(),
             newton: NEWTON,
             weight: Vec::new(),
+            places: Places::default(),
             grid: Vec::new(),
             factored: None,
             share: SHARE * 48.0 / resolution as f64,
@@ -373,7 +376,7 @@ impl Stepper {
     /// mirror-symmetric.
     pub(crate) fn adapt(&mut self, symmetric: bool, tolerance: f64) {
         let y = &self.history[0].y;
-        resolution::monitor(&self.cortex, y, symmetric, &mut self.weight);
+        resolution::monitor(&self.cortex, y, symmetric, &mut self.places, &mut self.weight);
         let (now, wanted) = (y.intervals(), self.wanted_intervals(&y.mesh, 1.0));
         if mesh::imbalance(&y.mesh, &self.weight) < tolerance && wanted <= now && 3 * wanted >= 2 * now {
             return;
@@ -393,7 +396,7 @@ impl Stepper {
                 }
             }
             self.history[0].y.transfer_into(&self.system.gauss, &self.grid, &mut source.y);
-            resolution::monitor(&self.cortex, &source.y, symmetric, &mut self.weight);
+            resolution::monitor(&self.cortex, &source.y, symmetric, &mut self.places, &mut self.weight);
             if mesh::imbalance(&self.grid, &self.weight) < 1.2 {
                 break;
             }

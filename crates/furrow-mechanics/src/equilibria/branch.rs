@@ -339,7 +339,7 @@ pub fn metric(cell: &Cell, free: &[Parameter]) -> Metric {
 /// The mesh monitor of branches. Their meshes seldom move, so that located points depend smoothly on the parameters of
 /// a cell, to the last digits: calibrations and sensitivities rely on this.
 pub fn mesh_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
-    resolution::monitor(cortex, y, false, weight);
+    resolution::monitor(cortex, y, false, &mut resolution::Places::default(), weight);
 }
 
 /// Share of [`mesh_monitor`] in [`error_monitor`]: the defect on a coarse mesh misses features between its points.
@@ -361,7 +361,7 @@ const SEEN: f64 = 0.3;
 /// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())
 /// ```
 pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
-    resolution::monitor(cortex, y, false, weight);
+    mesh_monitor(cortex, y, weight);
     let defects = mesh::defect(&y.gauss(), &mut cortex.clone(), y);
     let mut by_defect = Vec::with_capacity(defects.len());
     mesh::defect_monitor(&y.mesh, &defects, y.m, &mut by_defect);

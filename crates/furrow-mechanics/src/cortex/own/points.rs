@@ -82,7 +82,7 @@ fn point_of<'a>(sweep: &Sweep<'_>, points: CollocationPoints<'a>, k: usize, n: u
         y: &points.y[k * n..(k + 1) * n],
         motion: motion_at(sweep, index),
         noise: sweep.noise.get(index).copied().unwrap_or(1.0),
-        painted: *sweep.local.get(k).unwrap_or(&sweep.constants.uniform),
+        painted: sweep.painted(k),
     }
 }
 
