@@ -164,6 +164,11 @@ impl CoefficientCache {
         self.local.clear();
     }
 
+    /// Whether it holds all values at these places.
+    pub fn holds(&self, x: &[f64], length: f64) -> bool {
+        self.known(0, x, length).is_some()
+    }
+
     /// Computes the missing values at these places, on a contour of length `length`.
     pub fn prepare(&mut self, constants: &Constants<f64>, x: &[f64], length: f64) {
         let CoefficientCache { by_length, x: known, length: of_length, profiles, local } = self;

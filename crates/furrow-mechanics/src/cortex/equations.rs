@@ -35,7 +35,6 @@
 
 use std::f64::consts::PI;
 
-use super::coefficients::COEFFICIENTS;
 pub use super::coefficients::LocalCoefficients;
 use super::lanes::{Arithmetic, sin_cos};
 use super::own;
@@ -326,19 +325,6 @@ impl<D: Number> Constants<D> {
 }
 
 impl Constants<f64> {
-    /// The places of the coefficients that the cue changes along the contour.
-    pub(super) fn varying(&self) -> Vec<usize> {
-        let painted = self.cue.iter().map(|term| {
-            let mut painted = self.uniform;
-            painted.modulate(term.field, &self.uniform, 1.0, 1.0);
-            painted
-        });
-        let sourced = self.source().map(|_| LocalCoefficients { source: self.uniform.source + 1.0, ..self.uniform });
-        let (painted, uniform) = (painted.chain(sourced), self.uniform.into_array());
-        let painted: Vec<_> = painted.map(LocalCoefficients::into_array).collect();
-        (0..COEFFICIENTS).filter(|&k| painted.iter().any(|painted| painted[k] != uniform[k])).collect()
-    }
-
     /// Derivatives by u of the coefficients [`at`](Self::at) u.
     pub fn slope(&self, u: f64, length: f64) -> LocalCoefficients<f64> {
         let mut slope = self.uniform.map(|_| 0.0);

@@ -19,7 +19,7 @@ const REGULATOR: f64 = 0.4;
 
 /// Steepness of the cue in an interval, summed over its terms with their amplitudes relative to the field. Steep places
 /// between the collocation points count however narrow they are, so that the mesh resolves the narrowest term.
-fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
+fn steepest(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
     let term = |term: &furrow_cell::cue::Term| {
         let amplitude = term.amplitude.abs();
         CUE * amplitude / (1.0 + amplitude) * term.profile.steepest(from, to, length)
@@ -37,11 +37,13 @@ fn gradient(y: &[f64], length: f64) -> f64 {
     if y.len() == REGULATED { REGULATOR * length * y[J].abs() / (1.0 + y[PHI].abs()) } else { 0.0 }
 }
 
-/// The places at which a monitor evaluates the cue of a cell, and the coefficients there, which stay the same while the mesh does.
+/// The places at which a monitor evaluates the cue of a cell, with the coefficients there and the steepness of the intervals, which
+/// stay the same while the mesh does.
 #[derive(Default)]
 pub struct Places {
     u: Vec<f64>,
     coefficients: Option<CoefficientCache>,
+    steepness: Vec<f64>,
 }
 
 /// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue and the regulator, plus
@@ -51,14 +53,19 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, places: &mut Plac
     let (length, constants) = (y.scalars[LENGTH], cortex.constants());
     let end = y.mesh[y.intervals()] - y.mesh[0];
     weight.clear();
-    let Places { u, coefficients } = places;
+    let Places { u, coefficients, steepness } = places;
     u.clear();
     for x in y.mesh.windows(2) {
         u.extend((0..y.m).map(|j| x[0] + (x[1] - x[0]) * (j as f64 + 0.5) / y.m as f64));
     }
     let cache = coefficients.get_or_insert_with(|| cortex.coefficient_cache());
-    if constants.vary() {
+    if !constants.vary() {
+        steepness.clear();
+        steepness.resize(y.intervals(), 0.0);
+    } else if !cache.holds(u, length) {
         cache.prepare(constants, u, length);
+        steepness.clear();
+        steepness.extend(y.mesh.windows(2).map(|x| steepest(cortex, x[0], x[1], length)));
     }
     let mut reader = constants.reader();
     for i in 0..y.intervals() {
@@ -76,7 +83,7 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, places: &mut Plac
             largest = largest.max(length * (c1.abs() + c2.abs()));
             carried = carried.max(gradient(s, length));
         }
-        weight.push(largest + steepness(cortex, y.mesh[i], y.mesh[i + 1], length).max(carried));
+        weight.push(largest + steepness[i].max(carried));
     }
     if symmetric {
         let n = weight.len();

@@ -69,8 +69,6 @@ pub(super) fn put<const K: usize>(values: &mut [Values; K], i: usize, numbers: [
 pub(super) struct Group<const N: usize> {
     y: [Values; N],
     local: [Values; COEFFICIENTS],
-    /// The coefficients that a cue changes.
-    varying: Vec<usize>,
     /// Derivatives of the coefficients by φ.
     by_phi: [Values; COEFFICIENTS],
     past: [Values; 2],
@@ -95,7 +93,6 @@ impl<const N: usize> Group<N> {
         Group {
             y: [[0.0; GROUP]; N],
             local: sweep.constants.uniform.into_array().map(|value| [value; GROUP]),
-            varying: if sweep.local.is_empty() { Vec::new() } else { sweep.constants.varying() },
             by_phi: [[0.0; GROUP]; COEFFICIENTS],
             past: [[0.0; GROUP]; 2],
             carried_past: [[0.0; GROUP]; 3],
@@ -128,9 +125,7 @@ impl<const N: usize> Group<N> {
                 put(&mut self.local, i, here.into_array());
                 put(&mut self.by_phi, i, by_phi.into_array());
             } else if let Some(here) = sweep.local.get(point) {
-                for &k in &self.varying {
-                    self.local[k][i] = here[k];
-                }
+                put(&mut self.local, i, *here);
             }
         }
     }
