@@ -91,10 +91,6 @@ const NARROWING: f64 = 0.25;
 const SLOW: f64 = 2e-5;
 /// Distance of a slow surface from the stationary one that it counts as, relative to R0.
 const CLOSE: f64 = 0.02;
-/// A cell leaves an unstable state within this many times by which its fastest disturbance grows by a factor e.
-const GROWN: f64 = 12.0;
-/// Longest time, in τ, after which a cell near an unstable state counts as resting in it.
-const WAIT: f64 = 20.0;
 /// Most steps of a division.
 const MOST_STEPS: f64 = 4000.0;
 /// Change of the flattening of a shell within which a passive cell in it is found.
@@ -147,8 +143,7 @@ pub(crate) fn run(
         speed: f64::INFINITY,
         drift: 0.0,
         looked: f64::INFINITY,
-        unstable_too: symmetric,
-        unstable: None,
+        symmetric,
     };
     loop {
         if let Err(error) = run.advance(&mut stepper) {
@@ -284,10 +279,8 @@ struct Run<'a> {
     drift: f64,
     /// Speed at which the present slow shape was found not to be at rest.
     looked: f64,
-    /// Whether a state at rest may be unstable, to disturbances that this cell does not have.
-    unstable_too: bool,
-    /// When a cell that is near an unstable state would have left it.
-    unstable: Option<f64>,
+    /// Whether the cell has no odd disturbances, to which a state at rest may then be unstable.
+    symmetric: bool,
 }
 
 impl Run<'_> {
@@ -413,10 +406,10 @@ impl Run<'_> {
     fn rested(&mut self, stepper: &mut Stepper) -> Option<SurfaceDivision> {
         let now = stepper.history.first()?;
         if self.speed > SLOW {
-            (self.looked, self.unstable) = (f64::INFINITY, None);
+            self.looked = f64::INFINITY;
             return None;
         }
-        if self.unstable.map_or(self.speed > 0.1 * self.looked, |until| now.t < until) {
+        if self.speed > 0.1 * self.looked {
             return None;
         }
         self.looked = self.speed;
@@ -439,8 +432,11 @@ impl Run<'_> {
         }
         let rates = problem.rates(&state, 6, Among::All).ok()?;
         let growth_rate = rates.first()?.re;
-        if growth_rate >= 0.0 && self.unstable.is_none() {
-            self.unstable = self.unstable_too.then_some(now.t + (GROWN / growth_rate).min(WAIT));
+        let leaves = match self.symmetric {
+            false => growth_rate,
+            true => problem.rates(&state, 1, Among::Even).ok()?.first()?.re,
+        };
+        if leaves >= 0.0 {
             return None;
         }
         let division = self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) }, now.t);
