@@ -1,9 +1,11 @@
 //! Axisymmetric shapes at rest, and small disturbances of them, against furrow-mechanics.
 
-use furrow_cell::{Cell, RigidityGradient};
+use furrow_cell::{Cell, Numerics, RigidityGradient};
+use furrow_mechanics::division::DivisionInput;
 use furrow_mechanics::stability::{Parity, Spectrum};
 use furrow_surface::problem::{Problem, State};
 use furrow_surface::rates::Among;
+use furrow_surface::steady::steady;
 
 use crate::states::{at_rest, within};
 
@@ -87,4 +89,13 @@ fn rates(elements: usize) -> f64 {
 #[test]
 fn growth_rates_are_those_of_the_axisymmetric_equations() {
     within("rates of m = 0 … 3", rates(44), 1e-5);
+}
+
+/// Just above the threshold a bend grows slowly, by 0.19/τ, and the straight shape looks at rest for long.
+#[test]
+fn a_straight_shape_that_is_unstable_to_a_bend_is_left() {
+    let numerics = Numerics { modes: 4, ..Numerics::default() };
+    let found = steady(&DivisionInput { numerics, ..DivisionInput::new(cell([2.0, 12.0])) }).unwrap();
+    let rate = found.at_rest(2.0).unwrap().growth_rate();
+    within("growth rate of the bent shape", (rate + 0.438233).abs(), 1e-4);
 }
