@@ -18,5 +18,6 @@ fn mesh_monitor(bencher: Bencher) {
     let y = unfold(&half);
     let cortex = Cortex::new(&cell, Domain::Full, &[]);
     let mut weight = Vec::new();
-    bencher.bench_local(|| resolution::monitor(&cortex, black_box(&y), true, &mut weight));
+    let mut places = resolution::Places::default();
+    bencher.bench_local(|| resolution::monitor(&cortex, black_box(&y), true, &mut places, &mut weight));
 }

@@ -183,13 +183,15 @@ impl Solution {
         self.interpolate(i, &basis, out);
     }
 
-    /// One component of the polynomial of interval i at θ ∈ [0, 1]; NaN if there is no such component.
+    /// One component of the polynomial of interval i at θ ∈ [0, 1]; NaN if there is no such interval or component.
     pub fn component_in(&self, gauss: &Gauss, i: usize, theta: f64, component: usize) -> f64 {
         let mut basis = [0.0; MAX_STAGES + 1];
         gauss.basis(theta, &mut basis);
         let at = |values: &[f64]| values.get(component).copied().unwrap_or(f64::NAN);
-        let stages = rows(&self.stages, i, self.m * self.components).chunks_exact(self.components);
-        stages.zip(&basis[1..]).fold(basis[0] * at(self.node(i)), |sum, (y, weight)| sum + weight * at(y))
+        let stages = rows(&self.stages, i, self.m * self.components).chunks_exact(self.components.max(1));
+        stages
+            .zip(&basis[1..])
+            .fold(basis[0] * at(rows(&self.nodes, i, self.components)), |sum, (y, weight)| sum + weight * at(y))
     }
 
     /// Derivative with respect to x of the polynomial of interval i at θ ∈ [0, 1].
@@ -217,18 +219,25 @@ impl Solution {
 
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
     pub(crate) fn interpolate(&self, i: usize, basis: &[f64], out: &mut [f64]) {
-        let (n, m) = (self.components, self.m);
-        let (node, stages) = (rows(&self.nodes, i, n), rows(&self.stages, i, m * n));
+        self.weigh_values(self.components, i, basis, &[], out);
+    }
+
+    /// basis₀ y₀ + Σ_j basis_j Y_j + basis_{m+1} y₁ of interval i and all n components, without the last term if `right` (y₁) is empty.
+    /// Inlined where n is known, it has no branches.
+    #[inline(always)]
+    fn weigh_values(&self, n: usize, i: usize, basis: &[f64], right: &[f64], out: &mut [f64]) {
+        let (node, stages) = (rows(&self.nodes, i, n), rows(&self.stages, i, self.m * n));
         match n {
-            1 => sized::<1>(node, stages, basis, out),
-            2 => sized::<2>(node, stages, basis, out),
-            3 => sized::<3>(node, stages, basis, out),
-            4 => sized::<4>(node, stages, basis, out),
-            6 => sized::<6>(node, stages, basis, out),
-            7 => sized::<7>(node, stages, basis, out),
+            1 => sized::<1>(node, stages, right, basis, out),
+            2 => sized::<2>(node, stages, right, basis, out),
+            3 => sized::<3>(node, stages, right, basis, out),
+            4 => sized::<4>(node, stages, right, basis, out),
+            6 => sized::<6>(node, stages, right, basis, out),
+            7 => sized::<7>(node, stages, right, basis, out),
+            9 => sized::<9>(node, stages, right, basis, out),
             _ => {
                 out.iter_mut().zip(node).for_each(|(o, y)| *o = basis[0] * y);
-                for (weight, y) in basis[1..].iter().zip(stages.chunks_exact(n.max(1))) {
+                for (weight, y) in basis[1..].iter().zip(stages.chunks_exact(n.max(1)).chain([right])) {
                     out.iter_mut().zip(y).for_each(|(o, y)| *o += weight * y);
                 }
             }
@@ -327,51 +336,27 @@ impl Transfer {
         to.nodes.resize(to.mesh.len() * n, 0.0);
         to.stages.resize(to.intervals() * m * n, 0.0);
         let Solution { nodes, stages, .. } = to;
-        let is_whole = (from.nodes.len(), from.stages.len()) == (from.mesh.len() * n, from.intervals() * m * n);
-        match n {
-            7 if is_whole => transfer_values::<7>(self, from, nodes, stages),
-            9 if is_whole => transfer_values::<9>(self, from, nodes, stages),
-            _ => {
-                for (k, (interval, weights)) in self.places.iter().enumerate() {
-                    let (i, j) = (k / (m + 1), k % (m + 1));
-                    let out = match j.checked_sub(1) {
-                        None => nodes.get_mut(i * n..(i + 1) * n),
-                        Some(j) => stages.get_mut((i * m + j) * n..(i * m + j + 1) * n),
-                    };
-                    let (Some(out), Some(&weight)) = (out, weights.get(m + 1)) else { continue };
-                    let right = rows(&from.nodes, interval + 1, n);
-                    if weight == 1.0 {
-                        out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
-                        continue;
-                    }
-                    from.interpolate(*interval, weights, out);
-                    out.iter_mut().zip(right).for_each(|(o, right)| *o += weight * right);
-                }
-            }
-        }
+        transfer_values(self, from, nodes, stages);
     }
 }
 
 /// The part of values that belongs to interval or node i; empty beyond the end.
+#[inline(always)]
 fn rows(values: &[f64], i: usize, size: usize) -> &[f64] {
     values.get(i * size..(i + 1) * size).unwrap_or(&[])
 }
 
-/// [`Solution::interpolate`] for N components.
-fn sized<const N: usize>(node: &[f64], stages: &[f64], basis: &[f64], out: &mut [f64]) {
-    if let (Some(node), Some(out)) = (node.first_chunk::<N>(), out.first_chunk_mut::<N>()) {
-        *out = weighted(node, stages.as_chunks::<N>().0, basis);
-    }
-}
-
-/// basis₀ y₀ + Σ_j basis_j Y_j of N components, with sums in registers. The usual four stages are unrolled.
+/// [`Solution::weigh_values`] for N components, with sums in registers.
 #[inline(always)]
-fn weighted<const N: usize>(node: &[f64; N], stages: &[[f64; N]], basis: &[f64]) -> [f64; N] {
+fn sized<const N: usize>(node: &[f64], stages: &[f64], right: &[f64], basis: &[f64], out: &mut [f64]) {
+    let (Some(node), Some(out)) = (node.first_chunk::<N>(), out.first_chunk_mut::<N>()) else { return };
     let mut sum = [0.0; N];
     for c in 0..N {
         sum[c] = basis[0] * node[c];
     }
+    let stages = stages.as_chunks::<N>().0;
     if let ([y1, y2, y3, y4], [_, b1, b2, b3, b4, ..]) = (stages, basis) {
+        // The usual four stages are unrolled.
         for (weight, y) in [(b1, y1), (b2, y2), (b3, y3), (b4, y4)] {
             for c in 0..N {
                 sum[c] += weight * y[c];
@@ -384,27 +369,38 @@ fn weighted<const N: usize>(node: &[f64; N], stages: &[[f64; N]], basis: &[f64])
             }
         }
     }
-    sum
+    if let (Some(right), Some(weight)) = (right.first_chunk::<N>(), basis.get(stages.len() + 1)) {
+        for c in 0..N {
+            sum[c] += weight * right[c];
+        }
+    }
+    *out = sum;
 }
 
-/// Values on the mesh that the weights are for, of N components, on the new mesh.
+/// The nodes and stages of a solution on another mesh.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn transfer_values<const N: usize>(transfer: &Transfer, from: &Solution, nodes: &mut [f64], stages: &mut [f64]) {
+fn transfer_values(transfer: &Transfer, from: &Solution, nodes: &mut [f64], stages: &mut [f64]) {
+    // Numbers of components that are worth a loop of their own.
+    match from.components {
+        7 => transfer_components(7, transfer, from, nodes, stages),
+        9 => transfer_components(9, transfer, from, nodes, stages),
+        n => transfer_components(n, transfer, from, nodes, stages),
+    }
+}
+
+#[inline(always)]
+fn transfer_components(n: usize, transfer: &Transfer, from: &Solution, nodes: &mut [f64], stages: &mut [f64]) {
     let m = from.m;
-    let (from_nodes, from_stages) = (from.nodes.as_chunks::<N>().0, from.stages.as_chunks::<N>().0);
-    let (nodes, stages) = (nodes.as_chunks_mut::<N>().0, stages.as_chunks_mut::<N>().0);
     for (i, places) in transfer.places.chunks(m + 1).enumerate() {
         for (j, (interval, weights)) in places.iter().enumerate() {
-            let out = if j == 0 { &mut nodes[i] } else { &mut stages[i * m + j - 1] };
-            let (right, weight) = (&from_nodes[interval + 1], weights[m + 1]);
+            let (to, k) = if j == 0 { (&mut *nodes, i) } else { (&mut *stages, i * m + j - 1) };
+            let (Some(out), Some(&weight)) = (to.get_mut(k * n..(k + 1) * n), weights.get(m + 1)) else { continue };
+            let right = rows(&from.nodes, interval + 1, n);
             if weight == 1.0 {
-                *out = *right;
+                out.iter_mut().zip(right).for_each(|(o, right)| *o = *right);
                 continue;
             }
-            let sum = weighted(&from_nodes[*interval], &from_stages[interval * m..(interval + 1) * m], weights);
-            for c in 0..N {
-                out[c] = sum[c] + weight * right[c];
-            }
+            from.weigh_values(n, *interval, weights, right, out);
         }
     }
 }

@@ -104,8 +104,9 @@ pub struct NoEigenvalues {
 pub struct Krylov {
     basis: Vec<Vec<f64>>,
     hessenberg: Vec<f64>,
-    /// The Ritz vectors found last: Schur vectors of the projected matrix, and coefficients of the Ritz vectors in them.
+    /// Schur vectors of the last projected matrix, by columns.
     schur: DMatrix<f64>,
+    /// Coefficients of the last Ritz vectors in the Schur vectors.
     vectors: Vec<Vec<Complex<f64>>>,
     /// Where the next run starts; anywhere if empty.
     start: Vec<f64>,

@@ -279,7 +279,7 @@ struct Run<'a> {
     drift: f64,
     /// Speed at which the present slow shape was found not to be at rest.
     looked: f64,
-    /// Whether the cell has no odd disturbances, to which a state at rest may then be unstable.
+    /// Whether the noise is even about u = ½, so that the cell may rest in a state that is unstable to odd disturbances.
     symmetric: bool,
 }
 
@@ -402,7 +402,7 @@ impl Run<'_> {
         SurfaceDivision { division, modes: stepper.problem.space.modes, necks: self.necks.clone(), rest: None }
     }
 
-    /// The division, if the cell rests: its surface is close to a stationary one that is stable to all modes.
+    /// The division, if the cell rests: its surface is close to a stationary one that is stable to all disturbances of this cell.
     fn rested(&mut self, stepper: &mut Stepper) -> Option<SurfaceDivision> {
         let now = stepper.history.first()?;
         if self.speed > SLOW {
@@ -432,11 +432,9 @@ impl Run<'_> {
         }
         let rates = problem.rates(&state, 6, Among::All).ok()?;
         let growth_rate = rates.first()?.re;
-        let leaves = match self.symmetric {
-            false => growth_rate,
-            true => problem.rates(&state, 1, Among::Even).ok()?.first()?.re,
-        };
-        if leaves >= 0.0 {
+        let is_left =
+            growth_rate >= 0.0 && (!self.symmetric || problem.rates(&state, 1, Among::Even).ok()?.first()?.re >= 0.0);
+        if is_left {
             return None;
         }
         let division = self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) }, now.t);

@@ -174,6 +174,7 @@ pub fn zeroed(v: &mut Vec<f64>, len: usize) {
         *v = vec![0.0; len + len / 2];
         return v.truncate(len);
     }
+    // Most vectors are short and keep their length.
     if v.len() == len && len <= 128 {
         return v.fill(0.0);
     }

@@ -3,6 +3,7 @@
 use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
 use crate::direction::{Direction, Residual};
 use crate::gauss::{Gauss, MAX_STAGES};
+use crate::solution::Solution;
 
 use super::condense::{Condensed, part, part_mut};
 use super::shape::{Shape, Sizes};
@@ -27,20 +28,18 @@ impl<'a> Interval<'a> {
     }
 }
 
-/// Turns f at the stages of all intervals, in `rows`, into the residuals of the stages, and writes those of the nodes, for values
-/// [nodes, stages].
+/// Computes the residuals of `y` at the stages and nodes of all intervals. On entry, `out` contains f at the stages.
 #[inline(always)]
-pub fn residuals<S: Shape>(gauss: &Gauss, mesh: &[f64], values: [&[f64]; 2], rows: &mut [f64], node_rows: &mut [f64]) {
-    let components = values[0].len() / mesh.len();
-    let sizes = S::sizes(Dimensions { components, ..Dimensions::default() }, gauss.m);
-    for i in 0..mesh.len() - 1 {
-        let interval = Interval::new(i, mesh[i + 1] - mesh[i], values, sizes);
-        let rows = part_mut(rows, i, sizes.m * sizes.n);
-        differences(sizes, gauss, interval, rows, part_mut(node_rows, i, sizes.n));
+pub fn residuals<S: Shape>(gauss: &Gauss, y: &Solution, out: &mut Residual) {
+    let sizes = S::sizes(Dimensions { components: y.components, ..Dimensions::default() }, gauss.m);
+    for (i, ends) in y.mesh.windows(2).enumerate() {
+        let interval = Interval::new(i, ends[1] - ends[0], [&y.nodes, &y.stages], sizes);
+        let rows = part_mut(&mut out.stages, i, sizes.m * sizes.n);
+        differences(sizes, gauss, interval, rows, part_mut(&mut out.nodes, i, sizes.n));
     }
 }
 
-/// Adds J δ at the stages and nodes to `out`, without the scalar unknowns of δ.
+/// Adds J δ at the stages and nodes to `out`; the scalar unknowns of δ are left out.
 #[inline(always)]
 pub fn apply<S: Shape>(condensed: &Condensed, gauss: &Gauss, direction: &Direction, out: &mut Residual) {
     let sizes = condensed.sizes::<S>();

@@ -10,6 +10,7 @@ use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::Gauss;
+use crate::solution::Solution;
 
 use super::block::BlockFactor;
 use super::condense::Condensed;
@@ -31,7 +32,7 @@ pub struct Kernels {
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
     pub(crate) complete: fn(&Condensed, &Gauss, &mut Direction),
-    pub(crate) residuals: fn(&Gauss, &[f64], [&[f64]; 2], &mut [f64], &mut [f64]),
+    pub(crate) residuals: fn(&Gauss, &Solution, &mut Residual),
     pub(crate) apply: fn(&Condensed, &Gauss, &Direction, &mut Residual),
     pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearCondition]) -> Result<(), PivotFailure>,
     pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
@@ -177,8 +178,8 @@ fn backward<S: Shape>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn residuals<S: Shape>(gauss: &Gauss, mesh: &[f64], values: [&[f64]; 2], rows: &mut [f64], node_rows: &mut [f64]) {
-    stages::residuals::<S>(gauss, mesh, values, rows, node_rows);
+fn residuals<S: Shape>(gauss: &Gauss, y: &Solution, out: &mut Residual) {
+    stages::residuals::<S>(gauss, y, out);
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]

@@ -240,7 +240,7 @@ impl System {
                 }
             }
         }
-        (self.kernels.residuals)(&self.gauss, &y.mesh, [&y.nodes, &y.stages], &mut r.stages, &mut r.nodes);
+        (self.kernels.residuals)(&self.gauss, y, r);
     }
 
     /// The conditions at both ends and their derivatives.

@@ -141,7 +141,7 @@ impl<D: Number> LocalCoefficients<D> {
 /// Each profile of the cue costs an exponential. Profiles change with the mesh, with numbers of the cue, and, if a
 /// width is given in L_h, with the length of the contour; the coefficients change with every other parameter too.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CoefficientCache {
+pub(super) struct CoefficientCache {
     /// Whether profiles depend on the length of the contour.
     by_length: bool,
     x: Vec<f64>,
@@ -149,11 +149,11 @@ pub(crate) struct CoefficientCache {
     /// The cue's [`profiles`](Constants::profiles) at every place.
     profiles: Vec<[f64; 2]>,
     /// Empty if they must be recomputed.
-    local: Vec<[f64; COEFFICIENTS]>,
+    local: Vec<LocalCoefficients<f64>>,
 }
 
 impl CoefficientCache {
-    /// A cache for other places.
+    /// An empty cache for other places.
     pub fn for_others(&self) -> CoefficientCache {
         CoefficientCache { by_length: self.by_length, ..CoefficientCache::default() }
     }
@@ -181,7 +181,7 @@ impl CoefficientCache {
         }
         if local.is_empty() && !x.is_empty() {
             let of_points = profiles.chunks_exact(profiles.len() / x.len());
-            local.extend(of_points.map(|profiles| constants.painted(profiles.iter().copied()).into_array()));
+            local.extend(of_points.map(|profiles| constants.painted(profiles.iter().copied())));
         }
     }
 
@@ -199,12 +199,12 @@ impl CoefficientCache {
         constants: &Constants<f64>,
         points: CollocationPoints<'_>,
         length: f64,
-    ) -> (Cow<'_, [[f64; COEFFICIENTS]]>, &[[f64; 2]]) {
+    ) -> (Cow<'_, [LocalCoefficients<f64>]>, &[[f64; 2]]) {
         if !constants.vary() {
             return (Cow::Borrowed(&[]), &[]);
         }
         let Some(range) = self.known(points.first, points.x, length) else {
-            return (points.x.iter().map(|&x| constants.at(x, length).into_array()).collect(), &[]);
+            return (points.x.iter().map(|&x| constants.at(x, length)).collect(), &[]);
         };
         let each = self.profiles.len() / self.x.len().max(1);
         (Cow::Borrowed(&self.local[range.clone()]), &self.profiles[range.start * each..range.end * each])
@@ -213,7 +213,7 @@ impl CoefficientCache {
     /// Coefficients at one collocation point.
     pub fn at(&self, constants: &Constants<f64>, point: CollocationPoint, length: f64) -> LocalCoefficients<f64> {
         let known = self.known(point.index, &[point.x], length);
-        known.map_or_else(|| constants.at(point.x, length), |range| self.local[range.start].into())
+        known.map_or_else(|| constants.at(point.x, length), |range| self.local[range.start])
     }
 }
 

@@ -132,13 +132,13 @@ pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
     best
 }
 
-/// Next to a root, ψ is evaluated; farther away its sign is known.
+/// The secant method finds a waist to within this distance in θ.
 const NEAR: f64 = 1e-11;
-/// ψ − π/2 is above rounding.
+/// Larger values of |ψ − π/2| have a certain sign in spite of rounding.
 const CLEAR: f64 = 1e-14;
 
-/// θ at which ψ passes π/2 downwards on interval i, between two θ with their ψ: by halving, to the last digit. Where ψ changes
-/// faster than rounding, a secant tells on which side of a middle the root is.
+/// θ at which ψ passes π/2 downwards on interval i, between two θ with their ψ, by bisection to the last digit. The secant method
+/// tells the sign of ψ − π/2 at most midpoints, so that ψ is evaluated only near the root.
 fn waist(gauss: &Gauss, y: &Solution, i: usize, ends: [[f64; 2]; 2]) -> f64 {
     let excess = |theta: f64| y.component_in(gauss, i, theta, PSI) - 0.5 * PI;
     let mut bracket = Bracket::new(ends.map(|[theta, psi]| [theta, psi - 0.5 * PI]));

@@ -7,7 +7,7 @@ use furrow_bvp::{
 };
 use num_dual::Dual64;
 
-use super::coefficients::{COEFFICIENTS, CoefficientCache};
+use super::coefficients::CoefficientCache;
 use super::columns::Column;
 use super::equations::{
     BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PSI, Q, R, REGULATED, T, V,
@@ -170,7 +170,7 @@ impl Cortex {
         !varies && cue.terms().iter().all(|term| term.amplitude == 0.0)
     }
 
-    fn sweep<'a>(&'a self, local: &'a [[f64; COEFFICIENTS]], profiles: &'a [[f64; 2]]) -> Sweep<'a> {
+    fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>], profiles: &'a [[f64; 2]]) -> Sweep<'a> {
         let Cortex { constants, rate, past, carried_past, noise, free, .. } = self;
         Sweep {
             constants,

@@ -37,18 +37,18 @@ fn gradient(y: &[f64], length: f64) -> f64 {
     if y.len() == REGULATED { REGULATOR * length * y[J].abs() / (1.0 + y[PHI].abs()) } else { 0.0 }
 }
 
-/// The places at which a monitor evaluates the cue of a cell, with the coefficients there and the steepness of the intervals, which
-/// stay the same while the mesh does.
+/// Where a monitor evaluates the cue of a cell: the coefficients there and the steepness of the intervals change only with the mesh.
 #[derive(Default)]
 pub struct Places {
     u: Vec<f64>,
     coefficients: Option<CoefficientCache>,
+    /// Empty without a cue.
     steepness: Vec<f64>,
 }
 
 /// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue and the regulator, plus
 /// a floor of three tenths of their mean, so that no region is left empty. `symmetric` averages it with its mirror
-/// image on a mirror-symmetric mesh. `places` are of the same cell in every call.
+/// image on a mirror-symmetric mesh. `places` belong to one cell.
 pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, places: &mut Places, weight: &mut Vec<f64>) {
     let (length, constants) = (y.scalars[LENGTH], cortex.constants());
     let end = y.mesh[y.intervals()] - y.mesh[0];
@@ -59,10 +59,7 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, places: &mut Plac
         u.extend((0..y.m).map(|j| x[0] + (x[1] - x[0]) * (j as f64 + 0.5) / y.m as f64));
     }
     let cache = coefficients.get_or_insert_with(|| cortex.coefficient_cache());
-    if !constants.vary() {
-        steepness.clear();
-        steepness.resize(y.intervals(), 0.0);
-    } else if !cache.holds(u, length) {
+    if constants.vary() && !cache.holds(u, length) {
         cache.prepare(constants, u, length);
         steepness.clear();
         steepness.extend(y.mesh.windows(2).map(|x| steepest(cortex, x[0], x[1], length)));
@@ -73,17 +70,13 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, places: &mut Plac
         for j in 0..y.m {
             let (index, s) = (i * y.m + j, y.stage(i, j));
             let c2 = s[PSI].sin() / s[R];
-            let here = if constants.vary() {
-                cache.at(constants, CollocationPoint { x: u[index], index }, length)
-            } else {
-                constants.uniform
-            };
+            let here = cache.at(constants, CollocationPoint { x: u[index], index }, length);
             let here = constants.in_state(here, s, length);
             let c1 = reader.mean_curvature(u[index], &here, s, length)[0] - c2;
             largest = largest.max(length * (c1.abs() + c2.abs()));
             carried = carried.max(gradient(s, length));
         }
-        weight.push(largest + steepness[i].max(carried));
+        weight.push(largest + steepness.get(i).map_or(carried, |steepness| steepness.max(carried)));
     }
     if symmetric {
         let n = weight.len();

@@ -31,7 +31,7 @@ pub(super) struct Sweep<'a> {
     /// Factor on the activity at every collocation point; empty if it is 1 everywhere.
     pub noise: &'a [f64],
     /// The coefficients at the points of the sweep, without the contribution of a regulator; empty if they are uniform.
-    pub local: &'a [[f64; COEFFICIENTS]],
+    pub local: &'a [LocalCoefficients<f64>],
     /// The cue's profiles at these points; empty if they are not cached.
     pub profiles: &'a [[f64; 2]],
     /// Number of scalar unknowns.
@@ -41,7 +41,7 @@ pub(super) struct Sweep<'a> {
 impl Sweep<'_> {
     /// The coefficients at a point of the sweep, without the contribution of a regulator.
     pub(super) fn painted(&self, point: usize) -> LocalCoefficients<f64> {
-        self.local.get(point).map_or(self.constants.uniform, |here| (*here).into())
+        *self.local.get(point).unwrap_or(&self.constants.uniform)
     }
 }
 
@@ -125,7 +125,7 @@ impl<const N: usize> Group<N> {
                 put(&mut self.local, i, here.into_array());
                 put(&mut self.by_phi, i, by_phi.into_array());
             } else if let Some(here) = sweep.local.get(point) {
-                put(&mut self.local, i, *here);
+                put(&mut self.local, i, here.into_array());
             }
         }
     }
