@@ -35,6 +35,8 @@ class Steady(Result):
     ``bending_energy``: ∫ ½κ(C − C0)² dA, in κ0; NaN without axial symmetry.
     ``stable``: Whether every disturbance decays.
     ``growth_rate``: Largest real part of the growth rates, in 1/τ.
+    ``growth_rate_uncertainty``: How much it changes on halved intervals; infinite if the shape is not found on them, NaN without
+        axial symmetry.
     ``growth_rates``: The rightmost ones, by decreasing real part.
     ``parities``: Whether each mode is ``even``, ``odd`` or ``mixed`` under u → 1 − u.
     ``folds_passed``: Activities of the folds passed on the branch before this shape.
@@ -68,6 +70,7 @@ class Steady(Result):
     surface: Surface | None = field(default=None, repr=False)
     reduced_volume: float = math.nan
     bending_energy: float = math.nan
+    growth_rate_uncertainty: float = math.nan
 
     @property
     def contour(self) -> Contour:

@@ -455,6 +455,8 @@ class Cell:
         found, places = _furrow.steady(self._inputs, most)
         rates = found.pop("growth_rates")
         modes = found.pop("azimuthal", None)
+        if found["growth_rate_uncertainty"] is None:
+            found["growth_rate_uncertainty"] = np.inf
         return Steady(
             cell=self,
             growth_rates=_complex(rates),

@@ -75,6 +75,7 @@ def test_stationary_shapes_are_those_of_the_command_line(cli):
     for name in ("L", "p", "H", "r_eq", "stable", "growth_rate"):
         assert getattr(ours, name) == theirs[name], name
     assert [rate.real for rate in ours.growth_rates] == [rate["re"] for rate in theirs["growth_rates"]]
+    assert ours.growth_rate_uncertainty == theirs["growth_rate_uncertainty"] < 1e-4
     assert list(ours.parities) == [rate["parity"] for rate in theirs["growth_rates"]]
 
 

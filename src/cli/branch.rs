@@ -196,8 +196,12 @@ fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String
             _ => "smallest ξ_s".to_owned(),
         };
         let (kind, ShapePoint { xi_s, elongation: h, .. }) = (event.kind(), event.point());
-        // More than the last digit shows.
-        let error = Some(event.error()).filter(|error| *error >= 5e-7).map_or(String::new(), |e| format!(" ± {e:.0e}"));
+        let error = match event.error() {
+            // Less than the last digit shows.
+            error if error < 5e-7 => String::new(),
+            error if error.is_infinite() => " (absent on halved intervals)".to_owned(),
+            error => format!(" ± {error:.0e}"),
+        };
         let _ = writeln!(out, "{kind} of the {name} branch at ξ_s = {xi_s:.6}{error}, H = {h:.6}: {of}");
     }
     for (name, branch) in &found.branches {

@@ -8,7 +8,7 @@ use super::messages;
 use super::output::{filled, merged, number, print_as, seed, writable_file, writable_folder};
 use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
 use clap::Args;
-use furrow_cell::Cell;
+use furrow_cell::{Cell, Numerics};
 use furrow_figures::drawing::style::described;
 use furrow_figures::movie::{Movie, SurfaceMovie, even_times};
 use furrow_figures::plot;
@@ -141,47 +141,46 @@ impl NoiseEffect {
     }
 }
 
-/// The same division on twice the mesh.
+/// The same division on twice the mesh, with a quarter of the tolerance in time.
 struct MeshEffect {
-    intervals: usize,
+    finer: Numerics,
     /// Its outcome, or why it failed.
     other: Result<Division, CliError>,
-    /// Whether it disagrees with the division on the given mesh.
+    /// Whether it disagrees with the division as given.
     differs: bool,
     /// By how much χ differs, where both divide.
     uncertainty: Option<f64>,
 }
 
 impl MeshEffect {
-    /// Divides the cell on twice the mesh, if a mesh may be as fine, and compares.
+    /// Computes the refined division, if a mesh may be as fine, and compares.
     fn of(
         first: &Division,
         input: &DivisionInput,
         memo: &Memo,
         context: &Context,
     ) -> Result<Option<MeshEffect>, CliError> {
-        let Some(finer) = input.on_twice_the_mesh() else { return Ok(None) };
-        let (parity, intervals) = (input.cell.is_mirror_symmetric(), finer.numerics.intervals);
+        let Some(finer) = input.refined() else { return Ok(None) };
+        let (parity, numerics) = (input.cell.is_mirror_symmetric(), finer.numerics);
         let mut found = replicates(&finer, 1, memo, &context.scheduling(&|_| ()))?;
         let other = match (found.divisions.pop(), found.undecided.pop()) {
             (Some((_, division)), _) => Ok(division),
             (None, Some(job)) => Err(reason(job.failure)),
             (None, None) => return Err(CliError::Interrupted),
         };
-        let differs = other.as_ref().map_or(true, |other| first.depends_on_mesh(other, parity));
+        let differs = other.as_ref().map_or(true, |other| first.depends_on_numerics(other, parity));
         let uncertainty = other.as_ref().ok().and_then(|other| first.chi_apart(other, parity));
-        Ok(Some(MeshEffect { intervals, other, differs, uncertainty }))
+        Ok(Some(MeshEffect { finer: numerics, other, differs, uncertainty }))
     }
 
     /// One line for the terminal.
     fn text(&self, first: &Division) -> String {
-        let MeshEffect { intervals, other, uncertainty, .. } = self;
+        let MeshEffect { finer: Numerics { intervals, time_tolerance, .. }, other, uncertainty, .. } = self;
         let what = if uncertainty.is_some() { "how unequal" } else { "whether it divides" };
         let there = other.as_ref().map_or_else(|error| format!("no answer ({error})"), found);
         format!(
-            "the mesh decides {what}: {} on this one, {there} on {intervals} intervals; --set intervals={} shows whether it settles\n",
-            found(first),
-            2 * intervals
+            "the mesh or the time steps decide {what}: {} with these, {there} with --set intervals={intervals} --set time_tolerance={time_tolerance}\n",
+            found(first)
         )
     }
 
@@ -190,7 +189,10 @@ impl MeshEffect {
         json!({
             "depends_on_mesh": self.differs,
             "chi_uncertainty": self.uncertainty,
-            "twice_the_mesh": merged(json!({ "intervals": self.intervals }), there),
+            "twice_the_mesh": merged(
+                json!({ "intervals": self.finer.intervals, "time_tolerance": self.finer.time_tolerance }),
+                there
+            ),
         })
     }
 }
@@ -311,7 +313,12 @@ fn without_axis(
 
 /// Checks that the frames can be written, before the work that they show.
 fn writable_frames(path: Option<&Path>) -> Result<(), InputError> {
-    match path.map(FrameFiles::of) {
+    let files = path.map(FrameFiles::of);
+    if let Some(list) = files.as_ref().and_then(FrameFiles::foreign_list) {
+        let allowed = "another name: this file lists no frames, and would be replaced by their list";
+        return Err(InputError::not_allowed("--frames", "frames", format!("{list:?}"), allowed));
+    }
+    match files {
         None => Ok(()),
         Some(FrameFiles::Csv(folder)) => writable_folder("--frames", &*folder, &[INDEX]),
         Some(FrameFiles::Ply(folder, name)) => writable_folder("--frames", &*folder, &[&format!("{name}.json")]),
@@ -359,14 +366,14 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
     Ok(found)
 }
 
-/// Solves the divisions of one replicate at once and keeps them in the memo: the one on twice the mesh, which takes longest, the
+/// Solves the divisions of one replicate at once and keeps them in the memo: the refined one, which takes longest, the
 /// replicate and the one of the next seed.
 ///
 /// # Errors
 /// Of the replicate; the others may fail.
 fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<(), CliError> {
     let next = DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() };
-    let all = input.on_twice_the_mesh().into_iter().chain([input.clone(), next]);
+    let all = input.refined().into_iter().chain([input.clone(), next]);
     let unknown: Vec<DivisionInput> = all.filter(|one| memo.known(one).is_none()).collect();
     if unknown.is_empty() {
         return Ok(());

@@ -3,6 +3,7 @@
 use super::cell::{ActiveCellArgs, AxisArgs, described};
 use super::context::Context;
 use super::error::CliError;
+use super::messages;
 use super::output::{filled, merged, print_as};
 use super::picture::PlotArgs;
 use clap::Args;
@@ -89,6 +90,23 @@ fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
     })
 }
 
+/// Growth rates are known well enough if their error is below this part of them, or below a tenth of it in 1/τ.
+const WELL_KNOWN: f64 = 0.01;
+
+/// What to say of a growth rate that the mesh does not determine; `error` is its change on halved intervals.
+fn mesh_doubt(rate: f64, error: Option<f64>) -> Option<String> {
+    match error {
+        Some(error) if error <= WELL_KNOWN * rate.abs().max(0.1) => None,
+        Some(error) => Some(format!(
+            "the mesh is too coarse: the growth rate {rate:.6} changes by {error:.6} on halved intervals; repeat with twice the intervals"
+        )),
+        None => Some(
+            "the mesh is too coarse: halved intervals do not confirm this shape; repeat with twice the intervals"
+                .to_owned(),
+        ),
+    }
+}
+
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     context.check_azimuthal(args.azimuthal)?;
@@ -111,6 +129,10 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let spectrum = shape.spectrum()?;
     let Cell { r0, epsilon, xi_s, cue, .. } = &shape.cortex.cell;
     let found = stationary_report(&shape, &spectrum);
+    let rate = spectrum.growth_rate();
+    if let Some(doubt) = mesh_doubt(rate, found["growth_rate_uncertainty"].as_f64()) {
+        messages::warning!("{doubt}");
+    }
     let mut document = merged(json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue }), found);
     document = merged(document, filled(json!({ "r0_um": context.units.micrometres(*r0) })));
     let disturbed = args.azimuthal.map(|most| AzimuthalStability::up_to(usize::from(most), &shape, &spectrum));

@@ -250,7 +250,7 @@ fn curves(kept: &mut Kept, finer: bool) -> Result<Vec<Curve>, Fault> {
             let mut rows = Vec::new();
             for r0 in SIZES {
                 let input = DivisionInput::new(law.cell(r0, cued)?);
-                let input = if finer { input.on_twice_the_mesh().ok_or("no finer mesh")? } else { input };
+                let input = if finer { input.refined().ok_or("no finer mesh")? } else { input };
                 rows.push(kept.row(&input).map_err(|error| format!("{}: {error}", law.name()))?);
             }
             out.push(Curve { law, cued, rows });

@@ -80,7 +80,7 @@ pub fn boundary_with_bent(
             }
             critical => critical?,
         };
-        found.warnings.extend(trials(cell, numerics, (critical.kind, critical.r0), &bent_curves::WITHOUT_AXIS));
+        found.warnings.extend(trials(cell, numerics, (critical.kind, critical.r0), &bent_curves::WITHOUT_AXIS, None));
         found.bent_critical = Some(CurvePoint {
             r0: critical.r0,
             epsilon: cell.epsilon,

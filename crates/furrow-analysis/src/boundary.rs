@@ -10,6 +10,7 @@ use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 use serde_json::{Value, json};
+use std::sync::atomic::AtomicBool;
 
 /// The boundary of division over a parameter.
 #[derive(Clone, Debug)]
@@ -175,8 +176,8 @@ fn thresholds(
 }
 
 /// Where the boundary lies at the cell's activity: `on_curve`, where the curve over the range says it, else it is searched for.
-/// Along R0 it is the critical radius of a tree, from wherever the range begins; warnings say if smaller cells divide, or larger
-/// ones rest, all the same.
+/// Along R0 it is the critical radius of a tree, from wherever the range begins: a curve of folds that begins at the smallest radii
+/// may be another one. Warnings say if smaller cells divide, or larger ones rest, all the same.
 fn critical_point(
     cell: &Cell,
     numerics: &Numerics,
@@ -188,9 +189,11 @@ fn critical_point(
     let middle = [0.5 * (from + to), from, to];
     let starts = if parameter == Parameter::R0 { &critical::STARTS[..] } else { &middle };
     let search = || critical::critical_value(cell, numerics, parameter, starts, &StepBudget::unlimited());
-    let (kind, point) = on_curve.map_or_else(search, Ok)?;
+    let same_fold =
+        |(kind, _): &(BoundaryKind, CurvePoint)| parameter != Parameter::R0 || *kind == BoundaryKind::Pitchfork;
+    let (kind, point) = on_curve.filter(same_fold).map_or_else(search, Ok)?;
     if parameter == Parameter::R0 {
-        warnings.extend(trials(cell, numerics, (kind, point.value), &critical::AXISYMMETRIC));
+        warnings.extend(trials(cell, numerics, (kind, point.value), &critical::AXISYMMETRIC, None));
     }
     Ok(point)
 }
@@ -201,9 +204,10 @@ pub(crate) fn trials(
     numerics: &Numerics,
     at: (BoundaryKind, f64),
     method: &Method,
+    cancel: Option<&AtomicBool>,
 ) -> impl Iterator<Item = String> {
-    let below = critical::rests_below(cell, numerics, at, method, None).err();
-    let above = critical::divides_above(cell, numerics, at, method, None).err();
+    let below = critical::rests_below(cell, numerics, at, method, cancel).err();
+    let above = critical::divides_above(cell, numerics, at, method, cancel).err();
     below.into_iter().chain(above).map(|error| error.to_string())
 }
 

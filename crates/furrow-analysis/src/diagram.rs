@@ -32,10 +32,20 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// [`warnings`](Self::warnings), and growth rates beyond axial symmetry that are not known, and of sign changes that are not located.
+    /// [`warnings`](Self::warnings), events that a finer mesh does not have, and growth rates beyond axial symmetry that are not known,
+    /// and of sign changes that are not located.
     pub fn all_warnings(&self) -> Vec<String> {
         let rates = self.branches.iter().flat_map(|(name, branch)| unknown(name, &branch.points, &branch.azimuthal));
-        self.warnings.iter().cloned().chain(rates).collect()
+        let events =
+            self.branches.iter().flat_map(|(name, branch)| branch.events.iter().map(move |event| (name, event)));
+        let absent = events.filter(|(_, event)| event.error().is_infinite()).map(|(name, event)| {
+            let (kind, xi_s) = (event.kind(), event.point().xi_s);
+            format!(
+                "the mesh is too coarse: halved intervals have no {kind} of the {name} branch at xi_s = {xi_s:.6}; \
+                 repeat with twice the intervals"
+            )
+        });
+        self.warnings.iter().cloned().chain(absent).chain(rates).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use super::boundary::trials;
 use super::journal::Journal;
 use super::points::Point;
 use super::shard::Shard;
@@ -95,7 +96,7 @@ impl SweepResult {
 type Results = (Vec<Value>, Option<String>);
 
 /// Computes the results at a point.
-type SolveShape = fn(&DivisionInput, &StepBudget<'_>) -> Result<Vec<Value>, ShapeError>;
+type SolveShape = fn(&DivisionInput, &StepBudget<'_>) -> Result<Results, ShapeError>;
 
 /// The distinct inputs of points.
 struct Inputs<'p> {
@@ -273,7 +274,7 @@ impl<'a> Run<'a> {
             // A panic at one point must not lose the others.
             let solved = catch_unwind(AssertUnwindSafe(|| solve(&point.input, &budget)));
             let found = match solved {
-                Ok(Ok(values)) => (values, None),
+                Ok(Ok(found)) => found,
                 Ok(Err(error)) => (self.no_results(), Some(error.to_string())),
                 Err(_) => (self.no_results(), Some("internal error: the solver panicked, please report it".to_owned())),
             };
@@ -382,21 +383,27 @@ fn tree_results(tree: &Tree) -> Vec<Value> {
 }
 
 /// A cell without a pitchfork, up to [`XI_MAX`] or because of its cue, has criticality `none`: that is also a result.
-fn pitchfork_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Vec<Value>, ShapeError> {
+fn pitchfork_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Results, ShapeError> {
     let options = BranchOptions { xi: [0.0, XI_MAX], ..BranchOptions::default() };
     match pitchfork::first_within(&input.cell, &input.numerics, &options, budget) {
         Ok(found) => {
             let (criticality, point) = (found.criticality().to_string(), &found.point);
-            Ok(vec![point.xi_s.into(), criticality.into(), found.coefficient.into(), point.elongation.into()])
+            let values = [point.xi_s.into(), criticality.into(), found.coefficient.into(), point.elongation.into()];
+            Ok((values.to_vec(), None))
         }
         Err(ShapeError::NotFound { kind: PointKind::Pitchfork, .. } | ShapeError::NoPitchfork { .. }) => {
-            Ok(vec![Value::Null, "none".into(), Value::Null, Value::Null])
+            Ok((vec![Value::Null, "none".into(), Value::Null, Value::Null], None))
         }
         Err(error) => Err(error),
     }
 }
 
-fn critical_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Vec<Value>, ShapeError> {
-    let found = (method(&input.numerics).radius)(&input.cell, &input.numerics, budget)?;
-    Ok(vec![found.r0.into(), json!(found.kind)])
+/// The critical radius, and what trial divisions on both sides of it say against it.
+fn critical_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Results, ShapeError> {
+    let DivisionInput { cell, numerics, .. } = input;
+    let method = method(numerics);
+    let found = (method.radius)(cell, numerics, budget)?;
+    let against: Vec<String> = trials(cell, numerics, (found.kind, found.r0), &method, budget.interrupt()).collect();
+    let why = (!against.is_empty()).then(|| against.join("; "));
+    Ok((vec![found.r0.into(), json!(found.kind)], why))
 }

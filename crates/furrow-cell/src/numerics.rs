@@ -52,6 +52,14 @@ pub struct Numerics {
     pub contact: bool,
 }
 
+impl Numerics {
+    /// Least tolerance in time of a division. The error of a full step is estimated from a shortened one, which magnifies rounding;
+    /// the sixth power was found by trial.
+    pub fn least_time_tolerance(&self) -> f64 {
+        1e-9 * (0.5 / self.step_factor).powi(6)
+    }
+}
+
 impl Default for Numerics {
     fn default() -> Self {
         Numerics {

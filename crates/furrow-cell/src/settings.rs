@@ -444,9 +444,7 @@ impl Settings {
             let allowed = format!("at least {least} where numerics.stages = {stages}");
             return Err(InputError::not_allowed(source_name, "numerics.intervals", intervals, allowed));
         }
-        // The error of a full step is estimated from a shortened one, which magnifies rounding. The sixth power was found by
-        // trial.
-        let least = 1e-9 * (0.5 / step_factor).powi(6);
+        let least = self.numerics.least_time_tolerance();
         if time_tolerance < least {
             let allowed = format!("at least {least:.1e} where numerics.step_factor = {step_factor}");
             return Err(InputError::not_allowed(source_name, "numerics.time_tolerance", time_tolerance, allowed));

@@ -85,6 +85,19 @@ impl FrameFiles {
             _ => FrameFiles::Csv(path.to_owned()),
         }
     }
+
+    /// The list of the frames, if it is a file of its own that exists and lists no frames: writing frames would replace it.
+    pub fn foreign_list(&self) -> Option<PathBuf> {
+        let list = match self {
+            FrameFiles::Csv(folder) => folder.join(INDEX),
+            FrameFiles::Ply(folder, name) => folder.join(format!("{name}.json")),
+            FrameFiles::Glb(_) => return None,
+        };
+        let text = std::fs::read(&list).ok()?;
+        let listed: Result<Vec<Map<String, Value>>, _> = serde_json::from_slice(&text);
+        let has_frames = listed.is_ok_and(|frames| frames.iter().all(|frame| frame.contains_key("file")));
+        (!has_frames).then_some(list)
+    }
 }
 
 /// Several files, one a frame, and their list.

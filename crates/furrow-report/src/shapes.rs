@@ -24,6 +24,7 @@ pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value 
         "bending_energy": bending_energy,
         "stable": spectrum.is_stable(),
         "growth_rate": spectrum.growth_rate(),
+        "growth_rate_uncertainty": shape.growth_rate_error(spectrum),
         "growth_rates": spectrum.values.iter().map(rate).collect::<Vec<_>>(),
         "folds_passed": shape.folds,
     });

@@ -84,7 +84,7 @@ fn model_contours(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
 }
 
 fn read(args: &ContourArgs) -> Result<Contours, InputError> {
-    let mut found = Contours::default();
+    let (mut found, mut masks) = (Contours::default(), 0);
     for path in &args.measured {
         let mut opened = open_file(path)?;
         let file = path.display().to_string();
@@ -94,11 +94,15 @@ fn read(args: &ContourArgs) -> Result<Contours, InputError> {
         (&mut opened).take(SIGNATURE.len() as u64).read_to_end(&mut first).map_err(unreadable)?;
         let is_mask = first == SIGNATURE;
         let whole = first.chain(opened);
+        masks += usize::from(is_mask);
         match is_mask {
             true => found.read_mask(whole, &file, args.label)?,
             false => found.read_table(whole, &file)?,
         }
     }
+    let label = args.label.unwrap_or(0);
+    let fine = args.label.is_none() || masks > 0;
+    InputError::require(fine, "--label", "label", label, "absent: none of the contours is a mask (PNG)")?;
     Ok(found)
 }
 

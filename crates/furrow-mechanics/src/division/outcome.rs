@@ -153,9 +153,9 @@ impl Division {
         Some((chi(self)? - chi(other)?).abs())
     }
 
-    /// Whether the division on twice the mesh differs: only one of the two divides, or χ differs by more than
+    /// Whether the [refined](super::DivisionInput::refined) division differs: only one of the two divides, or χ differs by more than
     /// [`MESH_TOLERANCE`].
-    pub fn depends_on_mesh(&self, finer: &Division, mirror_symmetric: bool) -> bool {
+    pub fn depends_on_numerics(&self, finer: &Division, mirror_symmetric: bool) -> bool {
         let moved = self.chi_apart(finer, mirror_symmetric).is_some_and(|apart| apart > MESH_TOLERANCE);
         moved || self.chi().is_some() != finer.chi().is_some()
     }

@@ -27,6 +27,11 @@ impl<'a> StepBudget<'a> {
         StepBudget::new(usize::MAX, None)
     }
 
+    /// The flag that ends the search.
+    pub fn interrupt(&self) -> Option<&'a AtomicBool> {
+        self.interrupt
+    }
+
     /// Steps tried so far.
     pub fn spent(&self) -> usize {
         self.spent.get()

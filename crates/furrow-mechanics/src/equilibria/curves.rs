@@ -427,6 +427,14 @@ pub fn boundary_and_folds(
     Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &last], parameter, range)? })
 }
 
+/// The error of a range from both ends of which no curve can be followed; `error` is of the first end.
+fn no_end(error: ShapeError, parameter: Parameter, to: f64) -> ShapeError {
+    match error {
+        ShapeError::NotFound { .. } => ShapeError::NoEnd { source: Box::new(error), parameter, to },
+        error => error,
+    }
+}
+
 /// The curves that bound division of a cell over a range of a parameter: the curve of its first pitchfork if it is
 /// mirror-symmetric for every value of the parameter, else the curve of the fold that ends its stable shapes. If this
 /// point is not found at one end of the range, the curve is followed from the other end; if the curve of folds ends on
@@ -447,7 +455,8 @@ pub fn boundary_curves(
     if domain_along(cell, parameter) == Domain::Half {
         let forwards = first_pitchforks(cell, numerics, parameter, [from, to], activity);
         let curve = forwards.or_else(|error| {
-            let mut curve = pitchfork_curve(cell, numerics, parameter, [to, from]).map_err(|_| error)?;
+            let backwards = pitchfork_curve(cell, numerics, parameter, [to, from]);
+            let mut curve = backwards.map_err(|_| no_end(error, parameter, to))?;
             curve.points.reverse();
             Ok(curve)
         })?;
@@ -463,7 +472,7 @@ pub fn boundary_curves(
         return Ok(BoundaryCurves { pitchfork: None, folds: vec![forwards?] });
     }
     match (forwards, curve(to, from, None)) {
-        (Err(error), Err(_)) => Err(error),
+        (Err(error), Err(_)) => Err(no_end(error, parameter, to)),
         (forwards, backwards) => {
             Ok(BoundaryCurves { pitchfork: None, folds: forwards.into_iter().chain(backwards).collect() })
         }

@@ -65,6 +65,23 @@ impl std::fmt::Display for CellName {
     }
 }
 
+/// Corrections of Newton's method below this stop decreasing by rounding, which grows with the mesh.
+const ROUNDING: f64 = 1e-7;
+
+/// On which mesh a branch may be followed that was lost.
+fn better_mesh(source: &ContinuationError) -> &'static str {
+    use furrow_bvp::{NewtonError, StepFailure};
+    match source {
+        ContinuationError::Start { source: NewtonError::Stalled { correction, .. }, .. }
+        | ContinuationError::Lost { source: StepFailure::Newton(NewtonError::Stalled { correction, .. }), .. }
+            if *correction < ROUNDING =>
+        {
+            "fewer"
+        }
+        _ => "more",
+    }
+}
+
 /// The result of a search among shapes.
 pub type Result<T, E = ShapeError> = std::result::Result<T, E>;
 
@@ -80,7 +97,7 @@ pub enum ShapeError {
     #[error("no passive shape with the cue for {cell} ({source}); {}", advice_on_cue(*painted))]
     Cue { cell: CellName, source: NewtonError, painted: bool },
     /// The branch cannot be followed.
-    #[error("{cell}: {source}; try more mesh intervals")]
+    #[error("{cell}: {source}; try {} mesh intervals", better_mesh(source))]
     Branch { cell: CellName, source: ContinuationError },
     /// A singular point on the way cannot be located.
     #[error("{cell}: the {kind} near xi_s = {} cannot be located: {source}", digits(*xi_s))]
@@ -94,6 +111,9 @@ pub enum ShapeError {
     /// The cell's cue, its law, or its shell, distinguishes the poles: its branch has folds but no pitchfork.
     #[error("{cell}: {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold")]
     NoPitchfork { cell: CellName, cue: String },
+    /// Neither end of a range has the point from which a curve could be followed.
+    #[error("{source}; the curve begins at an end of the range, and {parameter} = {} has no such point or leads to none: narrow the range", digits(*to))]
+    NoEnd { source: Box<ShapeError>, parameter: Parameter, to: f64 },
     /// A curve of singular points does not reach the requested value.
     #[error("the curve of {kind}s does not reach {parameter} = {}: {source}", digits(*value))]
     Curve { kind: PointKind, parameter: Parameter, value: f64, source: CurveError },

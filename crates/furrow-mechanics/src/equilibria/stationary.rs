@@ -92,6 +92,7 @@ pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, S
     let (quick, parts) = primary::coarse(numerics);
     if parts > 1
         && let Ok((shape, false)) = along_branch(cell, &quick, long)
+        && shape.folds.is_empty()
         && let Some(shape) = shape.refined(parts)
     {
         shape.holds()?;
@@ -192,8 +193,7 @@ impl StationaryShape {
         let solution = coarse.on_mesh(&coarse.gauss(), &mesh::subdivided(&coarse.mesh, parts));
         let length = self.length();
         let mut fine = StationaryShape { solution, ..self };
-        let found = fine.folds.is_empty() && fine.polish().is_ok();
-        (found && (fine.length() - length).abs() < SAME * length).then_some(fine)
+        (fine.polish().is_ok() && (fine.length() - length).abs() < SAME * length).then_some(fine)
     }
 
     /// Contour length L.
@@ -238,5 +238,11 @@ impl StationaryShape {
     /// As [`Stability::leading`].
     pub fn spectrum(&self) -> Result<Spectrum, StabilityError> {
         Stability::new(self.solution.m).leading(&self.cortex, &self.solution)
+    }
+
+    /// The error of the largest growth rate of `spectrum`: its change on halved intervals, infinite if they have no such shape.
+    pub fn growth_rate_error(&self, spectrum: &Spectrum) -> f64 {
+        let finer = self.clone().refined(2).and_then(|finer| finer.spectrum().ok());
+        finer.map_or(f64::INFINITY, |finer| (finer.growth_rate() - spectrum.growth_rate()).abs())
     }
 }

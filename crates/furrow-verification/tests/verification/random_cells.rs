@@ -1,4 +1,4 @@
-//! Divisions of cells of all sorts: each ends, and χ that the mesh decides is found by the division on twice the mesh.
+//! Divisions of cells of all sorts: each ends, and χ that the mesh decides is found by the refined division.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -71,11 +71,13 @@ fn outcomes(numbers: std::ops::Range<usize>) -> BTreeMap<&'static str, usize> {
         let mut kinds = Vec::new();
         while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|number| numbers.contains(number)) {
             let input = DivisionInput::new(cell(number));
-            let finer = input.on_twice_the_mesh().unwrap();
+            let finer = input.refined().unwrap();
             let [one, two] = [&input, &finer].map(divide);
             let kind = match (&one, &two) {
                 (one, two) if !ended(one) || !ended(two) => "no outcome",
-                (Ok(one), Ok(two)) if one.depends_on_mesh(two, input.cell.is_mirror_symmetric()) => "the mesh decides",
+                (Ok(one), Ok(two)) if one.depends_on_numerics(two, input.cell.is_mirror_symmetric()) => {
+                    "the numerics decide"
+                }
                 (Ok(_), Ok(_)) => "an outcome",
                 _ => "a cycle, or no cortex is left",
             };
