@@ -15,6 +15,7 @@ use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
+use furrow_input::InputError;
 use furrow_lineage::batch::Store;
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
@@ -137,6 +138,11 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
     let free = args.free.as_ref().map(|texts| Free::list(texts, &lineage, "--free")).transpose()?;
     let hypotheses = hypotheses(args, free.as_deref(), &lineage, &settings)?;
+    if let Some(file) = &args.posterior {
+        let is_free = hypotheses.iter().any(|hypothesis| hypothesis.free() > 0);
+        let allowed = "left out: no hypothesis has a number that is fitted, and the table would have no column";
+        InputError::require(is_free, "--posterior", "posterior", format!("{:?}", file.display().to_string()), allowed)?;
+    }
     let files = files_of(&args.tables, TableKind::Volumes)?;
     let observations = observations(args, &files, &lineage)?;
     let table = files.first().map_or(String::new(), |file| file.path.display().to_string());

@@ -10,7 +10,7 @@ use crate::events::{Division, GENERATION};
 use crate::layout::{ChiColumns, DivisionColumns, embryo_of_file};
 use crate::names::Names;
 use crate::several::Source;
-use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
+use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive, positive_of};
 
 /// The division of a row, with the name of its mother.
 type Found<'r> = Result<(Value<'r>, Division), Rejected<'r>>;
@@ -153,7 +153,7 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
         volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],
         chi_signed: chi,
         mother_measured: own.map(|volume| size * volume),
-        chi_sd: given(columns.chi_sd).map(positive).transpose()?,
+        chi_sd: given(columns.chi_sd).map(|value| positive_of(value, "a standard deviation of χ")).transpose()?,
     };
     Ok((mother, division))
 }

@@ -274,6 +274,9 @@ impl Lifetimes {
             }
         }
         options.frame_minutes.require_known(&counting, "--frame-minutes")?;
+        let allowed = "left out: tables have times in a unit, and no file has frames";
+        let is_used = options.frame_minutes.is_empty() || !counting.is_empty();
+        InputError::require(is_used, "--frame-minutes", "frame_minutes", "(given)", allowed)?;
         if rows.has_means && files.len() > 1 {
             let file = files.first().map_or(String::new(), |file| file.path.display().to_string());
             let allowed = "in a table that is read by itself: its rows are means over embryos";

@@ -6,7 +6,7 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, FisherSnedecor, Normal, StudentsT};
 use statrs::function::erf::erfc;
 
-use crate::statistics::{Line, line, mean, sd};
+use crate::statistics::{Line, line_of, mean, sd};
 
 /// A line with an intercept, and the probability of a slope as far from 0 if y did not depend on x.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -14,36 +14,27 @@ pub struct Trend {
     /// The line.
     #[serde(flatten)]
     pub line: Line,
-    /// Two-sided, by Student's t with n − 2 degrees of freedom. Of a [`power`] of two sizes it is not a number, nor are the errors and
-    /// the shares of the variation.
-    pub p: f64,
-}
-
-/// The line of least squares with the p value of its slope; `None` for fewer than three points or constant x.
-pub fn trend(points: &[[f64; 2]]) -> Option<Trend> {
-    let line = line(points)?;
-    let p = slope_p(&line)?;
-    Some(Trend { line, p })
+    /// Two-sided, by Student's t with n − 2 degrees of freedom; `None` without scatter about the line, and of a [`power`] of two sizes.
+    pub p: Option<f64>,
 }
 
 /// Volumes within this factor, as of sisters of an equal division, are one size.
 const ONE_SIZE: f64 = 1.25;
 
-/// The line of ln y over ln volume; its slope is an exponent. As [`trend`], but a line through two sizes always fits: its error, its p
-/// value and its shares of the variation are then NaN.
+/// The line of ln y over ln volume; its slope is an exponent. `None` for fewer than three points or constant volumes. A line through two
+/// sizes always fits: the error of its slope is then NaN, its p value and its shares of the variation `None`.
 pub fn power(points: &[[f64; 2]]) -> Option<Trend> {
-    let mut trend = trend(points)?;
+    let mut line = line_of(points, [1.0; 2])?;
     let mut sizes: Vec<f64> = points.iter().map(|[ln_volume, _]| *ln_volume).collect();
     sizes.sort_by(f64::total_cmp);
-    let line = &mut trend.line;
     if sizes.chunk_by(|a, b| b - a <= ONE_SIZE.ln()).count() < 3 {
         (line.slope_error, line.intercept_error) = (f64::NAN, None);
-        (line.r_squared, line.r_squared_about_mean, trend.p) = (f64::NAN, f64::NAN, f64::NAN);
+        (line.r_squared, line.r_squared_about_mean) = (None, None);
     }
-    Some(trend)
+    Some(Trend { p: slope_p(&line), line })
 }
 
-/// Probability of a slope as far from 0, of either sign, if y did not depend on x; by Student's t.
+/// Probability of a slope as far from 0, of either sign, if y did not depend on x; by Student's t. `None` without scatter about the line.
 ///
 /// # Examples
 /// ```
@@ -60,9 +51,9 @@ pub fn slope_p(line: &Line) -> Option<f64> {
     two_sided(line.slope / line.slope_error, line.degrees_of_freedom() as f64)
 }
 
-/// Two-sided probability of Student's t with a given number of degrees of freedom; `None` if it is not a number.
+/// Two-sided probability of Student's t with a given number of degrees of freedom; `None` if t is not finite: nothing scatters then.
 fn two_sided(t: f64, freedom: f64) -> Option<f64> {
-    let t = Some(t.abs()).filter(|t| !t.is_nan())?;
+    let t = Some(t.abs()).filter(|t| t.is_finite())?;
     Some((2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t)).min(1.0))
 }
 
@@ -163,8 +154,8 @@ pub struct PairedTest {
     pub sum: f64,
     /// Its standard error, √n times the standard deviation of the values.
     pub error: f64,
-    /// Two-sided, by Student's t with n − 1 degrees of freedom; 1 if all values are 0.
-    pub p: f64,
+    /// Two-sided, by Student's t with n − 1 degrees of freedom; `None` if the values do not scatter.
+    pub p: Option<f64>,
 }
 
 /// Student's paired test of whether differences have the mean 0; `None` for fewer than two.
@@ -174,8 +165,29 @@ pub struct PairedTest {
 pub fn paired(differences: &[f64]) -> Option<PairedTest> {
     let (count, sum) = (differences.len() as f64, mean(differences) * differences.len() as f64);
     let error = sd(differences)? * count.sqrt();
-    let p = if sum == 0.0 { 1.0 } else { two_sided(sum / error, count - 1.0)? };
-    Some(PairedTest { sum, error, p })
+    Some(PairedTest { sum, error, p: two_sided(sum / error, count - 1.0) })
+}
+
+/// The fewest values whose mean would differ from 0 at p < 0.05 in 80 of 100 samples, if it is `ratio` of their standard deviations:
+/// the least n ≥ 2 with (t₀.₉₇₅ + t₀.₈)² ≤ n ratio², by Student's t with n − 1 degrees of freedom. `None` above `most`.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::significance::needed;
+/// // math.ceil(statsmodels.stats.power.TTestPower().solve_power(1 / 0.9, alpha=0.05, power=0.8)); normal quantiles give 7.
+/// assert_eq!(needed(1.0 / 0.9, 1_000), Some(9));
+/// ```
+pub fn needed(ratio: f64, most: u64) -> Option<u64> {
+    let is_enough = |n: u64| {
+        let student = StudentsT::new(0.0, 1.0, (n - 1) as f64).ok();
+        student.is_some_and(|t| t.inverse_cdf(0.975) + t.inverse_cdf(0.8) <= (n as f64).sqrt() * ratio.abs())
+    };
+    let (mut few, mut enough) = (1, Some(most).filter(|most| is_enough(*most))?);
+    while enough - few > 1 {
+        let middle = few + (enough - few) / 2;
+        if is_enough(middle) { enough = middle } else { few = middle }
+    }
+    Some(enough)
 }
 
 /// The interval that holds the mean of what values were drawn from in 95 of 100 samples, by Student's t; `None` for fewer than two

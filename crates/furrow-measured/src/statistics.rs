@@ -32,11 +32,24 @@ pub fn mean(values: &[f64]) -> f64 {
 /// case of 26 if they are of two values, and in one of 300 if they are of three.
 pub const SPREAD_FROM: usize = 3;
 
+/// Equal values that were computed differ by less than this share of their size.
+const ROUNDING: f64 = 1e-12;
+
+/// Whether values differ by rounding alone, where a value is at least as large as `size`.
+fn is_constant(values: &[f64], size: f64) -> bool {
+    let [least, most] = [f64::min, f64::max].map(|pick| values.iter().copied().reduce(pick).unwrap_or_default());
+    most - least <= ROUNDING * size.max(most.abs()).max(least.abs())
+}
+
+/// Sum of the squares of values about their mean; 0 if they differ by rounding alone.
+pub fn squares_about_mean(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    if is_constant(values, 0.0) { 0.0 } else { values.iter().map(|x| (x - mean).powi(2)).sum() }
+}
+
 /// Standard deviation of a sample, by n − 1; `None` for fewer than two values.
 pub fn sd(values: &[f64]) -> Option<f64> {
-    let mean = mean(values);
-    let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+    (values.len() > 1).then(|| (squares_about_mean(values) / (values.len() - 1) as f64).sqrt())
 }
 
 /// A box with whiskers.
@@ -205,7 +218,11 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 /// Spearman's rank correlation of pairs, two-sided; `None` for fewer than three pairs, or if either number is constant.
 pub fn rank_correlation(points: &[[f64; 2]]) -> Option<RankCorrelation> {
     let n = points.len();
-    let [x, y] = [0, 1].map(|k| ranks(&points.iter().map(|point| point[k]).collect::<Vec<_>>()));
+    let columns = columns(points);
+    if columns.iter().any(|values| is_constant(values, 0.0)) {
+        return None;
+    }
+    let [x, y] = columns.map(|values| ranks(&values));
     let middle = 0.5 * (n as f64 + 1.0);
     let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - middle) * (b - middle)).sum::<f64>();
     let varies = sum(&x, &x) * sum(&y, &y);
@@ -267,10 +284,10 @@ pub struct Line {
     pub intercept: f64,
     /// Standard error of the intercept; `None` of a line through the origin.
     pub intercept_error: Option<f64>,
-    /// Share of the variation that it explains: about the mean, and of a line through the origin about 0.
-    pub r_squared: f64,
+    /// Share of the variation that it explains: about the mean, and of a line through the origin about 0; `None` without variation.
+    pub r_squared: Option<f64>,
     /// Share of the variation about the mean that it explains; negative for a line through the origin that is worse than the mean.
-    pub r_squared_about_mean: f64,
+    pub r_squared_about_mean: Option<f64>,
 }
 
 impl Line {
@@ -282,13 +299,31 @@ impl Line {
 
 /// The line of least squares through points (x, y), with an intercept; `None` for fewer than three points or constant x.
 pub fn line(points: &[[f64; 2]]) -> Option<Line> {
-    let centre = [0, 1].map(|k| mean(&points.iter().map(|p| p[k]).collect::<Vec<_>>()));
+    line_of(points, [0.0; 2])
+}
+
+/// The same where x, or also y, is a logarithm, whose rounding does not become smaller near 0: `sizes` has 1 in place of 0.
+pub(crate) fn line_of(points: &[[f64; 2]], sizes: [f64; 2]) -> Option<Line> {
+    let [x, y] = columns(points);
+    let centre = [mean(&x), mean(&y)];
+    if is_constant(&x, sizes[0]) {
+        return None;
+    }
+    if is_constant(&y, sizes[1]) {
+        let level: Vec<[f64; 2]> = points.iter().map(|point| [point[0], centre[1]]).collect();
+        return least_squares(&level, Some(centre));
+    }
     least_squares(points, Some(centre))
 }
 
 /// The line of least squares through the origin; `None` for fewer than two points or if all x are 0.
 pub fn line_through_origin(points: &[[f64; 2]]) -> Option<Line> {
     least_squares(points, None)
+}
+
+/// All x, and all y.
+fn columns(points: &[[f64; 2]]) -> [Vec<f64>; 2] {
+    [0, 1].map(|k| points.iter().map(|point| point[k]).collect())
 }
 
 /// The best line through a centre, or through the origin.
@@ -301,21 +336,13 @@ fn least_squares(points: &[[f64; 2]], centre: Option<[f64; 2]>) -> Option<Line> 
         return None;
     }
     let slope = xy / xx;
-    let left = (yy - slope * xy).max(0.0);
+    // What rounding leaves of a line through all points is no scatter.
+    let left = Some(yy - slope * xy).filter(|left| *left > ROUNDING * yy).unwrap_or_default();
     let slope_error = (left / (n - parameters) as f64 / xx).sqrt();
-    let r_squared = match centre {
-        _ if yy <= 0.0 => 0.0,
-        Some(_) => xy * xy / (xx * yy),
-        None => 1.0 - left / yy,
-    };
-    let about_mean = |middle: f64| points.iter().map(|p| (p[1] - middle).powi(2)).sum::<f64>();
-    let r_squared_about_mean = match centre {
-        Some(_) => r_squared,
-        None => match about_mean(mean(&points.iter().map(|p| p[1]).collect::<Vec<_>>())) {
-            varies if varies > 0.0 => 1.0 - left / varies,
-            _ => 0.0,
-        },
-    };
+    let r_squared = (yy > 0.0).then(|| slope * xy / yy);
+    let about_mean = || Some(squares_about_mean(&columns(points)[1])).filter(|varies| *varies > 0.0);
+    let r_squared_about_mean =
+        if centre.is_some() { r_squared } else { about_mean().map(|varies| 1.0 - left / varies) };
     let intercept_error = centre.map(|[x, _]| slope_error * (xx / n as f64 + x * x).sqrt());
     Some(Line { n, slope, slope_error, intercept: y - slope * x, intercept_error, r_squared, r_squared_about_mean })
 }

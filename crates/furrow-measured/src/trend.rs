@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::events::Division;
 use crate::statistics::{
-    BoxPlot, Line, RankCorrelation, RankSum, box_plot, grouped, line, mean, rank_correlation, rank_sum, sd, stars,
+    BoxPlot, Line, RankCorrelation, RankSum, box_plot, grouped, line_of, mean, rank_correlation, rank_sum, sd, stars,
 };
 
 /// Divisions of mothers in one decade of volume.
@@ -89,7 +89,7 @@ pub fn volume_bins(divisions: &[Division], edges: Option<&[f64]>) -> Vec<VolumeB
 
 /// χ over log₁₀ of the mother's volume, of pairs of both; its slope is per decade.
 pub fn volume_line(points: &[[f64; 2]]) -> Option<Line> {
-    line(&points.iter().map(|[volume, chi]| [volume.log10(), *chi]).collect::<Vec<_>>())
+    line_of(&points.iter().map(|[volume, chi]| [volume.log10(), *chi]).collect::<Vec<_>>(), [1.0, 0.0])
 }
 
 /// The trend of χ over the mother's volume.

@@ -474,7 +474,7 @@ impl Lifespan {
     }
 }
 
-/// Limits of a volume in any unit; sums beyond them could overflow.
+/// Limits of a volume in any unit and of an error; sums beyond them could overflow.
 const VOLUMES: [f64; 2] = [1e-100, 1e100];
 
 /// A volume, which is positive.
@@ -482,10 +482,15 @@ pub(crate) fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
     if value.text.is_empty() {
         return Err((value, "no volume".to_owned()));
     }
-    let why = match value.number()? {
-        volume if volume > VOLUMES[0] && volume < VOLUMES[1] => return Ok(volume),
-        volume if volume > 0.0 => "a volume must be from 1e-100 to 1e100",
-        _ => "a volume must be above 0",
+    positive_of(value, "a volume")
+}
+
+/// A positive number, of which errors say what it is.
+pub(crate) fn positive_of<'v>(value: Value<'v>, what: &str) -> Result<f64, Rejected<'v>> {
+    let allowed = match value.number()? {
+        number if number > VOLUMES[0] && number < VOLUMES[1] => return Ok(number),
+        number if number > 0.0 => "from 1e-100 to 1e100",
+        _ => "above 0",
     };
-    Err((value, why.to_owned()))
+    Err((value, format!("{what} must be {allowed}")))
 }

@@ -11,7 +11,7 @@ use furrow_lineage::{Length, parse_cue};
 use furrow_measured::dose::{DoseGroup, DoseTrend, DosedDivision, Doses, Spread};
 use furrow_measured::statistics::{Line, RankCorrelation};
 
-use super::{check_bins, ended, plus_minus, significance, skipped_text};
+use super::{check_bins, ended, plus_minus, share, significance, skipped_text};
 use crate::cli::cell::{length, load_lineage, set};
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
@@ -137,8 +137,9 @@ fn trend_text(trend: &DoseTrend) -> String {
         let error = intercept_error.unwrap_or_default();
         let _ = writeln!(
             out,
-            "  {name}: slope {slope:+.4} ± {slope_error:.4}{}, at dose 0 {intercept:.4} ± {error:.4}, R² = {r_squared:.3}",
-            significance(&line)
+            "  {name}: slope {slope:+.4} ± {slope_error:.4}{}, at dose 0 {intercept:.4} ± {error:.4}, R² = {}",
+            significance(&line),
+            share(r_squared, 3)
         );
     }
     out

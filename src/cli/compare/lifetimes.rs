@@ -189,11 +189,10 @@ fn founders_text(found: &LifetimesComparison) -> String {
     let slopes = |slope: Option<Trend>, model: Option<Trend>| {
         let measured = slope.map_or(format!("{:>16}{:>8}{:>8}{:>12}", "-", "-", "-", "-"), |Trend { line, p }| {
             // Two sizes have a slope alone.
-            if p.is_nan() {
-                return format!("{:>16.3}{:>8}{:>8}{:>12}", line.slope, line.n, "-", "-");
-            }
-            let slope = format!("{:.3} ± {:.3}", line.slope, line.slope_error);
-            format!("{slope:>16}{:>8}{:>8.3}{p:>12.2e}", line.n, line.r_squared)
+            let error = if line.slope_error.is_nan() { String::new() } else { format!(" ± {:.3}", line.slope_error) };
+            let [slope, p] = [format!("{:.3}{error}", line.slope), p.map_or("-".to_owned(), |p| format!("{p:.2e}"))];
+            let r_squared = line.r_squared.map_or("-".to_owned(), |share| format!("{share:.3}"));
+            format!("{slope:>16}{:>8}{r_squared:>8}{p:>12}", line.n)
         });
         let model = model.map_or("-".to_owned(), |Trend { line, .. }| format!("{:.3} of {}", line.slope, line.n));
         format!("{measured}{model:>16}")

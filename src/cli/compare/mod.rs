@@ -71,8 +71,13 @@ fn check_bins(edges: Option<&[f64]>) -> Result<(), InputError> {
 
 /// The degrees of freedom and the p value of a slope, behind its error.
 fn significance(line: &Line) -> String {
-    let p = slope_p(line).map_or(String::new(), |p| format!(", p = {p:.1e}"));
-    format!(" (degrees of freedom {}{p})", line.degrees_of_freedom())
+    let p = slope_p(line).map_or("no test, nothing scatters".to_owned(), |p| format!("p = {p:.1e}"));
+    format!(" (degrees of freedom {}, {p})", line.degrees_of_freedom())
+}
+
+/// A share of a variation, if there is one.
+fn share(r_squared: Option<f64>, digits: usize) -> String {
+    r_squared.map_or("undefined".to_owned(), |share| format!("{share:.digits$}"))
 }
 
 /// A standard deviation behind a mean; empty for few values, where it means little.

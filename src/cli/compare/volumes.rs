@@ -9,7 +9,7 @@ use furrow_measured::tracked::TableKind;
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::by_size::{bins_text, noise_text, trend_text};
-use super::{MOST_SKIPPED, check_bins, ended, files, plus_minus, significance, skipped_text, trees_of};
+use super::{MOST_SKIPPED, check_bins, ended, files, plus_minus, share, significance, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, matched_text, of_embryo, sizes_text, voxels};
@@ -234,15 +234,23 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<MeasuredVolumes, InputError
 /// The regressions asked for: of named groups, or of two conditions.
 fn regressions(args: &VolumesArgs, groups: &[GroupComparison]) -> Result<Vec<Regression>, InputError> {
     let names = match &args.regress {
-        Some(text) => text.split_once(',').map(|(x, y)| (x.trim(), y.trim())),
+        Some(text) => text.split_once(',').map(|(x, y)| (x.trim(), y.trim())).filter(|(x, y)| x != y),
         None => Some(("measured", "against")),
     };
     let found = names.and_then(|(x, y)| regression_of(groups, x, y));
-    let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).collect();
-    let allowed = format!("two groups of the tables, as X,Y; groups are {}", known.join(", "));
+    let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).filter(|name| !name.is_empty()).collect();
+    let known =
+        if known.is_empty() { "the tables have none".to_owned() } else { format!("groups are {}", known.join(", ")) };
+    let allowed = format!("two groups of the tables, as X,Y; {known}");
     // Tables with their own groups lack the two conditions' names.
     let fine = found.is_some() || args.regress.is_none();
-    InputError::require(fine, "--regress", "regress", args.regress.clone().unwrap_or_default(), allowed)?;
+    InputError::require(
+        fine,
+        "--regress",
+        "regress",
+        format!("{:?}", args.regress.as_deref().unwrap_or_default()),
+        allowed,
+    )?;
     Ok(found.into_iter().filter(|_| args.regress.is_some() || !args.against.is_empty()).collect())
 }
 
@@ -324,9 +332,10 @@ fn regression_text(regression: &Regression) -> String {
     for (name, line) in [("through the origin", through_origin), ("with an intercept", with_intercept)] {
         let Some(line) = line else { continue };
         let Line { slope, slope_error, intercept, intercept_error, r_squared, r_squared_about_mean, .. } = line;
+        let [about, about_mean] = [r_squared, r_squared_about_mean].map(|of| share(*of, 4));
         let rest = match intercept_error {
-            Some(error) => format!(", intercept {intercept:+.4} ± {error:.4}, R² = {r_squared:.4} about the mean"),
-            None => format!(", R² = {r_squared:.4} about 0, {r_squared_about_mean:.4} about the mean"),
+            Some(error) => format!(", intercept {intercept:+.4} ± {error:.4}, R² = {about_mean} about the mean"),
+            None => format!(", R² = {about} about 0, {about_mean} about the mean"),
         };
         let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{}{rest}", significance(line));
     }

@@ -131,18 +131,18 @@ fn centre(points: &[[f64; 2]]) -> [f64; 2] {
 
 fn law(founder: &str, points: &[[f64; 2]]) -> Option<FittedLaw> {
     let found = power(points)?;
-    let known = |number: f64| (!number.is_nan()).then_some(number);
     let [at_volume, lifetime_min] = centre(points);
     Some(FittedLaw {
         founder: founder.to_owned(),
-        exponent: -found.line.slope,
-        se: known(found.line.slope_error),
+        // A slope of 0 has no sign.
+        exponent: 0.0 - found.line.slope,
+        se: Some(found.line.slope_error).filter(|error| !error.is_nan()),
         n: found.line.n,
         lifetime_min,
         at_volume,
         volumes: [f64::min, f64::max].map(|pick| points.iter().map(|point| point[0]).fold(points[0][0], pick).exp()),
-        r_squared: known(found.line.r_squared),
-        p: known(found.p),
+        r_squared: found.line.r_squared,
+        p: found.p,
     })
 }
 

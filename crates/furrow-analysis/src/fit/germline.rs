@@ -14,7 +14,7 @@ use super::chain::{Chain, Kin, Model};
 use super::error::{FitError, check_cancelled};
 use super::goodness::Goodness;
 use super::jumps::{Jump, jumps};
-use super::search::{FitProgress, FitRun, Limit, NumberAtLimit, SearchBudget, descend, swarm};
+use super::search::{FitProgress, FitRun, Limit, NumberAtLimit, SearchBudget, descend, scan, swarm};
 use super::targets::{MeasuredChi, OutOfSample, Targets};
 use super::unknowns::{Unknown, unknowns};
 use furrow_cell::Cue;
@@ -186,7 +186,7 @@ impl<'a> Objective<'a> {
         show(FitProgress { done: tried.min(self.of), of: self.of, least: Some(*least) });
     }
 
-    /// The place of the least misfit, and the misfit: by a swarm, and then a simplex.
+    /// The place of the least misfit, and the misfit: of one number by a scan, of several by a swarm, and then a simplex.
     ///
     /// # Errors
     /// The search was cancelled, or no candidate has a finite misfit.
@@ -195,12 +195,16 @@ impl<'a> Objective<'a> {
         if self.model.unknowns.is_empty() {
             return Ok((Vec::new(), misfit(&[])));
         }
-        let found = swarm(&vec![[0.0, 1.0]; self.model.unknowns.len()], effort, &misfit);
+        let found = match self.model.unknowns.len() {
+            1 => scan(effort.evaluations(), &misfit),
+            count => swarm(&vec![[0.0, 1.0]; count], effort, &misfit).map(|(place, least)| {
+                let better = descend(&place, EDGE, DESCENT, &misfit).filter(|(_, better)| *better <= least);
+                better.unwrap_or((place, least))
+            }),
+        };
         self.check_cancelled()?;
         let (tried, advice) = (self.tried(), "try terms on other fields");
-        let (place, least) = found.ok_or(FitError::Nothing { tried, what: CUES, advice })?;
-        let found = descend(&place, EDGE, DESCENT, &misfit).filter(|(_, better)| *better <= least);
-        let found = found.unwrap_or((place, least));
+        let found = found.ok_or(FitError::Nothing { tried, what: CUES, advice })?;
         // A number that is fitted fits no worse than the one that the files give.
         match self.model.given() {
             Some(given) => self.refined(found, &given),

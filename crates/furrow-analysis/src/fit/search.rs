@@ -4,8 +4,10 @@
 //! Zambrano-Bigiarini, Clerc & Rojas, "Standard Particle Swarm Optimisation 2011 at CEC-2013", IEEE CEC 2013.
 
 use argmin::core::{CostFunction, Error, Executor};
+use argmin::solver::brent::BrentOpt;
 use argmin::solver::neldermead::NelderMead;
 use argmin::solver::particleswarm::ParticleSwarm;
+use furrow_lineage::batch::scheduler;
 use furrow_lineage::{Lineage, TreeSettings};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
@@ -17,6 +19,10 @@ type Misfit<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
 
 /// Share of a range next to an end of it that counts as the end: a simplex only comes near it.
 const AT_LIMIT: f64 = 0.005;
+/// Valleys of a scan that are searched to the bottom, the accuracy there, and the most steps.
+const VALLEYS: usize = 4;
+const BOTTOM: f64 = 1e-6;
+const STEPS: u64 = 60;
 
 /// A box inside the unit cube, [lower, upper] by coordinate.
 pub(crate) type Region = Vec<[f64; 2]>;
@@ -130,6 +136,18 @@ impl CostFunction for Problem<'_> {
     }
 }
 
+/// A misfit of one number.
+struct Line<'a>(Misfit<'a>);
+
+impl CostFunction for Line<'_> {
+    type Param = f64;
+    type Output = f64;
+
+    fn cost(&self, place: &f64) -> Result<f64, Error> {
+        Ok((self.0)(&[*place]))
+    }
+}
+
 /// The best place that a swarm finds in a region, and its misfit; `None` if no misfit is finite. Evaluates particles in
 /// parallel on the current pool; the result does not depend on the number of threads.
 pub(crate) fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
@@ -139,6 +157,51 @@ pub(crate) fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -
     let run = Executor::new(Problem(misfit), solver).configure(|state| state.max_iters(effort.moves)).run().ok()?;
     let best = run.state.best_individual?;
     best.cost.is_finite().then_some((best.position, best.cost))
+}
+
+/// The place of the least misfit over the unit interval, and the misfit: `count` places evenly spaced, and the bottoms of the deepest
+/// valleys between them; `None` if no misfit is finite.
+pub(crate) fn scan(count: usize, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
+    let last = count.max(2) - 1;
+    let place = |k: usize| k as f64 / last as f64;
+    let found = scheduler::in_parallel(last + 1, |k| misfit(&[place(k)]));
+    // Of a level stretch the first place.
+    let is_low = |k: &usize| {
+        found[..*k].last().is_none_or(|f| found[*k] < *f) && found.get(k + 1).is_none_or(|f| found[*k] <= *f)
+    };
+    let mut low: Vec<usize> = (0..=last).filter(is_low).collect();
+    low.sort_by(|a, b| found[*a].total_cmp(&found[*b]));
+    let sides = |k: usize| [place(k.saturating_sub(1)), place((k + 1).min(last))];
+    let bottoms = scheduler::in_parallel(low.len().min(VALLEYS), |k| bottom(sides(low[k]), misfit));
+    let all = low.first().map(|k| (vec![place(*k)], found[*k])).into_iter().chain(bottoms.into_iter().flatten());
+    all.filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The bottom of a valley between two places of the unit interval (Brent's minimisation).
+pub(crate) fn bottom([from, to]: [f64; 2], misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
+    let solver = BrentOpt::new(from, to).set_tolerance(f64::EPSILON.sqrt(), BOTTOM);
+    let run = Executor::new(Line(misfit), solver).configure(|state| state.max_iters(STEPS)).run().ok()?;
+    Some((vec![run.state.best_param?], run.state.best_cost))
+}
+
+/// The bottom of the valley about a place of the unit interval whose misfit is known; the first step is `edge` long.
+pub(crate) fn valley((mut place, mut least): (Vec<f64>, f64), edge: f64, misfit: Misfit<'_>) -> (Vec<f64>, f64) {
+    let mut ends = [-edge, edge].map(|step| (place[0] + step).clamp(0.0, 1.0));
+    for (end, step) in [-edge, edge].into_iter().enumerate() {
+        let mut step = step;
+        loop {
+            let next = misfit(&ends[end..=end]);
+            if next >= least {
+                break;
+            }
+            // The place before bounds the valley on the other side.
+            ends[1 - end] = place[0];
+            (place[0], least) = (ends[end], next);
+            step *= 2.0;
+            ends[end] = (place[0] + step).clamp(0.0, 1.0);
+        }
+    }
+    bottom(ends, misfit).filter(|(_, found)| *found < least).unwrap_or((place, least))
 }
 
 /// A local minimum near a place, for smooth misfits (Nelder & Mead's simplex with edges `edge`).
@@ -183,6 +246,27 @@ mod tests {
         assert!(found[0].1 <= 0.04, "{found:?}");
         // A function that is nowhere finite has no minimum.
         assert_eq!(swarm(&vec![[0.0, 1.0]; 2], effort, &|_| f64::INFINITY), None);
+    }
+
+    /// Of two valleys with kinks the deeper one, which is narrow; of a function that falls to its end the end.
+    #[test]
+    fn a_scan_finds_the_deepest_valley() {
+        let valleys = |place: &[f64]| (place[0] - 0.3).abs().min(5.0 * (place[0] - 0.81).abs() - 0.1);
+        let (place, least) = scan(40, &valleys).unwrap();
+        assert!((place[0] - 0.81).abs() < 1e-6 && (least + 0.1).abs() < 1e-5, "{place:?} {least}");
+        assert_eq!(scan(12, &|place| -place[0]), Some((vec![1.0], -1.0)));
+        assert_eq!(scan(12, &|_| f64::INFINITY), None);
+    }
+
+    /// From either side, and at an end of the interval.
+    #[test]
+    fn a_valley_is_left_at_its_bottom() {
+        let bowl = |place: &[f64]| (place[0] - 0.31).powi(2);
+        for start in [0.02, 0.3, 0.9] {
+            let (place, _) = valley((vec![start], bowl(&[start])), 0.01, &bowl);
+            assert!((place[0] - 0.31).abs() < 1e-5, "{place:?}");
+        }
+        assert_eq!(valley((vec![0.97], -0.97), 0.01, &|place| -place[0]), (vec![1.0], -1.0));
     }
 
     #[test]

@@ -159,6 +159,11 @@ impl Targets {
                 InputError::not_allowed(source_name, field, format!("{name:?}"), allowed)
             })
         };
+        for (list, names) in [("founders", &self.founders), ("symmetric", &self.symmetric)] {
+            for (k, name) in names.iter().enumerate() {
+                require(!names[..k].contains(name), format!("{list}[{k}]"), &format!("{name:?}"), "named only once")?;
+            }
+        }
         for (k, name) in self.founders.iter().enumerate() {
             let observed = founder(format!("founders[{k}]"), name)?.observed;
             let counted = observed.is_some_and(|o| o.mean.is_some() && o.terminal.is_some_and(|n| n > 0));

@@ -37,6 +37,11 @@ pub(super) fn log_both_signs(x: f64, chi: f64, sd: f64) -> f64 {
     (-2.0 * x * chi / (sd * sd)).exp().ln_1p()
 }
 
+/// The mean of the signed value over both signs, by their probabilities.
+pub(super) fn over_signs(x: f64, chi: f64, sd: f64) -> f64 {
+    x * (x * chi / (sd * sd)).tanh()
+}
+
 /// ln Π f(x_i).
 fn log_likelihood(values: &[f64], chi: f64, sd: f64) -> f64 {
     values.iter().map(|x| log_density(x - chi, sd) + log_both_signs(*x, chi, sd)).sum()
@@ -105,8 +110,7 @@ pub(super) fn squared_deviation(x: f64, chi: f64, sd: f64) -> f64 {
 pub(super) fn common_sd(pairs: &[(f64, Option<f64>)], undivided: f64) -> f64 {
     let most_likely = |sd: f64| {
         let of = |(x, chi): &(f64, Option<f64>)| match chi {
-            // The mean over both signs, by their probabilities.
-            Some(chi) => x * x + chi * chi - 2.0 * x * chi * (x * chi / (sd * sd)).tanh(),
+            Some(chi) => x * x + chi * chi - 2.0 * chi * over_signs(*x, *chi, sd),
             None => undivided * undivided,
         };
         mean(&pairs.iter().map(of).collect::<Vec<_>>()).max(0.0).sqrt().max(LEAST)
@@ -174,8 +178,8 @@ pub(super) fn estimated(cells: &[(Vec<f64>, f64)], steepest: f64, start: f64) ->
 /// How far the likelihood of a cell's values lies below its maximum over χ, as a χ² of one degree of freedom.
 pub(super) fn deviance(values: &[f64], chi: f64, sd: f64) -> f64 {
     // The fixed point of the mean over both signs climbs to the maximum.
-    let over_signs = |chi: f64| mean(&values.iter().map(|x| x * (x * chi / (sd * sd)).tanh()).collect::<Vec<_>>());
-    let best = fixed_point(mean(values), sd, over_signs);
+    let over_all = |chi: f64| mean(&values.iter().map(|x| over_signs(*x, chi, sd)).collect::<Vec<_>>());
+    let best = fixed_point(mean(values), sd, over_all);
     (2.0 * (log_likelihood(values, best, sd) - log_likelihood(values, chi, sd))).max(0.0)
 }
 

@@ -7,8 +7,9 @@
 //! | `folded` | errors where χ has lost its sign |
 //! | [`free`] | hypotheses, and the numbers that are fitted |
 //! | `hierarchy` | a number that differs between embryos |
+//! | `left_out` | how a fit predicts embryos that were left out of it |
 //! | [`noise`] | the errors of χ, and the likelihood |
-//! | `scores` | the fit of each hypothesis, and how it predicts embryos that were left out |
+//! | `scores` | the fit of each hypothesis |
 //! | [`others`] | what was observed beside χ: rounds and lifetimes |
 //! | [`pairs`] | whether two hypotheses are distinguishable |
 //! | [`parts`] | samples of a posterior drawn on several machines |
@@ -35,6 +36,7 @@ mod fit_test;
 mod folded;
 pub mod free;
 mod hierarchy;
+mod left_out;
 pub mod noise;
 pub mod observations;
 pub mod others;

@@ -13,7 +13,7 @@
 //! Patterson & Thompson, *Biometrika* 58, 545 (1971), for restricted likelihood.
 
 use furrow_input::InputError;
-use furrow_measured::statistics::mean;
+use furrow_measured::statistics::{mean, squares_about_mean};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -43,8 +43,8 @@ impl NoiseKind {
 pub struct Noise {
     /// Where they come from.
     pub kind: NoiseKind,
-    /// s of replicates; of [`NoiseKind::Common`] the standard deviation within cells, for comparison. `None` without replicates, and
-    /// where errors are given.
+    /// s of replicates; of [`NoiseKind::Common`] the standard deviation within cells, for comparison. `None` without replicates that
+    /// differ, and where errors are given.
     pub sd: Option<f64>,
     /// b of replicates; 0 where volumes are not known.
     pub exponent: f64,
@@ -89,7 +89,9 @@ impl Noise {
         }
         let noise = Noise::estimated(rows, observations.cells.len(), (kind, folded));
         if kind == NoiseKind::Replicates && noise.sd.is_none() {
-            let allowed = "given or common: no cell was measured in two embryos";
+            let why =
+                if noise.degrees_of_freedom == 0 { "was measured in two embryos" } else { "differs between embryos" };
+            let allowed = format!("given or common: no cell {why}");
             return Err(InputError::not_allowed(option, "noise", "replicates", allowed));
         }
         Ok(noise)
@@ -99,14 +101,13 @@ impl Noise {
         let of_cell = |cell: usize| rows.iter().filter(move |row| row.cell == cell);
         let of = |cell: usize| {
             let chi: Vec<f64> = of_cell(cell).map(|row| row.chi).collect();
-            let middle = mean(&chi);
-            let squares: f64 = chi.iter().map(|chi| (chi - middle).powi(2)).sum();
-            (chi.len().saturating_sub(1), squares)
+            (chi.len().saturating_sub(1), squares_about_mean(&chi))
         };
         let within: Vec<(usize, f64)> = (0..cells).map(of).collect();
         let degrees_of_freedom = within.iter().map(|(freedom, _)| freedom).sum();
         let none = Noise { kind, sd: None, exponent: 0.0, degrees_of_freedom, folded, shapes: vec![1.0; cells] };
-        if kind == NoiseKind::Given || degrees_of_freedom == 0 {
+        // Replicates that are all equal say nothing of errors.
+        if kind == NoiseKind::Given || within.iter().all(|(_, squares)| *squares == 0.0) {
             return none;
         }
         let has_volumes = kind == NoiseKind::Replicates && rows.iter().all(|row| row.volume.is_some());
@@ -172,6 +173,15 @@ impl Noise {
     pub(crate) fn log_density(&self, row: &Observation, chi: Option<f64>, sd: f64) -> f64 {
         let signs = chi.filter(|_| self.folded).map_or(0.0, |chi| folded::log_both_signs(row.chi, chi, sd));
         log_density(residual(row, chi), sd) + signs
+    }
+
+    /// The derivative of the logarithm of a row's density by χ, and Fisher's information about χ.
+    pub(super) fn score(&self, row: &Observation, chi: f64, sd: f64) -> [f64; 2] {
+        let [measured, share] = match self.folded {
+            true => [folded::over_signs(row.chi, chi, sd), folded::information(chi / sd)],
+            false => [row.chi, 1.0],
+        };
+        [measured - chi, share].map(|of| of / (sd * sd))
     }
 
     /// The sum of these.

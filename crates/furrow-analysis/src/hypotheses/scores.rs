@@ -1,4 +1,4 @@
-//! The fit of each hypothesis, and how it predicts what was left out.
+//! The fit of each hypothesis.
 
 use furrow_lineage::batch::scheduler;
 use furrow_measured::significance::mean_interval;
@@ -16,22 +16,10 @@ use super::posterior::{Posterior, posterior};
 use super::{AtLimit, Hypothesis, Question};
 use crate::fit::chain::{Kin, Model};
 use crate::fit::germline::{Beside, CueNumber, Objective, at_limit, held, numbers};
-use crate::fit::search::{FitRun, SearchBudget, descend};
+use crate::fit::search::{FitRun, SearchBudget};
 use crate::fit::targets::MeasuredChi;
 use crate::fit::{ChiResidual, FitError, Goodness};
 
-/// Steps of a fit without a part of the data, halvings of a step, and the longest step in shares of the ranges.
-const STEPS: usize = 6;
-const HALVINGS: usize = 3;
-const LONGEST: f64 = 0.25;
-/// Steps end here: in shares of the ranges, and relative to the misfit.
-const SHORTEST: f64 = 1e-7;
-const GAIN: f64 = 1e-10;
-/// Directions held this much less firmly than the firmest one stay where all data put them.
-const OPEN: f64 = 1e-4;
-/// Edge and steps of the simplex in place of these steps, where an outcome is not smooth.
-const EDGE: f64 = 0.01;
-const DESCENT: u64 = 40;
 /// 97.5 % of a standard normal number lie below.
 const NORMAL: f64 = 1.959_963_984_540_054;
 
@@ -86,12 +74,12 @@ pub struct TestedHypothesis {
     pub aicc: Option<f64>,
     /// AICc above the least of all hypotheses.
     pub delta_aicc: Option<f64>,
-    /// Akaike's weight.
+    /// Akaike's weight; as `delta_aicc` `None` if a hypothesis has no AICc.
     pub weight: Option<f64>,
-    /// Sum over what was left out of the log density of its divisions, fitted without it.
-    pub loo: f64,
-    /// Its parts, in the order of the units.
-    pub loo_parts: Vec<f64>,
+    /// Sum over what was left out of the log density of its divisions, fitted without it; `None` without one of its parts.
+    pub loo: Option<f64>,
+    /// Its parts, in the order of the units; `None` where the other data do not determine the fit.
+    pub loo_parts: Vec<Option<f64>>,
     /// Log evidence by Laplace's approximation, with a uniform prior over the ranges searched; `None` where that does not hold: errors
     /// in common, an outcome that is not smooth, a number that is open or at an end of its range.
     pub log_evidence: Option<f64>,
@@ -118,7 +106,7 @@ pub struct TestedHypothesis {
 }
 
 /// The cells' means, weighted by the errors of the rows, with the errors of the means. A cell without a row has no weight.
-fn means(rows: &[Observation], sds: &[f64], cells: &[String]) -> Vec<MeasuredChi> {
+pub(super) fn means(rows: &[Observation], sds: &[f64], cells: &[String]) -> Vec<MeasuredChi> {
     let of = |(cell, name): (usize, &String)| {
         let own = || rows.iter().zip(sds).filter(move |(row, _)| row.cell == cell);
         let weight: f64 = own().map(|(_, sd)| sd.powi(-2)).sum();
@@ -126,22 +114,6 @@ fn means(rows: &[Observation], sds: &[f64], cells: &[String]) -> Vec<MeasuredChi
         (weight > 0.0).then(|| MeasuredChi { cell: name.clone(), mean, sd: weight.sqrt().recip() })
     };
     cells.iter().enumerate().filter_map(of).collect()
-}
-
-/// The rows of all other units.
-pub(super) fn without(rows: &[Observation], unit: usize) -> Vec<Observation> {
-    rows.iter().filter(|row| row.unit != unit).cloned().collect()
-}
-
-/// The log density of the divisions of a unit under χ of the cells, with the errors of all other divisions, the rows `kept`.
-pub(super) fn held_out(
-    observations: &Observations,
-    (kept, noise): (&[Observation], &Noise),
-    unit: usize,
-    chi: &[Option<f64>],
-) -> f64 {
-    let own: Vec<Observation> = observations.rows.iter().filter(|row| row.unit == unit).cloned().collect();
-    noise.log_likelihood(&own, chi, &noise.fitted(&own, kept, chi))
 }
 
 /// The fit of a hypothesis.
@@ -219,7 +191,7 @@ pub(super) fn tested(
     let loo_parts =
         scheduler::in_parallel(observations.units.len(), |unit| fit.left_out(unit, &chi, (model(), beside)))
             .into_iter()
-            .collect::<Result<Vec<f64>, FitError>>()?;
+            .collect::<Result<Vec<Option<f64>>, FitError>>()?;
     let others = fit.others(&values, model)?;
     objective.check_cancelled()?;
     let fitted = noise.fitted(rows, rows, &chi);
@@ -240,7 +212,7 @@ pub(super) fn tested(
         aicc: aicc(log_likelihood, k, data),
         delta_aicc: None,
         weight: None,
-        loo: loo_parts.iter().sum(),
+        loo: loo_parts.iter().copied().sum(),
         loo_parts,
         log_evidence: fit
             .evidence(log_likelihood)
@@ -265,7 +237,11 @@ impl From<CueNumber> for FittedNumber {
 }
 
 /// The objective of a fit to other data, which starts where all data put it and shows no progress.
-fn beside_all<'a>(model: Model<'a>, measured: &'a [MeasuredChi], beside: Option<Beside<'a>>) -> Objective<'a> {
+pub(super) fn beside_all<'a>(
+    model: Model<'a>,
+    measured: &'a [MeasuredChi],
+    beside: Option<Beside<'a>>,
+) -> Objective<'a> {
     let run = FitRun { progress: None, ..model.run };
     let one = SearchBudget { particles: 1, moves: 1, seed: 0 };
     Objective::new(Model { run, ..model }, measured, |sd| UNDIVIDED / sd, one).with(beside)
@@ -282,118 +258,17 @@ fn slopes(objective: &Objective<'_>, place: &[f64], chi: &[Option<f64>]) -> Opti
 }
 
 /// A hypothesis fitted to all data.
-struct Fitted<'a> {
-    question: &'a Question<'a>,
-    objective: &'a Objective<'a>,
-    place: &'a [f64],
+pub(super) struct Fitted<'a> {
+    pub question: &'a Question<'a>,
+    pub objective: &'a Objective<'a>,
+    pub place: &'a [f64],
     /// ∂χ/∂(number) by cell, 0 of a cell that does not divide; `None` if an outcome is not smooth, or without numbers.
-    slopes: Option<&'a [Vec<f64>]>,
+    pub slopes: Option<&'a [Vec<f64>]>,
 }
 
 impl Fitted<'_> {
-    /// The log density of the divisions of a unit, fitted without it; `chi` is the fit to all data.
-    fn left_out(
-        &self,
-        unit: usize,
-        chi: &[Option<f64>],
-        (model, beside): (Model<'_>, Option<Beside<'_>>),
-    ) -> Result<f64, FitError> {
-        self.objective.check_cancelled()?;
-        let Question { observations, noise, .. } = *self.question;
-        let kept = without(&observations.rows, unit);
-        let own = noise.of_part(&kept);
-        let predicted = if self.place.is_empty() {
-            chi.to_vec()
-        } else {
-            let measured = means(&kept, &own.sds(&kept), &observations.cells);
-            let deviance = folded_deviance(&kept, &observations.cells, &own);
-            let objective = beside_all(model, &measured, beside).by(deviance.as_ref().map(|of| of as _));
-            let place = self.refitted(&objective);
-            objective.check_cancelled()?;
-            // Also of a cell that only this unit has.
-            objective.model.chi(&objective.model.values(&place), &observations.cells)
-        };
-        Ok(held_out(observations, (&kept, &own), unit, &predicted))
-    }
-
-    /// The scores of rounds and lifetimes, each also predicted by a fit without it. `values` are from the fit to all data.
-    fn others<'m>(&self, values: &[f64], model: impl Fn() -> Model<'m> + Sync) -> Result<Vec<OthersScore>, FitError> {
-        let all = &self.question.observations.others;
-        if all.is_empty() {
-            return Ok(Vec::new());
-        }
-        let tree = others::grown(&self.objective.model, values);
-        let one = |k: usize| {
-            let own = &all[k];
-            let kept: Vec<&Others> =
-                all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, others)| others).collect();
-            let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&kept, model, values);
-            let objective = beside_all(model(), self.objective.measured, Some(&beside)).by(self.objective.deviance);
-            let place = if self.place.is_empty() { Vec::new() } else { self.refitted(&objective) };
-            objective.check_cancelled()?;
-            let without = others::grown(&objective.model, &objective.model.values(&place));
-            Ok(own.scored(tree.as_ref(), own.log_likelihood(without.as_ref())))
-        };
-        scheduler::in_parallel(all.len(), one).into_iter().collect()
-    }
-
-    /// The place of the least misfit of other data near the one of all data: by steps with the slopes there, as Gauss and Newton make
-    /// them, each shortened until the misfit falls.
-    fn refitted(&self, objective: &Objective<'_>) -> Vec<f64> {
-        let misfit = |place: &[f64]| objective.misfit(place);
-        let start = (self.place.to_vec(), misfit(self.place));
-        // Steps by slopes are made for normal errors.
-        let Some(slopes) = self.slopes.filter(|_| !self.question.noise.folded) else {
-            return descend(self.place, EDGE, DESCENT, &misfit)
-                .filter(|(_, least)| *least <= start.1)
-                .unwrap_or(start)
-                .0;
-        };
-        let (mut place, mut least) = start;
-        for _ in 0..STEPS {
-            let Some(step) = self.step(objective, &place, slopes) else { break };
-            let tried = (0..HALVINGS).find_map(|halvings| {
-                let share = 0.5_f64.powi(halvings as i32);
-                let next: Vec<f64> = place.iter().zip(&step).map(|(x, d)| (x + share * d).clamp(0.0, 1.0)).collect();
-                let found = misfit(&next);
-                (found < least).then_some((next, found))
-            });
-            let Some((next, found)) = tried else { break };
-            let is_done = least - found < GAIN * (1.0 + least);
-            (place, least) = (next, found);
-            if is_done {
-                break;
-            }
-        }
-        place
-    }
-
-    /// The step of Gauss and Newton in shares of the ranges; `None` if it is too short. Cells that do not divide have no say in it.
-    fn step(&self, objective: &Objective<'_>, place: &[f64], slopes: &[Vec<f64>]) -> Option<Vec<f64>> {
-        let found = objective.residuals(&objective.model.values(place));
-        let cells = &self.question.observations.cells;
-        let row = |cell: &str, sd: f64| {
-            let own = &slopes[cells.iter().position(|name| name == cell)?];
-            Some(self.by_share(own).map(|slope| slope / sd).collect::<Vec<f64>>())
-        };
-        let rows: Vec<Vec<f64>> = found.iter().map(|r| row(&r.cell, r.sd)).collect::<Option<_>>()?;
-        let off: Vec<f64> = found.iter().map(|r| r.residual.unwrap_or(0.0)).collect();
-        let svd = Svd::of_rows(&rows).ok()?;
-        let firmest = svd.values.first().copied()?;
-        let mut step = vec![0.0; place.len()];
-        for ((value, left), right) in svd.values.iter().zip(&svd.left).zip(&svd.right) {
-            if *value > OPEN * firmest {
-                let along: f64 = left.iter().zip(&off).map(|(u, r)| u * r).sum::<f64>() / value;
-                step.iter_mut().zip(right).for_each(|(step, v)| *step -= along * v);
-            }
-        }
-        let longest = step.iter().fold(0.0, |longest: f64, x| longest.max(x.abs()));
-        let share = (LONGEST / longest).min(1.0);
-        (longest > SHORTEST).then(|| step.iter().map(|x| share * x).collect())
-    }
-
     /// Slopes by the shares of the ranges.
-    fn by_share(&self, slopes: &[f64]) -> impl Iterator<Item = f64> {
+    pub(super) fn by_share(&self, slopes: &[f64]) -> impl Iterator<Item = f64> {
         slopes.iter().zip(&self.objective.model.unknowns).map(|(slope, unknown)| slope * unknown.length())
     }
 
@@ -405,9 +280,14 @@ impl Fitted<'_> {
         let chi_squared: f64 = squares.iter().sum();
         let mut goodness = Goodness::of(chi_squared, squares.len(), self.place.len());
         if noise.kind == NoiseKind::Common {
-            // The scale of the search is no measured error: the residuals alone give it, whether they are smaller or larger.
-            let freedom = goodness.degrees_of_freedom;
-            goodness.error_scale = (freedom > 0).then(|| (chi_squared / freedom as f64).sqrt());
+            // The scale of the search is no measured error: the fitted error alone gives it, whether it is smaller or larger.
+            let dividing: Vec<Observation> =
+                observations.rows.iter().filter(|row| chi[row.cell].is_some()).cloned().collect();
+            let fitted = noise.fitted(&dividing, &dividing, chi);
+            let of = |(fitted, sd): (&f64, &f64)| fitted / sd * (squares.len() as f64).sqrt();
+            let freedom = Some(goodness.degrees_of_freedom as f64).filter(|freedom| *freedom > 0.0);
+            goodness.error_scale =
+                fitted.first().zip(sds.first()).map(of).zip(freedom).map(|(of, freedom)| of / freedom.sqrt());
         }
         let informative = self.informative(chi);
         let rows = self.slopes.map(|rows| held(rows, &informative, goodness)).transpose()?;
@@ -473,7 +353,7 @@ impl Fitted<'_> {
 }
 
 /// −2 ln L of rows by χ of the measured cells; `None` under normal errors, where the means of the cells are enough for a fit.
-fn folded_deviance<'a>(
+pub(super) fn folded_deviance<'a>(
     rows: &'a [Observation],
     cells: &'a [String],
     noise: &'a Noise,
@@ -486,8 +366,11 @@ fn folded_deviance<'a>(
     noise.folded.then_some(deviance)
 }
 
-/// The hypotheses with differences of AICc and Akaike's weights.
+/// The hypotheses with differences of AICc and Akaike's weights, which are shares among all and need the AICc of each.
 pub(super) fn weighed(mut all: Vec<TestedHypothesis>) -> Vec<TestedHypothesis> {
+    if all.iter().any(|tested| tested.aicc.is_none()) {
+        return all;
+    }
     let least = all.iter().filter_map(|tested| tested.aicc).fold(f64::INFINITY, f64::min);
     let share = |aicc: f64| (-0.5 * (aicc - least)).exp();
     let sum: f64 = all.iter().filter_map(|tested| tested.aicc).map(share).sum();

@@ -12,10 +12,10 @@ use rand_mt::Mt64;
 
 use super::fit_test::fit_test;
 use super::free::Free;
+use super::left_out::{held_out, without};
 use super::noise::residuals;
 use super::noise::{aicc, common_sd, log_likelihood};
 use super::observations::{Chosen, LeftOut, Observation};
-use super::scores::{held_out, without};
 use super::*;
 use crate::compare::names_of;
 use crate::ensemble::normal;
@@ -112,7 +112,7 @@ fn likelihoods_and_tests_are_those_of_scipy() {
         }
     }
     let pair = Pair::of(("A", &loo[0]), ("B", &loo[1]));
-    close(pair.delta, 8.965974065819559);
+    close(pair.delta.unwrap(), 8.965974065819559);
     close(pair.se.unwrap(), 4.170315737337679);
     close(pair.p.unwrap(), 0.12071353353604729);
     // Errors that grow as cells shrink.
@@ -202,7 +202,7 @@ fn pairs_are_distinguishable_at_the_rates_of_p() {
         let told = |random: &mut Mt64, embryos: usize, predictions: [&[f64; 6]; 2]| {
             let made = (0..SETS).map(|_| synthetic(random, embryos, &TRUTH, SD));
             let found = made.map(|made| pair(&made, kind, predictions)).filter(|pair| pair.distinguishable);
-            found.fold([0, 0], |[a, b], pair| if pair.delta > 0.0 { [a + 1, b] } else { [a, b + 1] })
+            found.fold([0, 0], |[a, b], pair| if pair.delta.unwrap() > 0.0 { [a + 1, b] } else { [a, b + 1] })
         };
         let alike = told(&mut random, 12, [&above, &below]);
         assert!(agrees(alike.iter().sum(), 0.05), "{kind:?}: {alike:?}");
@@ -221,10 +221,10 @@ fn the_embryos_needed_are_those_of_the_true_difference() {
     let (off, mut random) = (TRUTH.map(|chi| chi + 0.012), Mt64::new(3));
     let embryos = 1500;
     let found = pair(&synthetic(&mut random, embryos, &TRUTH, SD), NoiseKind::Given, [&TRUTH, &off]);
-    let parts = (found.delta / embryos as f64, found.se.unwrap() / (embryos as f64).sqrt());
+    let parts = (found.delta.unwrap() / embryos as f64, found.se.unwrap() / (embryos as f64).sqrt());
     assert!((parts.0 / 0.48 - 1.0).abs() < 0.1 && (parts.1 / 0.979_796 - 1.0).abs() < 0.05, "{parts:?}");
     let same = Pair::of(("a", &[1.0, 1.0]), ("b", &[1.0, 1.0]));
-    assert_eq!((same.p, same.distinguishable, same.needed), (Some(1.0), false, None));
+    assert_eq!((same.p, same.distinguishable, same.needed), (None, false, None));
 }
 
 #[test]
@@ -556,7 +556,11 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
     let without = tested(&without, Some(NoiseKind::Replicates), &cues[2..], "cue.amplitude", 1);
     let chi: Vec<Option<f64>> = without.hypotheses[0].cells.iter().map(|cell| cell.chi).collect();
     let part = left_out(&observations, &noise_of(&observations, NoiseKind::Replicates), 0, &chi);
-    assert!(right.loo_parts.len() == 6 && (right.loo_parts[0] - part).abs() < 0.02, "{:?} {part}", right.loo_parts);
+    assert!(
+        right.loo_parts.len() == 6 && (right.loo_parts[0].unwrap() - part).abs() < 0.02,
+        "{:?} {part}",
+        right.loo_parts
+    );
     let resting =
         tested(&table("mother,chi\nP0,0.2\nCaaa,0.2\n", Chosen::default()).unwrap(), None, &["none"], "none", 1);
     let rests = &resting.hypotheses[0];
@@ -566,7 +570,10 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
     let text = "mother,chi,sd\nP0,0.17,0.03\nP1,0.14,0.03\nCaaa,0.2,0.05\n";
     let resting = tested(&table(text, Chosen::default()).unwrap(), None, &cues[2..], "cue.amplitude", 1);
     let rests = &resting.hypotheses[0];
-    assert!(rests.resting == ["Caaa"] && rests.parameters[0].se.is_some() && rests.loo.is_finite(), "{resting}");
+    assert!(
+        rests.resting == ["Caaa"] && rests.parameters[0].se.is_some() && rests.loo.unwrap().is_finite(),
+        "{resting}"
+    );
 }
 
 /// One number with small errors: the sample has the fit's mean and standard error, and Laplace's evidence.
@@ -647,4 +654,37 @@ fn a_common_error_is_integrated_out() {
     let found = super::posterior::log_density_of(&observations.rows, &chi, &noise);
     let expected = steps.map(of).sum::<f64>().ln();
     assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+}
+
+/// What the data do not determine has no number: the fit without the only division, AICc of too few divisions and so all weights, errors
+/// of replicates that are all equal, and the test of a difference that is the same in each embryo.
+#[test]
+fn what_is_not_determined_has_no_number() {
+    let cues = ["none", "tension:gradient,amplitude=-0.3"];
+    let one = table("mother,chi,sd\nP0,0.17,0.03\n", Chosen::default()).unwrap();
+    let found = tested(&one, None, &cues, "cue.amplitude", 1);
+    let [none, gradient] = &found.hypotheses[..] else { panic!("{found:?}") };
+    assert_eq!((none.loo, gradient.loo), (Some(none.log_likelihood), None));
+    assert_eq!((found.pairs[0].delta, found.pairs[0].p), (None, None));
+    let text = found.to_string();
+    assert!(
+        text.contains("without P0 the data do not determine its fit") && text.contains(": no test, left out"),
+        "{text}"
+    );
+    let two = table("mother,chi,sd\nP0,0.17,0.03\nP1,0.14,0.03\n", Chosen::default()).unwrap();
+    let found = tested(&two, None, &cues, "cue.amplitude", 1);
+    let [none, gradient] = &found.hypotheses[..] else { panic!("{found:?}") };
+    assert!(none.aicc.is_some() && gradient.aicc.is_none() && none.weight.is_none() && none.delta_aicc.is_none());
+    assert!(
+        found.to_string().contains("k = 1 needs 3 data or more; weights need the AICc of every hypothesis"),
+        "{found}"
+    );
+    let constant: String = (0..3).map(|e| format!("e{e},P0,0.17\ne{e},P1,0.14\n")).collect();
+    let constant = table(&format!("embryo,mother,chi\n{constant}"), Chosen::default()).unwrap();
+    let refusal =
+        Noise::of(&constant, Some(NoiseKind::Replicates), false, ("t.csv", "--noise")).unwrap_err().to_string();
+    assert_eq!(refusal, "--noise: noise = replicates: must be given or common: no cell differs between embryos");
+    let found = tested(&constant, None, &cues, "cue.amplitude", 1);
+    assert!(found.pairs[0].p.is_none() && !found.pairs[0].distinguishable && found.hypotheses[1].fit.is_none());
+    assert!(found.to_string().contains("no test, all parts differ alike: not distinguishable"), "{found}");
 }

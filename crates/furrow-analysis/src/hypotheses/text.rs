@@ -62,13 +62,15 @@ impl Display for HypothesisTest {
         writeln!(f, "{:<wide$}     log L   k       AICc  weight   left out   evidence  p of the fit", "hypothesis")?;
         for tested in hypotheses {
             let TestedHypothesis { name, log_likelihood, k, aicc, weight, loo, log_evidence, fit, .. } = tested;
-            let (aicc, weight, evidence) = (or_dash(*aicc, 2), or_dash(*weight, 3), or_dash(*log_evidence, 2));
+            let [aicc, weight, loo, evidence] =
+                [(aicc, 2), (weight, 3), (loo, 2), (log_evidence, 2)].map(|(value, digits)| or_dash(*value, digits));
             let fit = fit.map_or("-".to_owned(), |fit| fit.to_string());
             writeln!(
                 f,
-                "{name:<wide$} {log_likelihood:>9.2} {k:>3} {aicc:>10} {weight:>7} {loo:>10.2} {evidence:>10}  {fit}"
+                "{name:<wide$} {log_likelihood:>9.2} {k:>3} {aicc:>10} {weight:>7} {loo:>10} {evidence:>10}  {fit}"
             )?;
         }
+        self.undefined(f)?;
         for tested in hypotheses {
             write!(f, "\n{tested}")?;
         }
@@ -98,6 +100,31 @@ impl Display for HypothesisTest {
             writeln!(f)?;
         }
         matched.iter().try_for_each(|matched| write!(f, "\n{matched}"))
+    }
+}
+
+impl HypothesisTest {
+    /// Why numbers of the first table are missing.
+    fn undefined(&self, f: &mut Formatter<'_>) -> Result {
+        for TestedHypothesis { name, k, .. } in self.hypotheses.iter().filter(|tested| tested.aicc.is_none()) {
+            writeln!(
+                f,
+                "no AICc of {name}, k = {k} needs {} data or more; weights need the AICc of every hypothesis",
+                k + 2
+            )?;
+        }
+        for TestedHypothesis { name, loo_parts, .. } in &self.hypotheses {
+            let open = self.units.iter().zip(loo_parts).filter(|(_, part)| part.is_none());
+            let open: Vec<&str> = open.map(|(unit, _)| unit.as_str()).collect();
+            if !open.is_empty() {
+                let open = furrow_input::listed(open.into_iter(), ", ");
+                writeln!(
+                    f,
+                    "left out of {name} is not defined: without {open} the data do not determine its fit or their error"
+                )?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -205,9 +232,11 @@ impl Display for Posterior {
 impl Display for Pair {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Pair { a, b, delta, se, p, distinguishable, .. } = self;
+        let Some(delta) = delta else { return write!(f, "{a} and {b}: no test, left out is not defined") };
         let better = if *delta >= 0.0 { [a, b] } else { [b, a] };
         let error = se.map_or(String::new(), |se| format!(" ± {se:.2}"));
-        let p = p.map_or("no test".to_owned(), |p| format!("p = {}", probability(p)));
+        let untested = if se.is_some() { "no test, all parts differ alike" } else { "no test" };
+        let p = p.map_or(untested.to_owned(), |p| format!("p = {}", probability(p)));
         let verdict = if *distinguishable { "distinguishable" } else { "not distinguishable" };
         let [better, other] = better;
         let small = if delta.abs() < LEAST { ", the difference is small" } else { "" };

@@ -22,7 +22,7 @@ fn slope(divisions: &[Measured]) -> Option<Finding> {
     };
     let points: Vec<[f64; 2]> = x.events.iter().filter_map(both).collect();
     let line = line_through_origin(&points)?;
-    let note = format!("R² = {:.3} of {} mothers", line.r_squared, points.len());
+    let note = format!("R² = {:.3} of {} mothers", line.r_squared.unwrap_or_default(), points.len());
     Some(Finding::new("compression_slope", line.slope).noting(note))
 }
 

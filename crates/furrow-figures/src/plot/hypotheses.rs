@@ -93,7 +93,7 @@ fn named(tested: &TestedHypothesis) -> String {
     if name.len() < tested.name.len() {
         name.push('…');
     }
-    format!("{name} (left out: {:+.1})", tested.loo)
+    tested.loo.map_or(name.clone(), |loo| format!("{name} (left out: {loo:+.1})"))
 }
 
 /// The line of a hypothesis, dashed across cells that do not divide.
