@@ -225,7 +225,7 @@ pub(crate) struct Value<'r> {
 
 impl<'r> Value<'r> {
     pub(crate) fn new(row: Row<'r>, column: usize) -> Value<'r> {
-        Value { line: row.line, column, name: row.name(column), text: row.text(column), numbers: row.numbers }
+        Value { line: row.line, column, name: row.name(column), text: row.text(column), numbers: row.numbers(column) }
     }
 
     /// The number, or the reason why the text is not a number.

@@ -384,7 +384,7 @@ fn decimal_commas_are_read_where_they_do_not_separate_columns() {
     let doubtful = skipped("embryo;cell;volume\ne;AB;1,017\ne;P1;2,345\n");
     assert_eq!(
         doubtful[0],
-        "t.csv:2: 3 (volume) = \"1,017\": may be 1.017 or 1017: no other number of the table says which"
+        "t.csv:2: 3 (volume) = \"1,017\": may be 1.017 or 1017: no other number of its column says which"
     );
     // pandas names the column that a cut decimal comma makes.
     let cut = skipped("embryo,cell,volume,Unnamed: 3\ne,AB,14,5\ne,P1,9,9\n");

@@ -65,15 +65,16 @@ impl Contours {
     /// A table without the required columns.
     pub fn read_table(&mut self, from: impl Read, file: &str) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
-        let numbers = table.numbers();
-        let bare =
-            |header: &[String]| header.len() == 2 && header.iter().all(|text| numbers.read(text.as_bytes()).is_ok());
         let (line, header) = table.header(|_| false)?;
-        let is_bare = bare(&header);
+        table.share([0, 1]);
+        let numbers = [0, 1].map(|column| table.numbers(column));
+        let first = || numbers.iter().zip(&header).map(|(numbers, text)| numbers.read(text.as_bytes()));
+        let is_bare = header.len() == 2 && first().all(|number| number.is_ok());
         let (columns, contour) = if is_bare { ([0, 1], None) } else { places(&header, (file, line))? };
+        table.share(columns);
         let mut rings = Rings::default();
         if is_bare {
-            let point = [0, 1].map(|k| numbers.read(header[k].as_bytes()));
+            let point = [0, 1].map(|k: usize| numbers[k].read(header[k].as_bytes()));
             rings.add(String::new(), line as u64, point.map(|x| x.unwrap_or(f64::NAN)), None);
         }
         while let Some(row) = table.next_row()? {
@@ -143,7 +144,7 @@ impl Rings {
 fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
     let mut wrong = row.surplus().map(|(_, why)| why);
     let point = columns.map(|column| {
-        row.numbers.read(row.text(column)).unwrap_or_else(|why| {
+        row.number(column).unwrap_or_else(|why| {
             let text = shown(&text(row.text(column)));
             wrong.get_or_insert(format!("column {}: {text} is {why}", column + 1));
             f64::NAN

@@ -254,7 +254,7 @@ fn read_spots(
         None if radius.is_some() && options.pixel.is_none() => Unit::Relative,
         _ => unit_of_pixels(options),
     };
-    let (numbers, mut rows) = (table.numbers(), FirstRows::new());
+    let (numbers, mut rows) = (radius.map(|at| table.numbers(at)).unwrap_or_default(), FirstRows::new());
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let text = |bytes: &[u8]| text(bytes).into_owned();

@@ -201,7 +201,7 @@ impl Values {
         let refused = |column: usize, why: &str| (column, why.to_owned());
         let track = whole(row.text(columns.track));
         let track = track.ok_or_else(|| refused(columns.track, "must be a whole number from 0"))?;
-        let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
+        let time = row.number(columns.time).ok().filter(|time| time.is_finite());
         let allowed = if columns.minutes.is_some() { "must be a time" } else { "must be a number of frames" };
         let time = time.ok_or_else(|| refused(columns.time, allowed))? * columns.minutes.unwrap_or(1.0);
         let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
@@ -220,7 +220,7 @@ fn read_row(
 ) -> Result<(), InputError> {
     let written = |column: usize| text(row.text(column)).into_owned();
     let size = |column: usize| {
-        let size = row.numbers.read(row.text(column)).ok().filter(|size| *size > 0.0 && *size < 1e30);
+        let size = row.number(column).ok().filter(|size| *size > 0.0 && *size < 1e30);
         size.ok_or(column)
     };
     let volume = match columns.size {
