@@ -692,8 +692,8 @@ fn each_embryo_has_its_size_and_its_voxels() {
     assert!((factors[1] / factors[0] - 16.0).abs() < 1e-9 && (factors[0] * factors[1] - 1.0).abs() < 1e-9);
     assert_eq!([sizes[0].voxel, sizes[1].voxel], [Some(2.0), Some(4.0)]);
     assert_eq!((sizes[0].cells, sizes[0].shared), (2, 2));
-    volumes.require_voxels().unwrap();
+    volumes.require_options().unwrap();
     volumes.voxels = PerEmbryo::new([(Some("three".to_owned()), 4.0)]);
-    let error = volumes.require_voxels().unwrap_err().to_string();
+    let error = volumes.require_options().unwrap_err().to_string();
     assert_eq!(error, "--voxel: embryo = \"three\": must be one of the embryos: one, two");
 }
