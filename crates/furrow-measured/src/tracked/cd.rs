@@ -10,9 +10,10 @@ use std::path::Path;
 use furrow_input::{InputError, open_file};
 
 use super::chains::{self, Chain, Only};
+use super::lengths::{sphere_of_pixels, unit_of_pixels};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of};
 use crate::names::{birth, understood};
 use furrow_input::table::{Table, malformed, text};
 
