@@ -88,7 +88,7 @@ impl Volumes {
         let of_file = embryo_of_file(file);
         let named = grid_unit(header, &of_file, &options.names)?;
         let is_cell = |name: &str| options.names.understood(&of_file, split_unit(name).0).is_some();
-        let columns = GridColumns::of(header, is_cell);
+        let columns = GridColumns::of(header, is_cell)?;
         for (column, name) in header.names.iter().enumerate().filter(|(_, name)| !is_cell(name)) {
             if column > 0 && !name.is_empty() && !columns.has(column) {
                 let value = Value::of_heading(header.line as u64, column, name);
@@ -198,7 +198,7 @@ fn may_be_frame(label: &str) -> bool {
     let number = label.trim_start_matches(|c: char| !c.is_ascii_digit());
     let word = label[..label.len() - number.len()].to_lowercase();
     let word = word.trim_matches(|c: char| !c.is_alphabetic());
-    word.is_empty() || !number.is_empty() && (FRAME.contains(&word) || ["tp", "slice", "image"].contains(&word))
+    word.is_empty() || !number.is_empty() && (FRAME.contains(&word) || ["tp", "image"].contains(&word))
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.

@@ -1,7 +1,7 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
 use furrow_input::InputError;
-use furrow_input::table::{Header, NamedUnit, unit_of};
+use furrow_input::table::{Header, NamedUnit, TIMES, unit_of};
 use serde::Serialize;
 
 use crate::names::Names;
@@ -80,7 +80,7 @@ impl Columns {
         let (cell, volume, of_file) = (cell_column(header), volume_column(header)?, embryo);
         let embryo = embryo_column(header);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
-            let (group, frame) = (header.find(GROUP), header.find_with_unit(&FRAME));
+            let (group, frame) = (header.find(GROUP), frame_column(header)?);
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
@@ -124,7 +124,17 @@ pub(crate) fn embryo_column(header: &Header<'_>) -> Option<usize> {
 pub(crate) const POPULATION: &str = "population";
 
 /// Names of the column of frames or times.
-pub(crate) const FRAME: [&str; 5] = ["frame", "time", "time_point", "timepoint", "t"];
+pub(crate) const FRAME: [&str; 10] =
+    ["frame", "time", "time_point", "timepoint", "t", "frame_number", "frame_no", "frame_nr", "time_step", "slice"];
+
+/// The column of frames or times, also with a unit behind its name, as `time_min`.
+fn frame_column(header: &Header<'_>) -> Result<Option<usize>, InputError> {
+    if let Some(frame) = header.find_with_unit(&FRAME) {
+        return Ok(Some(frame));
+    }
+    let times = [header.quantity("time", &TIMES)?, header.quantity("t", &TIMES)?].concat();
+    Ok(times.first().map(|(column, _)| *column))
+}
 
 /// Names of the column of groups.
 const GROUP: &[&str] = &["group", "condition"];
@@ -159,14 +169,14 @@ pub(crate) struct GridColumns {
 }
 
 impl GridColumns {
-    pub(crate) fn of(header: &Header<'_>, is_cell: impl Fn(&str) -> bool) -> GridColumns {
+    pub(crate) fn of(header: &Header<'_>, is_cell: impl Fn(&str) -> bool) -> Result<GridColumns, InputError> {
         let group = header.find(GROUP).or_else(|| header.find(&["strain", "genotype", "treatment"]));
-        let frame = header.find_with_unit(&FRAME);
+        let frame = frame_column(header)?;
         // Where rows are not called otherwise, each row of a strain is an embryo.
         let embryo = embryo_column(header).or(group.filter(|_| frame.is_none()));
         let is_first = header.names.first().is_some_and(|name| !is_cell(name));
         let label = embryo.or(frame).or(is_first.then_some(0));
-        GridColumns { embryo, group, frame, label }
+        Ok(GridColumns { embryo, group, frame, label })
     }
 }
 

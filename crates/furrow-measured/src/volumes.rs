@@ -308,7 +308,7 @@ impl Volumes {
             self.read_grid(&mut table, file, options, &header)?
         };
         self.join_embryos(embryos);
-        self.join_divisions(divisions);
+        self.join_divisions(divisions, if unit == Unit::OfMother { 1 } else { 2 });
         let unit = if unit == Unit::Voxels && !options.voxel.is_empty() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)
     }

@@ -168,3 +168,37 @@ fn tables_of_r_and_thousands_in_quotes_are_read() {
         assert_eq!(divisions(&volumes).divisions[0].volumes, [14596.0, 9904.5], "{table}");
     }
 }
+
+#[test]
+fn columns_of_frames_have_many_headings() {
+    for heading in ["frame_number", "Slice", "time_min", "Time (min)", "t_s", "time_step"] {
+        let volumes = read(&format!("embryo,cell,{heading},volume\ne,AB,1,600\ne,AB,2,620\ne,P1,1,400\n"));
+        assert_eq!((volumes.used, volumes.embryos[0].cells[0].volume()), (3, 610.0), "{heading}");
+    }
+}
+
+/// A copy of a table adds nothing, if its embryos have the same names.
+#[test]
+fn divisions_of_another_table_are_used_once() {
+    for table in
+        ["embryo,mother,chi\n1,P0,0.2\n1,P1,0.3\n", "embryo,mother,larger_um3,smaller_um3\n1,P0,6,4\n1,P1,3,1\n"]
+    {
+        let mut volumes = Volumes::default();
+        let options = ReadOptions::default();
+        volumes.read(table.as_bytes(), "a.csv", &options).unwrap();
+        let used = volumes.used;
+        volumes.read(table.as_bytes(), "b.csv", &options).unwrap();
+        assert_eq!((volumes.divisions.len(), volumes.used, volumes.skipped_count), (2, used, 2));
+        let first = &volumes.skipped[0];
+        assert_eq!((first.file.as_str(), first.line, first.value.as_str()), ("b.csv", 2, "P0"));
+    }
+    let unknown = divisions(&read("mother,chi\nP0,0.2\n")).keep_populations("--population", &["foo".to_owned()]);
+    assert!(unknown.unwrap_err().to_string().ends_with("(a column population, group or condition)"));
+}
+
+#[test]
+fn shares_may_be_in_per_cent() {
+    let table = "dose,larger_share (%)\n1,59\n0.5,101\n";
+    let doses = furrow_measured::dose::Doses::read(table.as_bytes(), "t.csv").unwrap();
+    assert_eq!((doses.divisions[0].larger_share, doses.skipped_count), (0.59, 1));
+}

@@ -34,7 +34,7 @@ pub(super) fn length_unit(text: &str) -> Option<LengthUnit> {
 }
 
 /// The volume of a sphere.
-fn sphere(diameter: f64) -> f64 {
+pub(super) fn sphere(diameter: f64) -> f64 {
     std::f64::consts::FRAC_PI_6 * diameter.powi(3)
 }
 

@@ -204,7 +204,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     }
     let mut chains = tracks.chains(&mut spots, &file)?;
     // Where each id is of one spot, spots are linked and not tracks: the only spot after another is the same cell.
-    let of_spots = chains.iter().all(|chain| chain.spots.len() == 1);
+    let of_spots = header.find(&TRACK) != Some(columns.track) && chains.iter().all(|chain| chain.spots.len() == 1);
     let only = if of_spots { Only::SameCell } else { Only::Daughter };
     chains::link(&mut spots, &mut chains, (&file, "t"), only)?;
     let time = if columns.minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
