@@ -119,7 +119,7 @@ impl VolumesAsked {
         self.read_into(&mut volumes, &self.tables, &first, names)?;
         self.read_into(&mut volumes, &self.against, &second, names)?;
         volumes.require_used("volumes")?;
-        volumes.require_voxels()?;
+        volumes.require_options()?;
         names.require_met()?;
         Ok(MeasuredVolumes::of(volumes, (ARGUMENTS, self.population.as_deref()))?)
     }

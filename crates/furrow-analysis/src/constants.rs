@@ -285,7 +285,7 @@ fn parsed(name: &str) -> Option<(ConstantKind, Option<&str>)> {
 fn constants(columns: &[String], row: Row<'_>) -> Result<Constants, (usize, String)> {
     let mut out = Constants { values: Vec::new(), weight: 1.0 };
     for (k, name) in columns.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
-        let value = row.numbers.read(row.text(k)).map_err(|why| (k, format!("a number ({why})")))?;
+        let value = row.number(k).map_err(|why| (k, format!("a number ({why})")))?;
         match parsed(name) {
             Some((kind, class)) => {
                 kind.validate(value).map_err(|allowed| (k, allowed.to_owned()))?;

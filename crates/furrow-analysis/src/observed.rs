@@ -159,7 +159,7 @@ impl ObservedLineage {
         let (mut cells, mut places): (Vec<ObservedCell>, HashMap<String, usize>) = Default::default();
         while let Some(row) = table.next_row()? {
             let [name, mother] = [0, 1].map(|column| text(row.text(column)).into_owned());
-            let (place, birth) = (cells.len(), row.numbers.read(row.text(2)).ok());
+            let (place, birth) = (cells.len(), row.number(2).ok());
             let mother = places.get(&mother).copied();
             let mut generation = 0;
             if let Some(mother) = mother {

@@ -328,7 +328,7 @@ fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
         }
         let number = |column: usize| {
             let text = table_text(row.text(column));
-            row.numbers.read(row.text(column)).map_err(|why| refused(column, format!("{text:?} is {why}")))
+            row.number(column).map_err(|why| refused(column, format!("{text:?} is {why}")))
         };
         points.push([number(columns[0])?, number(columns[1])?]);
     }

@@ -78,15 +78,15 @@ fn is_newick(text: &str) -> bool {
         .is_some_and(|rest| rest.split(')').next().is_some_and(|first| first.contains(['(', ',', ':'])))
 }
 
-/// Whether these are tracks of the Cell Tracking Challenge: lines of four whole numbers with blanks between them.
+/// Whether these are tracks of the Cell Tracking Challenge: lines of four whole numbers with blanks or tabs between them.
 pub fn is_ctc(text: &str) -> bool {
-    let mut lines = text.lines().peekable();
+    let mut lines = text.split(['\n', '\r']).filter(|line| !line.is_empty()).peekable();
     let (mut count, whole) = (0, |word: &str| word.bytes().all(|byte| byte.is_ascii_digit()));
     while let Some(line) = lines.next() {
         let words: Vec<&str> = line.split_whitespace().collect();
         // The last line may be cut off.
         let is_cut = lines.peek().is_none() && count > 0;
-        if !(words.len() == 4 || is_cut) || line.contains([',', ';', '\t']) || !words.into_iter().all(whole) {
+        if !(words.len() == 4 || is_cut) || line.contains([',', ';']) || !words.into_iter().all(whole) {
             return false;
         }
         count += 1;

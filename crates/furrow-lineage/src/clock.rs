@@ -173,7 +173,7 @@ fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
         let (name, value) = (text_of(row.text(cell)), text_of(row.text(column)));
         let allowed =
             |why: &str| refused(format!("{} = {}: must be a number above 0{why}", header.names[column], shown(&value)));
-        let minutes = row.numbers.read(row.text(column)).map_err(|why| allowed(&format!(" ({why})")))? * unit;
+        let minutes = row.number(column).map_err(|why| allowed(&format!(" ({why})")))? * unit;
         if minutes.is_nan() || minutes <= 0.0 {
             return Err(allowed(""));
         }

@@ -1,11 +1,12 @@
 //! Tables with a volume in every row, and grids of frames by cells.
 
+use std::collections::HashMap;
 use std::io::Read;
 
 use furrow_input::table::{Header, Row, Table, split_unit, text, unit_of, units_listed};
 use furrow_input::{InputError, shown};
 
-use crate::layout::{Columns, FRAME, Unit, VOLUMES, VolumeUnit, embryo_of_file};
+use crate::layout::{Columns, FRAME, GridColumns, SUMMARY, Unit, VOLUMES, VolumeUnit, embryo_of_file, is_summary};
 use crate::names::Names;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
 
@@ -27,8 +28,8 @@ impl Volumes {
             let noted = match read {
                 Ok(Some(unit)) if unit.text.is_empty() => Err((unit, "no unit".to_owned())),
                 Ok(unit) => {
-                    let unit = unit.map(|unit| note_unit(file, &unit, &mut said)).transpose()?;
-                    let factor = factor(unit.or(columns.volume.1), &embryo, options);
+                    let unit = unit.map(|unit| one_kind(file, &unit, &mut said)).transpose()?;
+                    let factor = options.factor(unit.or(columns.volume.1), &embryo);
                     self.read_row(columns, row, (file, options), factor)
                 }
                 Err(rejected) => Err(rejected),
@@ -39,8 +40,9 @@ impl Volumes {
             }
         }
         let bare = if largest <= LARGEST_FRACTION { Unit::Relative } else { Unit::CubicMicrometres };
-        let named = said.or(columns.volume.1.map(|unit| unit.kind)).or(options.unit);
-        Ok(named.unwrap_or(bare))
+        let stated = said.or(columns.volume.1);
+        self.note_unit(stated, options);
+        Ok(options.kind_of(stated).unwrap_or(bare))
     }
 
     /// Adds the volume, times `factor`, of a row of a long table, and returns it as written.
@@ -57,8 +59,10 @@ impl Volumes {
         let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
-        if embryo.text.is_empty() {
-            return Err((embryo, "no name of an embryo".to_owned()));
+        match embryo.text {
+            b"" => return Err((embryo, "no name of an embryo".to_owned())),
+            text if is_summary(text) => return Err((embryo, SUMMARY.to_owned())),
+            _ => {}
         }
         let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.written(), file);
         let cell_place = self.cell(embryo, &name, cell.line);
@@ -81,29 +85,33 @@ impl Volumes {
         options: &ReadOptions,
         header: &Header<'_>,
     ) -> Result<Unit, InputError> {
-        let embryo = self.embryo(options.group_of(None), embryo_of_file(file), file);
-        let (named, line) = (grid_unit(header, &embryo_of_file(file), &options.names)?, header.line as u64);
-        let mut places: Vec<Option<usize>> = Vec::new();
-        for (column, name) in header.names.iter().enumerate() {
-            let cell = options.names.understood(&embryo_of_file(file), split_unit(name).0);
-            if cell.is_none() && !is_frame(column, name) {
-                let value = Value::of_heading(line, column, name);
+        let of_file = embryo_of_file(file);
+        let named = grid_unit(header, &of_file, &options.names)?;
+        let is_cell = |name: &str| options.names.understood(&of_file, split_unit(name).0).is_some();
+        let columns = GridColumns::of(header, is_cell)?;
+        for (column, name) in header.names.iter().enumerate().filter(|(_, name)| !is_cell(name)) {
+            if column > 0 && !name.is_empty() && !columns.has(column) {
+                let value = Value::of_heading(header.line as u64, column, name);
                 self.skip(file, &(value, options.names.unknown().to_owned()));
             }
-            places.push(cell.map(|name| self.cell(embryo, &name, line)));
         }
-        // Without a unit a grid is in voxels where these have a size.
-        let is_bare = named.is_none() && options.unit.is_none();
-        let of_file = embryo_of_file(file);
-        let factor = if is_bare { options.voxel_volume(&of_file) } else { factor(named, &of_file, options) };
+        table.share((0..header.names.len()).filter(|column| is_cell(&header.names[*column])));
+        self.note_unit(named, options);
+        let mut places: HashMap<(String, String), GridEmbryo> = HashMap::new();
         // Voxels are counted: a number with decimals is in another unit.
         let (mut is_counted, mut largest) = (true, 0.0_f64);
         while let Some(row) = table.next_row()? {
-            if let Err(rejected) = fitting(row) {
-                self.skip(file, &rejected);
-                continue;
-            }
-            for (column, cell) in places.iter().enumerate().filter_map(|(column, cell)| Some((column, (*cell)?))) {
+            let read = fitting(row).and_then(|row| columns.row(row, &of_file, options));
+            let (key, frame) = match read {
+                Ok(read) => read,
+                Err(rejected) => {
+                    self.skip(file, &rejected);
+                    continue;
+                }
+            };
+            let known = places.entry(key).or_insert_with_key(|key| self.grid_embryo(key, header, (file, options)));
+            let factor = options.factor(named, &self.embryos[known.embryo].source.name);
+            for (column, cell) in known.cells.iter().enumerate().filter_map(|(column, cell)| Some((column, (*cell)?))) {
                 let value = Value::new(row, column);
                 // An empty field: the cell does not exist in this frame.
                 if value.text.is_empty() || value.text.eq_ignore_ascii_case(b"nan") {
@@ -111,8 +119,8 @@ impl Volumes {
                 }
                 let noted = positive(value).and_then(|volume| {
                     (is_counted, largest) = (is_counted && volume.fract() == 0.0, largest.max(volume));
-                    let lifespan = &mut self.embryos[embryo].cells[cell];
-                    lifespan.note(volume * factor, Some(row.line as f64), value.line).map_err(|why| (value, why))
+                    let lifespan = &mut self.embryos[known.embryo].cells[cell];
+                    lifespan.note(volume * factor, frame, value.line).map_err(|why| (value, why))
                 });
                 match noted {
                     Ok(()) => self.used += 1,
@@ -121,17 +129,76 @@ impl Volumes {
             }
         }
         let bare = match () {
-            () if is_counted || options.voxel.of(&of_file).is_some() => Unit::Voxels,
+            () if is_counted => Unit::Voxels,
             () if largest <= LARGEST_FRACTION => Unit::Relative,
             () => Unit::CubicMicrometres,
         };
-        Ok(named.map(|unit| unit.kind).or(options.unit).unwrap_or(bare))
+        Ok(options.kind_of(named).unwrap_or(bare))
+    }
+
+    /// Adds an embryo of a grid by its group and name.
+    fn grid_embryo(
+        &mut self,
+        (group, name): &(String, String),
+        header: &Header<'_>,
+        (file, options): (&str, &ReadOptions),
+    ) -> GridEmbryo {
+        let embryo = self.embryo(group.clone(), name.clone(), file);
+        let cell = |heading: &String| options.names.understood(name, split_unit(heading).0);
+        let cells = header.names.iter().map(|heading| Some(self.cell(embryo, &cell(heading)?, header.line as u64)));
+        GridEmbryo { embryo, cells: cells.collect() }
     }
 }
 
-/// Whether a column of a grid contains the frames, or nothing, rather than a cell.
-fn is_frame(column: usize, name: &str) -> bool {
-    column == 0 || name.is_empty() || FRAME.contains(&&*split_unit(name).0.to_lowercase())
+/// An embryo of a grid, and its cells by their columns.
+struct GridEmbryo {
+    embryo: usize,
+    cells: Vec<Option<usize>>,
+}
+
+impl GridColumns {
+    fn has(&self, column: usize) -> bool {
+        [self.embryo, self.group, self.frame].contains(&Some(column))
+    }
+
+    /// The group and embryo of a row, and its frame. Without a column of embryos all rows are frames of the file's embryo.
+    fn row<'r>(
+        &self,
+        row: Row<'r>,
+        of_file: &str,
+        options: &ReadOptions,
+    ) -> Result<((String, String), Option<f64>), Rejected<'r>> {
+        let at = |column: usize| Value::new(row, column);
+        if let Some(label) = self.label.map(at).filter(|label| is_summary(label.text)) {
+            return Err((label, SUMMARY.to_owned()));
+        }
+        let group = options.group_of(self.group.map(at));
+        let Some(embryo) = self.embryo else {
+            let label = self.label.filter(|label| self.frame != Some(*label)).map(at);
+            if let Some(label) = label.filter(|label| !may_be_frame(&label.written())) {
+                let why = "may be an embryo or a frame: the column must be called embryo or frame";
+                return Err((label, why.to_owned()));
+            }
+            return Ok(((group, of_file.to_owned()), Some(row.line as f64)));
+        };
+        let value = at(embryo);
+        if value.text.is_empty() {
+            return Err((value, "no name of an embryo".to_owned()));
+        }
+        // Rows of a strain are embryos without names.
+        let name =
+            if self.group == Some(embryo) { format!("{}:{}", value.written(), row.line) } else { value.written() };
+        let frame = self.frame.map(|column| at(column).number()).transpose()?;
+        Ok(((group, name), frame))
+    }
+}
+
+/// Whether the name of a row may be that of a frame: a number or a time, also as t12 or frame 12, or nothing.
+fn may_be_frame(label: &str) -> bool {
+    let number = label.trim_start_matches(|c: char| !c.is_ascii_digit());
+    let word = label[..label.len() - number.len()].to_lowercase();
+    let word = word.trim_matches(|c: char| !c.is_alphabetic());
+    word.is_empty() || !number.is_empty() && (FRAME.contains(&word) || ["tp", "image"].contains(&word))
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.
@@ -155,24 +222,14 @@ fn grid_unit(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<
     Ok(found)
 }
 
-/// The factor from a volume's unit to the unit of results. Without a unit the option gives it.
-pub(crate) fn factor(unit: Option<VolumeUnit>, embryo: &str, options: &ReadOptions) -> f64 {
-    match unit {
-        Some(VolumeUnit { kind: Unit::Voxels, .. }) => options.voxel_volume(embryo),
-        Some(unit) => unit.size,
-        None if options.unit == Some(Unit::Voxels) => options.voxel_volume(embryo),
-        None => 1.0,
-    }
-}
-
 /// Requires one kind of unit in all rows.
-fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<VolumeUnit, InputError> {
+fn one_kind(file: &str, value: &Value<'_>, said: &mut Option<VolumeUnit>) -> Result<VolumeUnit, InputError> {
     let written = text(value.text);
     let refused = |allowed: String| InputError::not_allowed(file, value.field(), &written, allowed);
     let unit = unit_of(&written, &VOLUMES).ok_or_else(|| refused(format!("one of {}", units_listed(&VOLUMES))))?;
-    match said.replace(unit.kind) {
-        Some(before) if before != unit.kind => {
-            Err(refused(format!("{}, the unit of the rows before", before.symbol())))
+    match said.replace(*unit) {
+        Some(before) if before.kind != unit.kind => {
+            Err(refused(format!("{}, the unit of the rows before", before.kind.symbol())))
         }
         _ => Ok(*unit),
     }

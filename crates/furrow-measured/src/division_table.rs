@@ -5,9 +5,8 @@ use std::io::Read;
 use furrow_input::InputError;
 use furrow_input::table::{Row, Table};
 
-use crate::cell_tables::factor;
 use crate::events::{Division, GENERATION};
-use crate::layout::{ChiColumns, DivisionColumns, embryo_of_file};
+use crate::layout::{ChiColumns, DivisionColumns, SUMMARY, embryo_of_file, is_summary};
 use crate::names::Names;
 use crate::several::Source;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive, positive_of};
@@ -25,7 +24,7 @@ impl Volumes {
         division: impl for<'r> Fn(Row<'r>) -> Found<'r>,
     ) -> Result<(), InputError> {
         while let Some(row) = table.next_row()? {
-            let found = fitting(row).and_then(&division);
+            let found = fitting(row).and_then(&division).and_then(measured);
             let found = found.and_then(|found| self.with_clear_class(row, class, found));
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {
@@ -74,6 +73,12 @@ impl Volumes {
     }
 }
 
+/// The division, unless the row is a summary.
+fn measured((mother, division): (Value<'_>, Division)) -> Found<'_> {
+    let is_one = is_summary(division.embryo.as_bytes()) || is_summary(mother.text);
+    if is_one { Err((mother, SUMMARY.to_owned())) } else { Ok((mother, division)) }
+}
+
 /// The name of a mother, as it is understood or else as it is written.
 fn name_of(mother: Value<'_>, embryo: &str, names: &Names) -> String {
     names.understood(embryo, &mother.written()).unwrap_or_else(|| mother.written())
@@ -111,7 +116,7 @@ pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &Re
         return Err((value, "not a whole number of a generation".to_owned()));
     }
     let embryo = embryo.written();
-    let factor = factor(Some(columns.unit), &embryo, options);
+    let factor = options.factor(columns.unit, &embryo);
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
@@ -143,7 +148,7 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     let given = |column: Option<usize>| column.map(at).filter(|value| !value.text.is_empty());
     let own = given(columns.mother_volume.map(|(column, _)| column)).map(positive).transpose()?;
     let embryo = columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written());
-    let size = columns.mother_volume.map_or(1.0, |(_, unit)| factor(Some(unit), &embryo, options));
+    let size = columns.mother_volume.map_or(1.0, |(_, unit)| options.factor(Some(unit), &embryo));
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,

@@ -82,11 +82,19 @@ const DOSES: [NamedUnit<()>; 2] = [
     NamedUnit { kind: (), size: 0.01, words: &["%", "percent", "%wt", "%ofwt", "%wildtype", "%ofwildtype"] },
 ];
 
+/// Units of shares.
+const SHARES: [NamedUnit<()>; 2] = [
+    NamedUnit { kind: (), size: 1.0, words: &["1", "fraction", "relative"] },
+    NamedUnit { kind: (), size: 0.01, words: &["%", "percent"] },
+];
+
 struct Columns {
     dose: usize,
     /// Its unit, as a share of the wild type's dose.
     unit: f64,
     share: usize,
+    /// Its unit, as a share.
+    share_unit: f64,
     condition: Option<usize>,
 }
 
@@ -98,7 +106,7 @@ impl Columns {
             ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}")))
         };
         let dose = header.find_only("dose", is_dose)?;
-        let share = header.find_only("share", |name| name == "larger_share")?;
+        let share = header.only("share", &header.quantity("larger_share", &SHARES)?)?;
         let condition = header.find_only("condition", |name| name == "condition" || name == "group")?;
         let missing = |name: &str| {
             let table =
@@ -106,9 +114,10 @@ impl Columns {
             header.missing(&[(name, None)], table)
         };
         let dose = dose.ok_or_else(|| missing("dose"))?;
-        let share = share.ok_or_else(|| missing("larger_share"))?;
+        let (share, of_share) = share.ok_or_else(|| missing("larger_share"))?;
         let unit = header.unit(dose, &DOSES)?.map_or(1.0, |unit| unit.size);
-        Ok(Columns { dose, unit, share, condition })
+        let share_unit = of_share.map_or(1.0, |unit| unit.size);
+        Ok(Columns { dose, unit, share, share_unit, condition })
     }
 
     fn division<'r>(&self, at: impl Fn(usize) -> Value<'r>) -> Result<DosedDivision, Rejected<'r>> {
@@ -119,7 +128,10 @@ impl Columns {
         };
         let dose =
             self.unit * read(self.dose, |dose| (0.0..=1e6).contains(&dose), "from 0 to 1e6; 1 is the wild type")?;
-        let larger_share = read(self.share, |share| share > 0.0 && share < 1.0, "above 0 and below 1")?;
+        let larger_share = match self.share_unit {
+            1.0 => read(self.share, |share| share > 0.0 && share < 1.0, "above 0 and below 1")?,
+            unit => unit * read(self.share, |share| share > 0.0 && share < 100.0, "above 0 and below 100 %")?,
+        };
         let condition = self.condition.map(|column| at(column).written()).unwrap_or_default();
         Ok(DosedDivision { dose, larger_share, condition })
     }

@@ -78,7 +78,10 @@ impl Divisions {
     pub fn keep_populations(&mut self, source_name: &str, wanted: &[String]) -> Result<(), InputError> {
         let known: BTreeSet<&str> = self.divisions.iter().map(|division| division.group.as_str()).collect();
         if let Some(name) = wanted.iter().find(|name| !known.contains(name.trim())) {
-            let allowed = format!("populations of the tables: {}", Vec::from_iter(known).join(", "));
+            let allowed = match known.iter().all(|name| name.is_empty()) {
+                true => "left out: the tables have no populations (a column population, group or condition)".to_owned(),
+                false => format!("populations of the tables: {}", Vec::from_iter(known).join(", ")),
+            };
             return Err(InputError::not_allowed(source_name, "population", name, allowed));
         }
         self.divisions.retain(|division| wanted.iter().any(|name| name.trim() == division.group));

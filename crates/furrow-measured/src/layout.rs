@@ -1,7 +1,7 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
 use furrow_input::InputError;
-use furrow_input::table::{Header, NamedUnit, unit_of};
+use furrow_input::table::{Header, NamedUnit, TIMES, unit_of};
 use serde::Serialize;
 
 use crate::names::Names;
@@ -78,9 +78,9 @@ impl Columns {
     /// The columns of a long table; `None` for a grid.
     pub(crate) fn of(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<Columns>, InputError> {
         let (cell, volume, of_file) = (cell_column(header), volume_column(header)?, embryo);
-        let embryo = header.find(&EMBRYO);
+        let embryo = embryo_column(header);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
-            let (group, frame) = (header.find(GROUP), header.find_with_unit(&FRAME));
+            let (group, frame) = (header.find(GROUP), frame_column(header)?);
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&["unit"]));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
@@ -97,14 +97,44 @@ impl Columns {
     }
 }
 
-/// Names of the column of embryos.
-pub(crate) const EMBRYO: [&str; 3] = ["embryo", "embryo_name", "sample"];
+/// Names of the column of embryos; one that comes first here counts where a table has several.
+const EMBRYO: [&str; 14] = [
+    "embryo",
+    "embryo_name",
+    "embryo_id",
+    "embryo_no",
+    "embryo_nr",
+    "embryo_number",
+    "sample",
+    "sample_name",
+    "sample_id",
+    "animal",
+    "animal_id",
+    "individual",
+    "worm",
+    "replicate",
+];
+
+/// The column of embryos.
+pub(crate) fn embryo_column(header: &Header<'_>) -> Option<usize> {
+    EMBRYO.iter().find_map(|name| header.find(&[name]))
+}
 
 /// The column of populations: groups of cells of the same embryos.
 pub(crate) const POPULATION: &str = "population";
 
 /// Names of the column of frames or times.
-pub(crate) const FRAME: [&str; 5] = ["frame", "time", "time_point", "timepoint", "t"];
+pub(crate) const FRAME: [&str; 10] =
+    ["frame", "time", "time_point", "timepoint", "t", "frame_number", "frame_no", "frame_nr", "time_step", "slice"];
+
+/// The column of frames or times, also with a unit behind its name, as `time_min`.
+fn frame_column(header: &Header<'_>) -> Result<Option<usize>, InputError> {
+    if let Some(frame) = header.find_with_unit(&FRAME) {
+        return Ok(Some(frame));
+    }
+    let times = [header.quantity("time", &TIMES)?, header.quantity("t", &TIMES)?].concat();
+    Ok(times.first().map(|(column, _)| *column))
+}
 
 /// Names of the column of groups.
 const GROUP: &[&str] = &["group", "condition"];
@@ -128,6 +158,76 @@ pub(crate) fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option
     header.only("volume", &found)
 }
 
+/// Columns of a grid beside its cells.
+pub(crate) struct GridColumns {
+    /// Embryos, if each row is of one.
+    pub(crate) embryo: Option<usize>,
+    pub(crate) group: Option<usize>,
+    pub(crate) frame: Option<usize>,
+    /// The names of rows: of one of these columns, or of a first one that is no cell.
+    pub(crate) label: Option<usize>,
+}
+
+impl GridColumns {
+    pub(crate) fn of(header: &Header<'_>, is_cell: impl Fn(&str) -> bool) -> Result<GridColumns, InputError> {
+        let group = header.find(GROUP).or_else(|| header.find(&["strain", "genotype", "treatment"]));
+        let frame = frame_column(header)?;
+        // Where rows are not called otherwise, each row of a strain is an embryo.
+        let embryo = embryo_column(header).or(group.filter(|_| frame.is_none()));
+        let is_first = header.names.first().is_some_and(|name| !is_cell(name));
+        let label = embryo.or(frame).or(is_first.then_some(0));
+        Ok(GridColumns { embryo, group, frame, label })
+    }
+}
+
+/// What summaries of other rows are called, without blanks and signs.
+const SUMMARIES: [&[u8]; 26] = [
+    b"mean",
+    b"means",
+    b"meansd",
+    b"meansem",
+    b"average",
+    b"avg",
+    b"mittelwert",
+    b"median",
+    b"sd",
+    b"std",
+    b"stdev",
+    b"stddev",
+    b"standarddeviation",
+    b"stabw",
+    b"standardabweichung",
+    b"se",
+    b"sem",
+    b"stderr",
+    b"standarderror",
+    b"variance",
+    b"var",
+    b"cv",
+    b"n",
+    b"count",
+    b"sum",
+    b"total",
+];
+
+/// Whether a text calls a row a summary of others, such as Mean, S.E.M. or SD (n - 1).
+pub(crate) fn is_summary(text: &[u8]) -> bool {
+    let (mut word, mut length) = ([0; 24], 0);
+    for byte in text.iter().take_while(|byte| !b"([:".contains(byte)) {
+        if byte.is_ascii_digit() || length == word.len() {
+            return false;
+        }
+        if byte.is_ascii_alphabetic() {
+            word[length] = byte.to_ascii_lowercase();
+            length += 1;
+        }
+    }
+    SUMMARIES.contains(&&word[..length])
+}
+
+/// Why a summary is no data.
+pub(crate) const SUMMARY: &str = "a summary of other rows, which is no measurement";
+
 /// The columns of a table of divisions.
 pub(crate) struct DivisionColumns {
     pub(crate) embryo: usize,
@@ -139,24 +239,25 @@ pub(crate) struct DivisionColumns {
     pub(crate) generation: Option<usize>,
     /// The columns of the mother's class.
     pub(crate) class: Vec<usize>,
-    pub(crate) unit: VolumeUnit,
+    /// The unit in the headings.
+    pub(crate) unit: Option<VolumeUnit>,
 }
 
 impl DivisionColumns {
     /// The columns of a table of divisions; `None` for other tables.
     pub(crate) fn of(header: &Header<'_>, class: Vec<usize>) -> Result<Option<Self>, InputError> {
         // A heading `mother` without a unit is the column of names.
-        let volume = |of: &str| -> Result<Option<(usize, VolumeUnit)>, InputError> {
+        let volume = |of: &str| -> Result<Option<(usize, Option<VolumeUnit>)>, InputError> {
             let mut found = header.quantity(of, &VOLUMES)?;
             found.retain(|(_, unit)| unit.is_some() || of != "mother");
             let found = header.only(&format!("volume of the {of}"), &found)?;
-            Ok(found.map(|(at, unit)| (at, unit.copied().unwrap_or(VOLUMES[0]))))
+            Ok(found.map(|(at, unit)| (at, unit.copied())))
         };
         let (larger, smaller) = match (volume("larger")?, volume("smaller")?) {
             (None, None) => return Ok(None),
             found => found,
         };
-        let (embryo, mother) = (header.find(&["embryo"]), header.find(&["mother"]));
+        let (embryo, mother) = (embryo_column(header), header.find(&["mother"]));
         let (Some(embryo), Some(mother), Some((larger, unit)), Some((smaller, other))) =
             (embryo, mother, larger, smaller)
         else {
@@ -168,9 +269,13 @@ impl DivisionColumns {
             ));
         };
         let mother_volume = volume("mother")?;
-        if other != unit || mother_volume.is_some_and(|(_, own)| own != unit) {
+        let units = [unit, other].into_iter().chain(mother_volume.map(|(_, own)| own));
+        let stated: Vec<VolumeUnit> = units.clone().flatten().collect();
+        // Beside a unit a volume without one is in µm³.
+        if !stated.is_empty() && !units.map(|unit| unit.unwrap_or(VOLUMES[0])).all(|unit| unit == stated[0]) {
             return Err(header.refused("mother, larger and smaller have different units"));
         }
+        let unit = stated.first().copied();
         let mother_volume = mother_volume.map(|(at, _)| at);
         let population = header.find(&[POPULATION]).or_else(|| header.find(&["group"]));
         let (daughters, generation) = ([larger, smaller], header.find(&["generation"]));
@@ -180,6 +285,7 @@ impl DivisionColumns {
 
 /// The columns of a table of χ.
 pub(crate) struct ChiColumns {
+    /// The cell that divides: in a table with a row for each cell, its own name and not its mother's.
     pub(crate) mother: usize,
     pub(crate) chi: usize,
     pub(crate) embryo: Option<usize>,
@@ -198,6 +304,7 @@ impl ChiColumns {
         // Where a table has both, the signed χ is more informative.
         let chi = header.find(&["chi_signed"]).or_else(|| header.find(&["chi"]));
         let (Some(mother), Some(chi)) = (header.find(&["mother"]), chi) else { return Ok(None) };
+        let mother = cell_column(header).unwrap_or(mother);
         let mut volumes = Vec::new();
         for name in ["mother", "mother_volume", "v_mother"] {
             let found = header.quantity(name, &VOLUMES)?;
@@ -206,7 +313,7 @@ impl ChiColumns {
         Ok(Some(ChiColumns {
             mother,
             chi,
-            embryo: header.find(&["embryo", "sample"]),
+            embryo: embryo_column(header),
             group: header.find(GROUP),
             chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
             mother_volume: header.only("volume of the mother", &volumes)?,

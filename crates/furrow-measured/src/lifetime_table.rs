@@ -3,7 +3,7 @@
 use furrow_input::InputError;
 use furrow_input::table::{Header, Row, TIMES, columns_listed};
 
-use crate::layout::{EMBRYO, cell_column};
+use crate::layout::{SUMMARY, cell_column, embryo_column, is_summary};
 use crate::lifetimes::Lifetime;
 use crate::names::Names;
 use crate::volumes::{Rejected, Value, fitting};
@@ -14,8 +14,8 @@ type TimeColumn = (usize, f64);
 /// What says how long a cell lives.
 enum Life {
     Lifetime(TimeColumn),
-    /// Its birth and its division.
-    Times(TimeColumn, TimeColumn),
+    /// Its birth and its division, and the column of its mother, if there is one: without a mother its birth was not seen.
+    Times(TimeColumn, TimeColumn, Option<usize>),
 }
 
 /// The columns of a table.
@@ -53,7 +53,7 @@ impl Columns {
         let division = if lifetime.is_none() && birth.is_some() { time("division")? } else { None };
         let life = match (lifetime, birth, division) {
             (Some(lifetime), ..) => Life::Lifetime(lifetime),
-            (None, Some(birth), Some(division)) => Life::Times(birth, division),
+            (None, Some(birth), Some(division)) => Life::Times(birth, division, header.find(&["mother"])),
             (None, ..) => return Err(missing("lifetime_min, nor are there both birth_min and division_min")),
         };
         if let (None, Some((column, _))) = (n, sd) {
@@ -61,14 +61,27 @@ impl Columns {
             return Err(header.refused(why));
         }
         // A row with n is a mean over embryos.
-        let embryo = header.find(&EMBRYO).filter(|_| n.is_none());
+        let embryo = embryo_column(header).filter(|_| n.is_none());
         Ok(Columns { cell, life, n, sd, birth, embryo })
+    }
+
+    /// The columns of times.
+    pub(crate) fn times(&self) -> impl Iterator<Item = usize> {
+        let of_life = match self.life {
+            Life::Lifetime(column) => [Some(column), None],
+            Life::Times(birth, division, _) => [Some(birth), Some(division)],
+        };
+        of_life.into_iter().chain([self.sd, self.birth]).flatten().map(|(column, _)| column)
     }
 
     /// The embryo of a row; `None` without such a column.
     pub(crate) fn embryo_of<'r>(&self, row: Row<'r>) -> Result<Option<String>, Rejected<'r>> {
         let Some(value) = self.embryo.map(|column| Value::new(row, column)) else { return Ok(None) };
-        if value.text.is_empty() { Err((value, "no name of an embryo".to_owned())) } else { Ok(Some(value.written())) }
+        match value.text {
+            b"" => Err((value, "no name of an embryo".to_owned())),
+            text if is_summary(text) => Err((value, SUMMARY.to_owned())),
+            _ => Ok(Some(value.written())),
+        }
     }
 }
 
@@ -99,7 +112,10 @@ pub(crate) fn read_row<'r>(
     };
     let mean = match columns.life {
         Life::Lifetime(column) => minutes(row, column, TIMES_OF_CELLS[0], "must be a time above 0")?,
-        Life::Times(birth, division) => {
+        Life::Times(birth, division, mother) => {
+            if let Some(value) = mother.map(at).filter(|value| value.text.is_empty()) {
+                return Err((value, "no mother: when the cell was born was not seen".to_owned()));
+            }
             let [born, divided] = [birth, division].map(|of| minutes(row, of, -TIMES_OF_CELLS[1], "must be a time"));
             let lifetime = divided? - born?;
             if lifetime < TIMES_OF_CELLS[0] {

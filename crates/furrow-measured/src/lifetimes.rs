@@ -318,6 +318,7 @@ impl Lifetimes {
     ) -> Result<(), InputError> {
         let mut table = Table::open(from, file)?;
         let columns = Columns::of(&table.columns(|_| false)?)?;
+        table.share(columns.times());
         rows.has_means |= columns.n.is_some();
         let (of_file, before) = (embryo_of_file(file), rows.embryos.len());
         // Lines of the first rows of cells, by embryo.

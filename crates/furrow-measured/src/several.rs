@@ -114,16 +114,32 @@ impl Volumes {
         }
     }
 
-    /// Compares the embryos of divisions that a table has added, from number `first` on, with those before.
-    pub(crate) fn join_divisions(&mut self, first: usize) {
+    /// Compares the embryos of divisions that a table has added, from number `first` on, with those before. Each division is of `values`
+    /// beside its mother's volume.
+    pub(crate) fn join_divisions(&mut self, first: usize, values: u64) {
         let (before, new) = self.divisions.split_at_mut(first);
         let (sources, own) = self.division_sources.split_at(first);
         let known = by_embryo(sources, before);
+        let mut repeated: HashSet<usize> = HashSet::new();
         for (name, here) in by_embryo(own, new) {
             let Some(there) = known.get(&name) else { continue };
-            let mothers: HashSet<&str> = there.iter().map(|other| before[*other].mother.as_str()).collect();
-            if !here.iter().any(|k| mothers.contains(new[*k].mother.as_str())) {
-                continue;
+            let mut mothers: HashMap<&str, Vec<&Division>> = HashMap::new();
+            for other in there.iter().map(|other| &before[*other]) {
+                mothers.entry(&other.mother).or_default().push(other);
+            }
+            let has = |k: &usize| {
+                let others = mothers.get(new[*k].mother.as_str())?;
+                Some(
+                    others.iter().any(|other| other.volumes == new[*k].volumes && other.daughters == new[*k].daughters),
+                )
+            };
+            match Kinship::of(here.iter().map(has)) {
+                Kinship::Parts => continue,
+                Kinship::Repeated => {
+                    repeated.extend(here);
+                    continue;
+                }
+                Kinship::Others => {}
             }
             let own = &own[here[0]];
             let mut label = own.label(false);
@@ -135,6 +151,26 @@ impl Volumes {
                 label = mine;
             }
             here.into_iter().for_each(|j| new[j].embryo.clone_from(&label));
+        }
+        self.skip_divisions((first, values), &repeated);
+    }
+
+    /// Takes out the divisions from number `first` on that a table before has too, each of `values` beside its mother's volume.
+    fn skip_divisions(&mut self, (first, values): (usize, u64), repeated: &HashSet<usize>) {
+        let new = self.divisions.split_off(first).into_iter().zip(self.division_sources.split_off(first));
+        for (k, (division, source)) in new.enumerate() {
+            if !repeated.contains(&k) {
+                self.divisions.push(division);
+                self.division_sources.push(source);
+                continue;
+            }
+            self.used -= values + u64::from(division.mother_measured.is_some());
+            let mother = division.daughters[0].rsplit_once(' ').map_or("", |(mother, _)| mother).to_owned();
+            let key = [source.file.clone(), source.name, division.group, mother];
+            let line = self.division_lines.get(&key).copied().unwrap_or_default();
+            let ([.., mother], file, column) = (key, source.file, "mother".to_owned());
+            let why = "the same division in another table".to_owned();
+            note(&mut self.skipped, &mut self.skipped_count, || Skipped { file, line, column, value: mother, why });
         }
     }
 }

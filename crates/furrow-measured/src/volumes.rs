@@ -24,7 +24,7 @@ use serde::Serialize;
 use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{ChiColumns, Columns, DivisionColumns, POPULATION, embryo_of_file};
+use crate::layout::{ChiColumns, Columns, DivisionColumns, POPULATION, VolumeUnit, embryo_of_file};
 use crate::matching::Matched;
 use crate::names::Names;
 use crate::pace::{InEmbryos, Shares, shares};
@@ -53,6 +53,20 @@ impl ReadOptions {
     pub(crate) fn group_of(&self, written: Option<Value<'_>>) -> String {
         let written = written.map(Value::written).filter(|group| !group.is_empty());
         written.or_else(|| self.group.clone()).unwrap_or_default()
+    }
+
+    /// The kind of unit of volumes: as a table states it, else as it is given. Volumes without a unit are in voxels if these have a size.
+    pub(crate) fn kind_of(&self, stated: Option<VolumeUnit>) -> Option<Unit> {
+        let of_voxels = (!self.voxel.is_empty()).then_some(Unit::Voxels);
+        stated.map(|unit| unit.kind).or(self.unit).or(of_voxels)
+    }
+
+    /// The factor from a volume's unit to the unit of results.
+    pub(crate) fn factor(&self, stated: Option<VolumeUnit>, embryo: &str) -> f64 {
+        match self.kind_of(stated) {
+            Some(Unit::Voxels) => self.voxel_volume(embryo),
+            _ => stated.map_or(1.0, |unit| unit.size),
+        }
     }
 
     /// The volume of a voxel of an embryo, 1 if unknown.
@@ -202,6 +216,11 @@ pub struct Volumes {
     pub files: usize,
     /// Edges of voxels, as the last table was read.
     pub voxels: PerEmbryo,
+    /// The unit given for volumes without one, as the last table was read.
+    given_unit: Option<Unit>,
+    /// Whether a volume had no unit, and whether one was in voxels or pixels.
+    without_unit: bool,
+    in_voxels: bool,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
@@ -225,7 +244,7 @@ pub(crate) struct Value<'r> {
 
 impl<'r> Value<'r> {
     pub(crate) fn new(row: Row<'r>, column: usize) -> Value<'r> {
-        Value { line: row.line, column, name: row.name(column), text: row.text(column), numbers: row.numbers }
+        Value { line: row.line, column, name: row.name(column), text: row.text(column), numbers: row.numbers(column) }
     }
 
     /// The number, or the reason why the text is not a number.
@@ -268,17 +287,18 @@ impl Volumes {
         let embryo = embryo_of_file(file);
         let is_grid = |header: &[String]| options.names.any_on_top(&embryo, header);
         let header = table.columns(is_grid)?;
-        (self.names, self.voxels) = (options.names.clone(), options.voxel.clone());
-        self.files += 1;
-        self.begin_file();
+        self.begin_file(options);
         let (embryos, divisions) = (self.embryos.len(), self.divisions.len());
         let class = header.named(&options.class)?;
         let unit = if let Some(columns) = DivisionColumns::of(&header, class.clone())? {
             self.of_populations |= header.find(&[POPULATION]).is_some();
+            table.share(columns.daughters.into_iter().chain(columns.mother_volume));
             self.read_divisions(&mut table, (file, &class), 2, |row| division(row, &columns, options))?;
-            columns.unit.kind
+            self.note_unit(columns.unit, options);
+            options.kind_of(columns.unit).unwrap_or(Unit::CubicMicrometres)
         } else if let Some(columns) = ChiColumns::of(&header, class.clone())? {
             self.read_divisions(&mut table, (file, &class), 1, |row| chi_division(row, &columns, (file, options)))?;
+            columns.mother_volume.into_iter().for_each(|(_, unit)| self.note_unit(Some(unit), options));
             Unit::OfMother
         } else if !class.is_empty() {
             return Err(header.refused("--class is for tables of divisions and of χ, with a mother in each row"));
@@ -288,7 +308,7 @@ impl Volumes {
             self.read_grid(&mut table, file, options, &header)?
         };
         self.join_embryos(embryos);
-        self.join_divisions(divisions);
+        self.join_divisions(divisions, if unit == Unit::OfMother { 1 } else { 2 });
         let unit = if unit == Unit::Voxels && !options.voxel.is_empty() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)
     }
@@ -319,15 +339,30 @@ impl Volumes {
         let mut volumes = Volumes::default();
         files.iter().try_for_each(|file| volumes.read_file(file, options))?;
         volumes.require_used(&files.first().map_or(String::new(), |file| file.path.display().to_string()))?;
-        volumes.require_voxels()?;
+        volumes.require_options()?;
         Ok(volumes)
     }
 
-    /// Requires that each embryo with an edge of a voxel of its own is in the tables.
+    /// Notes the unit that volumes of a table state.
+    pub(crate) fn note_unit(&mut self, stated: Option<VolumeUnit>, options: &ReadOptions) {
+        self.without_unit |= stated.is_none();
+        self.in_voxels |= options.kind_of(stated) == Some(Unit::Voxels);
+    }
+
+    /// Requires that the unit and the edges of voxels that were given say something of some volume, and that each embryo with an edge
+    /// of its own is in the tables.
     ///
     /// # Errors
-    /// The first one that is not.
-    pub fn require_voxels(&self) -> Result<(), InputError> {
+    /// The option that says nothing, or the first embryo that is not there.
+    pub fn require_options(&self) -> Result<(), InputError> {
+        if let Some(unit) = self.given_unit.filter(|_| !self.without_unit) {
+            let allowed = "left out: no table has volumes without a unit";
+            return Err(InputError::not_allowed("--unit", "unit", unit.symbol(), allowed));
+        }
+        if !self.voxels.is_empty() && !self.in_voxels {
+            let allowed = "left out: no volume is in voxels, and no diameter in pixels";
+            return Err(InputError::not_allowed("--voxel", "voxel", "(given)", allowed));
+        }
         let of_cells = self.embryos.iter().map(|embryo| embryo.source.name.as_str());
         let of_divisions = self.division_sources.iter().map(|source| source.name.as_str());
         let mut names: Vec<&str> = of_cells.chain(of_divisions).collect();
@@ -345,11 +380,11 @@ impl Volumes {
         lineage.match_names(&options.names)?;
         self.matched.extend(lineage.matched.take());
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
+        // In µm³ are also diameters in pixels of known size.
+        self.in_voxels |= matches!(unit, Unit::Voxels | Unit::CubicMicrometres);
         let names = &options.names;
-        (self.names, self.voxels) = (names.clone(), options.voxel.clone());
-        self.files += 1;
         let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
-        self.begin_file();
+        self.begin_file(options);
         let embryo = self.embryo(options.group_of(None), lineage.name, file);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
@@ -428,7 +463,9 @@ impl Volumes {
     }
 
     /// Embryos of earlier files with the same names are compared at the end of a file, and may move then.
-    fn begin_file(&mut self) {
+    fn begin_file(&mut self, options: &ReadOptions) {
+        (self.names, self.voxels, self.given_unit) = (options.names.clone(), options.voxel.clone(), options.unit);
+        self.files += 1;
         self.embryo_places.clear();
         self.cell_places.clear();
     }

@@ -251,3 +251,19 @@ fn a_small_file_that_declares_a_huge_picture_is_refused() {
     let said = Contours::default().read_mask(endless, "zero", None).unwrap_err().to_string();
     assert!(said.contains("it does not begin as one"), "{said}");
 }
+
+#[test]
+fn a_third_coordinate_and_numbers_of_points_are_no_outlines() {
+    let read = |table: &str| {
+        let mut contours = Contours::default();
+        contours.read_table(table.as_bytes(), "t.csv").unwrap();
+        contours
+    };
+    let flat = read("z,y,x\n5,0,0\n5,0,2\n5,1,2\n5,1,0\n");
+    assert_eq!((flat.traced.len(), flat.left_out.len()), (1, 0));
+    let deep = read("z,y,x\n5,0,0\n6,0,2\n7,1,2\n8,1,0\n");
+    assert_eq!((deep.traced.len(), deep.left_out[0].line), (0, Some(3)));
+    assert!(deep.left_out[0].why.contains("z must be the same"), "{}", deep.left_out[0].why);
+    let numbered = read("id,x,y\n1,0,0\n2,2,0\n3,2,1\n4,0,1\n");
+    assert_eq!((numbered.traced.len(), numbered.left_out.len()), (1, 0));
+}

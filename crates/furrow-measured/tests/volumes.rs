@@ -384,7 +384,7 @@ fn decimal_commas_are_read_where_they_do_not_separate_columns() {
     let doubtful = skipped("embryo;cell;volume\ne;AB;1,017\ne;P1;2,345\n");
     assert_eq!(
         doubtful[0],
-        "t.csv:2: 3 (volume) = \"1,017\": may be 1.017 or 1017: no other number of the table says which"
+        "t.csv:2: 3 (volume) = \"1,017\": may be 1.017 or 1017: no other number of its column says which"
     );
     // pandas names the column that a cut decimal comma makes.
     let cut = skipped("embryo,cell,volume,Unnamed: 3\ne,AB,14,5\ne,P1,9,9\n");
@@ -692,8 +692,8 @@ fn each_embryo_has_its_size_and_its_voxels() {
     assert!((factors[1] / factors[0] - 16.0).abs() < 1e-9 && (factors[0] * factors[1] - 1.0).abs() < 1e-9);
     assert_eq!([sizes[0].voxel, sizes[1].voxel], [Some(2.0), Some(4.0)]);
     assert_eq!((sizes[0].cells, sizes[0].shared), (2, 2));
-    volumes.require_voxels().unwrap();
+    volumes.require_options().unwrap();
     volumes.voxels = PerEmbryo::new([(Some("three".to_owned()), 4.0)]);
-    let error = volumes.require_voxels().unwrap_err().to_string();
+    let error = volumes.require_options().unwrap_err().to_string();
     assert_eq!(error, "--voxel: embryo = \"three\": must be one of the embryos: one, two");
 }

@@ -27,6 +27,10 @@ pub fn bins_text(found: &VolumesComparison) -> String {
         let (name, sd) = (bin.name(), plus_minus(bin.sd, bin.n));
         let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
     }
+    let outside = found.divisions.saturating_sub(bins.iter().map(|bin| bin.n).sum());
+    if outside > 0 {
+        let _ = writeln!(out, "  divisions of mothers outside the bins: {outside}");
+    }
     if !model_by_bin.is_empty() {
         out += &model_text("", model_by_bin);
     }

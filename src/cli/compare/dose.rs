@@ -112,6 +112,10 @@ fn text(measured: &MeasuredDoses, model: &ModelDoses, cell: &str) -> String {
     for (group, model) in bins.iter().zip(&model.by_bin) {
         let _ = writeln!(out, "{}   {}", row(group), ended(model.chi, model.outcome));
     }
+    let outside = measured.outside_bins();
+    if outside > 0 {
+        let _ = writeln!(out, "divisions with doses outside the bins: {outside}");
+    }
     out + "\n" + &trend_text(trend) + &model_text(model, cell)
 }
 

@@ -223,7 +223,7 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<MeasuredVolumes, InputError
         }
     }
     volumes.require_used(&args.files[0].display().to_string())?;
-    volumes.require_voxels()?;
+    volumes.require_options()?;
     cells.require_met()?;
     if volumes.of_nuclei {
         messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");

@@ -45,6 +45,11 @@ impl MeasuredDoses {
         let trend = trend(&doses.divisions);
         MeasuredDoses { source: None, doses, conditions, bins, trend }
     }
+
+    /// Divisions of a table with doses outside the bins.
+    pub fn outside_bins(&self) -> usize {
+        self.doses.divisions.len().saturating_sub(self.bins.iter().map(|bin| bin.n).sum())
+    }
 }
 
 /// The model's side.
@@ -126,6 +131,7 @@ pub fn document(measured: &MeasuredDoses, model: &ModelDoses, (r0, cue): (f64, &
         "skipped_count": doses.skipped_count,
         "conditions": conditions,
         "bins": beside.collect::<Vec<_>>(),
+        "outside_bins": measured.outside_bins(),
         "trend": trend,
         "model": { "r0": r0, "cue": cue, "points": model.curve },
     })

@@ -99,7 +99,7 @@ fn part(file: &Path, source: &str) -> Result<(Vec<String>, Vec<Row>, Shard), Inp
         let line = format!("{source}:{}", row.line);
         let texts: Vec<String> = (0..columns.len()).map(|k| text_of(row.text(k)).into_owned()).collect();
         let refused = |k: usize, allowed: &str| InputError::not_allowed(&line, &columns[k], shown(&texts[k]), allowed);
-        let log_evidence = row.numbers.read(row.text(evidence)).map_err(|_| refused(evidence, "a number"))?;
+        let log_evidence = row.number(evidence).map_err(|_| refused(evidence, "a number"))?;
         let shard = texts[number].parse::<Shard>().map_err(|allowed| refused(number, &allowed))?;
         if *which.get_or_insert(shard) != shard {
             return Err(refused(number, "the same in every row"));

@@ -95,7 +95,7 @@ fn rows(table: impl Read, file: &str) -> Result<Vec<Row>, InputError> {
             return Err(malformed(file, line, format!("a profile has at most {MOST} rows")));
         }
         let number = |column: usize| {
-            let read = row.numbers.read(row.text(column));
+            let read = row.number(column);
             read.map_err(|why| malformed(file, line, format!("{}: {why}", row.name(column))))
         };
         rows.push(Row { line, z: number(z)?, r: number(r)? });

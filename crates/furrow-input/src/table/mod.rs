@@ -5,10 +5,12 @@
 //! | `heading` | the names of columns, and the units in them |
 //! | `number` | numbers with decimal points or commas |
 //! | `bounded` | a source that ends where a row or the table is too long |
+//! | `survey` | what the beginning of a table shows of its rows |
 
 mod bounded;
 mod heading;
 mod number;
+mod survey;
 
 use std::borrow::Cow;
 use std::io::{Chain, Cursor, Read};
@@ -16,8 +18,10 @@ use std::io::{Chain, Cursor, Read};
 use csv::ByteRecord;
 
 use crate::{InputError, foreign, shown};
-use bounded::Bounded;
+use bounded::{Bounded, Uniform};
 use heading::is_unnamed;
+use number::is_number;
+use survey::Survey;
 
 pub use heading::{Header, NamedUnit, QuantityColumn, TIMES, split_unit, unit_of, unit_word, units_listed};
 pub use number::{Numbers, number};
@@ -29,10 +33,12 @@ const HEAD: u64 = 1 << 20;
 pub struct Table<'f, R: Read> {
     reader: csv::Reader<Bounded<Chain<Cursor<Vec<u8>>, R>>>,
     record: ByteRecord,
+    /// The line on which the row begins.
+    line: u64,
     file: &'f str,
     separator: u8,
     heading: Heading,
-    numbers: Numbers,
+    survey: Survey,
 }
 
 /// The names of a table's columns.
@@ -52,14 +58,26 @@ pub struct Row<'t> {
     pub line: u64,
     record: &'t ByteRecord,
     heading: &'t Heading,
-    /// How its numbers are written.
-    pub numbers: Numbers,
+    survey: &'t Survey,
 }
 
 impl<'t> Row<'t> {
     /// The text in a column, without blanks around it; empty if the row is shorter.
     pub fn text(&self, column: usize) -> &'t [u8] {
         self.record.get(column).unwrap_or_default().trim_ascii()
+    }
+
+    /// The number in a column.
+    ///
+    /// # Errors
+    /// As [`Numbers::read`].
+    pub fn number(&self, column: usize) -> Result<f64, String> {
+        self.numbers(column).read(self.text(column))
+    }
+
+    /// How the numbers of a column are written.
+    pub fn numbers(&self, column: usize) -> Numbers {
+        self.survey.columns.numbers(column)
     }
 
     /// The name of a column.
@@ -106,7 +124,8 @@ impl<'t> Row<'t> {
 }
 
 impl<'f, R: Read> Table<'f, R> {
-    /// Opens a table. The most frequent of comma, semicolon and tab in its first line that is not empty separates its columns; a line
+    /// Opens a table. The most frequent of comma, semicolon and tab in its first line that is not empty separates its columns, or blanks
+    /// do where there is none of them; a line
     /// `sep=` of Excel, or a line of numbers with decimal commas, decides before.
     ///
     /// # Errors
@@ -114,7 +133,7 @@ impl<'f, R: Read> Table<'f, R> {
     pub fn open(mut from: R, file: &'f str) -> Result<Table<'f, R>, InputError> {
         let mut head = Vec::new();
         let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.to_owned(), reason: e.to_string() };
-        from.by_ref().take(HEAD).read_to_end(&mut head).map_err(unreadable)?;
+        let is_whole = from.by_ref().take(HEAD).read_to_end(&mut head).map_err(unreadable)? < HEAD as usize;
         // Some programs write a byte-order mark before UTF-8.
         if head.starts_with(b"\xef\xbb\xbf") {
             head.drain(..3);
@@ -126,19 +145,29 @@ impl<'f, R: Read> Table<'f, R> {
         if head.contains(&0) {
             return Err(malformed(file, 1, "this is no text: it has a byte 0"));
         }
+        // A line end is not cut.
+        if head.ends_with(b"\r") {
+            from.by_ref().take(1).read_to_end(&mut head).map_err(unreadable)?;
+        }
+        Uniform::new(false).all(&mut head);
         // Comments are ignored when the separator of columns is determined.
         let says = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
         let separator = separator(head.split(|byte| *byte == b'\n').find(says).unwrap_or_default());
-        let numbers = Numbers::of(separator, &head);
-        let mut builder = csv::ReaderBuilder::new();
-        builder.delimiter(separator).flexible(true).has_headers(false);
-        let reader = builder.from_reader(Bounded::new(Cursor::new(head).chain(from)));
-        Ok(Table { reader, record: ByteRecord::new(), file, separator, heading: Heading::default(), numbers })
+        let uniform = || Uniform::new(separator == b' ');
+        uniform().all(&mut head);
+        let survey = Survey::of(separator, &head, is_whole);
+        let reader = reader(separator).from_reader(Bounded::new(Cursor::new(head).chain(from), uniform()));
+        Ok(Table { reader, record: ByteRecord::new(), line: 0, file, separator, heading: Heading::default(), survey })
     }
 
-    /// How its numbers are written.
-    pub fn numbers(&self) -> Numbers {
-        self.numbers
+    /// How the numbers of a column are written.
+    pub fn numbers(&self, column: usize) -> Numbers {
+        self.survey.columns.numbers(column)
+    }
+
+    /// Lets columns of one quantity show each other how their numbers are written.
+    pub fn share(&mut self, columns: impl IntoIterator<Item = usize>) {
+        self.survey.columns.share(&columns.into_iter().collect::<Vec<_>>());
     }
 
     /// The names of the columns, and their line: the first row that is neither empty nor a comment, or one that `is_header` accepts
@@ -153,6 +182,9 @@ impl<'f, R: Read> Table<'f, R> {
             if !is_empty(&self.record) && (!is_comment(&self.record) || is_header(&header)) {
                 let (line, _) = self.here();
                 header.iter_mut().filter(|name| is_unnamed(name)).for_each(String::clear);
+                if self.survey.has_row_names {
+                    header.insert(0, String::new());
+                }
                 self.name_columns(header.clone());
                 return Ok((line as usize, header));
             }
@@ -211,19 +243,29 @@ impl<'f, R: Read> Table<'f, R> {
     }
 
     fn here(&self) -> (u64, &ByteRecord) {
-        (self.record.position().map_or(0, csv::Position::line), &self.record)
+        (self.line, &self.record)
+    }
+
+    /// The line of the row that was read last. The reader's own place of a row is that of the empty lines before it.
+    fn line_read(&self) -> u64 {
+        let within = self.record.as_slice().iter().filter(|byte| **byte == b'\n').count() as u64;
+        let (source, at) = (self.reader.get_ref(), self.reader.position());
+        // The line end of the last row may be in a quote that is not closed.
+        let is_cut = source.ends_at(at.byte()) && source.has_open_quote();
+        let is_cut = is_cut && (self.record.as_slice().ends_with(b"\n") || !source.ends_with_line());
+        (at.line() + u64::from(is_cut)).saturating_sub(1 + within)
     }
 
     fn row(&self) -> Row<'_> {
         let (line, record) = self.here();
-        Row { line, record, heading: &self.heading, numbers: self.numbers }
+        Row { line, record, heading: &self.heading, survey: &self.survey }
     }
 
     /// Reads the next row, if there is one.
     fn advance(&mut self) -> Result<bool, InputError> {
         self.reader.get_mut().begin_row();
         let before = self.here().0;
-        let spans_lines = self.record.iter().any(|field| field.contains(&b'\n'));
+        let spans_lines = self.record.as_slice().contains(&b'\n');
         let more = self.reader.read_byte_record(&mut self.record).map_err(|error| {
             let line = error.position().map_or_else(|| self.reader.position().line(), csv::Position::line);
             match error.kind() {
@@ -231,6 +273,7 @@ impl<'f, R: Read> Table<'f, R> {
                 _ => malformed(self.file, line.max(1) as usize, error.to_string()),
             }
         })?;
+        self.line = self.line_read();
         if !more && spans_lines && self.reader.get_ref().has_open_quote() {
             return Err(malformed(self.file, before.max(1) as usize, "a quote that opens in this row is not closed"));
         }
@@ -254,7 +297,7 @@ impl<'f, R: Read> Table<'f, R> {
         let columns = self.heading.named.max(2);
         let is_row = |line: &&[u8]| {
             let fields = || line.split(|byte| *byte == self.separator);
-            fields().count() >= columns && fields().any(|field| self.numbers.read(field).is_ok())
+            fields().count() >= columns && fields().any(is_number)
         };
         let lines = self
             .record
@@ -265,6 +308,13 @@ impl<'f, R: Read> Table<'f, R> {
     }
 }
 
+/// A reader of rows of any length.
+fn reader(separator: u8) -> csv::ReaderBuilder {
+    let mut builder = csv::ReaderBuilder::new();
+    builder.delimiter(separator).flexible(true).has_headers(false);
+    builder
+}
+
 /// What separates the columns of a line.
 fn separator(line: &[u8]) -> u8 {
     if let Some(named) = line.strip_prefix(b"sep=").and_then(<[u8]>::first) {
@@ -272,8 +322,7 @@ fn separator(line: &[u8]) -> u8 {
     }
     let decimal_commas = |separator: &u8| {
         let fields = || line.split(|byte| byte == separator);
-        let numbers = Numbers::of(*separator, line);
-        fields().count() > 1 && fields().all(|field| numbers.read(field).is_ok())
+        fields().count() > 1 && fields().all(is_number)
     };
     let outside_quotes = |separator: u8| {
         let mut quoted = false;
@@ -285,7 +334,9 @@ fn separator(line: &[u8]) -> u8 {
             .count()
     };
     [b';', b'\t'].into_iter().find(decimal_commas).unwrap_or_else(|| {
-        [b'\t', b';', b','].into_iter().max_by_key(|separator| outside_quotes(*separator)).unwrap_or(b',')
+        let most = [b'\t', b';', b','].into_iter().max_by_key(|separator| outside_quotes(*separator)).unwrap_or(b',');
+        // R and btrack write blanks.
+        if outside_quotes(most) == 0 && outside_quotes(b' ') > 0 { b' ' } else { most }
     })
 }
 

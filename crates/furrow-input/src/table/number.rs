@@ -3,21 +3,30 @@
 /// A comma and a point, which may be the decimal sign of a number or set its thousands apart.
 const SIGNS: [char; 2] = [',', '.'];
 
-/// Other separators of thousands: blanks, also non-breaking ones, and the Swiss apostrophe.
-const BLANKS: [char; 4] = [' ', '\u{a0}', '\u{202f}', '\''];
+/// Other separators of thousands: blanks, also non-breaking and thin ones, and Swiss apostrophes, the last as Windows-1252 has it.
+const BLANKS: [char; 7] = [' ', '\u{a0}', '\u{202f}', '\u{2009}', '\'', '’', '\u{92}'];
 
-/// How the numbers of a table are written. Numbers that can be read in one way only show it.
+/// How the numbers of a column are written. Numbers of it that can be read in one way only show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Numbers {
-    /// Whether commas separate columns, so that no number has one.
+    /// Whether commas separate columns: then a number has one only in quotes, and points are decimal signs.
     commas_separate: bool,
-    /// Whether a comma, and whether a point, is a decimal sign somewhere.
+    /// Whether a point before three digits may set thousands apart: semicolons separate columns, or some column has decimal commas.
+    doubts_points: bool,
+    seen: Seen,
+}
+
+/// What numbers show of how they are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Seen {
+    /// Whether a comma, and whether a point, is a decimal sign.
     decimal: [bool; 2],
-    /// Whether it sets thousands apart somewhere.
+    /// Whether it sets thousands apart.
     thousands: [bool; 2],
-    /// Whether a point before three digits may set thousands apart: semicolons separate columns, as where commas are decimal signs, or
-    /// a column has whole numbers besides.
-    has_doubtful_points: bool,
+    /// Whether there is a number such as 1.450, which may be 1450.
+    doubtful_point: bool,
+    /// Whether there is a whole number without signs, such as 980.
+    whole: bool,
 }
 
 /// The signs in a number.
@@ -29,23 +38,80 @@ struct Shape {
     doubtful: bool,
 }
 
-impl Numbers {
-    /// The numbers of a table with this separator of columns, which begins with `head`.
-    pub(super) fn of(separator: u8, head: &[u8]) -> Numbers {
-        let mut found = Numbers { commas_separate: separator == b',', ..Numbers::default() };
-        if !found.commas_separate {
-            let fields = head.split(|byte| [separator, b'\n', b'\r', b'"'].contains(byte));
-            for shape in fields.filter_map(|field| shape(&super::text(field))).filter(|shape| !shape.doubtful) {
-                for (k, sign) in SIGNS.into_iter().enumerate() {
-                    found.decimal[k] |= shape.decimal == Some(sign);
-                    found.thousands[k] |= shape.thousands == Some(sign);
-                }
-            }
-            found.has_doubtful_points = separator == b';' || has_points_beside_whole_numbers(separator, head);
-        }
-        found
+/// How the numbers of each column of a table are written. Dates and names of other columns do not say how its volumes are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Columns {
+    separator: u8,
+    seen: Vec<Seen>,
+}
+
+impl Columns {
+    /// No column seen yet, of a table with this separator.
+    pub(super) fn of(separator: u8) -> Columns {
+        Columns { separator, seen: Vec::new() }
     }
 
+    /// Notes how a field of a column is written.
+    pub(super) fn note(&mut self, column: usize, field: &[u8]) {
+        let Some(shape) = shape(&super::text(field)) else { return };
+        if self.seen.len() <= column {
+            self.seen.resize(column + 1, Seen::default());
+        }
+        self.seen[column].note(shape);
+    }
+
+    /// Lets columns of one quantity show each other how their numbers are written.
+    pub(super) fn share(&mut self, columns: &[usize]) {
+        let of = |column: &usize| self.seen.get(*column).copied().unwrap_or_default();
+        let all = columns.iter().map(of).fold(Seen::default(), Seen::with);
+        for column in columns {
+            if let Some(seen) = self.seen.get_mut(*column) {
+                *seen = all;
+            }
+        }
+    }
+
+    /// The numbers of a column.
+    pub(super) fn numbers(&self, column: usize) -> Numbers {
+        Numbers {
+            commas_separate: self.separator == b',',
+            doubts_points: self.separator == b';' || self.seen.iter().any(|seen| seen.decimal[0]),
+            seen: self.seen.get(column).copied().unwrap_or_default(),
+        }
+    }
+}
+
+impl Seen {
+    fn note(&mut self, shape: Shape) {
+        if shape.doubtful {
+            self.doubtful_point |= shape.decimal == Some('.');
+            return;
+        }
+        for (k, sign) in SIGNS.into_iter().enumerate() {
+            self.decimal[k] |= shape.decimal == Some(sign);
+            self.thousands[k] |= shape.thousands == Some(sign);
+        }
+        self.whole |= shape.decimal.is_none() && shape.thousands.is_none();
+    }
+
+    fn with(self, other: Seen) -> Seen {
+        let both = |of: fn(&Seen) -> [bool; 2]| [0, 1].map(|k| of(&self)[k] || of(&other)[k]);
+        Seen {
+            decimal: both(|seen| seen.decimal),
+            thousands: both(|seen| seen.thousands),
+            doubtful_point: self.doubtful_point || other.doubtful_point,
+            whole: self.whole || other.whole,
+        }
+    }
+
+    /// Whether a sign sets thousands apart in some numbers, and whether it is decimal in some.
+    fn of(&self, sign: Option<char>) -> [bool; 2] {
+        let has = |seen: [bool; 2]| SIGNS.into_iter().zip(seen).any(|(known, seen)| seen && sign == Some(known));
+        [has(self.thousands), has(self.decimal)]
+    }
+}
+
+impl Numbers {
     /// A finite number.
     ///
     /// # Errors
@@ -58,56 +124,43 @@ impl Numbers {
             return found;
         }
         let Some(shape) = shape(text) else { return found };
-        if self.commas_separate {
-            return found.map_err(|why| match shape {
-                Shape { decimal: Some(','), .. } | Shape { thousands: Some(','), .. } => format!(
-                    "{why}: decimals need a point, as in 12.5 (a decimal comma is read where semicolons or tabs separate columns)"
-                ),
-                _ => why,
-            });
-        }
         match shape {
-            Shape { doubtful: false, decimal, thousands } => finite(&plain(text, decimal, thousands)),
-            Shape { decimal: sign, .. } if self.is_decimal(sign) => finite(&plain(text, sign, None)),
-            Shape { decimal: sign, .. } if self.sets_thousands_apart(sign) => finite(&plain(text, None, sign)),
-            Shape { decimal: sign, .. } => {
-                let [small, large] = [plain(text, sign, None), plain(text, None, sign)];
-                Err(format!("may be {small} or {large}: no other number of the table says which"))
+            Shape { decimal: Some(','), doubtful, .. }
+                if self.commas_separate && !(doubtful && self.is_decimal(Some(',')) == Some(false)) =>
+            {
+                let where_read = "a decimal comma is read where semicolons or tabs separate columns";
+                found.map_err(|why| format!("{why}: decimals need a point, as in 12.5 ({where_read})"))
             }
+            Shape { thousands: Some('.'), .. } if self.commas_separate => found,
+            Shape { doubtful: false, decimal, thousands } => finite(&plain(text, decimal, thousands)),
+            Shape { decimal: sign, .. } => match self.is_decimal(sign) {
+                Some(true) => finite(&plain(text, sign, None)),
+                Some(false) => finite(&plain(text, None, sign)),
+                None => {
+                    let [small, large] = [plain(text, sign, None), plain(text, None, sign)];
+                    Err(format!("may be {small} or {large}: no other number of its column says which"))
+                }
+            },
         }
     }
 
-    fn has(seen: [bool; 2], sign: Option<char>) -> bool {
-        SIGNS.into_iter().zip(seen).any(|(known, seen)| seen && sign == Some(known))
-    }
-
-    /// Whether a sign that could be either is the decimal sign. A point is, unless the table has decimal commas or doubtful points.
-    fn is_decimal(self, sign: Option<char>) -> bool {
-        let [comma, _] = self.decimal;
-        let seen = Self::has(self.decimal, sign) || sign == Some('.') && !comma && !self.has_doubtful_points;
-        seen && !Self::has(self.thousands, sign)
-    }
-
-    fn sets_thousands_apart(self, sign: Option<char>) -> bool {
-        Self::has(self.thousands, sign) && !Self::has(self.decimal, sign)
+    /// Whether a sign that could be either is the decimal sign rather than one between thousands; `None` if it is not known.
+    fn is_decimal(self, sign: Option<char>) -> Option<bool> {
+        let is_doubtful = self.doubts_points || self.seen.doubtful_point && self.seen.whole;
+        match self.seen.of(sign) {
+            [false, true] => Some(true),
+            [true, false] => Some(false),
+            [true, true] => None,
+            // Where commas separate columns, points are decimal signs.
+            [false, false] if sign == Some(',') => self.commas_separate.then_some(false),
+            [false, false] => (!is_doubtful).then_some(true),
+        }
     }
 }
 
-/// Whether a column has a number such as 1.450, which may be 1450, beside a whole one such as 980.
-fn has_points_beside_whole_numbers(separator: u8, head: &[u8]) -> bool {
-    let mut columns: Vec<[bool; 2]> = Vec::new();
-    for line in head.split(|byte| *byte == b'\n') {
-        for (k, field) in line.split(|byte| *byte == separator).enumerate() {
-            let Some(Shape { decimal, thousands, doubtful }) = shape(super::text(field).trim_matches(['"', '\r']))
-            else {
-                continue;
-            };
-            columns.resize(columns.len().max(k + 1), [false; 2]);
-            columns[k][0] |= doubtful && decimal == Some('.');
-            columns[k][1] |= decimal.is_none() && thousands.is_none();
-        }
-    }
-    columns.contains(&[true; 2])
+/// Whether a text is a number in some way of writing.
+pub(super) fn is_number(text: &[u8]) -> bool {
+    shape(&super::text(text)).is_some()
 }
 
 /// A finite number with a point, as programs write it; `None` for other text.
@@ -176,8 +229,20 @@ fn shape(text: &str) -> Option<Shape> {
 mod tests {
     use super::*;
 
+    /// Reads a text in the last column of a table with this separator.
+    fn read_in(separator: char, table: &str, text: &str) -> Result<f64, String> {
+        let (mut columns, mut last) = (Columns::of(separator as u8), 0);
+        for line in table.lines() {
+            for (k, field) in line.split(separator).enumerate() {
+                columns.note(k, field.trim_matches('"').as_bytes());
+                last = k;
+            }
+        }
+        columns.numbers(last).read(text.as_bytes())
+    }
+
     fn read(table: &str, text: &str) -> Result<f64, String> {
-        Numbers::of(b';', table.as_bytes()).read(text.as_bytes())
+        read_in(';', table, text)
     }
 
     #[test]
@@ -193,6 +258,8 @@ mod tests {
             ("1,234,567", 1_234_567.0),
             ("1\u{a0}017,3", 1017.3),
             ("1'017.5", 1017.5),
+            ("14’596.5", 14_596.5),
+            ("14\u{2009}596", 14_596.0),
             ("10 000", 10_000.0),
             ("1017,300", 1017.3),
             ("1,5E+03", 1500.0),
@@ -208,19 +275,21 @@ mod tests {
         }
     }
 
-    /// Three digits behind a sign may be thousands or decimals: other numbers of the table decide.
+    /// Three digits behind a sign may be thousands or decimals: other numbers of the column decide, and no dates or names beside it.
     #[test]
-    fn a_number_that_can_be_read_in_two_ways_is_read_as_the_others_of_its_table() {
+    fn a_number_that_can_be_read_in_two_ways_is_read_as_the_others_of_its_column() {
         assert_eq!(read("AB;15,6\nP1;1,017\n", "1,017"), Ok(1.017));
         assert_eq!(read("AB;1,017.5\nP1;1,017\n", "1,017"), Ok(1017.0));
         assert_eq!(read("AB;1.017,5\nP1;1.017\n", "1.017"), Ok(1017.0));
         assert_eq!(read("AB;12.5\nP1;1.017\n", "1.017"), Ok(1.017));
         assert_eq!(read("\"AB\";\"15,6\"\n\"P1\";\"1,017\"\n", "1,017"), Ok(1.017));
-        let tabs = |table: &str| Numbers::of(b'\t', table.as_bytes()).read(b"1.017");
+        let tabs = |table: &str| read_in('\t', table, "1.017");
         assert_eq!(tabs("P1\t1.017\n"), Ok(1.017));
         assert_eq!(tabs("1\tAB\t1.234\n2\tP1\t1.017\n"), Ok(1.017));
         assert_eq!(tabs("AB\t0.98\nP1\t1.017\nP2\t1\n"), Ok(1.017));
-        let refusal = Err("may be 1.017 or 1017: no other number of the table says which".to_owned());
+        let refusal = Err("may be 1.017 or 1017: no other number of its column says which".to_owned());
+        assert_eq!(read("12.03;1.1;1.450\n13.03;1.2;1.017\n", "1.017"), refusal);
+        assert_eq!(tabs("0,5\t1.450\n0,7\t1.017\n"), refusal);
         assert_eq!(tabs("AB\t980\nP1\t1.017\n"), refusal);
         assert_eq!(read("AB;1.450\nP1;1.017\n", "1.017"), refusal);
         assert_eq!(read("AB;1,017\nP1;2,345\n", "1,017"), refusal);
@@ -229,15 +298,19 @@ mod tests {
     }
 
     #[test]
-    fn a_comma_is_refused_where_commas_separate_columns() {
-        let numbers = Numbers::of(b',', b"AB,\"15,6\"\n");
-        for text in ["15,6", "1,017", "1,017.3"] {
-            assert!(
-                numbers.read(text.as_bytes()).unwrap_err().starts_with("not a number: decimals need a point"),
-                "{text}"
-            );
-        }
+    fn where_commas_separate_columns_a_comma_in_a_number_sets_thousands_apart() {
+        let numbers = Columns::of(b',').numbers(0);
+        assert_eq!(numbers.read(b"14,596"), Ok(14_596.0));
+        assert_eq!(numbers.read(b"1,014,596.5"), Ok(1_014_596.5));
+        assert_eq!(numbers.read(b"1'017.5"), Ok(1017.5));
         assert_eq!(numbers.read(b" 15.6 "), Ok(15.6));
+        for text in ["15,6", "0,596", "1.017,3"] {
+            let why = numbers.read(text.as_bytes()).unwrap_err();
+            assert!(why.starts_with("not a number: decimals need a point"), "{text}: {why}");
+        }
+        let mut decimal = Columns::of(b',');
+        decimal.note(0, b"15,6");
+        assert!(decimal.numbers(0).read(b"1,017").unwrap_err().starts_with("not a number: decimals need a point"));
         assert_eq!(numbers.read(b"1.234.567"), Err("not a number".to_owned()));
         assert_eq!(numbers.read(b"1e999"), Err("not a finite number".to_owned()));
     }

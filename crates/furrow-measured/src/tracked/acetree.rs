@@ -13,11 +13,10 @@ use std::path::{Path, PathBuf};
 use csv::ByteRecord;
 use furrow_input::{InputError, open_file, shown};
 
+use super::lengths::{sphere_of_pixels, unit_of_pixels};
 use super::spots::{Spot, Spots};
-use super::{
-    Format, TimeUnit, TrackOptions, TrackedLineage, archive, embryo_of, sphere_of_pixels, unit_of_pixels, whole,
-};
-use furrow_input::table::{Table, malformed, number};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, archive, embryo_of, whole};
+use furrow_input::table::{Table, malformed, number, text};
 
 /// Columns that every line has.
 const COLUMNS: [&str; 10] =
@@ -222,7 +221,7 @@ fn report_one_sided(spots: &mut Spots, frame: u32, before: &Frame, nuclei: &Fram
 
 /// The text in a column, from 0; empty if the line is shorter.
 fn text_at(row: &ByteRecord, column: usize) -> String {
-    String::from_utf8_lossy(row.get(column).unwrap_or_default().trim_ascii()).into_owned()
+    text(row.get(column).unwrap_or_default().trim_ascii()).into_owned()
 }
 
 /// The nucleus in a column; `None` for −1 and `nill`.

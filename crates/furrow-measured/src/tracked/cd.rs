@@ -10,9 +10,10 @@ use std::path::Path;
 use furrow_input::{InputError, open_file};
 
 use super::chains::{self, Chain, Only};
+use super::lengths::{sphere_of_pixels, unit_of_pixels};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere_of_pixels, unit_of_pixels};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of};
 use crate::names::{birth, understood};
 use furrow_input::table::{Table, malformed, text};
 
@@ -49,7 +50,8 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let size = place(&header, &["size"]);
     let mut spots = Spots::of(&file);
     let mut cells: HashMap<String, Vec<usize>> = HashMap::new();
-    let numbers = table.numbers();
+    let (Place::Columns(_, time) | Place::Joined(time)) = at;
+    let (of_times, of_sizes) = (table.numbers(time), size.map(|at| table.numbers(at)).unwrap_or_default());
     let mut rows = FirstRows::new();
     while let Some((line, row)) = table.next()? {
         let text = |at: usize| text(row.get(at).unwrap_or_default().trim_ascii()).into_owned();
@@ -63,7 +65,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
                 }
             },
         };
-        let Some(frame) = numbers.read(time.as_bytes()).ok().filter(|frame| *frame >= 0.0) else {
+        let Some(frame) = of_times.read(time.as_bytes()).ok().filter(|frame| *frame >= 0.0) else {
             spots.skip(&file, line, "time", &time, "must be a number of frames from 0");
             continue;
         };
@@ -78,7 +80,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
             continue;
         }
         let written = size.map(text);
-        let diameter = written.as_deref().and_then(|size| numbers.read(size.as_bytes()).ok());
+        let diameter = written.as_deref().and_then(|size| of_sizes.read(size.as_bytes()).ok());
         let diameter = diameter.filter(|size| *size > 0.0 && *size < 1e30);
         if let (Some(size), None) = (&written, diameter) {
             spots.skip(&file, line, "size", size, "must be a diameter above 0, in pixels");

@@ -21,7 +21,7 @@ pub(super) const IN_FOLDER: [&str; 4] = ["man_track.txt", "res_track.txt", "TRA/
 
 pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
-    let text = read_text(path)?;
+    let text = read_text(path)?.replace("\r\n", "\n").replace('\r', "\n");
     let mut spots = Spots::of(&file);
     let (mut chains, mut mothers, mut places) = (Vec::new(), Vec::new(), HashMap::new());
     let (mut rows, mut has_gaps) = (FirstRows::new(), false);

@@ -7,26 +7,35 @@
 //! <https://live-image-tracking-tools.github.io/geff>.
 
 use std::collections::{HashMap, HashSet};
+use std::fs;
 use std::path::Path;
 
 use furrow_input::InputError;
+use furrow_input::table::{NamedUnit, TIMES, unit_of, units_listed};
 use serde_json::Value;
 
+use super::lengths::{LENGTHS, LengthUnit, PIXELS, length_unit, sphere_in, unit_of_spheres};
 use super::spots::{Spot, Spots};
 use super::zarr::{self, Array, Rows, Values};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of};
 use crate::volumes::Unit;
 
-/// Units of time: in minutes, except for frames.
-const TIMES: [(&str, f64, TimeUnit); 7] = [
-    ("minute", 1.0, TimeUnit::Minutes),
-    ("second", 1.0 / 60.0, TimeUnit::Minutes),
-    ("millisecond", 1.0 / 60_000.0, TimeUnit::Minutes),
-    ("hour", 60.0, TimeUnit::Minutes),
-    ("day", 1440.0, TimeUnit::Minutes),
-    ("frame", 1.0, TimeUnit::Frames),
-    ("frames", 1.0, TimeUnit::Frames),
+/// Units of time beside those of tables: in minutes, except for frames.
+const MORE_TIMES: [NamedUnit<TimeUnit>; 3] = [
+    NamedUnit {
+        kind: TimeUnit::Minutes,
+        size: 1.0 / 60_000.0,
+        words: &["ms", "msec", "msecs", "millisecond", "milliseconds"],
+    },
+    NamedUnit { kind: TimeUnit::Minutes, size: 1440.0, words: &["d", "day", "days"] },
+    NamedUnit { kind: TimeUnit::Frames, size: 1.0, words: &["frame", "frames", "timepoint", "timepoints"] },
 ];
+
+/// The length of a unit of time, in minutes or frames.
+fn time_unit(text: &str) -> Option<(f64, TimeUnit)> {
+    let of_tables = unit_of(text, &TIMES).map(|unit| (unit.size, TimeUnit::Minutes));
+    of_tables.or_else(|| unit_of(text, &MORE_TIMES).map(|unit| (unit.size, unit.kind)))
+}
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
@@ -51,10 +60,10 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let nodes = Nodes { folder: path.join("nodes"), count: ids.len() };
     let axis_name = axis["name"].as_str().unwrap_or("t");
     let unit = axis["unit"].as_str().unwrap_or("frame");
-    let (_, minutes, time) = TIMES
-        .into_iter()
-        .find(|(name, ..)| *name == unit)
-        .ok_or_else(|| refused("geff.axes.unit", &axis["unit"], "minute, second, millisecond, hour, day or frame"))?;
+    let (minutes, time) = time_unit(unit).ok_or_else(|| {
+        let allowed = format!("one of {}, {}", units_listed(&TIMES), units_listed(&MORE_TIMES));
+        refused("geff.axes.unit", &axis["unit"], &allowed)
+    })?;
     let times = nodes.property(axis_name)?.ok_or_else(|| {
         refused(&format!("nodes/props/{axis_name}"), &Value::Null, "the property of the time axis, of every node")
     })?;
@@ -114,6 +123,18 @@ struct Nodes {
 }
 
 impl Nodes {
+    /// A property as its folder spells it: programs differ in small and capital letters.
+    fn spelled(&self, name: &str) -> String {
+        let folder = self.folder.join("props");
+        if folder.join(name).is_dir() {
+            return name.to_owned();
+        }
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut alike: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+        alike.retain(|entry| entry.eq_ignore_ascii_case(name));
+        alike.into_iter().min().unwrap_or_else(|| name.to_owned())
+    }
+
     /// The values of a property, and whether each is missing; `None` if nodes do not have it. Errors say that it must be `allowed`.
     fn values<T>(
         &self,
@@ -164,7 +185,7 @@ impl Nodes {
                 Values::Texts(texts) => Some(texts),
                 _ => may_be_numbers.then(|| vec![String::new(); self.count]),
             };
-            if let Some(names) = self.values(name, texts, "one text per node")? {
+            if let Some(names) = self.values(&self.spelled(name), texts, "one text per node")? {
                 return Ok(names.into_iter().map(Option::unwrap_or_default).collect());
             }
         }
@@ -179,7 +200,9 @@ struct Sizes {
     /// Whether they are volumes, not radii.
     are_volumes: bool,
     unit: Unit,
-    options: Option<TrackOptions>,
+    /// The unit of radii.
+    length: Option<LengthUnit>,
+    options: TrackOptions,
 }
 
 impl Sizes {
@@ -190,27 +213,25 @@ impl Sizes {
         file: &str,
         options: &TrackOptions,
     ) -> Result<Sizes, InputError> {
-        let property = metadata["sphere"].as_str().unwrap_or("radius").to_owned();
+        let property = nodes.spelled(metadata["sphere"].as_str().unwrap_or("radius"));
+        let options = *options;
         let radii = nodes.property(&property)?;
         if radii.is_none() {
             // As furrow writes them.
-            let property = "volume".to_owned();
+            let property = nodes.spelled("volume");
             let values = nodes.property(&property)?;
-            return Ok(Sizes { property, values, are_volumes: true, unit: Unit::Relative, options: None });
+            return Ok(Sizes { property, values, are_volumes: true, unit: Unit::Relative, length: None, options });
         }
         let own = &metadata["node_props_metadata"][&property]["unit"];
         let space = axes.iter().find(|axis| axis["type"] == "space").map_or(&Value::Null, |axis| &axis["unit"]);
         let said = if own.is_null() { space } else { own };
-        let (unit, options) = match said.as_str() {
-            Some("micrometer") => (Unit::CubicMicrometres, None),
-            Some("pixel") => (unit_of_pixels(options), Some(*options)),
-            None => (Unit::Relative, None),
-            Some(other) => {
-                let field = format!("unit of {property}");
-                return Err(InputError::not_allowed(file, field, other, "micrometer, pixel, or none (relative sizes)"));
-            }
+        let refused = |written: &str| {
+            let allowed = format!("one of {}, or none (relative sizes)", units_listed(&LENGTHS));
+            InputError::not_allowed(file, format!("unit of {property}"), written, allowed)
         };
-        Ok(Sizes { property, values: radii, are_volumes: false, unit, options })
+        let length = said.as_str().map(|written| length_unit(written).ok_or_else(|| refused(written))).transpose()?;
+        let unit = length.map_or(Unit::Relative, |length| unit_of_spheres(length, &options));
+        Ok(Sizes { property, values: radii, are_volumes: false, unit, length, options })
     }
 
     /// The volume of a node.
@@ -224,6 +245,8 @@ impl Sizes {
         if self.are_volumes {
             return Some(size);
         }
-        Some(self.options.map_or_else(|| sphere(2.0 * size), |options| sphere_of_pixels(2.0 * size, &options)))
+        // Relative sizes are as good as pixels without a size.
+        let (length, options) = self.length.map_or((PIXELS, TrackOptions::default()), |length| (length, self.options));
+        Some(sphere_in(length, 2.0 * size, &options))
     }
 }

@@ -6,7 +6,7 @@
 //! | `cd` | CD tables of AceTree |
 //! | `spot_tables` | spots and links of TrackMate and Mastodon as CSV |
 //! | `xml` | the files of TrackMate and MaMuT |
-//! | `track_tables` | tables of tracks of napari, ultrack and btrack |
+//! | `track_tables` | tables of tracks of napari, ultrack, btrack, funtracks and ilastik |
 //! | `ctc` | tracks of the Cell Tracking Challenge |
 //! | `geff`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
@@ -14,6 +14,7 @@
 //! | `chains` | links spots, where the file lists the spots of a cell together |
 //! | `rows` | rows that are given twice, and links past spots that cannot be used |
 //! | `spots` | spots and links of any format, as cells |
+//! | `lengths` | units of lengths, volumes of spheres |
 //! | `namesakes` | the order of several cells of one name |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
@@ -31,6 +32,7 @@ mod container;
 mod ctc;
 mod files;
 mod geff;
+mod lengths;
 mod lifetimes;
 mod namesakes;
 mod rounds;
@@ -266,9 +268,10 @@ fn located_file(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         return Err(InputError::other_file(path.display(), "an embryo that was followed", reason));
     }
     let is_heading = |line: &&str| !line.trim().is_empty() && !line.starts_with(['#']) && !line.starts_with("sep=");
-    let line = text.lines().find(is_heading).unwrap_or_default();
+    let line = text.split(['\n', '\r']).find(is_heading).unwrap_or_default();
+    let separators: &[char] = if line.contains([',', ';', '\t']) { &[',', ';', '\t'] } else { &[' '] };
     let columns: Vec<&str> =
-        line.split([',', ';', '\t']).map(|name| name.trim_matches(|c: char| c == '"' || c.is_whitespace())).collect();
+        line.split(separators).map(|name| name.trim_matches(|c: char| c == '"' || c.is_whitespace())).collect();
     let cd = cd::is_table(&columns).then_some(Format::CdTable);
     let tracks = || track_tables::is_table(&columns).then_some(Format::Tracks);
     Ok(cd.or_else(|| spot_tables::format_of(&columns)).or_else(tracks).and_then(here))
@@ -316,21 +319,6 @@ fn whole(text: &[u8]) -> Option<u64> {
     let text = str::from_utf8(text).ok()?;
     let digits = text.split_once('.').filter(|(_, rest)| rest.bytes().all(|b| b == b'0')).map_or(text, |(n, _)| n);
     digits.parse().ok()
-}
-
-/// The volume of a sphere.
-fn sphere(diameter: f64) -> f64 {
-    std::f64::consts::FRAC_PI_6 * diameter.powi(3)
-}
-
-/// The volume of a sphere from its diameter in pixels; in µm³ if a pixel's edge is known.
-fn sphere_of_pixels(diameter: f64, options: &TrackOptions) -> f64 {
-    sphere(diameter * options.pixel.unwrap_or(1.0))
-}
-
-/// The unit of volumes from sizes in pixels.
-fn unit_of_pixels(options: &TrackOptions) -> Unit {
-    if options.pixel.is_some() { Unit::CubicMicrometres } else { Unit::Voxels }
 }
 
 /// The embryo of a file: its name without its extension.

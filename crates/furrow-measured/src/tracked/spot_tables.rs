@@ -13,13 +13,12 @@ use std::path::{Path, PathBuf};
 use csv::ByteRecord;
 use furrow_input::{InputError, listed, open_file, shown};
 
+use super::lengths::{LENGTHS, LengthUnit, PIXELS, length_unit, sphere_in, unit_of_spheres};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
-use super::{
-    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels, whole,
-};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, whole};
 use crate::volumes::Unit;
-use furrow_input::table::{Table, malformed, text};
+use furrow_input::table::{Table, malformed, text, units_listed};
 
 /// Columns of the two tables, each under any of several names, and how their files are called.
 struct Layout {
@@ -30,14 +29,14 @@ struct Layout {
     /// Most lines of a heading.
     heading: usize,
     /// Pairs of words in file names: for the file of spots, and for the file of links.
-    words: [(&'static str, &'static str); 3],
+    words: &'static [(&'static str, &'static str)],
 }
 
 const TRACKMATE: Layout = Layout {
     spot: [&["LABEL", "Label"], &["ID", "Spot ID"], &["FRAME", "Frame"], &["RADIUS", "Radius", "R"]],
     link: [&["SPOT_SOURCE_ID", "Source spot ID", "Source ID"], &["SPOT_TARGET_ID", "Target spot ID", "Target ID"]],
     heading: 4,
-    words: [("spots", "edges"), ("Spots", "Edges"), ("spots", "links")],
+    words: &[("spots", "edges"), ("Spots", "Edges"), ("spots", "links"), ("Spots", "Links")],
 };
 
 const MASTODON: Layout = Layout {
@@ -45,7 +44,7 @@ const MASTODON: Layout = Layout {
     // Without the line of parts the first of two columns of one name is the source; pandas numbers the second one.
     link: [&["Source spot id", "Link target IDs"], &["Target spot id", "Link target IDs", "Link target IDs.1"]],
     heading: 3,
-    words: [("Spot", "Link"), ("spot", "link"), ("spots", "links")],
+    words: &[("Spot", "Link"), ("spot", "link"), ("spots", "links")],
 };
 
 /// The format of a table by the columns in its first line. Links are recognised too, so that they can be refused.
@@ -65,7 +64,7 @@ pub(super) fn is_of_links(path: &Path) -> bool {
         let at = name.rfind(links)?;
         Some(path.with_file_name(format!("{}{spots}{}", &name[..at], &name[at + links.len()..])))
     };
-    let words = TRACKMATE.words.iter().chain(&MASTODON.words);
+    let words = TRACKMATE.words.iter().chain(MASTODON.words);
     words.filter_map(spots).any(|other| other != path && other.is_file())
 }
 
@@ -99,8 +98,8 @@ fn links_beside(path: &Path, layout: &Layout) -> (Option<PathBuf>, Vec<String>) 
     tried.dedup();
     let found = tried.iter().map(|name| path.with_file_name(name)).find(|path| path.is_file());
     if tried.is_empty() {
-        let [(spots, links), ..] = layout.words;
-        tried.push(format!("the files must be called …{spots}.csv and …{links}.csv"));
+        let names = layout.words.iter().take(1);
+        tried.extend(names.map(|(spots, links)| format!("the files must be called …{spots}.csv and …{links}.csv")));
     }
     (found, tried)
 }
@@ -126,8 +125,8 @@ enum Below {
 
 /// Reads a column of ids; `None` if the row is data.
 fn below(text: &[u8]) -> Option<Below> {
-    let text = String::from_utf8_lossy(text).trim().to_lowercase();
-    match text.as_str() {
+    let written = self::text(text).trim().to_lowercase();
+    match written.as_str() {
         "" => Some(Below::Unit),
         text if text.starts_with('(') && text.ends_with(')') => Some(Below::Unit),
         text => text.split_whitespace().any(|word| word == "id").then_some(Below::Name),
@@ -156,7 +155,7 @@ impl Heading {
             let all = |kind: Below| kinds.as_ref().is_some_and(|kinds| kinds.iter().all(|found| *found == kind));
             match (all(Below::Name), all(Below::Unit) && label.is_none_or(is_empty)) {
                 (true, _) if layout.heading == MASTODON.heading => {
-                    let parts = row.iter().map(|part| String::from_utf8_lossy(part).trim().to_owned());
+                    let parts = row.iter().map(|part| text(part).trim().to_owned());
                     let named = found.names.iter_mut().zip(parts).filter(|(_, part)| !part.is_empty());
                     named.for_each(|(name, part)| *name = part);
                 }
@@ -184,22 +183,13 @@ impl Heading {
     }
 
     /// The unit of radii: `None` without a line of units.
-    fn unit(&self, radius: usize, file: &str) -> Result<Option<Unit>, InputError> {
+    fn unit(&self, radius: usize, file: &str) -> Result<Option<LengthUnit>, InputError> {
         let Some(units) = &self.units else { return Ok(None) };
-        let text = String::from_utf8_lossy(units.get(radius).unwrap_or_default());
-        radius_unit(&text).map(Some).ok_or_else(|| {
-            let why = format!("the unit of radii is {}: must be (micron), (µm) or (pixel)", shown(&text));
+        let text = text(units.get(radius).unwrap_or_default());
+        length_unit(&text).map(Some).ok_or_else(|| {
+            let why = format!("the unit of radii is {}: must be one of {}", shown(&text), units_listed(&LENGTHS));
             malformed(file, self.lines, why)
         })
-    }
-}
-
-/// The unit of volumes, from the unit of radii; `None` if the unit is not known.
-pub(super) fn radius_unit(text: &str) -> Option<Unit> {
-    match text.trim().trim_matches(['(', ')']).to_lowercase().as_str() {
-        "micron" | "microns" | "µm" | "μm" | "um" | "micrometer" | "micrometre" => Some(Unit::CubicMicrometres),
-        "pixel" | "pixels" | "px" | "" => Some(Unit::Voxels),
-        _ => None,
     }
 }
 
@@ -249,12 +239,12 @@ fn read_spots(
     let radius = heading.place(radius, false);
     let written = radius.map_or(Ok(None), |at| heading.unit(at, &file))?;
     // Without a line of units radii say which cell is larger, and no more, unless pixels are given their size.
+    let length = written.unwrap_or(PIXELS);
     let unit = match written {
-        Some(Unit::CubicMicrometres) => Unit::CubicMicrometres,
         None if radius.is_some() && options.pixel.is_none() => Unit::Relative,
-        _ => unit_of_pixels(options),
+        _ => unit_of_spheres(length, options),
     };
-    let (numbers, mut rows) = (table.numbers(), FirstRows::new());
+    let (numbers, mut rows) = (radius.map(|at| table.numbers(at)).unwrap_or_default(), FirstRows::new());
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
         let text = |bytes: &[u8]| text(bytes).into_owned();
@@ -275,9 +265,7 @@ fn read_spots(
         if let (Some(size), None) = (size, radius) {
             spots.skip(&file, line, layout.spot[3][0], &text(size), "must be a radius above 0");
         }
-        let in_um = written == Some(Unit::CubicMicrometres);
-        let sphere = |d: f64| if in_um { sphere(d) } else { sphere_of_pixels(d, options) };
-        let volume = radius.map(|radius| sphere(2.0 * radius));
+        let volume = radius.map(|radius| sphere_in(length, 2.0 * radius, options));
         let spot = spots.push(Spot { time, id: Some(id.into()), name: text(label), volume, file: 0, line });
         if let Some(first) = ids.places.insert(id, spot) {
             let first = spots.get(first).line;
@@ -305,7 +293,7 @@ fn read_links(spots: &mut Spots, ids: &Ids, path: &Path, layout: &Layout) -> Res
             let text = row.get(at).unwrap_or_default().trim_ascii();
             let is_known = |id: &u64| ids.have_gaps || ids.places.contains_key(id);
             found[k] = whole(text).filter(is_known).ok_or_else(|| {
-                let (name, text) = (layout.link[k][0], shown(&String::from_utf8_lossy(text)));
+                let (name, text) = (layout.link[k][0], shown(&self::text(text)));
                 malformed(&file, line as usize, format!("{name} = {text}: must be the ID of a spot"))
             })?;
         }

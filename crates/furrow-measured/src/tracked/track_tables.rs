@@ -1,4 +1,5 @@
-//! Tables of tracks, a row per track and frame, as napari, ultrack and btrack write them.
+//! Tables of tracks, a row per track and frame, as napari, ultrack, btrack and ilastik write them, or of spots that are linked by their
+//! ids (`id`, `parent_id`), as of funtracks.
 //!
 //! The columns are `track_id`, a time (`t`; `time (min)` has a unit), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
 //! (btrack). napari has that in a graph of its own, which is read from a file beside the table: `…_graph.csv` with the columns `child`
@@ -13,18 +14,18 @@ use furrow_input::{InputError, open_file};
 use serde_json::Value as Json;
 
 use super::chains::{self, Chain, Only};
+use super::lengths::{LENGTHS, LengthUnit, length_unit, sphere_in, unit_of_pixels, unit_of_spheres};
 use super::rows::{FirstRows, contents, repeat};
-use super::spot_tables::radius_unit;
 use super::spots::{Spot, Spots};
-use super::{
-    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, sphere, sphere_of_pixels, unit_of_pixels,
-    whole, zarr,
-};
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, whole, zarr};
 use crate::layout::volume_column;
 use crate::volumes::Unit;
 
 const TRACK: [&str; 3] = ["track_id", "trackid", "track"];
-const TIME: [&str; 5] = ["t", "time", "frame", "timepoint", "time_point"];
+/// Ids of tracks in tables without a column of the others, or of single spots.
+const ID: [&str; 4] = ["id", "node_id", "spot_id", "cell_id"];
+const PARENT_ID: [&str; 3] = ["parent_id", "parentid", "parent_node_id"];
+const TIME: [&str; 6] = ["t", "time", "frame", "timepoint", "time_point", "frame_number"];
 const PARENT: [&str; 5] = ["parent_track_id", "parent_track", "parenttrackid", "parent", "mother"];
 const CHILD: [&str; 3] = ["child", "track_id", "track"];
 
@@ -33,7 +34,10 @@ pub(super) fn is_table(columns: &[&str]) -> bool {
     // Positions may have units, too.
     let has = |names: &[&str]| columns.iter().any(|name| names.contains(&unified(split_unit(name).0).as_str()));
     let has_time = columns.iter().any(|name| time_unit(name).is_some());
-    has(&TRACK) && has_time && (has(&["x"]) && has(&["y"]) || has(&PARENT)) && !has(&["embryo"])
+    let has_places = has(&["x"]) && has(&["y"]);
+    let has_ids =
+        has(&TRACK) && (has_places || has(&PARENT)) || has(&ID) && has_places && (has(&PARENT) || has(&PARENT_ID));
+    has_ids && has_time && !["embryo", "embryo_name", "embryo_id"].iter().any(|name| has(&[name]))
 }
 
 /// A name of a column in lower case and with underscores.
@@ -76,10 +80,8 @@ enum Size {
     Unknown,
     /// A column of volumes, and the size of their unit.
     Volume(usize, f64),
-    /// A length in pixels, and how many of it are a diameter.
-    Length(usize, f64),
-    /// The same in micrometres.
-    Micrometres(usize, f64),
+    /// A column of lengths, how many of them are a diameter, and their unit.
+    Length(usize, f64, LengthUnit),
 }
 
 /// The columns of a table.
@@ -96,7 +98,8 @@ struct Columns {
 
 impl Columns {
     fn of(header: &Header<'_>, options: &TrackOptions) -> Result<Columns, InputError> {
-        let (track, time) = (header.find(&TRACK), time_column(header)?);
+        let (track, parent) = links(header);
+        let time = time_column(header)?;
         let (Some(track), Some((time, minutes))) = (track, time) else {
             let time = time.map(|(column, _)| column);
             return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));
@@ -104,32 +107,52 @@ impl Columns {
         let voxel = options.pixel.map_or(1.0, |pixel| pixel.powi(3));
         let voxels = unit_of_pixels(options);
         let area = header.find(&["area", "n_voxels", "num_voxels"]).filter(|_| header.find(&["z"]).is_some());
+        let area = area.or_else(|| size_of_ilastik(header));
         let (size, unit) = match volume_column(header)? {
             Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind),
             // Programs that count in voxels do not say so.
             Some((at, _)) => (Size::Volume(at, voxel), voxels),
             None => match (length(header)?, area) {
-                (Some(Size::Micrometres(at, part)), _) => (Size::Micrometres(at, part), Unit::CubicMicrometres),
-                (Some(size), _) => (size, voxels),
+                (Some((at, part, unit)), _) => (Size::Length(at, part, unit), unit_of_spheres(unit, options)),
                 (None, Some(at)) => (Size::Volume(at, voxel), voxels),
                 (None, None) => (Size::Unknown, voxels),
             },
         };
-        let name = header.find(&["name", "cell_name"]);
-        Ok(Columns { track, time, minutes, parent: header.find(&PARENT), name, size, unit })
+        // Spots with ids of their own are called by their tracks.
+        let name = header.find(&["name", "cell_name"]).or_else(|| header.find(&TRACK)).filter(|name| *name != track);
+        Ok(Columns { track, time, minutes, parent, name, size, unit })
     }
 }
 
-/// The column of radii or diameters, in pixels unless the heading has micrometres.
-fn length(header: &Header<'_>) -> Result<Option<Size>, InputError> {
+/// The columns of ids and of the ids that they come from: of tracks, or in tables without a track's parent of spots.
+fn links(header: &Header<'_>) -> (Option<usize>, Option<usize>) {
+    let (track, id) = (header.find(&TRACK), header.find(&ID));
+    let [of_track, of_id] = [header.find(&PARENT), header.find(&PARENT_ID)];
+    match (track, id) {
+        (Some(_), Some(_)) if of_track.is_none() && of_id.is_some() => (id, of_id),
+        (None, id) => (id, of_id.or(of_track)),
+        (track, None) => (track, of_track.or(of_id)),
+        (track, Some(_)) => (track, of_track),
+    }
+}
+
+/// The column in which ilastik counts voxels; in two dimensions these are an area.
+fn size_of_ilastik(header: &Header<'_>) -> Option<usize> {
+    let centre = |axis: u32| header.find(&[&format!("center_of_the_object_{axis}"), &format!("object_center_{axis}")]);
+    let is_flat = centre(1).is_some() && centre(2).is_none();
+    header.find(&["size_in_pixels_0", "size_in_pixels"]).filter(|_| !is_flat)
+}
+
+/// The column of radii or diameters, how many of them are a diameter, and their unit, pixels if the heading has none.
+fn length(header: &Header<'_>) -> Result<Option<(usize, f64, LengthUnit)>, InputError> {
     for (name, part) in [("radius", 2.0), ("diameter", 1.0)] {
         let Some(at) = header.names.iter().position(|heading| unified(split_unit(heading).0) == name) else { continue };
         let heading = &header.names[at];
-        return match radius_unit(split_unit(heading).1.unwrap_or_default()) {
-            Some(Unit::CubicMicrometres) => Ok(Some(Size::Micrometres(at, part))),
-            Some(_) => Ok(Some(Size::Length(at, part))),
-            None => Err(header.refused(format!("the unit of column {}, {heading:?}, must be µm or pixel", at + 1))),
-        };
+        let unit = length_unit(split_unit(heading).1.unwrap_or_default()).ok_or_else(|| {
+            let allowed = units_listed(&LENGTHS);
+            header.refused(format!("the unit of column {}, {heading:?}, must be one of {allowed}", at + 1))
+        })?;
+        return Ok(Some((at, part, unit)));
     }
     Ok(None)
 }
@@ -180,7 +203,10 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         read_graph(&graph, &mut spots, &mut tracks)?;
     }
     let mut chains = tracks.chains(&mut spots, &file)?;
-    chains::link(&mut spots, &mut chains, (&file, "t"), Only::Daughter)?;
+    // Where each id is of one spot, spots are linked and not tracks: the only spot after another is the same cell.
+    let of_spots = header.find(&TRACK) != Some(columns.track) && chains.iter().all(|chain| chain.spots.len() == 1);
+    let only = if of_spots { Only::SameCell } else { Only::Daughter };
+    chains::link(&mut spots, &mut chains, (&file, "t"), only)?;
     let time = if columns.minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
     spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)
 }
@@ -201,7 +227,7 @@ impl Values {
         let refused = |column: usize, why: &str| (column, why.to_owned());
         let track = whole(row.text(columns.track));
         let track = track.ok_or_else(|| refused(columns.track, "must be a whole number from 0"))?;
-        let time = row.numbers.read(row.text(columns.time)).ok().filter(|time| time.is_finite());
+        let time = row.number(columns.time).ok().filter(|time| time.is_finite());
         let allowed = if columns.minutes.is_some() { "must be a time" } else { "must be a number of frames" };
         let time = time.ok_or_else(|| refused(columns.time, allowed))? * columns.minutes.unwrap_or(1.0);
         let parent = columns.parent.map(|column| parent_of(row.text(column)).ok_or(column));
@@ -220,14 +246,13 @@ fn read_row(
 ) -> Result<(), InputError> {
     let written = |column: usize| text(row.text(column)).into_owned();
     let size = |column: usize| {
-        let size = row.numbers.read(row.text(column)).ok().filter(|size| *size > 0.0 && *size < 1e30);
+        let size = row.number(column).ok().filter(|size| *size > 0.0 && *size < 1e30);
         size.ok_or(column)
     };
     let volume = match columns.size {
         Size::Unknown => Ok(None),
         Size::Volume(column, unit) => size(column).map(|size| Some(size * unit)),
-        Size::Micrometres(column, part) => size(column).map(|size| Some(sphere(size * part))),
-        Size::Length(column, part) => size(column).map(|size| Some(sphere_of_pixels(size * part, options))),
+        Size::Length(column, part, unit) => size(column).map(|size| Some(sphere_in(unit, size * part, options))),
     };
     if let Err(column) = volume {
         spots.skip(file, row.line, row.name(column), &written(column), "must be a size above 0");

@@ -6,18 +6,15 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
-use furrow_input::table::{TIMES, malformed, unit_of};
+use furrow_input::table::{TIMES, malformed, unit_of, units_listed};
 use furrow_input::{InputError, read_text_up_to, shown};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
+use super::lengths::{LENGTHS, LengthUnit, length_unit, sphere_in, unit_of_spheres};
 use super::rows::{contents_of, repeat};
-use super::spot_tables::radius_unit;
 use super::spots::{Spot, Spots};
-use super::{
-    Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, sphere, sphere_of_pixels, unit_of_pixels, whole,
-};
-use crate::volumes::Unit;
+use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, whole};
 
 /// Most bytes that are read.
 const LONGEST: u64 = 1 << 30;
@@ -88,7 +85,7 @@ fn finite(text: &str) -> Option<f64> {
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let document = Document::read(&read_text_up_to(path, LONGEST)?, &file)?;
-    let unit = document.unit(&file, options)?;
+    let length = document.length(&file)?;
     let minutes = unit_of(&document.times, &TIMES).map(|unit| unit.size).filter(|_| options.frame_minutes.is_none());
     let time_unit = if minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
     let kept = |track: &&Track| document.kept.as_ref().is_none_or(|kept| kept.contains(&track.id));
@@ -113,8 +110,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         if radius.is_none() {
             spots.skip(&file, *line, "RADIUS", "", "must be a radius above 0");
         }
-        let in_um = unit == Unit::CubicMicrometres && !document.in_pixels();
-        let volume = radius.map(|r| if in_um { sphere(2.0 * r) } else { sphere_of_pixels(2.0 * r, options) });
+        let volume = radius.map(|radius| sphere_in(length, 2.0 * radius, options));
         let spot = spots.push(Spot { time, name: name.clone(), id: Some((*id).into()), volume, file: 0, line: *line });
         places.insert(*id, spot);
     }
@@ -129,7 +125,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
             "spots that belong to no track, or to one that was filtered out",
         );
     }
-    spots.lineage(embryo_of(path), Format::TrackMateXml, time_unit, unit)
+    spots.lineage(embryo_of(path), Format::TrackMateXml, time_unit, unit_of_spheres(length, options))
 }
 
 impl Document {
@@ -184,20 +180,12 @@ impl Document {
         Ok(())
     }
 
-    fn in_pixels(&self) -> bool {
-        matches!(radius_unit(&self.lengths), Some(Unit::Voxels))
-    }
-
-    /// The unit of volumes.
-    fn unit(&self, file: &str, options: &TrackOptions) -> Result<Unit, InputError> {
-        match radius_unit(&self.lengths) {
-            Some(Unit::CubicMicrometres) => Ok(Unit::CubicMicrometres),
-            Some(_) => Ok(unit_of_pixels(options)),
-            None => {
-                let allowed = "micron, µm or pixel";
-                Err(InputError::not_allowed(file, "spatialunits of Model", shown(&self.lengths), allowed))
-            }
-        }
+    /// The unit of radii.
+    fn length(&self, file: &str) -> Result<LengthUnit, InputError> {
+        length_unit(&self.lengths).ok_or_else(|| {
+            let allowed = format!("one of {}", units_listed(&LENGTHS));
+            InputError::not_allowed(file, "spatialunits of Model", shown(&self.lengths), allowed)
+        })
     }
 
     /// Links the spots of the edges. Of the known spots only those with a place have a time.

@@ -392,6 +392,48 @@ fn geff_gives_the_same_cells() {
     }
 }
 
+/// Other spellings of units, and a property in other letters.
+#[test]
+fn geff_may_spell_units_and_properties_otherwise() {
+    for (time, length, size) in [
+        ("s", "um", 1.0),
+        ("sec", "µm", 1.0),
+        ("seconds", "Micron", 1.0),
+        ("second", "nanometer", 1e-9),
+        ("second", "mm", 1e9),
+    ] {
+        let mut files = geff(2, 10);
+        for (name, content) in &mut files {
+            *name = name.replace("props/size", "props/RADIUS");
+            if name == ".zattrs" {
+                let text = String::from_utf8_lossy(content).replace("\"second\"", &format!("{time:?}"));
+                let text = text.replace("micrometer", length).replace("\"sphere\":\"size\",", "");
+                *content = text.replace("\"size\"", "\"RADIUS\"").into_bytes();
+            }
+        }
+        let lineage = tracked(&written(&files).path().join("embryo.geff"));
+        assert_eq!((lives(&lineage), lineage.volumes), (LIVES.to_vec(), Unit::CubicMicrometres), "{time} {length}");
+        assert!((lineage.cells[0].volume.unwrap() / (33_510.321_638_291_13 * size) - 1.0).abs() < 1e-12, "{length}");
+    }
+}
+
+/// TrackMate up to 6 has other names of files. Windows-1252 has one byte for µ.
+#[test]
+fn tables_of_trackmate_6_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let spots = folder.path().join("Spots in tracks statistics.csv");
+    let latin = |text: String| text.chars().map(|c| c as u8).collect::<Vec<u8>>();
+    fs::write(&spots, latin(TRACKMATE_SPOTS.replace("(micron)", "(µm)"))).unwrap();
+    let edges: String = EDGES.iter().map(|(from, to)| format!("ID1,0,{from},{to},0.5\n")).collect();
+    let heading = "Label,TRACK_ID,SPOT_SOURCE_ID,SPOT_TARGET_ID,LINK_COST\n";
+    fs::write(folder.path().join("Links in tracks statistics.csv"), heading.to_owned() + &edges).unwrap();
+    let lineage = tracked(&spots);
+    assert_eq!((lineage.format, lineage.volumes), (Format::TrackMate, Unit::CubicMicrometres));
+    assert_eq!(lineage.cells.len(), LIVES.len());
+    let (files, _) = embryo_files(&[folder.path().to_owned()], TableKind::Lifetimes).unwrap();
+    assert_eq!(files.len(), 1);
+}
+
 /// Ids of 64 bits, which doubles do not tell apart, in edges of another kind of integer; and a name that is missing.
 #[test]
 fn geff_has_ids_of_64_bits_and_missing_names() {

@@ -12,6 +12,7 @@ use tempfile::TempDir;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
+use super::lengths::sphere;
 use super::*;
 use crate::lifetimes::{LifetimeOptions, Lifetimes};
 use crate::names::Names;

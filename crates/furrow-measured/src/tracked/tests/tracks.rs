@@ -87,7 +87,7 @@ fn the_file_of_trackmate_has_the_units_and_the_tracks_that_are_kept() {
 fn wrong_xml_is_refused_with_its_line() {
     let right = xml("spatialunits=\"micron\" timeunits=\"sec\"");
     for (from, to, message) in [
-        ("micron", "parsec", "film.xml: spatialunits of Model = \"parsec\": must be micron, µm or pixel"),
+        ("micron", "parsec", "film.xml: spatialunits of Model = \"parsec\": must be one of micron, pixel"),
         ("Spot ID=\"11\"", "Spot ID=\"a\"", "film.xml:7:1: ID of Spot = \"a\": must be a whole number from 0"),
         ("SPOT_SOURCE_ID=\"11\"", "SPOT_SOURCE_ID=\"99\"", "99: must be the ID of a spot"),
         ("<Spot ID=\"12\"", "<Spot ID=\"11\"", "film.xml:9:1: ID = 11: must be of one spot only"),
@@ -175,6 +175,46 @@ fn tables_of_ultrack_btrack_and_napari_give_the_same_cells() {
     let lineage = tracked(&path);
     assert_eq!((lineage.volumes, lineage.cells[0].volume), (Unit::CubicMicrometres, Some(20.0)));
     assert_eq!(in_order(lives(&lineage)), LIVES);
+}
+
+/// Text of btrack with ids of tracks, tables with ids of spots, as funtracks writes them, and ilastik's.
+#[test]
+fn ids_may_be_of_tracks_or_of_spots() {
+    let btrack = table("ID t x y z parent root", |track, t, mother, _| {
+        format!("{track} {t} 1.5 2.5 3.5 {} 1", if mother == 0 { track } else { mother })
+    });
+    let (_folder, path) = file("embryo.txt", &btrack);
+    let lineage = tracked(&path);
+    assert_eq!((lineage.format, by_track(lives(&lineage))), (Format::Tracks, numbered()));
+    let funtracks = spots_with_ids("t,z,y,x,id,parent_id,track_id", |track| format!(",{track}"));
+    let (_folder, path) = file("embryo.csv", funtracks);
+    assert_eq!(by_track(lives(&tracked(&path))), numbered());
+    // Without tracks a cell has the id of its first spot.
+    let (_folder, path) = file("embryo.csv", spots_with_ids("t,z,y,x,id,parent_id", |_| String::new()));
+    let times =
+        |lineage: &TrackedLineage| lineage.cells.iter().map(|cell| (cell.birth, cell.division)).collect::<Vec<_>>();
+    let (folder, tracks) = file("embryo.txt", &btrack);
+    assert_eq!(times(&tracked(&path)), times(&tracked(&tracks)));
+    drop(folder);
+    let ilastik = "frame,trackId,parentTrackId,Size_in_pixels_0\n0,1,0,8\n1,2,1,4\n1,3,1,4\n";
+    let (_folder, path) = file("ilastik.csv", ilastik);
+    let lineage = tracked(&path);
+    assert_eq!((lineage.volumes, lineage.cells[0].volume), (Unit::Voxels, Some(8.0)));
+}
+
+/// A row for each spot, with its own id and that of the spot before; `track` ends the row.
+fn spots_with_ids(heading: &str, track: impl Fn(u32) -> String) -> String {
+    let of = |number: u32| TRACKS.iter().find(|(track, ..)| *track == number);
+    let id = |track: u32, t: u32| 100 * track + t;
+    table(heading, |number, t, mother, _| {
+        let first = of(number).map_or(0, |(_, first, ..)| *first);
+        let parent = match of(mother) {
+            _ if t > first => id(number, t - 1).to_string(),
+            Some((_, _, last, ..)) => id(mother, *last).to_string(),
+            None => String::new(),
+        };
+        format!("{t},1,2,3,{},{parent}{}", id(number, t), track(number))
+    })
 }
 
 /// The unit of times is in their heading; without one they are frames.

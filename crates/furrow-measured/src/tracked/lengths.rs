@@ -1,0 +1,60 @@
+//! Units of lengths, and the volumes of spheres in them.
+
+use furrow_input::table::{NamedUnit, unit_of};
+
+use super::TrackOptions;
+use crate::volumes::Unit;
+
+/// A unit of lengths with the unit of volumes that follows: micrometres in it, or pixels.
+pub(super) type LengthUnit = NamedUnit<Unit>;
+
+const fn length(size: f64, words: &'static [&'static str]) -> LengthUnit {
+    NamedUnit { kind: Unit::CubicMicrometres, size, words }
+}
+
+/// Pixels, and lengths without a unit.
+pub(super) const PIXELS: LengthUnit =
+    NamedUnit { kind: Unit::Voxels, size: 1.0, words: &["pixel", "pixels", "px", "voxel", "voxels", ""] };
+
+/// Units of lengths.
+pub(super) const LENGTHS: [LengthUnit; 8] = [
+    length(1.0, &["micron", "microns", "um", "micrometer", "micrometers", "micrometre", "micrometres"]),
+    PIXELS,
+    length(1e-3, &["nm", "nanometer", "nanometers", "nanometre", "nanometres"]),
+    length(1e-4, &["angstrom", "angstroms", "å"]),
+    length(1e3, &["mm", "millimeter", "millimeters", "millimetre", "millimetres"]),
+    length(1e4, &["cm", "centimeter", "centimeters", "centimetre", "centimetres"]),
+    length(1e6, &["m", "meter", "meters", "metre", "metres"]),
+    length(25_400.0, &["inch", "inches", "in"]),
+];
+
+/// A unit of lengths by a text, which may be in brackets.
+pub(super) fn length_unit(text: &str) -> Option<LengthUnit> {
+    unit_of(text.trim().trim_matches(['(', ')', '[', ']']), &LENGTHS).copied()
+}
+
+/// The volume of a sphere.
+pub(super) fn sphere(diameter: f64) -> f64 {
+    std::f64::consts::FRAC_PI_6 * diameter.powi(3)
+}
+
+/// The volume of a sphere from its diameter in a unit; of pixels in µm³ if a pixel's edge is known.
+pub(super) fn sphere_in(unit: LengthUnit, diameter: f64, options: &TrackOptions) -> f64 {
+    let pixel = options.pixel.filter(|_| unit.kind == Unit::Voxels).unwrap_or(1.0);
+    sphere(diameter * unit.size * pixel)
+}
+
+/// The volume of a sphere from its diameter in pixels.
+pub(super) fn sphere_of_pixels(diameter: f64, options: &TrackOptions) -> f64 {
+    sphere(diameter * options.pixel.unwrap_or(1.0))
+}
+
+/// The unit of volumes from lengths in a unit.
+pub(super) fn unit_of_spheres(unit: LengthUnit, options: &TrackOptions) -> Unit {
+    if unit.kind == Unit::Voxels { unit_of_pixels(options) } else { unit.kind }
+}
+
+/// The unit of volumes from sizes in pixels.
+pub(super) fn unit_of_pixels(options: &TrackOptions) -> Unit {
+    if options.pixel.is_some() { Unit::CubicMicrometres } else { Unit::Voxels }
+}
