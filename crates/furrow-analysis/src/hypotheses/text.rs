@@ -117,7 +117,7 @@ impl HypothesisTest {
             let open = self.units.iter().zip(loo_parts).filter(|(_, part)| part.is_none());
             let open: Vec<&str> = open.map(|(unit, _)| unit.as_str()).collect();
             if !open.is_empty() {
-                let open = furrow_input::listed(open.into_iter(), ", ");
+                let open = furrow_input::listed(open, ", ");
                 writeln!(
                     f,
                     "left out of {name} is not defined: without {open} the data do not determine its fit or their error"
