@@ -3,10 +3,11 @@
 //! * *Long*: one row per cell, or per cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
 //!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with the prefix `mean_`), `embryo`, and optionally `group`,
 //!   `frame`, `n` and `unit`.
-//! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`.
+//! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`; or one
+//!   row per embryo, with a column `embryo`.
 //! * *Divisions*: one row per division, with the volumes of both daughters, `larger_um3` and `smaller_um3`, beside `embryo` and
 //!   `mother`, and optionally `mother_um3`, `population` and `generation`.
-//! * *χ*: one row per division, with `mother` and `chi` or `chi_signed`, and optionally `embryo`, `group`, the standard deviation of
+//! * *χ*: one row per division, with `mother` (or one per cell, with `cell` and `mother`: χ is the cell's) and `chi` or `chi_signed`, and optionally `embryo`, `group`, the standard deviation of
 //!   χ, `chi_sd`, and the mother's volume with its unit, `mother_um3`.
 //!
 //! Rows that begin with `#` are comments.
