@@ -193,7 +193,7 @@ impl GridColumns {
     }
 }
 
-/// Whether the name of a row may be that of a frame: a number or a time, also as t12 or frame 12, or nothing.
+/// Whether the name of a row may stand for a frame: a number or a time, also as t12 or frame 12, or empty.
 fn may_be_frame(label: &str) -> bool {
     let number = label.trim_start_matches(|c: char| !c.is_ascii_digit());
     let word = label[..label.len() - number.len()].to_lowercase();

@@ -24,7 +24,7 @@ impl Volumes {
         division: impl for<'r> Fn(Row<'r>) -> Found<'r>,
     ) -> Result<(), InputError> {
         while let Some(row) = table.next_row()? {
-            let found = fitting(row).and_then(&division).and_then(measured);
+            let found = fitting(row).and_then(&division).and_then(|found| measured(found, file));
             let found = found.and_then(|found| self.with_clear_class(row, class, found));
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {
@@ -73,9 +73,10 @@ impl Volumes {
     }
 }
 
-/// The division, unless the row is a summary.
-fn measured((mother, division): (Value<'_>, Division)) -> Found<'_> {
-    let is_one = is_summary(division.embryo.as_bytes()) || is_summary(mother.text);
+/// The division, unless the row is a summary. An embryo may have the name of its file, which says nothing of rows.
+fn measured<'r>((mother, division): (Value<'r>, Division), file: &str) -> Found<'r> {
+    let named = division.embryo != embryo_of_file(file);
+    let is_one = named && is_summary(division.embryo.as_bytes()) || is_summary(mother.text);
     if is_one { Err((mother, SUMMARY.to_owned())) } else { Ok((mother, division)) }
 }
 

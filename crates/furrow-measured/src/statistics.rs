@@ -302,7 +302,7 @@ pub fn line(points: &[[f64; 2]]) -> Option<Line> {
     line_of(points, [0.0; 2])
 }
 
-/// The same where x, or also y, is a logarithm, whose rounding does not become smaller near 0: `sizes` has 1 in place of 0.
+/// The same if x or y is a logarithm: `sizes` is then 1 instead of 0, since the rounding of a logarithm does not vanish at 0.
 pub(crate) fn line_of(points: &[[f64; 2]], sizes: [f64; 2]) -> Option<Line> {
     let [x, y] = columns(points);
     let centre = [mean(&x), mean(&y)];

@@ -523,7 +523,7 @@ pub(crate) fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
     positive_of(value, "a volume")
 }
 
-/// A positive number, of which errors say what it is.
+/// A positive number; `what` names it in errors.
 pub(crate) fn positive_of<'v>(value: Value<'v>, what: &str) -> Result<f64, Rejected<'v>> {
     let allowed = match value.number()? {
         number if number > VOLUMES[0] && number < VOLUMES[1] => return Ok(number),

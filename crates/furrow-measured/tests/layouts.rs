@@ -32,6 +32,15 @@ fn chi_of_a_row_with_a_cell_and_its_mother_is_the_cells() {
 }
 
 #[test]
+fn the_name_of_a_file_makes_no_row_a_summary() {
+    for table in ["mother,chi\nP0,0.2\n", "mother,larger,smaller\nP0,600,400\n"] {
+        let mut volumes = Volumes::default();
+        volumes.read(table.as_bytes(), "mean.csv", &ReadOptions::default()).unwrap();
+        assert_eq!((volumes.divisions.len(), why(&volumes)), (1, vec![]));
+    }
+}
+
+#[test]
 fn a_cell_without_a_mother_in_a_column_of_mothers_has_no_birth() {
     let table = "name,mother,birth_min,division_min\nAB,,0,16\nABa,AB,16,33\n";
     let lifetimes = Lifetimes::read(table.as_bytes(), "t.csv").unwrap();

@@ -184,7 +184,7 @@ pub(crate) fn bottom([from, to]: [f64; 2], misfit: Misfit<'_>) -> Option<(Vec<f6
     Some((vec![run.state.best_param?], run.state.best_cost))
 }
 
-/// The bottom of the valley about a place of the unit interval whose misfit is known; the first step is `edge` long.
+/// Goes downhill from a place of the unit interval with a known misfit to the next minimum; the first step is `edge` long.
 pub(crate) fn valley((mut place, mut least): (Vec<f64>, f64), edge: f64, misfit: Misfit<'_>) -> (Vec<f64>, f64) {
     let mut ends = [-edge, edge].map(|step| (place[0] + step).clamp(0.0, 1.0));
     for (end, step) in [-edge, edge].into_iter().enumerate() {
@@ -248,7 +248,7 @@ mod tests {
         assert_eq!(swarm(&vec![[0.0, 1.0]; 2], effort, &|_| f64::INFINITY), None);
     }
 
-    /// Of two valleys with kinks the deeper one, which is narrow; of a function that falls to its end the end.
+    /// The narrow valley is the deeper one. A function that decreases over the whole range has its minimum at the end.
     #[test]
     fn a_scan_finds_the_deepest_valley() {
         let valleys = |place: &[f64]| (place[0] - 0.3).abs().min(5.0 * (place[0] - 0.81).abs() - 0.1);

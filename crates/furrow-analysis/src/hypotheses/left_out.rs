@@ -14,19 +14,19 @@ use crate::fit::germline::{Beside, Objective};
 use crate::fit::search::{descend, valley};
 
 /// Most steps of a fit without a part of the data, most halvings of a step, and the longest step in shares of the ranges.
-const STEPS: usize = 30;
-const HALVINGS: usize = 6;
+const STEPS: usize = 12;
+const HALVINGS: usize = 4;
 const LONGEST: f64 = 0.25;
 /// Steps end here: in shares of the ranges, and relative to the misfit.
 const SHORTEST: f64 = 1e-7;
 const GAIN: f64 = 1e-10;
-/// The misfit that a step must be expected to gain: divisions are not computed more exactly.
-const LEAST_GAIN: f64 = 1e-6;
+/// The misfit that a step must be expected to gain: a hundredth of the error of χ.
+const LEAST_GAIN: f64 = 1e-4;
 /// Directions held this much less firmly than the firmest one stay where all data put them.
 const OPEN: f64 = 1e-4;
 /// Edge and steps of the simplex where these steps lead to no minimum, and the first step of a fit of one number.
 const EDGE: f64 = 0.01;
-const DESCENT: u64 = 60;
+const DESCENT: u64 = 40;
 
 /// The rows of all other units.
 pub(super) fn without(rows: &[Observation], unit: usize) -> Vec<Observation> {
@@ -45,7 +45,7 @@ pub(super) fn held_out(
 }
 
 impl Fitted<'_> {
-    /// Whether the data without a unit, its rows `kept` with their errors, determine what the fit says of the unit.
+    /// Whether the other data, the rows `kept`, determine the fit and its errors well enough to predict a unit.
     fn is_determined(&self, unit: usize, kept: &[Observation], noise: &Noise) -> bool {
         let Observations { rows, others, cells, .. } = self.question.observations;
         let has = |cell: usize| kept.iter().any(|row| row.cell == cell);

@@ -656,8 +656,8 @@ fn a_common_error_is_integrated_out() {
     assert!((found - expected).abs() < 1e-6, "{found} {expected}");
 }
 
-/// What the data do not determine has no number: the fit without the only division, AICc of too few divisions and so all weights, errors
-/// of replicates that are all equal, and the test of a difference that is the same in each embryo.
+/// Undefined are the score of a left-out division that is the only one, all weights if there are too few divisions for AICc, errors of
+/// replicates that are all equal, and the test of a difference that is the same in each embryo.
 #[test]
 fn what_is_not_determined_has_no_number() {
     let cues = ["none", "tension:gradient,amplitude=-0.3"];

@@ -5,7 +5,7 @@
 //! | `heading` | the names of columns, and the units in them |
 //! | `number` | numbers with decimal points or commas |
 //! | `bounded` | a source that ends where a row or the table is too long |
-//! | `survey` | what the beginning of a table shows of its rows |
+//! | `survey` | how the first megabyte of a table writes numbers and names rows |
 
 mod bounded;
 mod heading;
@@ -246,7 +246,7 @@ impl<'f, R: Read> Table<'f, R> {
         (self.line, &self.record)
     }
 
-    /// The line of the row that was read last. The reader's own place of a row is that of the empty lines before it.
+    /// The line of the row that was read last. The reader reports the first of the empty lines before it.
     fn line_read(&self) -> u64 {
         let within = self.record.as_slice().iter().filter(|byte| **byte == b'\n').count() as u64;
         let (source, at) = (self.reader.get_ref(), self.reader.position());

@@ -1,11 +1,11 @@
-//! What the beginning of a table shows of its rows.
+//! How a table writes numbers, and whether its rows have names, from its first megabyte.
 
 use csv::ByteRecord;
 
 use super::number::Columns;
 use super::{is_comment, is_empty, reader};
 
-/// What the beginning of a table shows.
+/// What was found in the first megabyte.
 #[derive(Debug, Default)]
 pub(super) struct Survey {
     /// How numbers are written.

@@ -20,7 +20,7 @@ use super::zarr::{self, Array, Rows, Values};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of};
 use crate::volumes::Unit;
 
-/// Units of time beside those of tables: in minutes, except for frames.
+/// Further units of time, beside the units of tables; each in minutes, except for frames.
 const MORE_TIMES: [NamedUnit<TimeUnit>; 3] = [
     NamedUnit {
         kind: TimeUnit::Minutes,

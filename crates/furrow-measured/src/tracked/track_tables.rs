@@ -143,7 +143,7 @@ fn size_of_ilastik(header: &Header<'_>) -> Option<usize> {
     header.find(&["size_in_pixels_0", "size_in_pixels"]).filter(|_| !is_flat)
 }
 
-/// The column of radii or diameters, how many of them are a diameter, and their unit, pixels if the heading has none.
+/// The column of radii or diameters, its values per diameter (2 or 1), and its unit, pixels unless the heading says another.
 fn length(header: &Header<'_>) -> Result<Option<(usize, f64, LengthUnit)>, InputError> {
     for (name, part) in [("radius", 2.0), ("diameter", 1.0)] {
         let Some(at) = header.names.iter().position(|heading| unified(split_unit(heading).0) == name) else { continue };

@@ -427,7 +427,7 @@ pub fn boundary_and_folds(
     Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &last], parameter, range)? })
 }
 
-/// The error of a range from both ends of which no curve can be followed; `error` is of the first end.
+/// The error if no curve can be followed from either end of a range; `error` belongs to the first end.
 fn no_end(error: ShapeError, parameter: Parameter, to: f64) -> ShapeError {
     match error {
         ShapeError::NotFound { .. } => ShapeError::NoEnd { source: Box::new(error), parameter, to },

@@ -202,7 +202,7 @@ fn ids_may_be_of_tracks_or_of_spots() {
     assert_eq!((lineage.volumes, lineage.cells[0].volume), (Unit::Voxels, Some(8.0)));
 }
 
-/// A row for each spot, with its own id and that of the spot before; `track` ends the row.
+/// A row for each spot: its id, the id of the spot before, and at the end what `track` gives.
 fn spots_with_ids(heading: &str, track: impl Fn(u32) -> String) -> String {
     let of = |number: u32| TRACKS.iter().find(|(track, ..)| *track == number);
     let id = |track: u32, t: u32| 100 * track + t;
