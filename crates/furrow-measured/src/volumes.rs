@@ -219,8 +219,8 @@ pub struct Volumes {
     pub voxels: PerEmbryo,
     /// The unit given for volumes without one, as the last table was read.
     given_unit: Option<Unit>,
-    /// Whether a volume had no unit, and whether one was in voxels or pixels.
-    without_unit: bool,
+    /// Whether a volume had no unit, or the given one; and whether one was in voxels or pixels.
+    takes_unit: bool,
     in_voxels: bool,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
@@ -346,7 +346,7 @@ impl Volumes {
 
     /// Notes the unit that volumes of a table state.
     pub(crate) fn note_unit(&mut self, stated: Option<VolumeUnit>, options: &ReadOptions) {
-        self.without_unit |= stated.is_none();
+        self.takes_unit |= stated.is_none_or(|unit| Some(unit.kind) == options.unit);
         self.in_voxels |= options.kind_of(stated) == Some(Unit::Voxels);
     }
 
@@ -356,8 +356,8 @@ impl Volumes {
     /// # Errors
     /// The option that says nothing, or the first embryo that is not there.
     pub fn require_options(&self) -> Result<(), InputError> {
-        if let Some(unit) = self.given_unit.filter(|_| !self.without_unit) {
-            let allowed = "left out: no table has volumes without a unit";
+        if let Some(unit) = self.given_unit.filter(|_| !self.takes_unit) {
+            let allowed = "left out: no volume of the tables is without a unit, or in this one";
             return Err(InputError::not_allowed("--unit", "unit", unit.symbol(), allowed));
         }
         if !self.voxels.is_empty() && !self.in_voxels {

@@ -33,7 +33,7 @@ fn chi_of_a_row_with_a_cell_and_its_mother_is_the_cells() {
 
 #[test]
 fn the_name_of_a_file_makes_no_row_a_summary() {
-    for table in ["mother,chi\nP0,0.2\n", "mother,larger,smaller\nP0,600,400\n"] {
+    for table in ["mother,chi\nP0,0.2\n", "mother,chi_signed\nP0,-0.2\n"] {
         let mut volumes = Volumes::default();
         volumes.read(table.as_bytes(), "mean.csv", &ReadOptions::default()).unwrap();
         assert_eq!((volumes.divisions.len(), why(&volumes)), (1, vec![]));
@@ -125,12 +125,15 @@ fn units_and_voxels_that_are_given_say_something() {
     }
     let in_voxels = "embryo,mother,larger_voxels,smaller_voxels\ne,P0,600,400\n";
     assert_eq!(size(in_voxels, &voxel), (125.0, Some(Unit::CubicMicrometres), None));
-    let no_unit = "--unit: unit = relative: must be left out: no table has volumes without a unit";
+    let no_unit =
+        "--unit: unit = relative: must be left out: no volume of the tables is without a unit, or in this one";
     let no_voxel = "--voxel: voxel = (given): must be left out: no volume is in voxels, and no diameter in pixels";
     for table in ["embryo,cell,volume_um3\ne,AB,600\ne,P1,400\n", "mother,chi\nP0,0.2\n"] {
         assert_eq!(size(table, &relative).2.as_deref(), Some(no_unit));
         assert_eq!(size(table, &voxel).2.as_deref(), Some(no_voxel));
     }
+    let same = ReadOptions { unit: Some(Unit::CubicMicrometres), ..ReadOptions::default() };
+    assert_eq!(size("embryo,cell,volume_um3\ne,AB,600\ne,P1,400\n", &same).2, None);
 }
 
 #[test]

@@ -124,9 +124,8 @@ impl<'t> Row<'t> {
 }
 
 impl<'f, R: Read> Table<'f, R> {
-    /// Opens a table. The most frequent of comma, semicolon and tab in its first line that is not empty separates its columns, or blanks
-    /// do where there is none of them; a line
-    /// `sep=` of Excel, or a line of numbers with decimal commas, decides before.
+    /// Opens a table. The most frequent of comma, semicolon and tab in its first line that is not empty separates its columns; if the
+    /// line has none of them, blanks do. A line `sep=` of Excel, or a line of numbers with decimal commas, decides before.
     ///
     /// # Errors
     /// A file that cannot be read, is not text, or is of [another kind](foreign).
