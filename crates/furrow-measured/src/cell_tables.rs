@@ -193,7 +193,7 @@ impl GridColumns {
     }
 }
 
-/// Whether the name of a row may stand for a frame: a number or a time, also as t12 or frame 12, or empty.
+/// Whether a row's name can be a frame: a number, a time, t12, frame 12 or an empty field.
 fn may_be_frame(label: &str) -> bool {
     let number = label.trim_start_matches(|c: char| !c.is_ascii_digit());
     let word = label[..label.len() - number.len()].to_lowercase();

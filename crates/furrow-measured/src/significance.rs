@@ -168,8 +168,8 @@ pub fn paired(differences: &[f64]) -> Option<PairedTest> {
     Some(PairedTest { sum, error, p: two_sided(sum / error, count - 1.0) })
 }
 
-/// The fewest values whose mean would differ from 0 at p < 0.05 in 80 of 100 samples, if it is `ratio` of their standard deviations:
-/// the least n ≥ 2 with (t₀.₉₇₅ + t₀.₈)² ≤ n ratio², by Student's t with n − 1 degrees of freedom. `None` above `most`.
+/// Sample size at which a t test at the level 0.05 has a power of 80 %, for a given `ratio` of mean to standard deviation: the least
+/// n ≥ 2 with (t₀.₉₇₅ + t₀.₈)² ≤ n ratio², on n − 1 degrees of freedom. `None` above `most`.
 ///
 /// # Examples
 /// ```

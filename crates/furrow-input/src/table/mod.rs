@@ -124,8 +124,9 @@ impl<'t> Row<'t> {
 }
 
 impl<'f, R: Read> Table<'f, R> {
-    /// Opens a table. The most frequent of comma, semicolon and tab in its first line that is not empty separates its columns; if the
-    /// line has none of them, blanks do. A line `sep=` of Excel, or a line of numbers with decimal commas, decides before.
+    /// Opens a table. The separator of columns is the one that Excel names in a line `sep=`; otherwise the most frequent of comma, semicolon
+    /// and tab in the first line with text, or a blank if that line has none of them. Commas in a line of numbers with decimal commas do
+    /// not count.
     ///
     /// # Errors
     /// A file that cannot be read, is not text, or is of [another kind](foreign).
