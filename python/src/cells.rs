@@ -149,7 +149,7 @@ pub fn steady<'py>(
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
         let places = profile(&shape.cortex, &shape.solution.gauss(), &shape.solution);
-        let mut report = stationary_report(&shape, &spectrum);
+        let mut report = stationary_report(&shape, &spectrum, shape.growth_rate_error(&spectrum));
         if let Some(most) = azimuthal {
             let found = AzimuthalStability::up_to(most, &shape, &spectrum).map_err(Error::no_outcome)?;
             report["azimuthal"] = found.iter().map(AzimuthalStability::report).collect();

@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{filled, merged, number, print_as, seed, writable_file, writable_folder};
+use super::output::{filled, merged, not_writable, number, print_as, seed};
 use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
 use clap::Args;
 use furrow_cell::{Cell, Numerics};
@@ -13,7 +13,7 @@ use furrow_figures::drawing::style::described;
 use furrow_figures::movie::{Movie, SurfaceMovie, even_times};
 use furrow_figures::plot;
 use furrow_formats::film::{self, check_path, write_film};
-use furrow_formats::frames::{self, FrameFiles, INDEX, check_step, write_frames};
+use furrow_formats::frames::{self, FrameFiles, check_step, write_frames};
 use furrow_input::{InputError, rounded_number};
 use furrow_lineage::Units;
 use furrow_lineage::batch::memo::Solve;
@@ -313,17 +313,13 @@ fn without_axis(
 
 /// Checks that the frames can be written, before the work that they show.
 fn writable_frames(path: Option<&Path>) -> Result<(), InputError> {
-    let files = path.map(FrameFiles::of);
-    if let Some(list) = files.as_ref().and_then(FrameFiles::foreign_list) {
-        let allowed = "another name: this file lists no frames, and would be replaced by their list";
-        return Err(InputError::not_allowed("--frames", "frames", format!("{list:?}"), allowed));
-    }
-    match files {
-        None => Ok(()),
-        Some(FrameFiles::Csv(folder)) => writable_folder("--frames", &*folder, &[INDEX]),
-        Some(FrameFiles::Ply(folder, name)) => writable_folder("--frames", &*folder, &[&format!("{name}.json")]),
-        Some(FrameFiles::Glb(path)) => writable_file("--frames", &*path),
-    }
+    let Some(path) = path else { return Ok(()) };
+    let files = FrameFiles::of(path);
+    let allowed = match files {
+        FrameFiles::Glb(_) => "a file that can be written",
+        FrameFiles::Csv(_) | FrameFiles::Ply(..) => "a folder that can be written to",
+    };
+    files.check().map_err(|error| not_writable("--frames", path, allowed, &error))
 }
 
 /// The first replicate, between the cell and all replicates.

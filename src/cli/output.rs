@@ -63,7 +63,8 @@ pub fn writable_file<'a>(option: &str, file: impl Into<Option<&'a Path>>) -> Res
     check_file(file).map_err(|error| not_writable(option, file, "a file that can be written", &error))
 }
 
-fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -> InputError {
+/// An option's file or folder that cannot be written.
+pub fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -> InputError {
     // Only a file within the given folder is named once more.
     let within = if Path::new(&error.path) == given { String::new() } else { format!("{}: ", error.path) };
     let allowed = format!("{allowed} ({within}{})", error.source);

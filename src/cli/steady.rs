@@ -90,21 +90,17 @@ fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
     })
 }
 
-/// Growth rates are known well enough if their error is below this part of them, or below a tenth of it in 1/τ.
+/// Largest error of a growth rate without a warning, relative to the rate; rates below 0.1/τ count as 0.1/τ.
 const WELL_KNOWN: f64 = 0.01;
 
-/// What to say of a growth rate that the mesh does not determine; `error` is its change on halved intervals.
-fn mesh_doubt(rate: f64, error: Option<f64>) -> Option<String> {
-    match error {
-        Some(error) if error <= WELL_KNOWN * rate.abs().max(0.1) => None,
-        Some(error) => Some(format!(
-            "the mesh is too coarse: the growth rate {rate:.6} changes by {error:.6} on halved intervals; repeat with twice the intervals"
-        )),
-        None => Some(
-            "the mesh is too coarse: halved intervals do not confirm this shape; repeat with twice the intervals"
-                .to_owned(),
-        ),
-    }
+/// The warning about a growth rate that the mesh does not determine; `error` is its change on halved intervals.
+fn mesh_warning(rate: f64, error: f64) -> Option<String> {
+    let found = match error {
+        error if error <= WELL_KNOWN * rate.abs().max(0.1) => return None,
+        error if error.is_infinite() => "halved intervals do not confirm this shape".to_owned(),
+        error => format!("the growth rate {rate:.6} changes by {error:.6} on halved intervals"),
+    };
+    Some(format!("the mesh is too coarse: {found}; repeat with twice the intervals"))
 }
 
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
@@ -128,11 +124,9 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let shape = stationary(&cell, &context.settings.numerics)?;
     let spectrum = shape.spectrum()?;
     let Cell { r0, epsilon, xi_s, cue, .. } = &shape.cortex.cell;
-    let found = stationary_report(&shape, &spectrum);
-    let rate = spectrum.growth_rate();
-    if let Some(doubt) = mesh_doubt(rate, found["growth_rate_uncertainty"].as_f64()) {
-        messages::warning!("{doubt}");
-    }
+    let error = shape.growth_rate_error(&spectrum);
+    messages::warn_of(mesh_warning(spectrum.growth_rate(), error));
+    let found = stationary_report(&shape, &spectrum, error);
     let mut document = merged(json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue }), found);
     document = merged(document, filled(json!({ "r0_um": context.units.micrometres(*r0) })));
     let disturbed = args.azimuthal.map(|most| AzimuthalStability::up_to(usize::from(most), &shape, &spectrum));

@@ -1,6 +1,6 @@
 //! Frames of a dividing cell: its contour with curvatures and forces as CSV, or its surface as PLY or glTF.
 
-use super::files::{FileSet, WriteError, write_atomically};
+use super::files::{FileSet, WriteError, check_file, check_folder, write_atomically};
 use super::surface::{SurfaceFrame, SurfaceGrid, glb, ply, strongest};
 use furrow_input::table::{Table, malformed, text as table_text};
 use furrow_input::{InputError, read_text};
@@ -86,17 +86,16 @@ impl FrameFiles {
         }
     }
 
-    /// The list of the frames, if it is a file of its own that exists and lists no frames: writing frames would replace it.
-    pub fn foreign_list(&self) -> Option<PathBuf> {
-        let list = match self {
-            FrameFiles::Csv(folder) => folder.join(INDEX),
-            FrameFiles::Ply(folder, name) => folder.join(format!("{name}.json")),
-            FrameFiles::Glb(_) => return None,
-        };
-        let text = std::fs::read(&list).ok()?;
-        let listed: Result<Vec<Map<String, Value>>, _> = serde_json::from_slice(&text);
-        let has_frames = listed.is_ok_and(|frames| frames.iter().all(|frame| frame.contains_key("file")));
-        (!has_frames).then_some(list)
+    /// Checks that the files can be written, before the work that they show.
+    ///
+    /// # Errors
+    /// [`WriteError`], also of a list that has other content than frames: it would be replaced.
+    pub fn check(&self) -> Result<(), WriteError> {
+        match self {
+            FrameFiles::Csv(folder) => Series::of_contours(folder).check(),
+            FrameFiles::Ply(folder, stem) => Series::of_surfaces(folder, stem).check(),
+            FrameFiles::Glb(path) => check_file(path),
+        }
     }
 }
 
@@ -175,8 +174,8 @@ pub fn write_frames(path: &Path, film: &Trajectory, every: Option<f64>) -> Resul
     let stills = stills(film, every);
     let files = FrameFiles::of(path);
     if let FrameFiles::Csv(folder) = &files {
-        let series = Series { folder, stem: "frame", extension: "csv", index: INDEX.to_owned() };
-        return series.write(stills.iter().map(|still| Ok((csv(still).into_bytes(), About::of(still).fields()))));
+        return Series::of_contours(folder)
+            .write(stills.iter().map(|still| Ok((csv(still).into_bytes(), About::of(still).fields()))));
     }
     write_surfaces(&files, &stills.iter().map(surface).collect::<Vec<_>>(), TENSION)
 }
@@ -199,10 +198,9 @@ pub fn write_surfaces(files: &FrameFiles, frames: &[SurfaceFrame], value: &str) 
         FrameFiles::Csv(folder) => Err(failed(folder, "surfaces are written into files that end in .ply or .glb")),
         FrameFiles::Glb(path) => write_atomically(path, &glb(frames, value).map_err(|error| failed(path, error))?),
         FrameFiles::Ply(folder, stem) => {
-            let series = Series { folder, stem, extension: "ply", index: format!("{stem}.json") };
             let strongest = strongest(frames);
             let bytes = |frame: &SurfaceFrame| ply(frame, value, strongest).map_err(|error| failed(folder, error));
-            series.write(frames.iter().map(|frame| Ok((bytes(frame)?, frame.about.clone()))))
+            Series::of_surfaces(folder, stem).write(frames.iter().map(|frame| Ok((bytes(frame)?, frame.about.clone()))))
         }
     }
 }
@@ -211,7 +209,20 @@ fn failed(path: &Path, source: impl Into<Box<dyn std::error::Error + Send + Sync
     WriteError { path: path.display().to_string(), source: io::Error::other(source) }
 }
 
-impl Series<'_> {
+impl<'a> Series<'a> {
+    fn of_contours(folder: &'a Path) -> Series<'a> {
+        Series { folder, stem: "frame", extension: "csv", index: INDEX.to_owned() }
+    }
+
+    fn of_surfaces(folder: &'a Path, stem: &'a str) -> Series<'a> {
+        Series { folder, stem, extension: "ply", index: format!("{stem}.json") }
+    }
+
+    fn check(&self) -> Result<(), WriteError> {
+        check_folder(self.folder, &[&self.index])?;
+        self.listed().map(drop)
+    }
+
     /// Name of a frame, counted from 0.
     fn name(&self, number: usize) -> String {
         format!("{}_{number:04}.{}", self.stem, self.extension)
@@ -222,7 +233,7 @@ impl Series<'_> {
         &self,
         frames: impl Iterator<Item = Result<(Vec<u8>, Map<String, Value>), WriteError>>,
     ) -> Result<(), WriteError> {
-        let earlier = self.listed();
+        let earlier = self.listed()?;
         let mut files = FileSet::new(self.folder);
         let mut entries = Vec::new();
         for (number, frame) in frames.enumerate() {
@@ -240,15 +251,20 @@ impl Series<'_> {
     }
 
     /// The numbers of the files that the folder's list names, if they are named like frames; empty without a list.
-    fn listed(&self) -> Vec<usize> {
-        let text = std::fs::read_to_string(self.folder.join(&self.index)).unwrap_or_default();
-        let listed: Vec<Listed> = serde_json::from_str(&text).unwrap_or_default();
+    ///
+    /// # Errors
+    /// The list has other content than frames.
+    fn listed(&self) -> Result<Vec<usize>, WriteError> {
+        let list = self.folder.join(&self.index);
+        let Ok(text) = std::fs::read(&list) else { return Ok(Vec::new()) };
+        let listed: Vec<Listed> = serde_json::from_slice(&text)
+            .map_err(|_| failed(&list, "it lists no frames, and would be replaced by their list"))?;
         let number = |file: &str| {
             let number = file.strip_prefix(self.stem)?.strip_prefix('_')?.strip_suffix(self.extension)?;
             number.strip_suffix('.')?.parse().ok()
         };
         let frame = |entry: Listed| number(&entry.file).filter(|number| entry.file == self.name(*number));
-        listed.into_iter().filter_map(frame).collect()
+        Ok(listed.into_iter().filter_map(frame).collect())
     }
 }
 

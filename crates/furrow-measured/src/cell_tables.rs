@@ -59,12 +59,7 @@ impl Volumes {
         let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
-        match embryo.text {
-            b"" => return Err((embryo, "no name of an embryo".to_owned())),
-            text if is_summary(text) => return Err((embryo, SUMMARY.to_owned())),
-            _ => {}
-        }
-        let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.written(), file);
+        let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.named("an embryo")?, file);
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -181,13 +176,9 @@ impl GridColumns {
             }
             return Ok(((group, of_file.to_owned()), Some(row.line as f64)));
         };
-        let value = at(embryo);
-        if value.text.is_empty() {
-            return Err((value, "no name of an embryo".to_owned()));
-        }
+        let name = at(embryo).named("an embryo")?;
         // Rows of a strain are embryos without names.
-        let name =
-            if self.group == Some(embryo) { format!("{}:{}", value.written(), row.line) } else { value.written() };
+        let name = if self.group == Some(embryo) { format!("{name}:{}", row.line) } else { name };
         let frame = self.frame.map(|column| at(column).number()).transpose()?;
         Ok(((group, name), frame))
     }

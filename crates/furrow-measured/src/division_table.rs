@@ -6,7 +6,7 @@ use furrow_input::InputError;
 use furrow_input::table::{Row, Table};
 
 use crate::events::{Division, GENERATION};
-use crate::layout::{ChiColumns, DivisionColumns, SUMMARY, embryo_of_file, is_summary};
+use crate::layout::{ChiColumns, DivisionColumns, embryo_of_file};
 use crate::names::Names;
 use crate::several::Source;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive, positive_of};
@@ -24,7 +24,7 @@ impl Volumes {
         division: impl for<'r> Fn(Row<'r>) -> Found<'r>,
     ) -> Result<(), InputError> {
         while let Some(row) = table.next_row()? {
-            let found = fitting(row).and_then(&division).and_then(|found| measured(found, file));
+            let found = fitting(row).and_then(&division);
             let found = found.and_then(|found| self.with_clear_class(row, class, found));
             match found.and_then(|found| self.first_of_its_mother(file, found)) {
                 Ok(division) => {
@@ -73,13 +73,6 @@ impl Volumes {
     }
 }
 
-/// The division, unless the row is a summary. An embryo may have the name of its file, which says nothing of rows.
-fn measured<'r>((mother, division): (Value<'r>, Division), file: &str) -> Found<'r> {
-    let named = division.embryo != embryo_of_file(file);
-    let is_one = named && is_summary(division.embryo.as_bytes()) || is_summary(mother.text);
-    if is_one { Err((mother, SUMMARY.to_owned())) } else { Ok((mother, division)) }
-}
-
 /// The name of a mother, as it is understood or else as it is written.
 fn name_of(mother: Value<'_>, embryo: &str, names: &Names) -> String {
     names.understood(embryo, &mother.written()).unwrap_or_else(|| mother.written())
@@ -106,17 +99,12 @@ pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &Re
         return Err((larger, "the larger daughter must not be the smaller one".to_owned()));
     }
     let own = columns.mother_volume.map(at).filter(|value| !value.text.is_empty()).map(positive).transpose()?;
-    let (embryo, mother) = (at(columns.embryo), at(columns.mother));
-    for (value, what) in [(embryo, "no name of an embryo"), (mother, "no name of a mother")] {
-        if value.text.is_empty() {
-            return Err((value, what.to_owned()));
-        }
-    }
+    let (embryo, mother) = (at(columns.embryo).named("an embryo")?, at(columns.mother));
+    mother.named("a mother")?;
     let generation = columns.generation.map(at).filter(|value| !value.text.is_empty());
     if let Some(value) = generation.filter(|value| value.written().parse::<u32>().is_err()) {
         return Err((value, "not a whole number of a generation".to_owned()));
     }
-    let embryo = embryo.written();
     let factor = options.factor(columns.unit, &embryo);
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
@@ -139,16 +127,19 @@ pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &Re
 pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, options): (&str, &ReadOptions)) -> Found<'r> {
     let at = |column: usize| Value::new(row, column);
     let (mother, value) = (at(columns.mother), at(columns.chi));
-    if mother.text.is_empty() {
-        return Err((mother, "no name of a mother".to_owned()));
-    }
+    mother.named("a mother")?;
     let chi = value.number()?;
     if chi.abs() >= 1.0 {
         return Err((value, "χ must be above -1 and below 1".to_owned()));
     }
     let given = |column: Option<usize>| column.map(at).filter(|value| !value.text.is_empty());
     let own = given(columns.mother_volume.map(|(column, _)| column)).map(positive).transpose()?;
-    let embryo = columns.embryo.map_or_else(|| embryo_of_file(file), |column| at(column).written());
+    let embryo = match columns.embryo.map(at) {
+        None => embryo_of_file(file),
+        // Divisions of one embryo may have no name.
+        Some(value) if value.text.is_empty() => String::new(),
+        Some(value) => value.named("an embryo")?,
+    };
     let size = columns.mother_volume.map_or(1.0, |(_, unit)| options.factor(Some(unit), &embryo));
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {

@@ -3,7 +3,7 @@
 use furrow_input::InputError;
 use furrow_input::table::{Header, Row, TIMES, columns_listed};
 
-use crate::layout::{SUMMARY, cell_column, embryo_column, is_summary};
+use crate::layout::{cell_column, embryo_column};
 use crate::lifetimes::Lifetime;
 use crate::names::Names;
 use crate::volumes::{Rejected, Value, fitting};
@@ -76,12 +76,7 @@ impl Columns {
 
     /// The embryo of a row; `None` without such a column.
     pub(crate) fn embryo_of<'r>(&self, row: Row<'r>) -> Result<Option<String>, Rejected<'r>> {
-        let Some(value) = self.embryo.map(|column| Value::new(row, column)) else { return Ok(None) };
-        match value.text {
-            b"" => Err((value, "no name of an embryo".to_owned())),
-            text if is_summary(text) => Err((value, SUMMARY.to_owned())),
-            _ => Ok(Some(value.written())),
-        }
+        self.embryo.map(|column| Value::new(row, column).named("an embryo")).transpose()
     }
 }
 

@@ -25,7 +25,9 @@ use serde::Serialize;
 use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
-use crate::layout::{ChiColumns, Columns, DivisionColumns, POPULATION, VolumeUnit, embryo_of_file};
+use crate::layout::{
+    ChiColumns, Columns, DivisionColumns, POPULATION, SUMMARY, VolumeUnit, embryo_of_file, is_summary,
+};
 use crate::matching::Matched;
 use crate::names::Names;
 use crate::pace::{InEmbryos, Shares, shares};
@@ -251,6 +253,18 @@ impl<'r> Value<'r> {
     /// The number, or the reason why the text is not a number.
     pub(crate) fn number(self) -> Result<f64, Rejected<'r>> {
         self.numbers.read(self.text).map_err(|why| (self, why))
+    }
+
+    /// The name of `what`, an embryo or a mother.
+    ///
+    /// # Errors
+    /// The field is empty, or the row summarises others.
+    pub(crate) fn named(self, what: &str) -> Result<String, Rejected<'r>> {
+        match self.text {
+            b"" => Err((self, format!("no name of {what}"))),
+            name if is_summary(name) => Err((self, SUMMARY.to_owned())),
+            _ => Ok(self.written()),
+        }
     }
 
     /// A heading as a value.

@@ -12,7 +12,7 @@ use furrow_mechanics::stability::{GrowthRate, Spectrum, StabilityError};
 
 /// A stationary shape and its stability: its rightmost growth rates with the parity of their modes, the activities of
 /// the folds that the branch passed on its way here, and, with a regulator, φ at u = ½ and at u = 0.
-pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value {
+pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum, growth_rate_error: f64) -> Value {
     let rate = |v: &GrowthRate| json!({ "re": v.re, "im": v.im, "parity": format!("{:?}", v.parity).to_lowercase() });
     let [reduced_volume, bending_energy] = shape.reduced_volume_and_bending();
     let mut report = json!({
@@ -24,7 +24,7 @@ pub fn stationary_report(shape: &StationaryShape, spectrum: &Spectrum) -> Value 
         "bending_energy": bending_energy,
         "stable": spectrum.is_stable(),
         "growth_rate": spectrum.growth_rate(),
-        "growth_rate_uncertainty": shape.growth_rate_error(spectrum),
+        "growth_rate_uncertainty": growth_rate_error,
         "growth_rates": spectrum.values.iter().map(rate).collect::<Vec<_>>(),
         "folds_passed": shape.folds,
     });

@@ -5,7 +5,7 @@ use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
 use crate::cli::error::CliError;
-use crate::cli::output::print_as;
+use crate::cli::output::{or_dash, print_as};
 use crate::cli::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::compare::departure::{Counts, Departure, LoneDivision};
@@ -191,7 +191,7 @@ fn founders_text(found: &LifetimesComparison) -> String {
             // Two sizes have a slope alone.
             let error = if line.slope_error.is_nan() { String::new() } else { format!(" ± {:.3}", line.slope_error) };
             let [slope, p] = [format!("{:.3}{error}", line.slope), p.map_or("-".to_owned(), |p| format!("{p:.2e}"))];
-            let r_squared = line.r_squared.map_or("-".to_owned(), |share| format!("{share:.3}"));
+            let r_squared = or_dash(line.r_squared, 3);
             format!("{slope:>16}{:>8}{r_squared:>8}{p:>12}", line.n)
         });
         let model = model.map_or("-".to_owned(), |Trend { line, .. }| format!("{:.3} of {}", line.slope, line.n));

@@ -178,7 +178,7 @@ pub(crate) fn scan(count: usize, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> 
 }
 
 /// The bottom of a valley between two places of the unit interval (Brent's minimisation).
-pub(crate) fn bottom([from, to]: [f64; 2], misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
+fn bottom([from, to]: [f64; 2], misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
     let solver = BrentOpt::new(from, to).set_tolerance(f64::EPSILON.sqrt(), BOTTOM);
     let run = Executor::new(Line(misfit), solver).configure(|state| state.max_iters(STEPS)).run().ok()?;
     Some((vec![run.state.best_param?], run.state.best_cost))
