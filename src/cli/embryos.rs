@@ -76,14 +76,14 @@ pub fn of_embryo(text: &str) -> Result<OfEmbryo, String> {
 
 /// The edges of voxels.
 pub fn voxels(given: &[OfEmbryo]) -> Result<PerEmbryo, InputError> {
-    let voxels = PerEmbryo::new(given.iter().cloned());
+    let voxels = PerEmbryo::of_list(given, "--voxel")?;
     voxels.require_in([1e-6, 1e6], ("--voxel", "voxel"), "a length in µm, from 1e-6 to 1e6")?;
     Ok(voxels)
 }
 
 /// Minutes per frame.
 pub fn frame_minutes(given: &[OfEmbryo]) -> Result<PerEmbryo, InputError> {
-    let minutes = PerEmbryo::new(given.iter().cloned());
+    let minutes = PerEmbryo::of_list(given, "--frame-minutes")?;
     minutes.require_in([1e-6, 1e6], ("--frame-minutes", "frame_minutes"), "a time in minutes, from 1e-6 to 1e6")?;
     Ok(minutes)
 }

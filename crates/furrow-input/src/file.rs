@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use super::InputError;
+use super::table::text;
 
 /// The longest file that is read, in bytes: 64 MB. What users write is far shorter; a longer one is some other file, or one
 /// that never ends.
@@ -35,6 +36,20 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 /// # Errors
 /// As [`read_text`].
 pub fn read_text_up_to(path: &Path, longest: u64) -> Result<String, InputError> {
+    let text = String::from_utf8(read_bytes_up_to(path, longest)?);
+    text.map_err(|error| not_utf8(path, error.as_bytes(), error.utf8_error().valid_up_to()))
+}
+
+/// [`read_text_up_to`] of a file that an older program may have written: text that is not UTF-8 is read as Latin-1.
+///
+/// # Errors
+/// As [`read_text`], but for text in another encoding than these.
+pub fn read_older_text_up_to(path: &Path, longest: u64) -> Result<String, InputError> {
+    let bytes = read_bytes_up_to(path, longest)?;
+    if is_utf16(&bytes) { Err(not_utf8(path, &bytes, 0)) } else { Ok(text(&bytes).into_owned()) }
+}
+
+fn read_bytes_up_to(path: &Path, longest: u64) -> Result<Vec<u8>, InputError> {
     let file = path.display().to_string();
     let unreadable = |reason: String| InputError::Unreadable { file: file.clone(), reason };
     let too_long = |size: &str| {
@@ -52,19 +67,25 @@ pub fn read_text_up_to(path: &Path, longest: u64) -> Result<String, InputError> 
     if bytes.len() as u64 > longest {
         return Err(too_long("it is "));
     }
-    String::from_utf8(bytes).map_err(|error| not_utf8(file, error.as_bytes(), error.utf8_error().valid_up_to()))
+    Ok(bytes)
+}
+
+/// Whether text begins with the mark of UTF-16.
+pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
+    matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..])
 }
 
 /// The error for text in another encoding; `valid` bytes of it are UTF-8.
-fn not_utf8(file: String, bytes: &[u8], valid: usize) -> InputError {
+fn not_utf8(path: &Path, bytes: &[u8], valid: usize) -> InputError {
     let before = String::from_utf8_lossy(&bytes[..valid]);
     let line = 1 + before.matches('\n').count();
     let column = 1 + before.chars().rev().take_while(|c| *c != '\n').count();
-    let message = match bytes {
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "this is UTF-16; it must be saved as UTF-8".to_owned(),
-        _ => format!("byte 0x{:02x} is not UTF-8, as text must be", bytes[valid]),
+    let message = if is_utf16(bytes) {
+        "this is UTF-16; it must be saved as UTF-8".to_owned()
+    } else {
+        format!("byte 0x{:02x} is not UTF-8, as text must be", bytes[valid])
     };
-    InputError::Malformed { file, line, column, message }
+    InputError::Malformed { file: path.display().to_string(), line, column, message }
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ mod ron;
 pub mod table;
 
 pub use csv_text::{csv_field, csv_value};
-pub use file::{LONGEST, open_file, read_text, read_text_up_to};
+pub use file::{LONGEST, open_file, read_older_text_up_to, read_text, read_text_up_to};
 pub use map::{unique_entries, unique_map};
 pub use names::{did_you_mean, forbidden, listed, printable, printable_lines, rounded_number, shown, shown_number};
 pub use place::json_field_at;

@@ -23,7 +23,7 @@ impl From<Option<f64>> for PerEmbryo {
 }
 
 impl PerEmbryo {
-    /// Numbers of embryos by name; without a name of all others.
+    /// Numbers of embryos by name; without a name of all others. Of several numbers of one embryo the last is taken.
     pub fn new(numbers: impl IntoIterator<Item = (Option<String>, f64)>) -> PerEmbryo {
         let mut found = PerEmbryo::default();
         for (embryo, number) in numbers {
@@ -33,6 +33,22 @@ impl PerEmbryo {
             }
         }
         found
+    }
+
+    /// The same of a list in which no embryo has two numbers; errors name the option.
+    ///
+    /// # Errors
+    /// The first embryo that has two.
+    pub fn of_list(numbers: &[(Option<String>, f64)], option: &str) -> Result<PerEmbryo, InputError> {
+        let again =
+            |(k, (embryo, _)): &(usize, &(Option<String>, f64))| numbers[..*k].iter().any(|(other, _)| other == embryo);
+        match numbers.iter().enumerate().find(again) {
+            None => Ok(PerEmbryo::new(numbers.iter().cloned())),
+            Some((_, (embryo, number))) => {
+                let of = embryo.as_ref().map_or("all embryos".to_owned(), |embryo| format!("{embryo:?}"));
+                Err(InputError::not_allowed(option, "value", number, format!("left out: it is the second one of {of}")))
+            }
+        }
     }
 
     /// The number of an embryo.

@@ -224,6 +224,8 @@ pub struct Volumes {
     /// Whether a volume had no unit, or the given one; and whether one was in voxels or pixels.
     takes_unit: bool,
     in_voxels: bool,
+    /// The first embryo with volumes in voxels whose edge is not given, though an edge of others is.
+    without_voxel: Option<String>,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
@@ -305,6 +307,7 @@ impl Volumes {
         self.begin_file(options);
         let (embryos, divisions) = (self.embryos.len(), self.divisions.len());
         let class = header.named(&options.class)?;
+        let others_in_voxels = std::mem::take(&mut self.in_voxels);
         let unit = if let Some(columns) = DivisionColumns::of(&header, class.clone())? {
             self.of_populations |= header.find(&[POPULATION]).is_some();
             table.share(columns.daughters.into_iter().chain(columns.mother_volume));
@@ -322,6 +325,13 @@ impl Volumes {
         } else {
             self.read_grid(&mut table, file, options, &header)?
         };
+        if self.in_voxels && !options.voxel.is_empty() {
+            let sources = self.embryos[embryos..].iter().map(|embryo| &embryo.source);
+            let mut names = sources.chain(&self.division_sources[divisions..]).map(|source| &source.name);
+            let first = names.find(|name| options.voxel.of(name).is_none()).cloned();
+            self.without_voxel = self.without_voxel.take().or(first);
+        }
+        self.in_voxels |= others_in_voxels;
         self.join_embryos(embryos);
         self.join_divisions(divisions, if unit == Unit::OfMother { 1 } else { 2 });
         let unit = if unit == Unit::Voxels && !options.voxel.is_empty() { Unit::CubicMicrometres } else { unit };
@@ -364,8 +374,8 @@ impl Volumes {
         self.in_voxels |= options.kind_of(stated) == Some(Unit::Voxels);
     }
 
-    /// Requires that the unit and the edges of voxels that were given say something of some volume, and that each embryo with an edge
-    /// of its own is in the tables.
+    /// Requires that the unit and the edges of voxels that were given say something of some volume, that each embryo with an edge
+    /// of its own is in the tables, and that no embryo in voxels lacks an edge that others have.
     ///
     /// # Errors
     /// The option that says nothing, or the first embryo that is not there.
@@ -383,7 +393,16 @@ impl Volumes {
         let mut names: Vec<&str> = of_cells.chain(of_divisions).collect();
         names.sort_unstable();
         names.dedup();
-        self.voxels.require_known(&names, "--voxel")
+        self.voxels.require_known(&names, "--voxel")?;
+        match &self.without_voxel {
+            None => Ok(()),
+            Some(name) => {
+                let allowed = format!(
+                    "given too, as --voxel {name}=UM: its volumes are in voxels, and others are converted to µm³"
+                );
+                Err(InputError::not_allowed("--voxel", "embryo", format!("{name:?}"), allowed))
+            }
+        }
     }
 
     /// Adds the cells of an embryo that were followed over time, [matched](crate::matching) to the names. Cells without a name of the

@@ -697,3 +697,26 @@ fn each_embryo_has_its_size_and_its_voxels() {
     let error = volumes.require_options().unwrap_err().to_string();
     assert_eq!(error, "--voxel: embryo = \"three\": must be one of the embryos: one, two");
 }
+
+#[test]
+fn an_embryo_in_voxels_needs_an_edge_where_another_has_one() {
+    let of_one = ReadOptions { voxel: PerEmbryo::new([(Some("one".to_owned()), 0.1)]), ..ReadOptions::default() };
+    let refused = "--voxel: embryo = \"two\": must be given too, as --voxel two=UM: its volumes are in voxels, and others are \
+                   converted to µm³";
+    for (table, said) in [
+        ("embryo,cell,volume_voxels\none,AB,8\none,P1,4\ntwo,AB,16\n", Some(refused)),
+        ("embryo,cell,volume\none,AB,8\none,P1,4\ntwo,AB,16\n", Some(refused)),
+        ("embryo,mother,larger_voxels,smaller_voxels\none,P0,8,4\ntwo,P0,16,8\n", Some(refused)),
+        ("embryo,mother,chi,mother_voxels\none,P0,0.2,8\ntwo,P0,0.3,16\n", Some(refused)),
+        ("embryo,AB,P1\none,8,4\ntwo,16,8\n", Some(refused)),
+        ("embryo,cell,volume_voxels\none,AB,8\none,P1,4\n", None),
+    ] {
+        let mut volumes = Volumes::default();
+        volumes.read(table.as_bytes(), "t.csv", &of_one).unwrap();
+        let error = volumes.require_options().err().map(|error| error.to_string());
+        assert_eq!(error.as_deref(), said, "{table}");
+    }
+    let twice = [(Some("one".to_owned()), 0.1), (Some("one".to_owned()), 0.2)];
+    let error = PerEmbryo::of_list(&twice, "--voxel").unwrap_err().to_string();
+    assert_eq!(error, "--voxel: value = 0.2: must be left out: it is the second one of \"one\"");
+}

@@ -17,6 +17,7 @@ use std::io::{Chain, Cursor, Read};
 
 use csv::ByteRecord;
 
+use crate::file::is_utf16;
 use crate::{InputError, foreign, shown};
 use bounded::{Bounded, Uniform};
 use heading::is_unnamed;
@@ -139,7 +140,7 @@ impl<'f, R: Read> Table<'f, R> {
             head.drain(..3);
         }
         foreign::refuse(file, &head, "a table (CSV)")?;
-        if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
+        if is_utf16(&head) {
             return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
         }
         if head.contains(&0) {

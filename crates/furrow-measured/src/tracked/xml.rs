@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 use furrow_input::table::{TIMES, malformed, unit_of, units_listed};
-use furrow_input::{InputError, read_text_up_to, shown};
+use furrow_input::{InputError, read_older_text_up_to, shown};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
@@ -84,7 +84,7 @@ fn finite(text: &str) -> Option<f64> {
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
-    let document = Document::read(&read_text_up_to(path, LONGEST)?, &file)?;
+    let document = Document::read(&read_older_text_up_to(path, LONGEST)?, &file)?;
     let length = document.length(&file)?;
     let minutes = unit_of(&document.times, &TIMES).map(|unit| unit.size).filter(|_| options.frame_minutes.is_none());
     let time_unit = if minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };

@@ -67,6 +67,13 @@ fn the_file_of_trackmate_has_the_units_and_the_tracks_that_are_kept() {
     assert!((lineage.cells[0].volume.unwrap() - sphere(40.0)).abs() < 1e-9);
     assert_eq!(lineage.cells[0].place.1, 7);
     assert_eq!(reports(&lineage), ["0 Spot 3: spots that belong to no track, or to one that was filtered out"]);
+    // Where the system's encoding is Windows-1252, TrackMate writes it under the heading of UTF-8.
+    let text = xml("spatialunits=\"µm\" timeunits=\"sec\"");
+    for bytes in [text.chars().map(|c| c as u8).collect::<Vec<u8>>(), [b"\xef\xbb\xbf", text.as_bytes()].concat()] {
+        let (_folder, path) = file("film.xml", bytes);
+        let other = tracked(&path);
+        assert_eq!((other.volumes, &other.cells[0].volume), (Unit::CubicMicrometres, &lineage.cells[0].volume));
+    }
     // A cell is found by its track, a spot's id and a spot's name.
     for name in ["Track_0", "12", "ID<12>"] {
         assert_eq!(lineage.place_of(name), Place::Cell(0), "{name}");
