@@ -66,7 +66,8 @@ impl Observed {
                 warnings: Vec::new(),
             });
         }
-        if let Some(mut embryo) = read_tracked(path, &TrackOptions { pixel: *voxel, frame_minutes: *frame_minutes })? {
+        let of_tracks = TrackOptions { pixel: *voxel, frame_minutes: *frame_minutes, ..TrackOptions::default() };
+        if let Some(mut embryo) = read_tracked(path, &of_tracks)? {
             let allowed = "left out with an embryo that was followed, which has sizes of its own";
             InputError::require(volumes.is_empty(), "--volumes", "volumes", "(given)", allowed)?;
             embryo.match_names(names)?;

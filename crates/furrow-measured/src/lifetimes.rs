@@ -262,7 +262,7 @@ impl Lifetimes {
         let (mut counting, mut cells) = (Vec::new(), 0);
         for EmbryoFile { path, name } in files {
             let (file, frame_minutes) = (path.display().to_string(), options.frame_minutes.of(name));
-            match read_tracked(path, &TrackOptions { pixel: None, frame_minutes })? {
+            match read_tracked(path, &TrackOptions { pixel: None, frame_minutes, without_sizes: true })? {
                 None => found.read_table(open_file(path)?, (&file, files.len() > 1), &mut rows)?,
                 Some(mut embryo) => {
                     embryo.name.clone_from(name);

@@ -347,7 +347,7 @@ impl Volumes {
         EmbryoFile { path, name }: &EmbryoFile,
         options: &ReadOptions,
     ) -> Result<(), InputError> {
-        match read_tracked(path, &TrackOptions { pixel: options.voxel.of(name), frame_minutes: None })? {
+        match read_tracked(path, &TrackOptions { pixel: options.voxel.of(name), ..TrackOptions::default() })? {
             Some(mut lineage) => {
                 lineage.name.clone_from(name);
                 self.add_tracked(lineage, options)

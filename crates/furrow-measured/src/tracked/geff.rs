@@ -14,7 +14,7 @@ use furrow_input::InputError;
 use furrow_input::table::{NamedUnit, TIMES, unit_of, units_listed};
 use serde_json::Value;
 
-use super::lengths::{LENGTHS, LengthUnit, PIXELS, length_unit, sphere_in, unit_of_spheres};
+use super::lengths::{LENGTHS, LengthUnit, PIXELS, known_length_unit, sphere_in, unit_of_spheres};
 use super::spots::{Spot, Spots};
 use super::zarr::{self, Array, Rows, Values};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of};
@@ -229,7 +229,8 @@ impl Sizes {
             let allowed = format!("one of {}, or none (relative sizes)", units_listed(&LENGTHS));
             InputError::not_allowed(file, format!("unit of {property}"), written, allowed)
         };
-        let length = said.as_str().map(|written| length_unit(written).ok_or_else(|| refused(written))).transpose()?;
+        let length =
+            said.as_str().map(|written| known_length_unit(written, &options, || refused(written))).transpose()?;
         let unit = length.map_or(Unit::Relative, |length| unit_of_spheres(length, &options));
         Ok(Sizes { property, values: radii, are_volumes: false, unit, length, options })
     }

@@ -1,5 +1,6 @@
 //! Units of lengths, and the volumes of spheres in them.
 
+use furrow_input::InputError;
 use furrow_input::table::{NamedUnit, unit_of};
 
 use super::TrackOptions;
@@ -31,6 +32,15 @@ pub(super) const LENGTHS: [LengthUnit; 8] = [
 /// A unit of lengths by a text, which may be in brackets.
 pub(super) fn length_unit(text: &str) -> Option<LengthUnit> {
     unit_of(text.trim().trim_matches(['(', ')', '[', ']']), &LENGTHS).copied()
+}
+
+/// The unit of lengths by a text; an unknown one is refused where sizes are needed.
+pub(super) fn known_length_unit(
+    text: &str,
+    options: &TrackOptions,
+    refused: impl FnOnce() -> InputError,
+) -> Result<LengthUnit, InputError> {
+    length_unit(text).or(options.without_sizes.then_some(PIXELS)).ok_or_else(refused)
 }
 
 /// The volume of a sphere.

@@ -219,6 +219,8 @@ pub struct TrackOptions {
     pub pixel: Option<f64>,
     /// Minutes from one frame to the next, for times in frames.
     pub frame_minutes: Option<f64>,
+    /// Sizes are not needed: those in an unknown unit of length count as pixels.
+    pub without_sizes: bool,
 }
 
 /// Bytes at the start of a file that decide its format.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use csv::ByteRecord;
 use furrow_input::{InputError, listed, open_file, shown};
 
-use super::lengths::{LENGTHS, LengthUnit, PIXELS, length_unit, sphere_in, unit_of_spheres};
+use super::lengths::{LENGTHS, LengthUnit, PIXELS, known_length_unit, sphere_in, unit_of_spheres};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, whole};
@@ -183,13 +183,14 @@ impl Heading {
     }
 
     /// The unit of radii: `None` without a line of units.
-    fn unit(&self, radius: usize, file: &str) -> Result<Option<LengthUnit>, InputError> {
+    fn unit(&self, radius: usize, file: &str, options: &TrackOptions) -> Result<Option<LengthUnit>, InputError> {
         let Some(units) = &self.units else { return Ok(None) };
         let text = text(units.get(radius).unwrap_or_default());
-        length_unit(&text).map(Some).ok_or_else(|| {
+        let unit = known_length_unit(&text, options, || {
             let why = format!("the unit of radii is {}: must be one of {}", shown(&text), units_listed(&LENGTHS));
             malformed(file, self.lines, why)
-        })
+        })?;
+        Ok(Some(unit))
     }
 }
 
@@ -237,7 +238,7 @@ fn read_spots(
     let [label, id, frame] = columns;
     let columns = [label?, id?, frame?];
     let radius = heading.place(radius, false);
-    let written = radius.map_or(Ok(None), |at| heading.unit(at, &file))?;
+    let written = radius.map_or(Ok(None), |at| heading.unit(at, &file, options))?;
     // Without a line of units radii say which cell is larger, and no more, unless pixels are given their size.
     let length = written.unwrap_or(PIXELS);
     let unit = match written {

@@ -14,7 +14,7 @@ use furrow_input::{InputError, open_file};
 use serde_json::Value as Json;
 
 use super::chains::{self, Chain, Only};
-use super::lengths::{LENGTHS, LengthUnit, length_unit, sphere_in, unit_of_pixels, unit_of_spheres};
+use super::lengths::{LENGTHS, LengthUnit, known_length_unit, sphere_in, unit_of_pixels, unit_of_spheres};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, whole, zarr};
@@ -112,7 +112,7 @@ impl Columns {
             Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind),
             // Programs that count in voxels do not say so.
             Some((at, _)) => (Size::Volume(at, voxel), voxels),
-            None => match (length(header)?, area) {
+            None => match (length(header, options)?, area) {
                 (Some((at, part, unit)), _) => (Size::Length(at, part, unit), unit_of_spheres(unit, options)),
                 (None, Some(at)) => (Size::Volume(at, voxel), voxels),
                 (None, None) => (Size::Unknown, voxels),
@@ -144,11 +144,11 @@ fn size_of_ilastik(header: &Header<'_>) -> Option<usize> {
 }
 
 /// The column of radii or diameters, its values per diameter (2 or 1), and its unit, pixels unless the heading says another.
-fn length(header: &Header<'_>) -> Result<Option<(usize, f64, LengthUnit)>, InputError> {
+fn length(header: &Header<'_>, options: &TrackOptions) -> Result<Option<(usize, f64, LengthUnit)>, InputError> {
     for (name, part) in [("radius", 2.0), ("diameter", 1.0)] {
         let Some(at) = header.names.iter().position(|heading| unified(split_unit(heading).0) == name) else { continue };
         let heading = &header.names[at];
-        let unit = length_unit(split_unit(heading).1.unwrap_or_default()).ok_or_else(|| {
+        let unit = known_length_unit(split_unit(heading).1.unwrap_or_default(), options, || {
             let allowed = units_listed(&LENGTHS);
             header.refused(format!("the unit of column {}, {heading:?}, must be one of {allowed}", at + 1))
         })?;

@@ -11,7 +11,7 @@ use furrow_input::{InputError, read_older_text_up_to, shown};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use super::lengths::{LENGTHS, LengthUnit, length_unit, sphere_in, unit_of_spheres};
+use super::lengths::{LENGTHS, LengthUnit, known_length_unit, sphere_in, unit_of_spheres};
 use super::rows::{contents_of, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, whole};
@@ -85,7 +85,7 @@ fn finite(text: &str) -> Option<f64> {
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let document = Document::read(&read_older_text_up_to(path, LONGEST)?, &file)?;
-    let length = document.length(&file)?;
+    let length = document.length(&file, options)?;
     let minutes = unit_of(&document.times, &TIMES).map(|unit| unit.size).filter(|_| options.frame_minutes.is_none());
     let time_unit = if minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
     let kept = |track: &&Track| document.kept.as_ref().is_none_or(|kept| kept.contains(&track.id));
@@ -181,8 +181,8 @@ impl Document {
     }
 
     /// The unit of radii.
-    fn length(&self, file: &str) -> Result<LengthUnit, InputError> {
-        length_unit(&self.lengths).ok_or_else(|| {
+    fn length(&self, file: &str, options: &TrackOptions) -> Result<LengthUnit, InputError> {
+        known_length_unit(&self.lengths, options, || {
             let allowed = format!("one of {}", units_listed(&LENGTHS));
             InputError::not_allowed(file, "spatialunits of Model", shown(&self.lengths), allowed)
         })

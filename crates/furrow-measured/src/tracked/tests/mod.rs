@@ -138,7 +138,7 @@ fn nuclei_in_a_folder_and_in_an_archive_are_the_same_cells() {
     let (_folder, path) = file("embryo.zip", zipped(&NUCLEI));
     assert_eq!(lives(&tracked(&path)), LIVES);
     assert_eq!(tracked(&path).name, "embryo");
-    let options = TrackOptions { pixel: Some(0.5), frame_minutes: Some(1.5) };
+    let options = TrackOptions { pixel: Some(0.5), frame_minutes: Some(1.5), ..TrackOptions::default() };
     let scaled = read_tracked(&path, &options).unwrap().unwrap();
     assert_eq!((scaled.time, scaled.volumes), (TimeUnit::Minutes, Unit::CubicMicrometres));
     assert_eq!((scaled.cells[1].birth, scaled.cells[1].lifetime()), (4.5, Some(3.0)));
@@ -320,7 +320,7 @@ fn names_are_understood_or_skipped() {
     let lifetimes = |from: &str, to: &str| {
         let texts: Vec<String> = NUCLEI.iter().map(|text| text.replace(from, to)).collect();
         let folder = nuclei(&texts.iter().map(String::as_str).collect::<Vec<_>>());
-        let options = TrackOptions { pixel: None, frame_minutes: Some(1.0) };
+        let options = TrackOptions { pixel: None, frame_minutes: Some(1.0), ..TrackOptions::default() };
         let embryo = read_tracked(folder.path(), &options).unwrap().unwrap();
         (super::tests::lifetimes(folder.path(), Some(1.0)), embryo.skipped_with_names(&Names::default()))
     };

@@ -80,9 +80,14 @@ fn the_file_of_trackmate_has_the_units_and_the_tracks_that_are_kept() {
     }
     assert_eq!(lineage.place_of("Track_1"), Place::Nowhere);
     // Given minutes count frames.
-    let options = TrackOptions { pixel: Some(0.5), frame_minutes: Some(2.0) };
+    let options = TrackOptions { pixel: Some(0.5), frame_minutes: Some(2.0), ..TrackOptions::default() };
     let given = read_tracked(&path, &options).unwrap().unwrap();
     assert_eq!((given.cells[0].birth, given.cells[0].division), (2.0, Some(6.0)));
+    // Lifetimes need no unit of length.
+    let (_folder, path) = file("film.xml", xml("spatialunits=\"parsec\" timeunits=\"sec\""));
+    let of_times =
+        read_tracked(&path, &TrackOptions { without_sizes: true, ..TrackOptions::default() }).unwrap().unwrap();
+    assert_eq!(of_times.cells[0].division, Some(4.5));
     let (_folder, path) = file("film.xml", xml("spatialunits=\"pixel\" timeunits=\"frame\""));
     let plain = tracked(&path);
     assert_eq!((plain.time, plain.volumes, plain.cells[0].birth), (TimeUnit::Frames, Unit::Voxels, 1.0));
