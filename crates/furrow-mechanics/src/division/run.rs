@@ -135,38 +135,14 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let DivisionOptions { observer, cancel, parameters } = options;
     let mut unobserved = |_: Frame<'_>| {};
     let observe = observer.unwrap_or(&mut unobserved);
-    let DivisionInput { cell, numerics, seed } = input;
-    check(cell)?;
-    if !cell.has_axis() {
-        let what = "a flattened shell, or a cue at one side of the axis, needs equations without axial symmetry";
-        return Err(DivisionError::Unsupported { what, instead: "compute it with --three-dimensional" });
-    }
-    if numerics.modes > 0 {
-        let instead = "leave out --three-dimensional, and set modes = 0";
-        return Err(DivisionError::Unsupported { what: "these equations have axial symmetry", instead });
-    }
-    let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
-    let mut stepper = start.stepper(cell, numerics)?;
+    require_axial_symmetry(input)?;
+    let cell = &*polarity::resolved(&input.cell).map_err(|source| DivisionError::Polarity { source })?;
+    let mut stepper = start.stepper(cell, &input.numerics)?;
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
     let (shape, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
-    let parity = cell.is_mirror_symmetric();
-    if start.watched().is_none() {
-        stepper.adapt(parity, FIRST_MESH);
-    }
-    stepper.extrapolates = numerics.scheme == Scheme::Converged;
-    let mut run = Run::new(numerics, parity, tangent);
-    let mut noise = Noise::new(*seed, numerics);
-    run.first_step(&mut stepper, &mut noise)?;
-    run.regulated = stepper.cortex.is_regulated();
-    run.noise = Some(noise).filter(|noise| noise.sustained().is_some());
-    // Sustained noise keeps exciting the antisymmetric part. Without noise the antisymmetric part consists of rounding
-    // errors, which must grow as they do on the whole contour.
-    if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 && run.noise.is_none() {
-        stepper.nearly_symmetric = NEARLY_SYMMETRIC;
-        stepper.halve();
-    }
-    loop {
+    let mut run = Run::begin(input, start, &mut stepper, tangent)?;
+    let division = loop {
         if cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
             return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.history[0].t });
         }
@@ -182,55 +158,27 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
         let newest = &stepper.history[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
         observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
-        if let Some(neck) = run.neck
-            && neck.radius < PINCH_OFF * cell.r0
-        {
-            let division = run.divided(&stepper, neck, numerics.chi_symmetric);
-            let smooth = division.slow_growth_rate.is_none();
-            return Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))));
-        }
-        if let Some([until, _]) = start.watched() {
-            if stepper.history[0].t >= until * (1.0 - ROUNDING) {
-                // With the growth rate of the nearest stationary shape.
-                let growth_rate = Rest::near(&stepper, 0, run.parity).map(|rest| rest.growth_rate);
-                return Ok((run.arrested(&stepper, growth_rate), None));
-            }
-            stepper.adapt(run.parity, 1.5);
-            continue;
-        }
-        if let Some(rest) = run.detector.look(&stepper, run.parity) {
-            // The published scheme cannot leave every unstable shape: backward Euler multiplies a mode by 1/(1 − σΔt).
-            if rest.growth_rate < 0.0 || run.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0) {
-                return Ok((run.arrested(&stepper, Some(rest.growth_rate)), None));
-            }
-            // Sustained noise moves the cell away from the saddle.
-            if run.noise.is_none() {
-                run.wait_at_saddle(&mut stepper, &rest);
-            }
-        }
-        let newest = &stepper.history[0];
-        if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
-            return Err(DivisionError::Oscillates { r0: cell.r0, period });
-        }
-        if run.steps > limits::most_steps(numerics) {
-            let (t, steps, advice) = (newest.t, run.steps, advice_on_motion(&cell.cue));
-            return Err(DivisionError::Restless { r0: cell.r0, t, steps, advice });
-        }
-        if newest.t > run.t_max {
-            let drifts = if run.fixed.is_none() { limits::neutral_drift(&stepper) } else { None };
-            let Cell { r0, epsilon, .. } = *cell;
-            match (drifts, run.slow_growth_rate) {
-                (Some(_), _) => return Ok((run.arrested(&stepper, drifts), None)),
-                (None, Some(growth_rate)) => return Err(DivisionError::Critical { r0, growth_rate }),
-                // Creeping time does not count.
-                (None, None) if run.fixed.is_none() && limits::creeps(&stepper, run.longest) => {
-                    run.t_max = newest.t + run.longest;
-                }
-                (None, None) => return Err(DivisionError::Undecided { r0, epsilon, t_max: run.t_max }),
-            }
+        if let Some(division) = run.ended(&mut stepper, start, &input.numerics)? {
+            break division;
         }
         stepper.adapt(run.parity, 1.5);
+    };
+    let smooth = matches!(division.ending, Ending::Divided { .. }) && division.slow_growth_rate.is_none();
+    Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))))
+}
+
+/// Requires a valid cell and numerics that the equations with axial symmetry can describe.
+fn require_axial_symmetry(input: &DivisionInput) -> Result<(), DivisionError> {
+    check(&input.cell)?;
+    if !input.cell.has_axis() {
+        let what = "a flattened shell, or a cue at one side of the axis, needs equations without axial symmetry";
+        return Err(DivisionError::Unsupported { what, instead: "compute it with --three-dimensional" });
     }
+    if input.numerics.modes > 0 {
+        let instead = "leave out --three-dimensional, and set modes = 0";
+        return Err(DivisionError::Unsupported { what: "these equations have axial symmetry", instead });
+    }
+    Ok(())
 }
 
 /// The regulator at u in one of the last shapes.
@@ -275,19 +223,39 @@ struct Run {
 }
 
 impl Run {
-    /// The state before the first step.
-    fn new(numerics: &Numerics, parity: bool, tangent: Option<Tangent>) -> Run {
-        Run {
+    /// Makes the first step.
+    fn begin(
+        DivisionInput { numerics, seed, .. }: &DivisionInput,
+        start: &Start<'_>,
+        stepper: &mut Stepper,
+        tangent: Option<Tangent>,
+    ) -> Result<Run, DivisionError> {
+        let mut run = Run {
             tolerance: numerics.time_tolerance,
             factor: numerics.step_factor,
-            parity,
+            parity: stepper.cortex.cell.is_mirror_symmetric(),
             dt: Noise::first_step(numerics),
             fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
             longest: numerics.t_max,
             t_max: numerics.t_max,
             tangent,
             ..Run::default()
+        };
+        if start.watched().is_none() {
+            stepper.adapt(run.parity, FIRST_MESH);
         }
+        stepper.extrapolates = numerics.scheme == Scheme::Converged;
+        let mut noise = Noise::new(*seed, numerics);
+        run.first_step(stepper, &mut noise)?;
+        run.regulated = stepper.cortex.is_regulated();
+        run.noise = Some(noise).filter(|noise| noise.sustained().is_some());
+        // Sustained noise keeps exciting the antisymmetric part. Without noise the antisymmetric part consists of rounding
+        // errors, which must grow as they do on the whole contour.
+        if run.parity && stepper.extrapolates && numerics.noise != 0.0 && run.noise.is_none() {
+            stepper.nearly_symmetric = NEARLY_SYMMETRIC;
+            stepper.halve();
+        }
+        Ok(run)
     }
 
     /// The first step, with noisy activity. The noise acts in a step of given length, independent of the step factor.
@@ -382,6 +350,59 @@ impl Run {
                     self.stalled(stepper, attempt.map_or_else(StepFailure::Newton, |_| StepFailure::Inaccurate))
                 );
             }
+        }
+    }
+
+    /// The division if it ends with the newest shape: at pinch-off, at rest, or at the end of the time.
+    fn ended(
+        &mut self,
+        stepper: &mut Stepper,
+        start: &Start<'_>,
+        numerics: &Numerics,
+    ) -> Result<Option<Division>, DivisionError> {
+        let r0 = stepper.cortex.cell.r0;
+        if let Some(neck) = self.neck.filter(|neck| neck.radius < PINCH_OFF * r0) {
+            return Ok(Some(self.divided(stepper, neck, numerics.chi_symmetric)));
+        }
+        if let Some([until, _]) = start.watched() {
+            let is_over = stepper.history[0].t >= until * (1.0 - ROUNDING);
+            // With the growth rate of the nearest stationary shape.
+            let growth_rate = || Rest::near(stepper, 0, self.parity).map(|rest| rest.growth_rate);
+            return Ok(is_over.then(|| self.arrested(stepper, growth_rate())));
+        }
+        if let Some(rest) = self.detector.look(stepper, self.parity) {
+            // The published scheme cannot leave every unstable shape: backward Euler multiplies a mode by 1/(1 − σΔt).
+            if rest.growth_rate < 0.0 || self.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0) {
+                return Ok(Some(self.arrested(stepper, Some(rest.growth_rate))));
+            }
+            // Sustained noise moves the cell away from the saddle.
+            if self.noise.is_none() {
+                self.wait_at_saddle(stepper, &rest);
+            }
+        }
+        let newest = &stepper.history[0];
+        if let Some(period) = self.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
+            return Err(DivisionError::Oscillates { r0, period });
+        }
+        if self.steps > limits::most_steps(numerics) {
+            let advice = advice_on_motion(&stepper.cortex.cell.cue);
+            return Err(DivisionError::Restless { r0, t: newest.t, steps: self.steps, advice });
+        }
+        if newest.t > self.t_max { self.out_of_time(stepper) } else { Ok(None) }
+    }
+
+    /// The end of a cell whose time is over; creeping time does not count.
+    fn out_of_time(&mut self, stepper: &Stepper) -> Result<Option<Division>, DivisionError> {
+        let Cell { r0, epsilon, .. } = stepper.cortex.cell;
+        let drifts = if self.fixed.is_none() { limits::neutral_drift(stepper) } else { None };
+        match (drifts, self.slow_growth_rate) {
+            (Some(_), _) => Ok(Some(self.arrested(stepper, drifts))),
+            (None, Some(growth_rate)) => Err(DivisionError::Critical { r0, growth_rate }),
+            (None, None) if self.fixed.is_none() && limits::creeps(stepper, self.longest) => {
+                self.t_max = stepper.history[0].t + self.longest;
+                Ok(None)
+            }
+            (None, None) => Err(DivisionError::Undecided { r0, epsilon, t_max: self.t_max }),
         }
     }
 
