@@ -3,10 +3,12 @@
 use std::collections::HashMap;
 use std::io::Read;
 
-use furrow_input::table::{Header, Row, Table, split_unit, text, unit_of, units_listed};
+use furrow_input::table::{Header, Row, TIMES, Table, split_unit, text, unit_of, units_listed};
 use furrow_input::{InputError, shown};
 
-use crate::layout::{Columns, FRAME, GridColumns, SUMMARY, Unit, VOLUMES, VolumeUnit, embryo_of_file, is_summary};
+use crate::layout::{
+    Columns, FRAME, GridColumns, SUMMARY, Unit, VOLUMES, VolumeUnit, embryo_of_file, is_absent, is_summary,
+};
 use crate::names::Names;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
 
@@ -28,7 +30,7 @@ impl Volumes {
             let noted = match read {
                 Ok(Some(unit)) if unit.text.is_empty() => Err((unit, "no unit".to_owned())),
                 Ok(unit) => {
-                    let unit = unit.map(|unit| one_kind(file, &unit, &mut said)).transpose()?;
+                    let unit = unit.map(|unit| one_kind(file, &unit, columns.volume.1, &mut said)).transpose()?;
                     let factor = options.factor(unit.or(columns.volume.1), &embryo);
                     self.read_row(columns, row, (file, options), factor)
                 }
@@ -59,7 +61,7 @@ impl Volumes {
         let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
-        let embryo = self.embryo(options.group_of(columns.group.map(at)), embryo.named("an embryo")?, file);
+        let embryo = self.embryo(options.group_of(columns.group.map(at))?, embryo.named("an embryo")?, file);
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -109,7 +111,7 @@ impl Volumes {
             for (column, cell) in known.cells.iter().enumerate().filter_map(|(column, cell)| Some((column, (*cell)?))) {
                 let value = Value::new(row, column);
                 // An empty field: the cell does not exist in this frame.
-                if value.text.is_empty() || value.text.eq_ignore_ascii_case(b"nan") {
+                if is_absent(value.text) {
                     continue;
                 }
                 let noted = positive(value).and_then(|volume| {
@@ -164,13 +166,14 @@ impl GridColumns {
         options: &ReadOptions,
     ) -> Result<((String, String), Option<f64>), Rejected<'r>> {
         let at = |column: usize| Value::new(row, column);
-        if let Some(label) = self.label.map(at).filter(|label| is_summary(label.text)) {
+        let is_unit = |label: &Value<'_>| label.line == self.first_line && unit_of(&label.written(), &TIMES).is_some();
+        if let Some(label) = self.label.map(at).filter(|label| is_summary(label.text) && !is_unit(label)) {
             return Err((label, SUMMARY.to_owned()));
         }
-        let group = options.group_of(self.group.map(at));
+        let group = options.group_of(self.group.map(at))?;
         let Some(embryo) = self.embryo else {
             let label = self.label.filter(|label| self.frame != Some(*label)).map(at);
-            if let Some(label) = label.filter(|label| !may_be_frame(&label.written())) {
+            if let Some(label) = label.filter(|label| !label.may_be_frame()) {
                 let why = "may be an embryo or a frame: the column must be called embryo or frame";
                 return Err((label, why.to_owned()));
             }
@@ -184,7 +187,20 @@ impl GridColumns {
     }
 }
 
-/// Whether a row's name can be a frame: a number, a time, t12, frame 12 or an empty field.
+/// Headings of numbers of rows. Under any other heading a number may be an embryo's.
+const NUMBERS: [&str; 6] = ["", "index", "row", "image", "tp", "frames"];
+
+impl Value<'_> {
+    /// Whether a row's name can be a frame by its column's heading and by itself.
+    fn may_be_frame(&self) -> bool {
+        let heading = self.name().to_lowercase();
+        let heading = heading.trim_matches(|c: char| !c.is_alphanumeric());
+        let is_of_numbers = NUMBERS.contains(&heading) || FRAME.contains(&heading);
+        self.text.is_empty() || is_of_numbers && may_be_frame(&self.written())
+    }
+}
+
+/// Whether a text can be a frame: a number, a time, t12 or frame 12.
 fn may_be_frame(label: &str) -> bool {
     let number = label.trim_start_matches(|c: char| !c.is_ascii_digit());
     let word = label[..label.len() - number.len()].to_lowercase();
@@ -213,11 +229,19 @@ fn grid_unit(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<
     Ok(found)
 }
 
-/// Requires one kind of unit in all rows.
-fn one_kind(file: &str, value: &Value<'_>, said: &mut Option<VolumeUnit>) -> Result<VolumeUnit, InputError> {
+/// The unit in a row, which is the heading's, if that has one, and of one kind in all rows.
+pub(crate) fn one_kind(
+    file: &str,
+    value: &Value<'_>,
+    of_heading: Option<VolumeUnit>,
+    said: &mut Option<VolumeUnit>,
+) -> Result<VolumeUnit, InputError> {
     let written = text(value.text);
     let refused = |allowed: String| InputError::not_allowed(file, value.field(), &written, allowed);
     let unit = unit_of(&written, &VOLUMES).ok_or_else(|| refused(format!("one of {}", units_listed(&VOLUMES))))?;
+    if let Some(heading) = of_heading.filter(|heading| heading != unit) {
+        return Err(refused(format!("{}, the unit of the heading", heading.words.first().unwrap_or(&"relative"))));
+    }
     match said.replace(*unit) {
         Some(before) if before.kind != unit.kind => {
             Err(refused(format!("{}, the unit of the rows before", before.kind.symbol())))

@@ -1,12 +1,13 @@
 //! Tables with a division in every row.
 
+use std::cell::Cell;
 use std::io::Read;
 
 use furrow_input::InputError;
-use furrow_input::table::{Row, Table};
+use furrow_input::table::{Row, Table, unit_of, units_listed};
 
 use crate::events::{Division, GENERATION};
-use crate::layout::{ChiColumns, DivisionColumns, embryo_of_file};
+use crate::layout::{ChiColumns, DivisionColumns, VOLUMES, VolumeUnit, embryo_of_file, is_absent};
 use crate::names::Names;
 use crate::several::Source;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive, positive_of};
@@ -90,26 +91,50 @@ fn class_of<'r>(row: Row<'r>, columns: &[usize]) -> Result<Option<String>, Rejec
     Ok((!columns.is_empty()).then_some(class))
 }
 
+/// The unit of a row's volumes: of its column, where there is one, of which `said` keeps the first, or else of the headings.
+fn unit_of_row<'r>(
+    row: Row<'r>,
+    columns: &DivisionColumns,
+    said: &Cell<Option<VolumeUnit>>,
+) -> Result<Option<VolumeUnit>, Rejected<'r>> {
+    let Some(value) = columns.unit_column.map(|column| Value::new(row, column)) else { return Ok(columns.unit) };
+    let unit = unit_of(&value.written(), &VOLUMES).filter(|_| !value.text.is_empty()).copied();
+    let unit = unit.ok_or_else(|| (value, format!("must be one of {}", units_listed(&VOLUMES))))?;
+    if columns.unit.is_some_and(|heading| heading != unit) {
+        return Err((value, "another unit than the heading's".to_owned()));
+    }
+    if said.get().is_some_and(|before| before.kind != unit.kind) {
+        return Err((value, "a unit of another kind than in the rows before".to_owned()));
+    }
+    said.set(said.get().or(Some(unit)));
+    Ok(Some(unit))
+}
+
 /// The division of a row with volumes.
-pub(crate) fn division<'r>(row: Row<'r>, columns: &DivisionColumns, options: &ReadOptions) -> Found<'r> {
+pub(crate) fn division<'r>(
+    row: Row<'r>,
+    columns: &DivisionColumns,
+    options: &ReadOptions,
+    said: &Cell<Option<VolumeUnit>>,
+) -> Found<'r> {
     let at = |column: usize| Value::new(row, column);
     let [larger, smaller] = columns.daughters.map(at);
     let volumes = [positive(larger)?, positive(smaller)?];
     if volumes[0] < volumes[1] {
         return Err((larger, "the larger daughter must not be the smaller one".to_owned()));
     }
-    let own = columns.mother_volume.map(at).filter(|value| !value.text.is_empty()).map(positive).transpose()?;
+    let own = columns.mother_volume.map(at).filter(|value| !is_absent(value.text)).map(positive).transpose()?;
     let (embryo, mother) = (at(columns.embryo).named("an embryo")?, at(columns.mother));
     mother.named("a mother")?;
-    let generation = columns.generation.map(at).filter(|value| !value.text.is_empty());
+    let generation = columns.generation.map(at).filter(|value| !is_absent(value.text));
     if let Some(value) = generation.filter(|value| value.written().parse::<u32>().is_err()) {
         return Err((value, "not a whole number of a generation".to_owned()));
     }
-    let factor = options.factor(columns.unit, &embryo);
+    let factor = options.factor(unit_of_row(row, columns, said)?, &embryo);
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
-        group: options.group_of(columns.population.map(at)),
+        group: options.group_of(columns.population.map(at))?,
         // Without classes mothers of different embryos share only their generation.
         mother: class_of(row, &columns.class)?
             .or(generation.map(|number| format!("{GENERATION}{}", number.written())))
@@ -132,7 +157,7 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     if chi.abs() >= 1.0 {
         return Err((value, "χ must be above -1 and below 1".to_owned()));
     }
-    let given = |column: Option<usize>| column.map(at).filter(|value| !value.text.is_empty());
+    let given = |column: Option<usize>| column.map(at).filter(|value| !is_absent(value.text));
     let own = given(columns.mother_volume.map(|(column, _)| column)).map(positive).transpose()?;
     let embryo = match columns.embryo.map(at) {
         None => embryo_of_file(file),
@@ -144,7 +169,7 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
-        group: options.group_of(columns.group.map(at)),
+        group: options.group_of(columns.group.map(at))?,
         daughters: ["first", "second"].map(|which| format!("{name} {which}")),
         mother: class_of(row, &columns.class)?.unwrap_or(name),
         volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],

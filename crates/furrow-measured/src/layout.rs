@@ -80,8 +80,8 @@ impl Columns {
         let (cell, volume, of_file) = (cell_column(header), volume_column(header)?, embryo);
         let embryo = embryo_column(header);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
-            let (group, frame) = (header.find(GROUP), frame_column(header)?);
-            let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&["unit"]));
+            let (group, frame) = (group_column(header), frame_column(header)?);
+            let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&UNIT));
             return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
         if names.any_on_top(of_file, &header.names) {
@@ -98,8 +98,10 @@ impl Columns {
 }
 
 /// Names of the column of embryos; one that comes first here counts where a table has several.
-const EMBRYO: [&str; 14] = [
+const EMBRYO: [&str; 18] = [
     "embryo",
+    "embryos",
+    "emb",
     "embryo_name",
     "embryo_id",
     "embryo_no",
@@ -111,6 +113,8 @@ const EMBRYO: [&str; 14] = [
     "animal",
     "animal_id",
     "individual",
+    "specimen",
+    "egg",
     "worm",
     "replicate",
 ];
@@ -136,8 +140,16 @@ fn frame_column(header: &Header<'_>) -> Result<Option<usize>, InputError> {
     Ok(times.first().map(|(column, _)| *column))
 }
 
-/// Names of the column of groups.
-const GROUP: &[&str] = &["group", "condition"];
+/// Names of the column of groups; one that comes first here counts where a table has several.
+const GROUP: [&str; 5] = ["group", "condition", "strain", "genotype", "treatment"];
+
+/// The column of groups.
+pub(crate) fn group_column(header: &Header<'_>) -> Option<usize> {
+    GROUP.iter().find_map(|name| header.find(&[name]))
+}
+
+/// Names of the column with the unit of each row's volumes.
+const UNIT: [&str; 5] = ["unit", "units", "volume_unit", "volume_units", "unit_of_volume"];
 
 /// The column of cells. Tables that have several of these put other names than the cell's in `name`.
 pub(crate) fn cell_column(header: &Header<'_>) -> Option<usize> {
@@ -166,63 +178,52 @@ pub(crate) struct GridColumns {
     pub(crate) frame: Option<usize>,
     /// The names of rows: of one of these columns, or of a first one that is no cell.
     pub(crate) label: Option<usize>,
+    /// The line below the heading, which may have units.
+    pub(crate) first_line: u64,
 }
 
 impl GridColumns {
     pub(crate) fn of(header: &Header<'_>, is_cell: impl Fn(&str) -> bool) -> Result<GridColumns, InputError> {
-        let group = header.find(GROUP).or_else(|| header.find(&["strain", "genotype", "treatment"]));
+        let group = group_column(header);
         let frame = frame_column(header)?;
         // Where rows are not called otherwise, each row of a strain is an embryo.
         let embryo = embryo_column(header).or(group.filter(|_| frame.is_none()));
         let is_first = header.names.first().is_some_and(|name| !is_cell(name));
         let label = embryo.or(frame).or(is_first.then_some(0));
-        Ok(GridColumns { embryo, group, frame, label })
+        Ok(GridColumns { embryo, group, frame, label, first_line: header.line as u64 + 1 })
     }
 }
 
 /// What summaries of other rows are called, without blanks and signs.
-const SUMMARIES: [&[u8]; 26] = [
-    b"mean",
-    b"means",
-    b"meansd",
-    b"meansem",
-    b"average",
-    b"avg",
-    b"mittelwert",
-    b"median",
-    b"sd",
-    b"std",
-    b"stdev",
-    b"stddev",
-    b"standarddeviation",
-    b"stabw",
-    b"standardabweichung",
-    b"se",
-    b"sem",
-    b"stderr",
-    b"standarderror",
-    b"variance",
-    b"var",
-    b"cv",
-    b"n",
-    b"count",
-    b"sum",
-    b"total",
-];
+const SUMMARIES: &str = "mean means meansd meansem average avg mittelwert median mode sd std stdev stddev standarddeviation stddeviation \
+    stabw standardabweichung se sem stderr standarderror stderrorofmean stderrormean variance var samplevariance cv n count numberofvalues \
+    nobs sum total min minimum max maximum range quartile iqr kurtosis skewness confidencelevel pvalue ttest coefficientofvariation \
+    1stqu 3rdqu 1stquartile 3rdquartile lower95ciofmean upper95ciofmean lower95ci upper95ci 95ci";
 
-/// Whether a text calls a row a summary of others, such as Mean, S.E.M. or SD (n - 1).
+/// Whether a text calls a row a summary of others, such as Mean, S.E.M., SD (n - 1) or 25 % percentile.
 pub(crate) fn is_summary(text: &[u8]) -> bool {
     let (mut word, mut length) = ([0; 24], 0);
     for byte in text.iter().take_while(|byte| !b"([:".contains(byte)) {
-        if byte.is_ascii_digit() || length == word.len() {
+        if length == word.len() {
             return false;
         }
-        if byte.is_ascii_alphabetic() {
+        if byte.is_ascii_alphanumeric() {
             word[length] = byte.to_ascii_lowercase();
             length += 1;
         }
     }
-    SUMMARIES.contains(&&word[..length])
+    let word = str::from_utf8(&word[..length]).unwrap_or_default();
+    let percent = word.trim_start_matches(|c: char| c.is_ascii_digit());
+    let of_percent = percent.len() < word.len() && matches!(percent, "" | "percentile" | "quantile");
+    !word.is_empty() && SUMMARIES.split_whitespace().any(|summary| summary == word)
+        || of_percent && text.contains(&b'%')
+}
+
+/// Whether a text stands for a value that is not there, as programs write it.
+pub(crate) fn is_absent(text: &[u8]) -> bool {
+    ["", "na", "n/a", "nan", "none", "null", "nil", "-", "."]
+        .iter()
+        .any(|none| text.eq_ignore_ascii_case(none.as_bytes()))
 }
 
 /// Why a summary is no data.
@@ -241,6 +242,8 @@ pub(crate) struct DivisionColumns {
     pub(crate) class: Vec<usize>,
     /// The unit in the headings.
     pub(crate) unit: Option<VolumeUnit>,
+    /// The column with the unit of each row.
+    pub(crate) unit_column: Option<usize>,
 }
 
 impl DivisionColumns {
@@ -277,9 +280,20 @@ impl DivisionColumns {
         }
         let unit = stated.first().copied();
         let mother_volume = mother_volume.map(|(at, _)| at);
-        let population = header.find(&[POPULATION]).or_else(|| header.find(&["group"]));
+        let population = header.find(&[POPULATION]).or_else(|| group_column(header));
         let (daughters, generation) = ([larger, smaller], header.find(&["generation"]));
-        Ok(Some(DivisionColumns { embryo, mother, daughters, mother_volume, population, generation, class, unit }))
+        let unit_column = header.find(&UNIT);
+        Ok(Some(DivisionColumns {
+            embryo,
+            mother,
+            daughters,
+            mother_volume,
+            population,
+            generation,
+            class,
+            unit,
+            unit_column,
+        }))
     }
 }
 
@@ -314,7 +328,7 @@ impl ChiColumns {
             mother,
             chi,
             embryo: embryo_column(header),
-            group: header.find(GROUP),
+            group: group_column(header),
             chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
             mother_volume: header.only("volume of the mother", &volumes)?,
             class,

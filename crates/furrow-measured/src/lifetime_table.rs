@@ -3,7 +3,7 @@
 use furrow_input::InputError;
 use furrow_input::table::{Header, Row, TIMES, columns_listed};
 
-use crate::layout::{cell_column, embryo_column};
+use crate::layout::{cell_column, embryo_column, group_column, is_absent};
 use crate::lifetimes::Lifetime;
 use crate::names::Names;
 use crate::volumes::{Rejected, Value, fitting};
@@ -26,6 +26,8 @@ pub(crate) struct Columns {
     sd: Option<TimeColumn>,
     birth: Option<TimeColumn>,
     pub(crate) embryo: Option<usize>,
+    /// The column of groups.
+    pub(crate) group: Option<usize>,
 }
 
 impl Columns {
@@ -60,9 +62,21 @@ impl Columns {
             let why = format!("column {} is a standard deviation, but no column is called n", column + 1);
             return Err(header.refused(why));
         }
+        if let Life::Lifetime((column, _)) = life
+            && let Some(other) =
+                header.find(&["lifetime_mean", "lifetime_max", "lifetime_median", "mean_lifetime", "max_lifetime"])
+            && header.names[column].to_lowercase().ends_with("_min")
+        {
+            let (name, other) = (&header.names[column], &header.names[other]);
+            let why = format!(
+                "column {}, {name:?}, may be the minimum or in minutes beside {other:?}: call it lifetime (min)",
+                column + 1
+            );
+            return Err(header.refused(why));
+        }
         // A row with n is a mean over embryos.
         let embryo = embryo_column(header).filter(|_| n.is_none());
-        Ok(Columns { cell, life, n, sd, birth, embryo })
+        Ok(Columns { cell, life, n, sd, birth, embryo, group: group_column(header) })
     }
 
     /// The columns of times.
@@ -72,6 +86,28 @@ impl Columns {
             Life::Times(birth, division, _) => [Some(birth), Some(division)],
         };
         of_life.into_iter().chain([self.sd, self.birth]).flatten().map(|(column, _)| column)
+    }
+
+    /// Requires that all rows are of one group, of which `of_table` keeps the name: lifetimes of several would be averaged.
+    pub(crate) fn require_group(
+        &self,
+        row: Row<'_>,
+        of_table: &mut Option<String>,
+        file: &str,
+    ) -> Result<(), InputError> {
+        let Some(value) = self.group.map(|column| Value::new(row, column)).filter(|value| !is_absent(value.text))
+        else {
+            return Ok(());
+        };
+        let (group, before) = (value.written(), of_table.get_or_insert_with(|| value.written()));
+        let allowed = "the group of the rows before: lifetimes of several groups are averaged only by groups, each in a table of its own";
+        InputError::require(
+            group == *before,
+            file,
+            value.field(),
+            format!("{group:?}"),
+            &format!("{before:?}, {allowed}"),
+        )
     }
 
     /// The embryo of a row; `None` without such a column.
@@ -102,13 +138,15 @@ pub(crate) fn read_row<'r>(
     let cell = at(columns.cell);
     let cell = names.understood(embryo, &cell.written()).ok_or_else(|| (cell, names.unknown().to_owned()))?;
     let optional = |column: Option<TimeColumn>, least: f64, allowed: &str| {
-        let given = column.filter(|(column, _)| !row.text(*column).is_empty());
+        let given = column.filter(|(column, _)| !is_absent(row.text(*column)));
         given.map(|column| minutes(row, column, least, allowed)).transpose()
     };
     let mean = match columns.life {
         Life::Lifetime(column) => minutes(row, column, TIMES_OF_CELLS[0], "must be a time above 0")?,
         Life::Times(birth, division, mother) => {
-            if let Some(value) = mother.map(at).filter(|value| value.text.is_empty()) {
+            let is_unknown =
+                |value: &Value<'_>| is_absent(value.text) || [&b"0"[..], b"-1", b"unknown"].contains(&value.text);
+            if let Some(value) = mother.map(at).filter(is_unknown) {
                 return Err((value, "no mother: when the cell was born was not seen".to_owned()));
             }
             let [born, divided] = [birth, division].map(|of| minutes(row, of, -TIMES_OF_CELLS[1], "must be a time"));

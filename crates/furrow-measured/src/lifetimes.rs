@@ -323,7 +323,9 @@ impl Lifetimes {
         let (of_file, before) = (embryo_of_file(file), rows.embryos.len());
         // Lines of the first rows of cells, by embryo.
         let mut places: HashMap<(Option<usize>, String), u64> = HashMap::new();
+        let mut group = None;
         while let Some(row) = table.next_row()? {
+            columns.require_group(row, &mut group, file)?;
             let noted = columns.embryo_of(row).and_then(|embryo| {
                 let named = embryo.as_deref().or(several.then_some(of_file.as_str()));
                 let lifetime = read_row(row, &columns, named.unwrap_or(&of_file), &self.names)?;

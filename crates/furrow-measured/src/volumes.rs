@@ -15,10 +15,11 @@
 //! A cell's volume is the mean over its frames. A value that cannot be used is skipped and reported with its place; a table
 //! with another layout is an error.
 
+use std::cell::Cell;
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
-use furrow_input::table::{Numbers, Row, Table, text};
+use furrow_input::table::{Numbers, Row, Table, malformed, text, unit_of};
 use furrow_input::{InputError, csv_value, open_file};
 use serde::Serialize;
 
@@ -26,7 +27,8 @@ use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{
-    ChiColumns, Columns, DivisionColumns, POPULATION, SUMMARY, VolumeUnit, embryo_of_file, is_summary,
+    ChiColumns, Columns, DivisionColumns, POPULATION, SUMMARY, VOLUMES, VolumeUnit, embryo_of_file, is_absent,
+    is_summary,
 };
 use crate::matching::Matched;
 use crate::names::Names;
@@ -53,9 +55,15 @@ pub struct ReadOptions {
 
 impl ReadOptions {
     /// The group of a row: the one in its column of groups, or else the given one.
-    pub(crate) fn group_of(&self, written: Option<Value<'_>>) -> String {
-        let written = written.map(Value::written).filter(|group| !group.is_empty());
-        written.or_else(|| self.group.clone()).unwrap_or_default()
+    ///
+    /// # Errors
+    /// The field is empty, and no group is given. Fields that spreadsheets have merged are empty but for the first.
+    pub(crate) fn group_of<'r>(&self, written: Option<Value<'r>>) -> Result<String, Rejected<'r>> {
+        match (written, &self.group) {
+            (Some(value), _) if !is_absent(value.text) => Ok(value.written()),
+            (Some(value), None) => Err((value, "no group".to_owned())),
+            (_, given) => Ok(given.clone().unwrap_or_default()),
+        }
     }
 
     /// The kind of unit of volumes: as a table states it, else as it is given. Volumes without a unit are in voxels if these have a size.
@@ -269,6 +277,11 @@ impl<'r> Value<'r> {
         }
     }
 
+    /// The name of its column.
+    pub(crate) fn name(&self) -> &'r str {
+        self.name
+    }
+
     /// A heading as a value.
     pub(crate) fn of_heading(line: u64, column: usize, name: &'r str) -> Value<'r> {
         Value { line, column, name, text: name.as_bytes(), numbers: Numbers::default() }
@@ -311,9 +324,11 @@ impl Volumes {
         let unit = if let Some(columns) = DivisionColumns::of(&header, class.clone())? {
             self.of_populations |= header.find(&[POPULATION]).is_some();
             table.share(columns.daughters.into_iter().chain(columns.mother_volume));
-            self.read_divisions(&mut table, (file, &class), 2, |row| division(row, &columns, options))?;
-            self.note_unit(columns.unit, options);
-            options.kind_of(columns.unit).unwrap_or(Unit::CubicMicrometres)
+            let said = Cell::new(None);
+            self.read_divisions(&mut table, (file, &class), 2, |row| division(row, &columns, options, &said))?;
+            let unit = said.get().or(columns.unit);
+            self.note_unit(unit, options);
+            options.kind_of(unit).unwrap_or(Unit::CubicMicrometres)
         } else if let Some(columns) = ChiColumns::of(&header, class.clone())? {
             self.read_divisions(&mut table, (file, &class), 1, |row| chi_division(row, &columns, (file, options)))?;
             columns.mother_volume.into_iter().for_each(|(_, unit)| self.note_unit(Some(unit), options));
@@ -325,6 +340,7 @@ impl Volumes {
         } else {
             self.read_grid(&mut table, file, options, &header)?
         };
+        self.refuse_units_below(header.line, file)?;
         if self.in_voxels && !options.voxel.is_empty() {
             let sources = self.embryos[embryos..].iter().map(|embryo| &embryo.source);
             let mut names = sources.chain(&self.division_sources[divisions..]).map(|source| &source.name);
@@ -366,6 +382,24 @@ impl Volumes {
         volumes.require_used(&files.first().map_or(String::new(), |file| file.path.display().to_string()))?;
         volumes.require_options()?;
         Ok(volumes)
+    }
+
+    /// Refuses a table whose row below the heading has units: with none in the heading another one would be taken.
+    fn refuse_units_below(&self, heading: usize, file: &str) -> Result<(), InputError> {
+        let is_unit = |skipped: &&Skipped| {
+            let is_text = !skipped.value.is_empty() && skipped.value.parse::<f64>().is_err();
+            let is_below = skipped.file == file && skipped.line == heading as u64 + 1;
+            is_text && is_below && unit_of(skipped.value.trim_matches(['(', ')', '[', ']']), &VOLUMES).is_some()
+        };
+        match self.skipped.iter().find(is_unit) {
+            None => Ok(()),
+            Some(Skipped { line, value, .. }) => {
+                let why = format!(
+                    "{value:?} is a unit: it must be in the heading, as volume ({value}), and this row left out"
+                );
+                Err(malformed(file, *line as usize, why))
+            }
+        }
     }
 
     /// Notes the unit that volumes of a table state.
@@ -419,7 +453,7 @@ impl Volumes {
         let names = &options.names;
         let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
         self.begin_file(options);
-        let embryo = self.embryo(options.group_of(None), lineage.name, file);
+        let embryo = self.embryo(options.group.clone().unwrap_or_default(), lineage.name, file);
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
         for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {
@@ -546,7 +580,7 @@ impl Lifespan {
 }
 
 /// Limits of a volume in any unit and of an error; sums beyond them could overflow.
-const VOLUMES: [f64; 2] = [1e-100, 1e100];
+const ALLOWED: [f64; 2] = [1e-100, 1e100];
 
 /// A volume, which is positive.
 pub(crate) fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
@@ -559,7 +593,7 @@ pub(crate) fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
 /// A positive number; `what` names it in errors.
 pub(crate) fn positive_of<'v>(value: Value<'v>, what: &str) -> Result<f64, Rejected<'v>> {
     let allowed = match value.number()? {
-        number if number > VOLUMES[0] && number < VOLUMES[1] => return Ok(number),
+        number if number > ALLOWED[0] && number < ALLOWED[1] => return Ok(number),
         number if number > 0.0 => "from 1e-100 to 1e100",
         _ => "above 0",
     };

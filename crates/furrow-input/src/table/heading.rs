@@ -71,9 +71,15 @@ pub fn split_unit(heading: &str) -> (&str, Option<&str>) {
     found.map_or((heading, None), |(name, unit)| (name.trim(), Some(unit.trim())))
 }
 
-/// A name of a column in lower case and with underscores.
+/// A name of a column in lower case and with underscores, without a number sign, a full stop or a colon behind it.
 fn unified_name(name: &str) -> String {
-    name.to_lowercase().replace([' ', '-'], "_")
+    name.trim_end_matches([' ', '#', '.', ':']).to_lowercase().replace([' ', '-'], "_")
+}
+
+/// The name that pandas and R give to another column of this name, as `cell.1`.
+fn repeated_name(name: &str) -> Option<&str> {
+    let (first, number) = name.rsplit_once('.')?;
+    (!number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())).then_some(first)
 }
 
 /// Whether a heading is empty, or what pandas calls an empty one.
@@ -105,11 +111,15 @@ impl<'f> Header<'f> {
     pub(super) fn new(file: &'f str, line: usize, names: Vec<String>) -> Result<Header<'f>, InputError> {
         let unified: Vec<String> = names.iter().map(|name| unified_name(name)).collect();
         let header = Header { names, line, unified, file };
-        let mut seen = HashSet::new();
-        match header.unified.iter().position(|name| !name.is_empty() && !seen.insert(name)) {
+        let mut seen: HashSet<&str> = HashSet::new();
+        let repeated = header.unified.iter().position(|name| {
+            let again = repeated_name(name).is_some_and(|first| seen.contains(first));
+            !name.is_empty() && (again || !seen.insert(name))
+        });
+        match repeated {
             None => Ok(header),
             Some(column) => {
-                let name = &header.names[column];
+                let name = repeated_name(&header.names[column]).unwrap_or(&header.names[column]);
                 let why = format!("two columns are called {name:?}, the second of them column {}", column + 1);
                 Err(header.refused(why))
             }
@@ -250,6 +260,11 @@ mod tests {
         ] {
             assert_eq!(times(name).unwrap(), [(1, Some(1.0))], "{name}");
         }
+        let repeated = ["cell", "x", "cell.1"].map(str::to_owned).to_vec();
+        let why = "t.csv:1:1: two columns are called \"cell\", the second of them column 3";
+        assert_eq!(Header::new("t.csv", 1, repeated).unwrap_err().to_string(), why);
+        let others = ["Embryo #", "A7.1", "A7.2"].map(str::to_owned).to_vec();
+        assert_eq!(Header::new("t.csv", 1, others).unwrap().find(&["embryo"]), Some(0));
         assert_eq!(times("Lifetime (h)").unwrap(), [(1, Some(60.0))]);
         assert_eq!(times("lifetime").unwrap(), [(1, None)]);
         assert_eq!(times("lifetime_rank").unwrap(), []);

@@ -153,7 +153,8 @@ impl<'f, R: Read> Table<'f, R> {
         Uniform::new(false).all(&mut head);
         // Comments are ignored when the separator of columns is determined.
         let says = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
-        let separator = separator(head.split(|byte| *byte == b'\n').find(says).unwrap_or_default());
+        let mut lines = head.split(|byte| *byte == b'\n').filter(says);
+        let separator = separator([lines.next(), lines.next()].map(Option::unwrap_or_default));
         let uniform = || Uniform::new(separator == b' ');
         uniform().all(&mut head);
         let survey = Survey::of(separator, &head, is_whole);
@@ -180,6 +181,10 @@ impl<'f, R: Read> Table<'f, R> {
     pub fn header(&mut self, is_header: impl Fn(&[String]) -> bool) -> Result<(usize, Vec<String>), InputError> {
         while self.advance()? {
             let mut header = names(&self.record);
+            if is_comment(&self.record) {
+                // NumPy writes a heading as a comment.
+                header[0] = header[0].trim_start_matches(['#', ' ']).to_owned();
+            }
             if !is_empty(&self.record) && (!is_comment(&self.record) || is_header(&header)) {
                 let (line, _) = self.here();
                 header.iter_mut().filter(|name| is_unnamed(name)).for_each(String::clear);
@@ -316,8 +321,8 @@ fn reader(separator: u8) -> csv::ReaderBuilder {
     builder
 }
 
-/// What separates the columns of a line.
-fn separator(line: &[u8]) -> u8 {
+/// What separates the columns of the first two lines with text.
+fn separator([line, next]: [&[u8]; 2]) -> u8 {
     if let Some(named) = line.strip_prefix(b"sep=").and_then(<[u8]>::first) {
         return *named;
     }
@@ -325,20 +330,30 @@ fn separator(line: &[u8]) -> u8 {
         let fields = || line.split(|byte| byte == separator);
         fields().count() > 1 && fields().all(is_number)
     };
-    let outside_quotes = |separator: u8| {
-        let mut quoted = false;
-        line.iter()
-            .filter(|byte| {
-                quoted ^= **byte == b'"';
-                **byte == separator && !quoted
-            })
-            .count()
+    let outside_quotes = |separator: u8| count_outside_quotes(line, separator);
+    // Commas of the heading stand before units, and those of the data, if there are any, in numbers.
+    let beside_commas = |separator: &u8| {
+        let [there, next_there] = [line, next].map(|line| count_outside_quotes(line, *separator));
+        let differ = outside_quotes(b',') != count_outside_quotes(next, b',');
+        let mut fields = next.split(|byte| byte == separator);
+        there > 0 && there == next_there && (differ || fields.any(|field| field.contains(&b',') && is_number(field)))
     };
-    [b';', b'\t'].into_iter().find(decimal_commas).unwrap_or_else(|| {
+    let found = [b';', b'\t'].into_iter().find(|separator| decimal_commas(separator) || beside_commas(separator));
+    found.unwrap_or_else(|| {
         let most = [b'\t', b';', b','].into_iter().max_by_key(|separator| outside_quotes(*separator)).unwrap_or(b',');
         // R and btrack write blanks.
         if outside_quotes(most) == 0 && outside_quotes(b' ') > 0 { b' ' } else { most }
     })
+}
+
+fn count_outside_quotes(line: &[u8], separator: u8) -> usize {
+    let mut quoted = false;
+    line.iter()
+        .filter(|byte| {
+            quoted ^= **byte == b'"';
+            **byte == separator && !quoted
+        })
+        .count()
 }
 
 /// Whether a row is a comment, or the line by which Excel names the separator.

@@ -117,4 +117,21 @@ mod tests {
         let lines: Vec<u64> = rows.iter().map(|(line, _)| *line).collect();
         assert_eq!((heading, lines), (vec!["cell".to_owned(), "volume".to_owned()], vec![2, 4]));
     }
+
+    /// A comma in a heading may stand before a unit.
+    #[test]
+    fn columns_are_separated_as_the_data_are() {
+        for (table, columns) in [
+            ("cell;lifetime, min\nAB;17,9\n", ["cell", "lifetime, min"]),
+            ("cell\tlifetime, min\nAB\t17.9\n", ["cell", "lifetime, min"]),
+            ("AB, µm³;P1, µm³\n14596,5;10120,1\n", ["AB, µm³", "P1, µm³"]),
+            ("cell,note; more\nAB,a; b\n", ["cell", "note; more"]),
+            ("cell,volume\nAB,12;5\n", ["cell", "volume"]),
+            ("# cell,volume\nAB,12\n", ["AB", "12"]),
+        ] {
+            assert_eq!(read(table).0, columns, "{table}");
+        }
+        let mut table = Table::open(&b"# AB,P1\n1,2\n"[..], "t.csv").unwrap();
+        assert_eq!(table.header(|names| names[0] == "AB").unwrap().1, ["AB", "P1"]);
+    }
 }

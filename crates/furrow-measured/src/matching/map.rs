@@ -7,12 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use furrow_input::table::{Table, malformed, text};
 use furrow_input::{InputError, csv_value, shown};
 
+use crate::layout::embryo_column;
 use crate::names::Names;
 
-/// Names of the columns: of the tracked cell, of its name in the lineage, and of the embryo.
+/// Names of the columns: of the tracked cell, and of its name in the lineage.
 const TRACKED: [&str; 5] = ["tracked", "track", "track_id", "id", "label"];
 const NAME: [&str; 3] = ["name", "cell", "lineage"];
-const EMBRYO: [&str; 2] = ["embryo", "sample"];
 
 /// A row of the table.
 #[derive(Debug)]
@@ -61,7 +61,7 @@ impl NameMap {
             let about = "a map of names has the columns tracked and name, and optionally embryo";
             return Err(header.missing(&needed, about));
         };
-        let embryo = header.find(&EMBRYO);
+        let embryo = embryo_column(&header);
         let mut map = NameMap { file: file.to_owned(), ..NameMap::default() };
         while let Some(row) = table.next_row()? {
             if let Some((_, why)) = row.surplus() {
