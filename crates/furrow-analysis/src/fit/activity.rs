@@ -32,7 +32,7 @@ pub struct FounderActivity {
     pub intervals: Vec<[f64; 2]>,
     /// The activity tried that comes nearest, and its rounds.
     pub nearest: Option<(f64, f64)>,
-    /// Between which ξ_s was searched; above the last one rounds were too many by [`BEYOND`] or more.
+    /// Between which ξ_s was searched.
     pub searched: [f64; 2],
     /// Ends of the range asked for that `xi_s` reaches: beyond them rounds may be the observed ones as well.
     pub at_limit: Vec<Limit>,
@@ -40,12 +40,10 @@ pub struct FounderActivity {
 
 /// Largest deviation at which rounds count as the observed ones.
 pub(crate) const WITHIN: f64 = 0.5;
-/// The search ends where rounds exceed the observed rounds by more than this.
-pub const BEYOND: f64 = 1.5;
 /// Rounds beyond the most observed after which growth stops, for extremes and for means. Fewest and most rounds are too
 /// many then; cutting a few long branches changes a mean little.
 const DEEPER: [u32; 2] = [2, 8];
-/// Activities tried, evenly in their logarithm.
+/// Activities tried, evenly in their logarithm, beside the founder's own: rounds may fall with activity, so that all are tried.
 const TRIED: usize = 20;
 /// Halvings at each end of an interval, to half a percent. The nearer to an edge, the longer cells there wait at their threshold.
 const HALVINGS: usize = 5;
@@ -103,14 +101,15 @@ impl Search<'_> {
     fn run(&self, observed: f64, range: [f64; 2]) -> Result<FounderActivity, GrowError> {
         let meets = |rounds: Option<f64>| rounds.is_some_and(|r| (r - observed).abs() <= WITHIN);
         let xi_at = |k: usize| range[0] * (range[1] / range[0]).powf(k as f64 / (TRIED - 1) as f64);
-        let mut tried: Vec<(f64, Option<f64>)> = Vec::new();
-        for xi_s in (0..TRIED).map(xi_at) {
-            let rounds = self.rounds(xi_s)?;
-            tried.push((xi_s, rounds));
-            if rounds.is_some_and(|r| r > observed + BEYOND) {
-                break;
-            }
-        }
+        let founder = &self.run.lineage.founders[self.founder];
+        let run_xi_s = founder.physics.xi_s.unwrap_or(self.run.settings.cell.xi_s);
+        let own = Some(run_xi_s).filter(|xi_s| (range[0]..range[1]).contains(xi_s));
+        let mut activities: Vec<f64> = (0..TRIED).map(xi_at).chain(own).collect();
+        activities.sort_by_key(|xi_s| OrderedFloat(*xi_s));
+        activities.dedup();
+        let tried: Result<Vec<(f64, Option<f64>)>, GrowError> =
+            activities.into_iter().map(|xi_s| Ok((xi_s, self.rounds(xi_s)?))).collect();
+        let tried = tried?;
         // Where rounds begin and cease to be the observed ones, between neighbours.
         let edge = |inside: f64, outside: f64| -> Result<f64, GrowError> {
             let mut last = inside;
@@ -147,26 +146,24 @@ impl Search<'_> {
                 _ => {}
             }
         }
-        let searched = [range[0], points.last().map_or(range[1], |last| last.0)];
-        intervals.extend(open.map(|from| [from, searched[1]]));
+        intervals.extend(open.map(|from| [from, range[1]]));
         let width = |[from, to]: &[f64; 2]| to / from;
         let xi_s = intervals.iter().copied().max_by(|a, b| width(a).total_cmp(&width(b)));
         let reached = |[from, to]: [f64; 2]| {
             let ends = [(Limit::Lower, from <= range[0]), (Limit::Upper, to >= xi_at(TRIED - 1))];
             ends.into_iter().filter(|(_, reached)| *reached).map(|(limit, _)| limit).collect()
         };
-        let founder = &self.run.lineage.founders[self.founder];
         let nearest = points.iter().filter_map(|&(xi_s, rounds)| Some((xi_s, rounds?)));
         Ok(FounderActivity {
             name: founder.name.clone(),
             observed,
-            run_xi_s: founder.physics.xi_s.unwrap_or(self.run.settings.cell.xi_s),
+            run_xi_s,
             rounds: self.own,
             at_limit: xi_s.map_or(Vec::new(), reached),
             xi_s,
             intervals,
             nearest: nearest.min_by(|a, b| (a.1 - observed).abs().total_cmp(&(b.1 - observed).abs())),
-            searched,
+            searched: range,
         })
     }
 
