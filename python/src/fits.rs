@@ -163,7 +163,7 @@ pub fn front(
     threads: usize,
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
-        let (targets, Settings { cell, numerics }) = read_thresholds(&source, unknowns.as_deref(), &given)?;
+        let (targets, Settings { cell, numerics, .. }) = read_thresholds(&source, unknowns.as_deref(), &given)?;
         let search = ConstantsSearch::new(&targets, &cell, &numerics, (count, seed), &watch.stop);
         Document::of(searched(&ConstantsSearch { threads, ..search })?)
     })

@@ -252,7 +252,7 @@ impl Inputs {
 
     /// As parameters.
     pub fn settings(&self) -> Settings {
-        Settings { cell: self.cell.clone(), numerics: self.numerics }
+        Settings::of(self.cell.clone(), self.numerics)
     }
 }
 

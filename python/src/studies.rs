@@ -60,7 +60,7 @@ pub fn ensemble(
     threads: usize,
 ) -> Result<Document, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
-        let (targets, Settings { cell, numerics }) = read(&source, unknowns.as_deref(), &given)?;
+        let (targets, Settings { cell, numerics, .. }) = read(&source, unknowns.as_deref(), &given)?;
         let search = ConstantsSearch::new(&targets, &cell, &numerics, (count, seed), &watch.stop);
         let found = sampled(&ConstantsSearch { threads, ..search })?;
         let found = json!({

@@ -53,7 +53,7 @@ impl SearchRun {
         text: impl FnOnce(&T) -> Result<String, CliError>,
     ) -> Result<T, CliError> {
         writable_file("--out", out)?;
-        let Settings { cell, numerics } = &context.settings;
+        let Settings { cell, numerics, .. } = &context.settings;
         let definition = json!({
             "schema": self.schema, "provenance": Provenance::current(), "targets": targets, "cell": cell,
             "numerics": numerics, (self.counted): count, "seed": seed,

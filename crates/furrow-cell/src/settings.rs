@@ -18,12 +18,14 @@ pub struct Settings {
     pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
+    /// ξ_b where it was given itself: [`set_number`](Settings::set_number) of ξ_s keeps it, and not its ratio to ξ_s.
+    pub xi_b: Option<f64>,
 }
 
 impl Default for Settings {
     /// The preset `gao2026` and its zygote.
     fn default() -> Settings {
-        Settings { cell: Cell::new(ZYGOTE), numerics: Numerics::default() }
+        Settings::of(Cell::new(ZYGOTE), Numerics::default())
     }
 }
 
@@ -172,6 +174,11 @@ struct Config {
 }
 
 impl Settings {
+    /// A cell and its discretisation.
+    pub const fn of(cell: Cell, numerics: Numerics) -> Settings {
+        Settings { cell, numerics, xi_b: None }
+    }
+
     /// The parameters of a preset and its zygote.
     ///
     /// ```
@@ -267,28 +274,32 @@ impl Settings {
             let allowed = format!("left out where {XI_RATIO} is given, which it sets");
             return Err(InputError::not_allowed(source_name, XI_B, xi_b, allowed));
         }
-        let mut xi_b = None;
         for (name, value) in pairs {
             let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
             if *name == SHELL_PROFILE {
                 self.set_shell_profile(source_name, value, Path::new(""))?;
             } else if *name == XI_B {
                 let read = value.number().filter(|v| v.is_finite());
-                xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
+                self.xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
             } else if let Some(field) = Field::named(name) {
                 (field.set)(self, value).map_err(refuse)?;
+                self.xi_b = self.xi_b.filter(|_| *name != XI_RATIO);
             } else if let Some(constant) = ConstantName::read(name) {
                 self.set_constant(constant, value).map_err(|allowed| refuse(&allowed))?;
             }
         }
-        if let Some(xi_b) = xi_b {
-            let ratio = xi_b / self.cell.xi_s;
-            if !ratio.is_finite() {
-                let allowed = format!("a multiple of xi_s, which is {}", self.cell.xi_s);
-                return Err(InputError::not_allowed(source_name, XI_B, xi_b, allowed));
-            }
-            self.cell.material.xi_ratio = ratio;
+        self.keep_xi_b(source_name)
+    }
+
+    /// Sets the ratio ξ_b/ξ_s where ξ_b was given.
+    fn keep_xi_b(&mut self, source_name: &str) -> Result<(), InputError> {
+        let Some(xi_b) = self.xi_b else { return Ok(()) };
+        let ratio = xi_b / self.cell.xi_s;
+        if !ratio.is_finite() {
+            let allowed = format!("a multiple of xi_s, which is {}", self.cell.xi_s);
+            return Err(InputError::not_allowed(source_name, XI_B, xi_b, allowed));
         }
+        self.cell.material.xi_ratio = ratio;
         Ok(())
     }
 
@@ -329,7 +340,9 @@ impl Settings {
         }
         let set = Field::named(name).map_or(Ok(()), |field| (field.set)(self, &Value::Number(value)));
         let checked = set.and_then(|()| self.validate(name));
-        checked.map_err(|allowed| InputError::not_allowed(source_name, name, value, allowed))
+        checked.map_err(|allowed| InputError::not_allowed(source_name, name, value, allowed))?;
+        self.xi_b = self.xi_b.filter(|_| name != XI_RATIO);
+        self.keep_xi_b(source_name)
     }
 
     /// Checks one field, given by its [canonical name](canonical_name).
@@ -592,8 +605,19 @@ mod tests {
 
     /// A field added to the parameters must get its row in the table.
     #[test]
+    fn the_activity_of_total_curvature_is_kept_when_the_other_is_set_later() {
+        let mut settings = Settings::default();
+        settings.apply_overrides(&["xi_b=-2".to_owned()]).unwrap();
+        settings.set_number("--xi", "xi_s", 20.0).unwrap();
+        assert_eq!(settings.cell.material.xi_ratio, -0.1);
+        settings.set_number("--set", "xi_ratio", -0.2).unwrap();
+        settings.set_number("--xi", "xi_s", 10.0).unwrap();
+        assert_eq!(settings.cell.material.xi_ratio, -0.2);
+    }
+
+    #[test]
     fn table_covers_every_field() {
-        let Settings { cell: Cell { mut material, mut shell, .. }, numerics } = Settings::default();
+        let Settings { cell: Cell { mut material, mut shell, .. }, numerics, xi_b: _ } = Settings::default();
         // A round shell is written without its flattening, and neither spontaneous curvature nor normal friction is written if it is 0.
         (shell.flattening, material.spontaneous_curvature, material.normal_friction) = (0.9, 0.1, 0.1);
         let parts = [serde_json::to_value(material), serde_json::to_value(shell), serde_json::to_value(numerics)];

@@ -45,7 +45,7 @@ impl Lineage {
     /// # Errors
     /// Names the founder or rule, the field, its value and the allowed values.
     pub fn check_physics(&self, cell: &Cell, numerics: &Numerics, file: &str) -> Result<(), InputError> {
-        let run = Settings { cell: cell.clone(), numerics: *numerics };
+        let run = Settings::of(cell.clone(), *numerics);
         for founder in &self.founders {
             let own = check_founder(founder, &run, file)?;
             match &founder.physics_rules[..] {

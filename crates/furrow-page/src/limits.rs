@@ -12,7 +12,7 @@ const OPTIONS: [(&str, &str); 3] = [("--r0", "r0"), ("--epsilon", "epsilon"), ("
 /// # Errors
 /// Names the option, its value and the allowed range.
 pub fn check(cell: &Cell, numerics: &Numerics) -> Result<(), InputError> {
-    let settings = Settings { cell: cell.clone(), numerics: *numerics };
+    let settings = Settings::of(cell.clone(), *numerics);
     for (option, name) in OPTIONS {
         let value = match name {
             "r0" => cell.r0,

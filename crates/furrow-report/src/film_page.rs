@@ -81,7 +81,7 @@ impl FilmPage<'_> {
             "<p class=\"sub\">ε = {epsilon}, ξ<sub>s</sub> = {xi_s}{law}, {}: {end}</p>\n",
             if cell.has_cue() { escape(&cue.to_string()) } else { "no cue".to_owned() }
         );
-        let settings = Settings { cell: cell.clone(), numerics: *numerics };
+        let settings = Settings::of(cell.clone(), *numerics);
         let main =
             STAGE.replace("<!-- legend -->\n", &legend) + &listed(settings, &format!("cue = {cue}\nseed = {seed}\n"));
         let texts = [("application/json", "furrow-data", data.to_string()), ("text/plain", "film-frames", packed)];

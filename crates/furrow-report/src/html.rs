@@ -164,7 +164,7 @@ pub(super) fn parameters(lineage: &Lineage, settings: &TreeSettings) -> String {
     for (name, cue) in &lineage.cues {
         let _ = writeln!(more, "cue {name}: {cue}");
     }
-    listed(Settings { cell, numerics }, &more)
+    listed(Settings::of(cell, numerics), &more)
 }
 
 /// The section of parameters: the settings, then the lines of `more`.

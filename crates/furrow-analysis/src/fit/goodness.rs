@@ -78,7 +78,10 @@ impl CalibrationStudy {
     ///
     /// # Errors
     /// As [`calibrate`].
-    pub fn of(targets: &Targets, Settings { cell, numerics }: &Settings) -> Result<CalibrationStudy, CalibrateError> {
+    pub fn of(
+        targets: &Targets,
+        Settings { cell, numerics, .. }: &Settings,
+    ) -> Result<CalibrationStudy, CalibrateError> {
         let found = calibrate(targets, cell, numerics)?;
         let excluded = check_constraints(targets, &found.cell, numerics, Extent::Within(f64::INFINITY)).excluded;
         Ok(CalibrationStudy { goodness: Goodness::of_thresholds(targets, &found), found, excluded })

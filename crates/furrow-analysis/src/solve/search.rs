@@ -81,7 +81,7 @@ impl Search<'_> {
         let Question { cell, parameter, numerics, seed, .. } = self.question;
         let mut cell = cell.clone();
         parameter.set(&mut cell, value);
-        let settings = Settings { cell: cell.clone(), numerics: *numerics };
+        let settings = Settings::of(cell.clone(), *numerics);
         let checked = settings.check("settings").and_then(|()| settings.check_activity("settings"));
         checked.map_err(|error| error.to_string())?;
         cell.cue.check().map_err(|error| error.to_string())?;

@@ -130,7 +130,7 @@ pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
     another(&document.schema, document.schema_version)?;
     document.lineage.check("lineage")?;
     let numerics = document.numerics;
-    Settings { cell: document.cell.clone(), numerics }.check_fields("cell and numerics")?;
+    Settings::of(document.cell.clone(), numerics).check_fields("cell and numerics")?;
     if !(0.0..=0.5).contains(&document.r0_step) {
         return Err(InputError::not_allowed("tree", "r0_step", document.r0_step, "from 0 to 0.5").into());
     }
