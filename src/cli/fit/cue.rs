@@ -63,6 +63,7 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     for number in &found.numbers {
         let sd = match (number.sd, found.goodness.error_scale) {
             (Some(sd), _) => format!("± {sd:.4}"),
+            (None, Some(_)) if number.without_effect => "without effect on χ".to_owned(),
             (None, Some(_)) => "undetermined".to_owned(),
             (None, None) => "no error".to_owned(),
         };
