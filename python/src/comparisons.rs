@@ -180,7 +180,11 @@ pub fn compare_volumes(
         given.for_divisions()?;
         let tree_settings = tree_settings(settings.clone(), &lineage, 0, memo.quantisation());
         let sets = match text_of(&asked.constants.clone().unwrap_or_default(), "constants")? {
-            Some((text, name)) => read_constants_of(&text, &name, &lineage)?,
+            Some((text, name)) => {
+                let sets = read_constants_of(&text, &name, &lineage)?;
+                given.check_beside(&sets, &name)?;
+                sets
+            }
             None => Vec::new(),
         };
         let found = watch.scheduled(threads, |options| {

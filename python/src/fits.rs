@@ -49,14 +49,14 @@ fn fitted<T>(
     fit(&FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &watch.stop) })
 }
 
-/// Observations of a file or a text; default the built-in ones.
-fn targets(source: &Source, lineage: &Lineage) -> Result<Targets, Error> {
+/// Observations of a file or a text, and their name; default the built-in ones.
+fn targets(source: &Source, lineage: &Lineage) -> Result<(Targets, String), Error> {
     let (targets, name) = match text_of(source, ARGUMENTS)? {
         None => (Targets::embryo()?, "embryo.ron (built in)".to_owned()),
         Some((text, name)) => (parse_document(&text, &name, "a file of targets of a fit", "Fit")?, name),
     };
     targets.check(&name, lineage)?;
-    Ok(targets)
+    Ok((targets, name))
 }
 
 /// One set of constants for the observed embryo: the result, its picture and a configuration file.
@@ -75,7 +75,8 @@ pub fn fit_constants(
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
-            let targets = targets(&source, run.lineage)?;
+            let (targets, name) = targets(&source, run.lineage)?;
+            targets.check_searched(&name)?;
             let found = fitted_constants(run, &targets, &memo, budget(search))?;
             let drawing = Drawing::of(plot::fit::draw_constants(&found));
             Ok((found.document(&targets).into(), drawing, found.best.as_ron()))
@@ -135,7 +136,7 @@ pub fn fit_cue(
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
-            let targets = targets(&source, run.lineage)?;
+            let (targets, _) = targets(&source, run.lineage)?;
             let template = run.lineage.parse_cue(&cue).map_err(bad_cue)?;
             if template.is_none() {
                 return Err(Error::not_allowed("cue", cue, "a cue with at least one term"));

@@ -3,8 +3,8 @@
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 
-use furrow_analysis::Shard;
 use furrow_analysis::compare::names_of;
+use furrow_analysis::{Constants, Shard};
 use furrow_cell::settings::{self, Overrides, Settings, Value, canonical_name};
 use furrow_cell::{Cell, Cue, CueError, Law, Numerics};
 use furrow_input::{InputError, read_text, shown};
@@ -190,6 +190,13 @@ impl Given {
         settings.assign(ARGUMENTS, &self.parameters.overrides()?.pairs)?;
         settings.check(ARGUMENTS)?;
         Ok(settings)
+    }
+
+    /// Refuses parameters that sets of constants, of a table of this name, set in all cells.
+    pub fn check_beside(&self, sets: &[Constants], table: &str) -> Result<(), InputError> {
+        let Overrides { pairs, .. } = self.parameters.overrides()?;
+        let given = pairs.iter().map(|(name, value)| (ARGUMENTS, *name, value));
+        sets.first().map_or(Ok(()), |first| first.check_given(table, given))
     }
 
     /// The settings for divisions, checked.

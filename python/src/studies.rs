@@ -95,6 +95,7 @@ pub fn ranges(
         let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
         let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
         let sets = read_constants_of(&text, &name, &first.lineage)?;
+        given.check_beside(&sets, &name)?;
         let found = ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop, &|| ())?;
         let drawing = Drawing::of(plot::rounds::draw_ranges(&first.lineage, &found));
         Ok((Document::of(&found)?, drawing))

@@ -182,6 +182,14 @@ impl FirstCellArgs {
         settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
         Ok(settings)
     }
+
+    /// The options that are given, with the names of their parameters and their values.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, &'static str, String)> {
+        let r0 = self.r0.map(|r0| ("--r0", "r0", r0.to_string()));
+        let others = [("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)];
+        let others = others.into_iter().filter_map(|(option, name, value)| Some((option, name, value?.to_string())));
+        r0.into_iter().chain(others)
+    }
 }
 
 /// Sets the parameters of the options that are given.

@@ -7,11 +7,12 @@ use super::output::number;
 use super::progress::ProgressLine;
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use furrow_analysis::{Constants, read_constants_of};
 use furrow_cell::settings::canonical_name;
-use furrow_cell::settings::{self, Settings};
-use furrow_input::InputError;
+use furrow_cell::settings::{self, Overrides, Settings};
+use furrow_input::{InputError, read_text};
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, scheduler};
-use furrow_lineage::{Length, Units};
+use furrow_lineage::{Length, Lineage, Units};
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
@@ -159,6 +160,25 @@ impl Context {
     pub fn settings_in(&self, units: &Units) -> Result<Settings, InputError> {
         let changes = self.globals.set.iter().any(|entry| radius_in_micrometres(entry).is_some());
         if changes { settings_in(&self.globals, units) } else { Ok(self.settings.clone()) }
+    }
+
+    /// Reads sets of constants for a lineage. Options of the parameters that they set are refused: those of `--set`, and those `given` by
+    /// option, name and value.
+    ///
+    /// # Errors
+    /// As [`read_constants_of`] and [`Constants::check_given`].
+    pub fn constants(
+        &self,
+        file: &Path,
+        lineage: &Lineage,
+        given: impl IntoIterator<Item = (&'static str, &'static str, String)>,
+    ) -> Result<Vec<Constants>, InputError> {
+        let name = file.display().to_string();
+        let sets = read_constants_of(&read_text(file)?, &name, lineage)?;
+        let Overrides { source_name, pairs } = Overrides::read(&self.globals.set)?;
+        let set = pairs.iter().map(|(name, value)| (source_name, *name, value.to_string()));
+        sets.first().map_or(Ok(()), |first| first.check_given(&name, given.into_iter().chain(set)))?;
+        Ok(sets)
     }
 
     /// The memo, backed by the cache folder unless the cache is disabled or the default folder cannot be used.

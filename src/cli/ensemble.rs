@@ -8,13 +8,12 @@ use super::output::{filled, merged, print_as, records_csv, to_json, writable_fil
 use super::picture::Picture;
 use furrow_analysis::ensemble::{ConstantsSearch, EnsembleError, JOURNAL_COLUMNS};
 use furrow_analysis::ranges::{FounderRange, RoundsRange};
-use furrow_analysis::{Ensemble, Journal, LineageRanges, Range, ensemble, ranges, read_constants_of, write_constants};
+use furrow_analysis::{Constants, Ensemble, Journal, LineageRanges, Range, ensemble, ranges, write_constants};
 use furrow_cell::settings::Settings;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot;
 use furrow_formats::files::FileSet;
 use furrow_formats::{Provenance, write_atomically};
-use furrow_input::read_text;
 use furrow_lineage::batch::scheduler::workers;
 use furrow_lineage::{Lineage, Scenario};
 use furrow_mechanics::calibration::Targets;
@@ -141,9 +140,9 @@ fn ensemble_text(found: &Ensemble) -> String {
 /// The files of a lineage over sets of constants.
 const RANGES_FILES: [&str; 4] = ["ranges.csv", "ranges.json", "ranges.svg", "run.json"];
 
-/// Grows a lineage with every set of constants of a table; writes files if there is a folder for them.
+/// Grows a lineage with every set of constants of a table, the file; writes files if there is a folder for them.
 pub fn grow_over(
-    file: &Path,
+    (file, sets): (&Path, &[Constants]),
     scenario: &Scenario,
     context: &Context,
     out: Option<&Path>,
@@ -153,7 +152,6 @@ pub fn grow_over(
     let start = Instant::now();
     writable_folder("--out", out, &RANGES_FILES)?;
     let files = out.map(|folder| FileSet::begin(folder, RANGES_FILES));
-    let sets = read_constants_of(&read_text(file)?, &file.display().to_string(), lineage)?;
     // These trees are not cached, so there is nothing to finish.
     interrupt::abort();
     let done = AtomicUsize::new(0);
@@ -162,7 +160,7 @@ pub fn grow_over(
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             line.show_share(done, sets.len(), || "sets of constants".to_owned());
         };
-        ranges(lineage, settings, &sets, context.threads, interrupt::flag(), &shown)
+        ranges(lineage, settings, sets, context.threads, interrupt::flag(), &shown)
     })?;
     let elapsed_s = start.elapsed().as_secs_f64();
     if let Some(mut files) = files {

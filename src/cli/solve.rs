@@ -17,9 +17,10 @@ use std::fmt::Write;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The range is scanned at --points values; every change of sign of outcome - wanted between neighbours is refined by Brent's method
-until it lies between two values 1e-9 of the range apart. Where the outcomes at these differ by more than 1e-3 (of a time: 1e-3 of
-the wanted one), the outcome jumps and there is no root. Where a cell does not divide there is a gap.
+The range is scanned at --points values; every change of sign of outcome - wanted between neighbours (with --chi C of signed chi - C
+and of signed chi + C) is refined by Brent's method until it lies between two values 1e-9 of the range apart. Where the outcomes at
+these differ by more than 1e-3 (of a time: 1e-3 of the wanted one), the outcome jumps and there is no root. Where a cell does not
+divide there is a gap.
 
 Ranges without --from and --to: r0 1 to 10, epsilon 0.6 to 0.95, xi_s 5 to 60 (times kappa/gain), cue.u0 0 to 1, cue.amplitude -0.9
 to 0.9 (or twice the amplitude), and so strengths of a regulator; others from a quarter to four times the value, or to 1 if it is 0.

@@ -135,7 +135,8 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
     scenarios.iter().for_each(|scenario| warn_of_rules(scenario, !args.cue.is_empty()));
     if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
-        return super::ensemble::grow_over(file, scenario, context, args.out.as_deref(), &picture);
+        let sets = context.constants(file, &scenario.lineage, args.cell.given())?;
+        return super::ensemble::grow_over((file, &sets), scenario, context, args.out.as_deref(), &picture);
     }
     let axis = time_axis(args, &scenarios)?;
     let out = args.out.as_deref().unwrap_or(Path::new("furrow-out"));

@@ -3,10 +3,12 @@
 
 use super::table::csv_of;
 use furrow_cell::parameter::UnknownParameter;
+use furrow_cell::settings::number_set_by;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::table::{Row, Table, malformed, text as text_of};
 use furrow_input::{InputError, did_you_mean, shown};
 use furrow_lineage::{Founder, FounderPhysics, Lineage, TreeSettings};
+use std::fmt::Display;
 
 /// Classes of cells beside the founders' names: the first cell and, from mother to daughter, the founders that are the smaller
 /// daughter; and all others.
@@ -132,6 +134,26 @@ impl Constants {
                 }
             };
             InputError::require(is_known, file, "column", shown(&constant.name()), allowed)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a setting of a parameter that the constants set in all cells, and would override. `given` are the settings by option or
+    /// other source, [canonical name](furrow_cell::settings::canonical_name) and value; errors name the source and the table `file`.
+    ///
+    /// # Errors
+    /// Names the source, the parameter and its value.
+    pub fn check_given<V: Display>(
+        &self,
+        file: &str,
+        given: impl IntoIterator<Item = (&'static str, &'static str, V)>,
+    ) -> Result<(), InputError> {
+        let of_all = self.values.iter().filter(|constant| constant.class.is_none());
+        let columns: Vec<&str> = of_all.filter_map(|constant| constant.kind.parameter()).map(Parameter::name).collect();
+        for (source, name, value) in given {
+            let column = number_set_by(name);
+            let allowed = format!("left out where {file} has a column {column}, which sets it");
+            InputError::require(!columns.contains(&column), source, name, value, allowed)?;
         }
         Ok(())
     }
@@ -323,6 +345,8 @@ mod tests {
     fn classes_and_cues_have_constants_of_their_own() {
         let sets = read_constants("epsilon@somatic,cue[0].amplitude,xi_s,weight\n0.8,0.2,24,1\n", "c.csv").unwrap();
         assert_eq!(read_constants(&write_constants(&sets), "c.csv").unwrap(), sets);
+        // What a class of cells has for itself may be given for the others.
+        sets[0].check_given("c.csv", [("--epsilon", "epsilon", 0.7), ("--set", "p0", 0.1)]).unwrap();
         let mut lineage = Lineage::c_elegans().unwrap();
         lineage.founders[0].physics.set(Parameter::XiS, 30.0);
         sets[0].check(&lineage, "c.csv").unwrap();

@@ -1,7 +1,8 @@
 //! The values of one parameter at which a cell divides with a wanted outcome.
 //!
-//! A coarse scan brackets every change of sign of outcome − wanted; Brent's method refines each. If two values are
-//! as close as the tolerance and their outcomes still differ, they enclose a jump (a fold of the division's outcome) and no root.
+//! A coarse scan brackets every change of sign of outcome − wanted; Brent's method refines each. Where |χ| = C is wanted, these are the
+//! changes of signed χ − C and of signed χ + C. If two values are as close as the tolerance and their outcomes still differ, they enclose
+//! a jump (a fold of the division's outcome) and no root.
 
 mod search;
 
@@ -57,6 +58,11 @@ impl Measure {
             Measure::TEnd => (wanted > 0.0 && wanted.is_finite(), "a finite number above 0"),
         };
         if fine { Ok(()) } else { Err(allowed) }
+    }
+
+    /// The outcomes that are sought: χ with either sign where the sign does not matter.
+    fn goals(self, wanted: f64) -> Vec<f64> {
+        if self == Measure::Chi { vec![wanted, -wanted] } else { vec![wanted] }
     }
 
     /// Outcomes that differ by more than this at neighbouring values are a jump.

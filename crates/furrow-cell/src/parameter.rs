@@ -6,6 +6,7 @@ use super::Cell;
 use super::cue::{Cue, Quantity, Regulator, RegulatorQuantity};
 use super::law::ConstantName;
 use super::settings::{Number, parameters};
+use furrow_input::did_you_mean;
 
 /// A scalar parameter of one cell.
 ///
@@ -136,6 +137,17 @@ impl Parameter {
                 format!("a number of the cue's terms, cue[0] to cue[{}], or of its regulator: {cue}", terms - 1)
             }
         }
+    }
+
+    /// What errors say is allowed where a constant is asked for that the cell's law does not have.
+    pub fn allowed_of_law(cell: &Cell, asked: ConstantName) -> String {
+        let Some(law) = &cell.law else { return "given with a law that has this constant".to_owned() };
+        let known: Vec<&str> = law.parameters().map(Parameter::name).collect();
+        if known.is_empty() {
+            return format!("given with a law that has this constant; {:?} has none", law.name());
+        }
+        let nearest = did_you_mean(asked.whole(), known.iter().copied());
+        format!("a constant of the law {:?}: {}{nearest}", law.name(), known.join(", "))
     }
 
     /// Whether it is a number of a cue.

@@ -319,14 +319,8 @@ impl Settings {
     /// # Errors
     /// The allowed constants, or values.
     fn set_constant(&mut self, name: ConstantName, value: &Value) -> Result<(), String> {
-        let Some(law) = &mut self.cell.law else { return Err("given with a law that has this constant".to_owned()) };
-        let known: Vec<String> = law.constants().map(|(name, _)| format!("law.{name}")).collect();
-        let Some(slot) = law.constant_mut(name) else {
-            let nearest = did_you_mean(name.whole(), known.iter().map(String::as_str));
-            return Err(match known.is_empty() {
-                true => format!("given with a law that has this constant; {:?} has none", law.name()),
-                false => format!("a constant of the law {:?}: {}{nearest}", law.name(), known.join(", ")),
-            });
+        let Some(slot) = self.cell.law.as_mut().and_then(|law| law.constant_mut(name)) else {
+            return Err(Parameter::allowed_of_law(&self.cell, name));
         };
         *slot = value.number().filter(|value| value.is_finite()).ok_or("a finite number")?;
         Ok(())

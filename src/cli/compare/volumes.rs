@@ -23,9 +23,9 @@ use furrow_analysis::compare::volumes::{
     size_curves,
 };
 use furrow_analysis::compare::volumes_comparison::{LengthScale, MeasuredVolumes, VolumesComparison, VolumesModel};
-use furrow_analysis::{Range, read_constants_of, tree_settings};
+use furrow_analysis::{Range, tree_settings};
 use furrow_figures::plot;
-use furrow_input::{InputError, read_text};
+use furrow_input::InputError;
 use furrow_lineage::batch::Memo;
 use furrow_lineage::{Lineage, TreeSettings};
 use plot::comparison::{self, Comparison};
@@ -117,7 +117,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     writable_folder("--out", args.out.as_deref(), &files::NAMES)?;
     let lineage = load_lineage(args.lineage.as_deref())?;
     let sets = match &args.constants {
-        Some(file) => read_constants_of(&read_text(file)?, &file.display().to_string(), &lineage)?,
+        Some(file) => context.constants(file, &lineage, [])?,
         None => Vec::new(),
     };
     let measured = read(args, &args.matching.names(&lineage)?)?;

@@ -35,7 +35,8 @@ pub struct ConstantsArgs {
 pub fn run(args: &ConstantsArgs, context: &Context) -> Result<(), CliError> {
     context.settings.check_paper_model("constants fitted with it")?;
     let fit = Fit::new(&args.lineage, context)?;
-    let targets = fit.targets(&args.targets)?;
+    let (targets, file) = fit.targets(&args.targets)?;
+    targets.check_searched(&file)?;
     let picture = args.plot.file()?;
     writable_file("--out", args.out.as_deref())?;
     let memo = context.memo()?;

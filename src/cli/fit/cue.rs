@@ -41,10 +41,9 @@ const CUE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 
 pub fn run(args: &CueArgs, context: &Context) -> Result<(), CliError> {
     let fit = Fit::new(&args.lineage, context)?;
-    let targets = fit.targets(&args.targets)?;
+    let (targets, file) = fit.targets(&args.targets)?;
     let template = fit.lineage.parse_cue(&args.cue).map_err(bad_cue)?;
     InputError::require(!template.is_none(), "--cue", "cue", &args.cue, "a cue with at least one term")?;
-    let file = args.targets.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
     InputError::require(!targets.chi.is_empty(), file, "chi", "[]", "at least one measured χ")?;
     let picture = args.plot.file()?;
     let search = |run: &FitRun<'_>| fit_cue(run, &targets, &template, args.search.budget());
@@ -63,6 +62,7 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     for number in &found.numbers {
         let sd = match (number.sd, found.goodness.error_scale) {
             (Some(sd), _) => format!("± {sd:.4}"),
+            (None, Some(_)) if number.without_effect => "without effect on χ".to_owned(),
             (None, Some(_)) => "undetermined".to_owned(),
             (None, None) => "no error".to_owned(),
         };

@@ -104,8 +104,8 @@ impl Fit {
         Ok(Fit { lineage, settings, start })
     }
 
-    /// The targets of a file, or the built-in ones, checked.
-    fn targets(&self, args: &TargetsArgs) -> Result<Targets, CliError> {
+    /// The targets of a file, or the built-in ones, checked, and the file's name.
+    fn targets(&self, args: &TargetsArgs) -> Result<(Targets, String), CliError> {
         let (targets, file) = match &args.targets {
             None => (Targets::embryo()?, "embryo.ron (built in)".to_owned()),
             Some(path) => {
@@ -114,7 +114,7 @@ impl Fit {
             }
         };
         targets.check(&file, &self.lineage)?;
-        Ok(targets)
+        Ok((targets, file))
     }
 
     /// Runs a search that shows how many of `what` it has tried.

@@ -35,6 +35,10 @@ const EDGE: f64 = 0.02;
 const CUES: &str = "cues";
 /// Combinations are open if a factor e, or a shift over all of u, changes χ by less than a standard deviation, scaled by the misfit.
 const OPEN: f64 = 1.0;
+/// Directions held this much less firmly than the firmest one are held by nothing, and numbers with a smaller component have no part in
+/// them: there the ratio of the two is one of rounding errors.
+const ROUNDING: f64 = 1e-10;
+const APART: f64 = 1e-7;
 
 /// A measured χ beside the model's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,6 +71,9 @@ pub struct CueNumber {
     pub searched: [f64; 2],
     /// Its standard deviation, scaled by the misfit, if the measurements determine it.
     pub sd: Option<f64>,
+    /// Whether no measured χ changes with it. A cell that does not divide has no χ to tell.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub without_effect: bool,
 }
 
 /// The cue that fits best.
@@ -293,7 +300,7 @@ fn complete(
     let sensitivities: Option<Vec<Vec<f64>>> = objective.sensitivities(place).into_iter().collect();
     let goodness = Goodness::of(chi_squared, measured.len(), place.len());
     let combinations = sensitivities.as_ref().map(|rows| held(rows, measured, goodness)).transpose()?;
-    let numbers = numbers(objective, place, combinations.as_deref(), goodness.error_scale);
+    let numbers = numbers(objective, place, (sensitivities.as_deref(), combinations.as_deref()), goodness.error_scale);
     let residuals = objective.residuals(&values);
     let others = targets.out_of_sample.iter();
     let predicted = |out: &OutOfSample| self::residuals(model, &values, &out.volumes, &out.chi);
@@ -311,19 +318,27 @@ fn complete(
     })
 }
 
-/// The unknowns with their values and, from the combinations that the measurements hold and the factor on their errors, with
-/// their standard deviations.
+/// Whether χ of any cell changes with a number, by the slopes of the cells.
+pub(crate) fn acts(rows: &[Vec<f64>], number: usize) -> bool {
+    rows.iter().any(|row| row[number] != 0.0)
+}
+
+/// The unknowns with their values and, from the slopes of the measured cells, the combinations that the measurements hold and the
+/// factor on their errors, with their standard deviations.
 pub(crate) fn numbers(
     objective: &Objective<'_>,
     place: &[f64],
-    combinations: Option<&[Combination]>,
+    (slopes, combinations): (Option<&[Vec<f64>]>, Option<&[Combination]>),
     error_scale: Option<f64>,
 ) -> Vec<CueNumber> {
     let unknowns = &objective.model.unknowns;
     let sd = |k: usize| {
         let (held, factor) = (combinations?, error_scale?);
+        let largest = held.iter().fold(0.0, |largest: f64, h| largest.max(h.singular_value));
+        let apart = |h: &&Combination| h.singular_value <= ROUNDING * largest && h.components[k].abs() <= APART;
         // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
-        let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
+        let parts = held.iter().filter(|h| !apart(h));
+        let sum: f64 = parts.map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
         let relative = factor * sum.sqrt();
         let scale = unknowns[k].scale(place[k]).abs();
         (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
@@ -333,6 +348,7 @@ pub(crate) fn numbers(
         value: unknown.value(place[k]),
         searched: unknown.limits.map(|limit| limit * unknown.sign),
         sd: sd(k),
+        without_effect: slopes.is_some_and(|rows| !acts(rows, k)),
     };
     unknowns.iter().enumerate().map(number).collect()
 }
@@ -348,24 +364,33 @@ pub(crate) fn at_limit(numbers: &[CueNumber], place: &[f64]) -> Vec<NumberAtLimi
     numbers.iter().zip(place).filter_map(limited).collect()
 }
 
-/// Directions of the cue's numbers by how firmly the measurements hold them.
+/// Directions of the cue's numbers by how firmly the measurements hold them. A number without effect is a direction of its own: by
+/// rounding errors it would be part of others, and nothing would hold those either.
 pub(crate) fn held(
     rows: &[Vec<f64>],
     measured: &[MeasuredChi],
     goodness: Goodness,
 ) -> Result<Vec<Combination>, FitError> {
+    let count = rows.first().map_or(0, Vec::len);
+    let (acting, idle): (Vec<usize>, Vec<usize>) = (0..count).partition(|k| acts(rows, *k));
     let weighted: Vec<Vec<f64>> =
-        rows.iter().zip(measured).map(|(row, m)| row.iter().map(|x| x / m.sd).collect()).collect();
+        rows.iter().zip(measured).map(|(row, m)| acting.iter().map(|k| row[*k] / m.sd).collect()).collect();
     let Svd { values, right, .. } = Svd::of_rows(&weighted)?;
-    let of = |(k, components): (usize, Vec<f64>)| {
+    let along = |numbers: &[usize], parts: &[f64]| {
+        let mut components = vec![0.0; count];
+        numbers.iter().zip(parts).for_each(|(k, part)| components[*k] = *part);
+        components
+    };
+    let of = |(k, parts): (usize, Vec<f64>)| {
         let singular_value = values.get(k).copied().unwrap_or(0.0);
         Combination {
             singular_value,
             determined: singular_value > OPEN * goodness.error_scale.unwrap_or(1.0),
-            components,
+            components: along(&acting, &parts),
         }
     };
-    Ok(right.into_iter().enumerate().map(of).collect())
+    let open = |k| Combination { singular_value: 0.0, determined: false, components: along(&[k], &[1.0]) };
+    Ok(right.into_iter().enumerate().map(of).chain(idle.into_iter().map(open)).collect())
 }
 
 #[cfg(test)]

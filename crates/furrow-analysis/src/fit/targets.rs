@@ -4,9 +4,9 @@ use std::fmt::Display;
 
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document, unique_map};
-use furrow_lineage::Lineage;
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
 use furrow_lineage::batch::{Memo, scheduler, solve};
+use furrow_lineage::{Founder, Lineage};
 use furrow_mechanics::calibration::Threshold;
 use furrow_mechanics::calibration::statements::{GivenCriticality, GivenDivision};
 use furrow_mechanics::division::DivisionInput;
@@ -81,9 +81,11 @@ fn volumes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Fit")]
 pub struct Targets {
-    /// Constants searched for.
+    /// Constants searched for. A fit of a cue has none.
+    #[serde(default)]
     pub unknowns: Vec<Searched>,
     /// Founders with observed rounds and terminal cells that the fit should meet.
+    #[serde(default)]
     pub founders: Vec<String>,
     /// Founders that divide into equal daughters.
     #[serde(default)]
@@ -122,10 +124,30 @@ impl Targets {
     /// # Errors
     /// Names the field, its value and the allowed values.
     pub fn check(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
+        self.check_unknowns(source_name)?;
+        self.check_statements(source_name)?;
+        self.check_founders(source_name, lineage)?;
+        self.check_measured(source_name, lineage)?;
+        let Weights { rounds, terminal, chi } = self.weights;
+        for (name, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
+            let holds = value.is_finite() && value >= 0.0;
+            InputError::require(holds, source_name, format!("weights.{name}"), value, "a finite number, 0 or above")?;
+        }
+        Ok(())
+    }
+
+    /// Refuses targets without a constant to search for, which a fit of constants needs.
+    ///
+    /// # Errors
+    /// Names the file `source_name`.
+    pub fn check_searched(&self, source_name: &str) -> Result<(), InputError> {
+        InputError::require(!self.unknowns.is_empty(), source_name, "unknowns", "[]", "at least one constant")
+    }
+
+    fn check_unknowns(&self, source_name: &str) -> Result<(), InputError> {
         let require = |holds: bool, field: String, value: &dyn Display, allowed: &str| {
             InputError::require(holds, source_name, field, value, allowed)
         };
-        require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
         for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
             let field = |name: &str| format!("unknowns[{k}].{name}");
             let searchable = !parameter.is_of_cue() && !matches!(parameter, Parameter::R0 | Parameter::Gain);
@@ -140,55 +162,63 @@ impl Targets {
             }
             require(to > from, field("to"), to, &format!("above from = {from}"))?;
         }
+        Ok(())
+    }
+
+    /// Checks the thresholds and the divisions.
+    fn check_statements(&self, source_name: &str) -> Result<(), InputError> {
         for (k, threshold) in self.thresholds.iter().enumerate() {
             threshold.check(source_name, &format!("thresholds[{k}]"))?;
         }
         for (k, GivenCriticality { r0, epsilon, .. }) in self.criticalities.iter().enumerate() {
             let known = self.thresholds.iter().any(|t| [t.r0, t.epsilon] == [*r0, *epsilon]);
-            let value = format!("{r0} at epsilon = {epsilon}");
-            require(known, format!("criticalities[{k}].r0"), &value, "a cell of one of the thresholds")?;
+            let (field, value) = (format!("criticalities[{k}].r0"), format!("{r0} at epsilon = {epsilon}"));
+            InputError::require(known, source_name, field, value, "a cell of one of the thresholds")?;
         }
         for (k, given) in self.divisions.iter().enumerate() {
             given.check(source_name, &format!("divisions[{k}]"))?;
         }
-        let founder = |field: String, name: &str| {
-            let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
-            lineage.founder_named(name).map(|founder| &lineage.founders[founder]).ok_or_else(|| {
-                let (all, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
-                let allowed = format!("a founder of {}: {all}{nearest}", lineage.name);
-                InputError::not_allowed(source_name, field, format!("{name:?}"), allowed)
-            })
-        };
+        Ok(())
+    }
+
+    /// Checks the founders that are fitted and those that divide equally.
+    fn check_founders(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
         for (list, names) in [("founders", &self.founders), ("symmetric", &self.symmetric)] {
             for (k, name) in names.iter().enumerate() {
-                require(!names[..k].contains(name), format!("{list}[{k}]"), &format!("{name:?}"), "named only once")?;
+                let (field, value) = (format!("{list}[{k}]"), format!("{name:?}"));
+                InputError::require(!names[..k].contains(name), source_name, field, value, "named only once")?;
             }
         }
         for (k, name) in self.founders.iter().enumerate() {
-            let observed = founder(format!("founders[{k}]"), name)?.observed;
+            let field = format!("founders[{k}]");
+            let observed = founder(source_name, &field, lineage, name)?.observed;
             let counted = observed.is_some_and(|o| o.mean.is_some() && o.terminal.is_some_and(|n| n > 0));
             let allowed = "a founder with observed mean rounds and terminal cells";
-            require(counted, format!("founders[{k}]"), &format!("{name:?}"), allowed)?;
+            InputError::require(counted, source_name, field, format!("{name:?}"), allowed)?;
         }
         for (k, name) in self.symmetric.iter().enumerate() {
-            founder(format!("symmetric[{k}]"), name)?;
+            founder(source_name, &format!("symmetric[{k}]"), lineage, name)?;
         }
+        Ok(())
+    }
+
+    /// Checks what was measured, in the fit and outside it.
+    fn check_measured(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
+        let require = |holds: bool, field: String, value: f64, allowed: &str| {
+            InputError::require(holds, source_name, field, value, allowed)
+        };
         let others = self.out_of_sample.iter().flat_map(|out| &out.chi).map(|chi| ("out_of_sample.chi", chi));
         for (list, MeasuredChi { cell, mean, sd }) in self.chi.iter().map(|chi| ("chi", chi)).chain(others) {
-            founder(format!("{list}.cell"), cell)?;
-            require(*mean >= 0.0 && *mean < 1.0, format!("{list}.mean of {cell}"), mean, "from 0 to 1, 1 excluded")?;
+            founder(source_name, &format!("{list}.cell"), lineage, cell)?;
+            let fine = *mean >= 0.0 && *mean < 1.0;
+            require(fine, format!("{list}.mean of {cell}"), *mean, "from 0 to 1, 1 excluded")?;
             let positive = sd.is_finite() && *sd > 0.0;
-            require(positive, format!("{list}.sd of {cell}"), sd, "a finite number above 0")?;
+            require(positive, format!("{list}.sd of {cell}"), *sd, "a finite number above 0")?;
         }
         for (name, share) in self.out_of_sample.iter().flat_map(|out| &out.volumes) {
-            founder("out_of_sample.volumes".into(), name)?;
+            founder(source_name, "out_of_sample.volumes", lineage, name)?;
             let allowed = "a share of the first cell's volume, above 0 and below 1";
-            require(*share > 0.0 && *share < 1.0, format!("out_of_sample.volumes of {name}"), share, allowed)?;
-        }
-        let Weights { rounds, terminal, chi } = self.weights;
-        for (name, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
-            let holds = value.is_finite() && value >= 0.0;
-            require(holds, format!("weights.{name}"), &value, "a finite number, 0 or above")?;
+            require(*share > 0.0 && *share < 1.0, format!("out_of_sample.volumes of {name}"), *share, allowed)?;
         }
         Ok(())
     }
@@ -231,6 +261,16 @@ impl Targets {
         let share = |u: &Searched| (u.parameter.get(cell) / u.from).ln() / (u.to / u.from).ln();
         self.unknowns.iter().map(share).collect()
     }
+}
+
+/// The founder of a name; errors name the file `source_name` and the field.
+fn founder<'a>(source_name: &str, field: &str, lineage: &'a Lineage, name: &str) -> Result<&'a Founder, InputError> {
+    let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
+    lineage.founder_named(name).map(|founder| &lineage.founders[founder]).ok_or_else(|| {
+        let (all, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
+        let allowed = format!("a founder of {}: {all}{nearest}", lineage.name);
+        InputError::not_allowed(source_name, field, format!("{name:?}"), allowed)
+    })
 }
 
 #[cfg(test)]

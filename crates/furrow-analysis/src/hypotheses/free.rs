@@ -125,6 +125,18 @@ impl Free {
         Ok(all)
     }
 
+    /// Refuses constants that the law of a cell does not have; errors name the option or the file `source`.
+    fn check_law(all: &[Free], cell: &Cell, source: &str) -> Result<(), InputError> {
+        for Free { kind, .. } in all {
+            if let Some(parameter @ Parameter::Law(name)) = kind.parameter()
+                && !parameter.is_of(cell)
+            {
+                return Err(refused(source, name.whole(), Parameter::allowed_of_law(cell, name)));
+            }
+        }
+        Ok(())
+    }
+
     fn is_of(&self, founder: usize) -> bool {
         self.class.as_ref().is_none_or(|(_, founders)| founders.contains(&founder))
     }
@@ -201,7 +213,7 @@ impl Hypothesis {
     /// has the parameters of the run; errors name the options of `sources`, of cues and of free numbers, or a file.
     ///
     /// # Errors
-    /// A cue that cannot be read, two hypotheses of one name, and a free number that no hypothesis has.
+    /// A cue that cannot be read, two hypotheses of one name, a free number that no hypothesis has, and a constant that the law lacks.
     pub fn all(
         asked: &[Named],
         free: Option<&[Free]>,
@@ -211,6 +223,7 @@ impl Hypothesis {
     ) -> Result<Vec<Hypothesis>, InputError> {
         let refused = |error: CueError| of_cue(error, sources[0], "cue");
         let mut all: Vec<Hypothesis> = Vec::new();
+        Free::check_law(free.unwrap_or_default(), cell, sources[1])?;
         for Named { name, cue, free: own } in asked {
             if all.iter().any(|other| other.name == *name) {
                 let allowed = "names that differ: write NAME=CUE";
@@ -219,6 +232,7 @@ impl Hypothesis {
             let template = lineage.parse_cue(cue).map_err(refused)?;
             let carrying = lineage.carrying(cue, cell).map_err(refused)?;
             let own = own.as_ref().map(|texts| Free::list(texts, lineage, sources[0])).transpose()?;
+            Free::check_law(own.as_deref().unwrap_or_default(), cell, sources[0])?;
             let r0 = lineage.given_r0(lineage.first()).unwrap_or(cell.r0);
             let cell = Cell { r0, ..cell.clone() }.with_cue(template.clone());
             let unknowns = free_of(own.as_deref().or(free), &cell);

@@ -15,7 +15,7 @@ use super::others::{self, Others, OthersScore};
 use super::posterior::{Posterior, posterior};
 use super::{AtLimit, Hypothesis, Question};
 use crate::fit::chain::{Kin, Model};
-use crate::fit::germline::{Beside, CueNumber, Objective, at_limit, held, numbers};
+use crate::fit::germline::{Beside, CueNumber, Objective, acts, at_limit, held, numbers};
 use crate::fit::search::{FitRun, SearchBudget};
 use crate::fit::targets::MeasuredChi;
 use crate::fit::{ChiResidual, FitError, Goodness};
@@ -32,6 +32,9 @@ pub struct FittedNumber {
     pub value: f64,
     /// Its standard error, if the measurements determine it.
     pub se: Option<f64>,
+    /// Whether no measured χ changes with it, where all measured cells divide.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub without_effect: bool,
     /// Between which values was searched.
     pub searched: [f64; 2],
 }
@@ -231,8 +234,8 @@ pub(super) fn tested(
 }
 
 impl From<CueNumber> for FittedNumber {
-    fn from(CueNumber { name, value, searched, sd }: CueNumber) -> FittedNumber {
-        FittedNumber { name, value, se: sd, searched }
+    fn from(CueNumber { name, value, searched, sd, without_effect }: CueNumber) -> FittedNumber {
+        FittedNumber { name, value, se: sd, without_effect, searched }
     }
 }
 
@@ -278,7 +281,10 @@ impl Fitted<'_> {
         let off = |(row, sd): (&Observation, &f64)| Some(squared(noise, row, chi[row.cell]?, *sd));
         let squares: Vec<f64> = observations.rows.iter().zip(sds).filter_map(off).collect();
         let chi_squared: f64 = squares.iter().sum();
-        let mut goodness = Goodness::of(chi_squared, squares.len(), self.place.len());
+        // A number without effect takes nothing from the misfit.
+        let acting = |rows: &[Vec<f64>]| (0..self.place.len()).filter(|k| acts(rows, *k)).count();
+        let fitted = self.slopes.map_or(self.place.len(), acting);
+        let mut goodness = Goodness::of(chi_squared, squares.len(), fitted);
         if noise.kind == NoiseKind::Common {
             // The scale of the search is no measured error: the fitted error alone gives it, whether it is smaller or larger.
             let dividing: Vec<Observation> =
@@ -290,8 +296,9 @@ impl Fitted<'_> {
                 fitted.first().zip(sds.first()).map(of).zip(freedom).map(|(of, freedom)| of / freedom.sqrt());
         }
         let informative = self.informative(chi);
-        let rows = self.slopes.map(|rows| held(rows, &informative, goodness)).transpose()?;
-        Ok(numbers(self.objective, self.place, rows.as_deref(), goodness.error_scale))
+        let held = self.slopes.map(|rows| held(rows, &informative, goodness)).transpose()?;
+        let slopes = self.slopes.filter(|_| chi.iter().all(Option::is_some));
+        Ok(numbers(self.objective, self.place, (slopes, held.as_deref()), goodness.error_scale))
     }
 
     /// The measured cells with the errors that say as much about the signed χ as the measurements do.

@@ -80,7 +80,8 @@ impl Display for HypothesisTest {
         }
         for pair in pairs {
             write!(f, "\n{pair}")?;
-            if let Some(needed) = pair.needed {
+            let differs = pair.delta.is_some_and(|delta| delta.abs() >= LEAST);
+            if let Some(needed) = pair.needed.filter(|_| differs) {
                 write!(f, "; needs about {needed} {}", left_out.word(2))?;
             }
         }
@@ -175,7 +176,8 @@ impl Display for TestedHypothesis {
         let what = if name == cue { String::new() } else { format!(": {cue}") };
         writeln!(f, "{name}{what}")?;
         for number in parameters {
-            let error = number.se.map_or("undetermined".to_owned(), |se| format!("± {se:.4}"));
+            let open = if number.without_effect { "without effect on χ" } else { "undetermined" };
+            let error = number.se.map_or(open.to_owned(), |se| format!("± {se:.4}"));
             let [from, to] = number.searched;
             writeln!(f, "  {:<24} {:>9.4} {error}  (searched {from}..{to})", number.name, number.value)?;
         }

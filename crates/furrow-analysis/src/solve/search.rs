@@ -4,14 +4,14 @@ use std::cell::RefCell;
 
 use argmin::core::{CostFunction, Error, Executor};
 use argmin::solver::brent::BrentRoot;
-use furrow_cell::{Parameter, Settings};
+use furrow_cell::{Cell, Parameter, Settings};
 use furrow_lineage::batch::scheduler::{self, Solved};
 use furrow_lineage::batch::{self, phase::spaced};
 use furrow_lineage::batch::{Memo, SchedulerOptions, StoreWarning};
 use furrow_mechanics::division::{Division, DivisionInput};
 use ordered_float::OrderedFloat;
 
-use super::{Extreme, Gap, Jump, Question, Root, Smaller, Solution, SolveError, TOLERANCE};
+use super::{Extreme, Gap, Jump, Measure, Question, Root, Smaller, Solution, SolveError, TOLERANCE};
 
 /// Width of the bracket of an end of an interval without divisions, relative to the range.
 const EDGE: f64 = 1e-5;
@@ -27,7 +27,8 @@ const ROUNDS: usize = 256;
 /// part of a gap.
 pub fn solve(question: &Question, memo: &Memo, options: &SchedulerOptions<'_>) -> Result<Solution, SolveError> {
     let Question { range: [from, to], points, .. } = *question;
-    let mut search = Search { question, memo, options, tried: Vec::new(), warnings: Vec::new() };
+    let goals = question.measure.goals(question.wanted);
+    let mut search = Search { question, memo, options, goals, tried: Vec::new(), warnings: Vec::new() };
     search.try_all(&spaced(from.min(to), from.max(to), points))?;
     for _ in 0..TURNS {
         let values = search.turns();
@@ -39,8 +40,8 @@ pub fn solve(question: &Question, memo: &Memo, options: &SchedulerOptions<'_>) -
             search.try_all(&edges)?;
             continue;
         }
-        let Some(bracket) = search.brackets().next() else { break };
-        search = search.refined(bracket)?;
+        let Some((goal, bracket)) = search.brackets().next() else { break };
+        search = search.refined(goal, bracket)?;
     }
     Ok(search.solution())
 }
@@ -49,8 +50,15 @@ pub fn solve(question: &Question, memo: &Memo, options: &SchedulerOptions<'_>) -
 struct Tried {
     value: f64,
     found: Result<Division, String>,
-    /// Outcome − wanted.
-    off: Option<f64>,
+    /// What the division gives, with the sign of χ where something other than chance decides it; `None` without a division.
+    outcome: Option<f64>,
+}
+
+/// Two neighbours between which the outcome passes a goal, with their distances from it.
+struct Crossing<'a> {
+    goal: f64,
+    two: [&'a Tried; 2],
+    off: [f64; 2],
 }
 
 /// A cell at rest is a gap of the outcome.
@@ -63,6 +71,8 @@ struct Search<'a> {
     question: &'a Question,
     memo: &'a Memo,
     options: &'a SchedulerOptions<'a>,
+    /// The outcomes that are sought.
+    goals: Vec<f64>,
     tried: Vec<Tried>,
     warnings: Vec<StoreWarning>,
 }
@@ -78,9 +88,8 @@ impl Search<'_> {
 
     /// The division's input at a value, or the reason why the value is not allowed.
     fn input(&self, value: f64) -> Result<DivisionInput, String> {
-        let Question { cell, parameter, numerics, seed, .. } = self.question;
-        let mut cell = cell.clone();
-        parameter.set(&mut cell, value);
+        let Question { numerics, seed, .. } = self.question;
+        let cell = self.cell(value);
         let settings = Settings::of(cell.clone(), *numerics);
         let checked = settings.check("settings").and_then(|()| settings.check_activity("settings"));
         checked.map_err(|error| error.to_string())?;
@@ -106,75 +115,101 @@ impl Search<'_> {
         }
         found.extend(unsolved.iter().map(|job| (values[job.id], Err(job.failure.to_string()))));
         found.extend(values.iter().zip(divisions).filter_map(|(value, division)| Some((*value, Ok(division?)))));
-        let Question { measure, wanted, .. } = *self.question;
-        self.tried.extend(found.into_iter().map(|(value, found)| {
-            let off = found.as_ref().ok().and_then(|division| measure.of(division)).map(|outcome| outcome - wanted);
-            Tried { value, found, off }
-        }));
+        let found = found.into_iter().map(|(value, found)| {
+            let outcome = found.as_ref().ok().and_then(|division| self.outcome(value, division));
+            Tried { value, found, outcome }
+        });
+        let found: Vec<Tried> = found.collect();
+        self.tried.extend(found);
         self.tried.sort_by_cached_key(|item| OrderedFloat(item.value));
         Ok(())
     }
 
-    /// Outcome − wanted at a value, which is tried unless it was.
-    fn off(&mut self, value: f64) -> Result<Option<f64>, SolveError> {
-        let known = |search: &Self| search.tried.iter().find(|tried| tried.value == value).map(|tried| tried.off);
-        if let Some(off) = known(self) {
-            return Ok(off);
+    /// The cell at a value.
+    fn cell(&self, value: f64) -> Cell {
+        let mut cell = self.question.cell.clone();
+        self.question.parameter.set(&mut cell, value);
+        cell
+    }
+
+    /// What a division gives. |χ| may turn back at 0 between two values, where χ with its sign passes C and −C; the sign says nothing if it
+    /// is by chance.
+    fn outcome(&self, value: f64, division: &Division) -> Option<f64> {
+        match self.question.measure {
+            Measure::Chi if !self.cell(value).is_mirror_symmetric() => division.chi_signed(),
+            measure => measure.of(division),
+        }
+    }
+
+    /// The outcome at a value, which is tried unless it was.
+    fn outcome_at(&mut self, value: f64) -> Result<Option<f64>, SolveError> {
+        let known = |search: &Self| search.tried.iter().find(|tried| tried.value == value).map(|tried| tried.outcome);
+        if let Some(outcome) = known(self) {
+            return Ok(outcome);
         }
         self.try_all(&[value])?;
         Ok(known(self).flatten())
     }
 
-    /// Values beside places where the outcome comes near the wanted one and turns back: there may be two roots between them.
+    /// Values beside places where the outcome comes near a goal and turns back: there may be two roots between them.
     fn turns(&self) -> Vec<f64> {
-        let mut values: Vec<f64> = Vec::new();
-        for three in self.tried.windows(3) {
-            let [Some(before), Some(here), Some(behind)] = [three[0].off, three[1].off, three[2].off] else { continue };
+        let mut values: Vec<OrderedFloat<f64>> = Vec::new();
+        for (three, goal) in self.tried.windows(3).flat_map(|three| self.goals.iter().map(move |goal| (three, goal))) {
+            let off = |k: usize| three[k].outcome.map(|outcome| outcome - goal);
+            let [Some(before), Some(here), Some(behind)] = [off(0), off(1), off(2)] else { continue };
             let [before, behind] = [before, behind].map(|off| (off - here) * here.signum());
             // As far as it has come, it may go again.
             if before > 0.0 && behind > 0.0 && here.abs() < before.max(behind) && here.abs() > 0.0 {
-                values.extend(three.windows(2).map(|two| 0.5 * (two[0].value + two[1].value)));
+                values.extend(three.windows(2).map(|two| OrderedFloat(0.5 * (two[0].value + two[1].value))));
             }
         }
+        values.sort_unstable();
         values.dedup();
-        values
+        values.into_iter().map(OrderedFloat::into_inner).collect()
     }
 
     /// Midpoints between neighbours where only one divides, unless they are close.
     fn edges(&self) -> Vec<f64> {
         let [from, to] = self.question.range;
         let open = |two: &&[Tried]| {
-            two[0].off.is_some() != two[1].off.is_some() && two[1].value - two[0].value > EDGE * (to - from).abs()
+            two[0].outcome.is_some() != two[1].outcome.is_some()
+                && two[1].value - two[0].value > EDGE * (to - from).abs()
         };
         self.tried.windows(2).filter(open).map(|two| 0.5 * (two[0].value + two[1].value)).collect()
     }
 
-    /// Neighbours between which the outcome passes the wanted one, and which are not close yet.
-    fn brackets(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+    /// Neighbours between which the outcome passes a goal, and which are not close yet.
+    fn brackets(&self) -> impl Iterator<Item = (f64, [f64; 2])> + '_ {
         let tolerance = 2.0 * self.tolerance();
         self.crossings()
-            .filter(move |two| two[1].value - two[0].value > tolerance)
-            .map(|two| [two[0].value, two[1].value])
+            .map(|Crossing { goal, two, .. }| (goal, two.map(|tried| tried.value)))
+            .filter(move |(_, [from, to])| to - from > tolerance)
     }
 
-    /// Neighbours between which the outcome passes the wanted one.
-    fn crossings(&self) -> impl Iterator<Item = &[Tried]> {
-        self.tried.windows(2).filter(|two| matches!((two[0].off, two[1].off), (Some(a), Some(b)) if a * b < 0.0))
+    /// Neighbours between which the outcome passes a goal.
+    fn crossings(&self) -> impl Iterator<Item = Crossing<'_>> {
+        let of = |two: [&'_ Tried; 2], goal: f64| {
+            let off = [two[0].outcome? - goal, two[1].outcome? - goal];
+            (off[0] * off[1] < 0.0).then_some(off)
+        };
+        let pairs = self.tried.windows(2).map(|two| [&two[0], &two[1]]);
+        let all = pairs.flat_map(|two| self.goals.iter().map(move |goal| (two, *goal)));
+        all.filter_map(move |(two, goal)| Some(Crossing { goal, two, off: of(two, goal)? }))
     }
 
     /// The search after Brent's method in a bracket, which ends early where the cell does not divide.
-    fn refined(self, [from, to]: [f64; 2]) -> Result<Self, SolveError> {
-        struct Off<'s, 'a>(&'s RefCell<Search<'a>>);
+    fn refined(self, goal: f64, [from, to]: [f64; 2]) -> Result<Self, SolveError> {
+        struct Off<'s, 'a>(&'s RefCell<Search<'a>>, f64);
         impl CostFunction for Off<'_, '_> {
             type Param = f64;
             type Output = f64;
 
             fn cost(&self, value: &f64) -> Result<f64, Error> {
-                Ok(self.0.borrow_mut().off(*value)?.ok_or(NoDivision)?)
+                Ok(self.0.borrow_mut().outcome_at(*value)?.ok_or(NoDivision)? - self.1)
             }
         }
         let (tolerance, search) = (self.tolerance(), RefCell::new(self));
-        let run = Executor::new(Off(&search), BrentRoot::new(from, to, tolerance)).run();
+        let run = Executor::new(Off(&search, goal), BrentRoot::new(from, to, tolerance)).run();
         match run.map(drop).map_err(|error| error.downcast::<SolveError>()) {
             Err(Ok(error)) => Err(error),
             _ => Ok(search.into_inner()),
@@ -184,14 +219,19 @@ impl Search<'_> {
     fn solution(self) -> Solution {
         let Question { measure, wanted, .. } = *self.question;
         let (mut roots, mut jumps): (Vec<Root>, Vec<Jump>) = (Vec::new(), Vec::new());
-        roots.extend(self.tried.iter().filter(|tried| tried.off == Some(0.0)).filter_map(|tried| self.root(tried)));
-        for two in self.crossings() {
-            let [before, behind] = [&two[0], &two[1]].map(|tried| tried.off.unwrap_or(f64::NAN));
-            if (behind - before).abs() > measure.continuous(wanted) {
-                let outcomes = [before + wanted, behind + wanted];
-                jumps.push(Jump { between: [two[0].value, two[1].value], outcomes });
-            } else {
-                roots.extend(self.root(&two[usize::from(behind.abs() < before.abs())]));
+        let exact = |tried: &&Tried| tried.outcome.is_some_and(|outcome| self.goals.contains(&outcome));
+        roots.extend(self.tried.iter().filter(exact).filter_map(|tried| self.root(tried)));
+        for Crossing { two, off: [before, behind], .. } in self.crossings() {
+            if (behind - before).abs() <= measure.continuous(wanted) {
+                roots.extend(self.root(two[usize::from(behind.abs() < before.abs())]));
+                continue;
+            }
+            let outcomes = two.map(|tried| tried.found.as_ref().ok().and_then(|division| measure.of(division)));
+            // Where χ jumps from one side to the other, |χ| need not jump over the wanted one.
+            if let [Some(before), Some(behind)] = outcomes
+                && (before - wanted) * (behind - wanted) < 0.0
+            {
+                jumps.push(Jump { between: two.map(|tried| tried.value), outcomes: [before, behind] });
             }
         }
         roots.sort_by_cached_key(|item| OrderedFloat(item.value));
@@ -209,13 +249,11 @@ impl Search<'_> {
 
     fn root(&self, tried: &Tried) -> Option<Root> {
         let division = tried.found.as_ref().ok()?;
-        let mut cell = self.question.cell.clone();
-        self.question.parameter.set(&mut cell, tried.value);
         Some(Root {
             value: tried.value,
             chi: division.chi()?,
             chi_signed: division.chi_signed()?,
-            smaller: Smaller::of(division, cell.is_mirror_symmetric())?,
+            smaller: Smaller::of(division, self.cell(tried.value).is_mirror_symmetric())?,
             u_furrow: division.u_furrow()?,
             t_end: division.t_end,
         })
@@ -223,11 +261,11 @@ impl Search<'_> {
 
     /// Runs of values without a division.
     fn gaps(&self) -> Vec<Gap> {
-        let runs = self.tried.chunk_by(|a, b| a.off.is_none() && b.off.is_none());
+        let runs = self.tried.chunk_by(|a, b| a.outcome.is_none() && b.outcome.is_none());
         let gap = |run: &[Tried]| {
             let (first, last) = (run.first()?, run.last()?);
             let why = match &first.found {
-                Ok(_) if first.off.is_some() => return None,
+                Ok(_) if first.outcome.is_some() => return None,
                 Ok(_) => "the cell comes to rest undivided".to_owned(),
                 Err(why) => why.clone(),
             };
