@@ -1,0 +1,32 @@
+//! Sizes that are no measurements.
+
+use super::tracks::{TRACKS, table, xml};
+use super::*;
+use crate::volumes::{ReadOptions, Volumes};
+
+/// Detectors give all spots one size, which is none that was measured. One cell alone may keep its size.
+#[test]
+fn sizes_that_are_all_the_same_are_unknown() {
+    let right = xml("spatialunits=\"micron\" timeunits=\"sec\"");
+    let one_radius = TRACKS
+        .iter()
+        .fold(right.clone(), |text, (.., radius)| text.replace(&format!("RADIUS=\"{radius}\""), "RADIUS=\"2.5\""));
+    let why = "spots of mothers and daughters, all of one size, as a detector sets it: sizes are unknown";
+    let (_folder, path) = file("film.xml", one_radius);
+    let lineage = tracked(&path);
+    assert!(lineage.cells.iter().all(|cell| cell.volume.is_none() && cell.sizes == 0));
+    assert_eq!(reports(&lineage)[0], format!("7 size 12: {why}"));
+    assert_eq!((lineage.skipped_count, lineage.cells[1].lifetime()), (2, Some(3.0)));
+    let files = embryo_files(&[path], TableKind::Volumes).unwrap().0;
+    let error = Volumes::of_files(&files, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains(&format!("line 7, column size: \"12\": {why}")), "{error}");
+    for column in ["radius", "Diameter (µm)", "volume_um3"] {
+        let text = table(&format!("track_id,t,y,x,parent_track_id,{column}"), |track, t, mother, _| {
+            format!("{track},{t},1,2,{mother},2.5")
+        });
+        let (_folder, path) = file("tracks.csv", text);
+        assert!(tracked(&path).cells.iter().all(|cell| cell.volume.is_none()), "{column}");
+    }
+    let (_folder, path) = file("tracks.csv", "track_id,t,y,x,parent_track_id,radius\n1,0,0,0,-1,2\n2,0,0,0,-1,2\n");
+    assert!(tracked(&path).cells.iter().all(|cell| cell.volume.is_some()));
+}
