@@ -150,6 +150,31 @@ fn cells_of_a_picture_of_labels_are_separated() {
     assert_eq!((none.traced.len(), none.left_out[0].why.as_str()), (0, "no pixel of it has the label 3"));
 }
 
+/// Labels fill areas, the values of a mask's soft or noisy edges do not.
+#[test]
+fn a_picture_of_labels_needs_a_label_and_a_mask_with_soft_edges_does_not() {
+    let picture = |value: &dyn Fn(f64) -> u8| {
+        let far = |at: u32| (f64::from(at % 40) - 19.5).hypot(f64::from(at / 40) - 19.5);
+        grey([40, 40], &(0..1600).map(|at| value(far(at))).collect::<Vec<u8>>())
+    };
+    let labels = picture(&|r| if r < 6.0 { 2 } else { u8::from(r < 12.0) });
+    let said = Contours::default().read_mask(&labels[..], "m.png", None).unwrap_err().to_string();
+    let why = "must be given with --label: the picture has the labels 0, 1, 2, and a mask has one colour on another";
+    assert_eq!(said, format!("m.png: label = (not given): {why}"));
+    assert_eq!(masked(&labels, Some(2)).traced.len(), 1);
+    let rings = picture(&|r| r as u8);
+    let said = Contours::default().read_mask(&rings[..], "m.png", None);
+    assert!(said.is_ok(), "rings of one pixel fill no area: {said:?}");
+    for soft in [
+        picture(&|r| (255.0 * (12.5 - r).clamp(0.0, 1.0)) as u8),
+        picture(&|r| (255.0 / (1.0 + (r - 12.0).exp())) as u8),
+        picture(&|r| if r < 12.0 { 150 + (r * 7.0) as u8 % 3 } else { 100 + (r * 5.0) as u8 % 3 }),
+    ] {
+        let area = masked(&soft, None).traced[0].contour.moments().area;
+        assert!((area - 452.0).abs() < 15.0, "{area}");
+    }
+}
+
 /// Every second column inside, on a spine: as many sides as pixels. Where these are a million it is refused before anything is clipped.
 #[test]
 fn combs_with_a_million_sides_are_left_out() {
