@@ -1,9 +1,10 @@
 //! Tables of tracks, a row per track and frame, as napari, ultrack, btrack and ilastik write them, or of spots that are linked by their
 //! ids (`id`, `parent_id`), as of funtracks.
 //!
-//! The columns are `track_id`, a time (`t`; `time (min)` has a unit), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
-//! (btrack). napari has that in a graph of its own, which is read from a file beside the table: `…_graph.csv` with the columns `child`
-//! and `parent`, or `…_graph.json`, `{"child": [parent], …}`. Sizes are `volume` (with its unit), `radius` or `diameter` in pixels, or
+//! The columns are `track_id`, a time (`t`; `time (min)` has a unit and comes before frames, unless their minutes are given), coordinates,
+//! and the track that each comes from: `parent_track_id` (ultrack) or `parent` (btrack). napari has that in a graph of its own, which is
+//! read from a file beside the table: `…_graph.csv` with the columns `child` and `parent`, or `…_graph.json`, `{"child": [parent], …}`.
+//! Sizes are `volume` (with its unit), `radius` or `diameter` in pixels, or
 //! beside a column `z` `area`, which counts voxels.
 
 use std::collections::HashMap;
@@ -25,7 +26,8 @@ const TRACK: [&str; 3] = ["track_id", "trackid", "track"];
 /// Ids of tracks in tables without a column of the others, or of single spots.
 const ID: [&str; 4] = ["id", "node_id", "spot_id", "cell_id"];
 const PARENT_ID: [&str; 3] = ["parent_id", "parentid", "parent_node_id"];
-const TIME: [&str; 6] = ["t", "time", "frame", "timepoint", "time_point", "frame_number"];
+/// Columns of times. Without a unit they are frames, and one that comes first here is: beside `frame`, `time` may be in any unit.
+const TIME: [&str; 6] = ["frame", "frame_number", "timepoint", "time_point", "t", "time"];
 const PARENT: [&str; 5] = ["parent_track_id", "parent_track", "parenttrackid", "parent", "mother"];
 const CHILD: [&str; 3] = ["child", "track_id", "track"];
 
@@ -57,14 +59,21 @@ fn time_unit(heading: &str) -> Option<&str> {
     (is_time && unit_of(unit, &TIMES).is_some()).then_some(unit)
 }
 
-/// The column of times, and their minutes unless they are frames. A column without a unit comes before others.
-fn time_column(header: &Header<'_>) -> Result<Option<(usize, Option<f64>)>, InputError> {
+/// The column of times, and their minutes unless they are frames. Times in a unit come before frames, unless the minutes of a frame are
+/// given.
+fn time_column(header: &Header<'_>, options: &TrackOptions) -> Result<Option<(usize, Option<f64>)>, InputError> {
     let units: Vec<(usize, &str)> =
         header.names.iter().enumerate().filter_map(|(column, name)| Some((column, time_unit(name)?))).collect();
-    let Some((column, unit)) = units.iter().find(|(_, unit)| unit.is_empty()).or(units.first()).copied() else {
-        return Ok(None);
+    let is_frames = |unit: &str| ["", "frame", "frames"].contains(&unit.to_lowercase().as_str());
+    let rank = |column: usize| {
+        let name = unified(split_unit(&header.names[column]).0);
+        TIME.iter().position(|known| *known == name).unwrap_or(TIME.len())
     };
-    if ["", "frame", "frames"].contains(&unit.to_lowercase().as_str()) {
+    let frames = units.iter().filter(|(_, unit)| is_frames(unit)).min_by_key(|(column, _)| rank(*column));
+    let timed = units.iter().find(|(_, unit)| !is_frames(unit));
+    let (first, second) = if options.frame_minutes.is_some() { (frames, timed) } else { (timed, frames) };
+    let Some((column, unit)) = first.or(second).copied() else { return Ok(None) };
+    if is_frames(unit) {
         return Ok(Some((column, None)));
     }
     let minutes = unit_of(unit, &TIMES).map(|unit| unit.size).ok_or_else(|| {
@@ -99,7 +108,7 @@ struct Columns {
 impl Columns {
     fn of(header: &Header<'_>, options: &TrackOptions) -> Result<Columns, InputError> {
         let (track, parent) = links(header);
-        let time = time_column(header)?;
+        let time = time_column(header, options)?;
         let (Some(track), Some((time, minutes))) = (track, time) else {
             let time = time.map(|(column, _)| column);
             return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));

@@ -1,4 +1,4 @@
-//! Sizes that are no measurements.
+//! Sizes that are no measurements, and units of sizes and times.
 
 use super::tracks::{TRACKS, table, xml};
 use super::*;
@@ -29,4 +29,23 @@ fn sizes_that_are_all_the_same_are_unknown() {
     }
     let (_folder, path) = file("tracks.csv", "track_id,t,y,x,parent_track_id,radius\n1,0,0,0,-1,2\n2,0,0,0,-1,2\n");
     assert!(tracked(&path).cells.iter().all(|cell| cell.volume.is_some()));
+}
+
+/// Beside `frame`, `time` may be in any unit; in a known one it comes before frames, unless the minutes of a frame are given.
+#[test]
+fn of_two_columns_of_times_the_one_with_a_known_unit_counts() {
+    for (heading, minutes, expected) in [
+        ("time,frame", None, (TimeUnit::Frames, 2.0)),
+        ("time,frame", Some(1.5), (TimeUnit::Minutes, 3.0)),
+        ("t,timepoint", None, (TimeUnit::Frames, 2.0)),
+        ("time (s),frame", None, (TimeUnit::Minutes, 3.0)),
+        ("time_s,t", None, (TimeUnit::Minutes, 3.0)),
+        ("time (s),frame", Some(2.0), (TimeUnit::Minutes, 4.0)),
+    ] {
+        let rows = "1,0,0,0,0,-1\n2,180,2,0,0,1\n";
+        let (_folder, path) = file("tracks.csv", format!("track_id,{heading},y,x,parent_track_id\n{rows}"));
+        let options = TrackOptions { frame_minutes: minutes, ..TrackOptions::default() };
+        let lineage = read_tracked(&path, &options).unwrap().unwrap();
+        assert_eq!((lineage.time, lineage.cells[1].birth), expected, "{heading} {minutes:?}");
+    }
 }
