@@ -286,11 +286,14 @@ fn read_row(
     Ok(())
 }
 
+/// How programs write that there is nothing: Python, R, spreadsheets and databases.
+const NONE: [&str; 8] = ["nan", "none", "na", "n/a", "#n/a", "<na>", "null", "nil"];
+
 /// The track that one comes from, if it comes from one; `None` for a text that is neither.
 fn parent_of(written: &[u8]) -> Option<Option<u64>> {
     match text(written).trim() {
         "" | "-1" | "-1.0" => Some(None),
-        none if none.eq_ignore_ascii_case("nan") || none.eq_ignore_ascii_case("none") => Some(None),
+        none if NONE.iter().any(|word| none.eq_ignore_ascii_case(word)) => Some(None),
         _ => whole(written).map(Some),
     }
 }
@@ -410,10 +413,11 @@ fn edges(path: &Path, file: &str) -> Result<Vec<(u64, u64, u64)>, InputError> {
         return Err(header.missing(&[("child", child), ("parent", parent)], "a graph of tracks has them"));
     };
     while let Some(row) = table.next_row()? {
-        let Some((one, other)) = whole(row.text(child)).zip(whole(row.text(parent))) else {
+        let Some((one, other)) = whole(row.text(child)).zip(parent_of(row.text(parent))) else {
             return Err(malformed(file, row.line as usize, "child and parent must be whole numbers from 0"));
         };
-        edges.push((row.line, one, other));
+        // A line without a parent is of a first track.
+        edges.extend(other.map(|other| (row.line, one, other)));
     }
     Ok(edges)
 }

@@ -49,3 +49,17 @@ fn of_two_columns_of_times_the_one_with_a_known_unit_counts() {
         assert_eq!((lineage.time, lineage.cells[1].birth), expected, "{heading} {minutes:?}");
     }
 }
+
+/// What programs write for nothing is no mother, in tables and in graphs.
+#[test]
+fn missing_values_are_no_mothers() {
+    for none in ["", "NA", "NaN", "None", "<NA>", "null", "#N/A", "-1"] {
+        let rows = format!("1,0,0,0,{none}\n2,1,0,0,1\n");
+        let (_folder, path) = file("tracks.csv", format!("track_id,t,y,x,parent_track_id\n{rows}"));
+        let lineage = tracked(&path);
+        assert_eq!((lineage.cells.len(), lineage.cells[1].mother, lineage.skipped_count), (2, Some(0), 0), "{none}");
+        let (folder, path) = file("a_tracks.csv", "track_id,t,y,x\n1,0,0,0\n2,1,0,0\n");
+        fs::write(folder.path().join("a_graph.csv"), format!("child,parent\n1,{none}\n2,1\n")).unwrap();
+        assert_eq!(tracked(&path).cells[1].mother, Some(0), "{none}");
+    }
+}
