@@ -6,10 +6,11 @@ use std::hash::Hash;
 use furrow_input::InputError;
 use ordered_float::OrderedFloat;
 
+use super::lengths::SizeUnit;
 use super::rows::{Link, links_past};
-use super::{Format, SpotNames, TimeUnit, TrackedCell, TrackedLineage, namesakes};
+use super::{Format, SpotNames, Takes, TimeUnit, TrackedCell, TrackedLineage, namesakes};
 use crate::names::{birth, is_cell, understood};
-use crate::volumes::{MOST_PLACES, Skipped, Unit, note};
+use crate::volumes::{MOST_PLACES, Skipped, note};
 use furrow_input::table::malformed;
 
 /// Share by which volumes may differ and be the same: programs write sizes with several digits, also of one size.
@@ -201,7 +202,7 @@ impl Spots {
         name: String,
         format: Format,
         time: TimeUnit,
-        volumes: Unit,
+        volumes: impl Into<SizeUnit>,
     ) -> Result<TrackedLineage, InputError> {
         let mut order: Vec<usize> = (0..self.spots.len()).filter(|spot| !self.left_out.contains(spot)).collect();
         if order.is_empty() {
@@ -239,8 +240,10 @@ impl Spots {
         let cells = namesakes::moved(cells, &places);
         let known = self.known(&of_spot);
         let Spots { skipped, skipped_count, .. } = self;
-        let matched = None;
-        Ok(TrackedLineage { name, format, cells, time, volumes, skipped, skipped_count, matched, spots: known })
+        let SizeUnit { unit: volumes, in_pixels, is_bare } = volumes.into();
+        let takes = Takes { frame_minutes: time == TimeUnit::Frames, pixel: in_pixels, unit: is_bare };
+        let (matched, spots) = (None, known);
+        Ok(TrackedLineage { name, format, cells, time, volumes, skipped, skipped_count, matched, spots, takes })
     }
 
     /// Leaves out all sizes where the spots of mothers and daughters have one and the same: a detector gives it to every spot, and it is

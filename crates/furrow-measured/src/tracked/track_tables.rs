@@ -4,8 +4,8 @@
 //! The columns are `track_id`, a time (`t`; `time (min)` has a unit and comes before frames, unless their minutes are given), coordinates,
 //! and the track that each comes from: `parent_track_id` (ultrack) or `parent` (btrack). napari has that in a graph of its own, which is
 //! read from a file beside the table: `…_graph.csv` with the columns `child` and `parent`, or `…_graph.json`, `{"child": [parent], …}`.
-//! Sizes are `volume` (with its unit), `radius` or `diameter` in pixels, or
-//! beside a column `z` `area`, which counts voxels.
+//! Sizes are `volume` (with its unit, else in voxels or the given unit), `radius` or `diameter` in pixels, or beside a column `z` `area`,
+//! which counts voxels.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,10 @@ use furrow_input::{InputError, open_file};
 use serde_json::Value as Json;
 
 use super::chains::{self, Chain, Only};
-use super::lengths::{LENGTHS, LengthUnit, known_length_unit, sphere_in, unit_of_pixels, unit_of_spheres};
+use super::lengths::{
+    LENGTHS, LengthUnit, SizeUnit, known_length_unit, length_unit, sphere_in, unit_of_bare, unit_of_pixels,
+    unit_of_spheres, voxel,
+};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, whole, zarr};
@@ -70,9 +73,10 @@ fn time_column(header: &Header<'_>, options: &TrackOptions) -> Result<Option<(us
         TIME.iter().position(|known| *known == name).unwrap_or(TIME.len())
     };
     let frames = units.iter().filter(|(_, unit)| is_frames(unit)).min_by_key(|(column, _)| rank(*column));
-    let timed = units.iter().find(|(_, unit)| !is_frames(unit));
+    let timed = units.iter().find(|(_, unit)| unit_of(unit, &TIMES).is_some());
     let (first, second) = if options.frame_minutes.is_some() { (frames, timed) } else { (timed, frames) };
-    let Some((column, unit)) = first.or(second).copied() else { return Ok(None) };
+    // Another unit is refused where there are no other times.
+    let Some((column, unit)) = first.or(second).or(units.first()).copied() else { return Ok(None) };
     if is_frames(unit) {
         return Ok(Some((column, None)));
     }
@@ -102,7 +106,7 @@ struct Columns {
     parent: Option<usize>,
     name: Option<usize>,
     size: Size,
-    unit: Unit,
+    unit: SizeUnit,
 }
 
 impl Columns {
@@ -113,14 +117,17 @@ impl Columns {
             let time = time.map(|(column, _)| column);
             return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));
         };
-        let voxel = options.pixel.map_or(1.0, |pixel| pixel.powi(3));
-        let voxels = unit_of_pixels(options);
+        let (voxel, voxels) = (voxel(options), unit_of_pixels(options));
         let area = header.find(&["area", "n_voxels", "num_voxels"]).filter(|_| header.find(&["z"]).is_some());
         let area = area.or_else(|| size_of_ilastik(header));
         let (size, unit) = match volume_column(header)? {
-            Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind),
+            Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind.into()),
+            Some((at, Some(_))) => (Size::Volume(at, voxel), voxels),
             // Programs that count in voxels do not say so.
-            Some((at, _)) => (Size::Volume(at, voxel), voxels),
+            Some((at, None)) => {
+                let (size, unit) = unit_of_bare(Unit::Voxels, options);
+                (Size::Volume(at, size), unit)
+            }
             None => match (length(header, options)?, area) {
                 (Some((at, part, unit)), _) => (Size::Length(at, part, unit), unit_of_spheres(unit, options)),
                 (None, Some(at)) => (Size::Volume(at, voxel), voxels),
@@ -152,12 +159,26 @@ fn size_of_ilastik(header: &Header<'_>) -> Option<usize> {
     header.find(&["size_in_pixels_0", "size_in_pixels"]).filter(|_| !is_flat)
 }
 
-/// The column of radii or diameters, its values per diameter (2 or 1), and its unit, pixels unless the heading says another.
+/// The unit in the heading of a column of this name, as `radius`, `radius (um)` or `radius_um`; `None` for another column.
+fn unit_behind<'h>(heading: &'h str, name: &str) -> Option<&'h str> {
+    let (base, unit) = split_unit(heading);
+    if unified(base) == name {
+        return Some(unit.unwrap_or_default());
+    }
+    let (base, unit) = heading.trim().rsplit_once(['_', ' '])?;
+    let base = unified(base);
+    (base.strip_suffix("_in").unwrap_or(&base) == name && length_unit(unit).is_some()).then_some(unit)
+}
+
+/// The column of radii or diameters, its values per diameter (2 or 1), and its unit, pixels unless the heading says another. One with a
+/// unit comes before others.
 fn length(header: &Header<'_>, options: &TrackOptions) -> Result<Option<(usize, f64, LengthUnit)>, InputError> {
     for (name, part) in [("radius", 2.0), ("diameter", 1.0)] {
-        let Some(at) = header.names.iter().position(|heading| unified(split_unit(heading).0) == name) else { continue };
+        let all = header.names.iter().enumerate();
+        let named = all.filter_map(|(at, heading)| Some((at, unit_behind(heading, name)?)));
+        let Some((at, unit)) = named.min_by_key(|(_, unit)| unit.is_empty()) else { continue };
         let heading = &header.names[at];
-        let unit = known_length_unit(split_unit(heading).1.unwrap_or_default(), options, || {
+        let unit = known_length_unit(unit, options, || {
             let allowed = units_listed(&LENGTHS);
             header.refused(format!("the unit of column {}, {heading:?}, must be one of {allowed}", at + 1))
         })?;

@@ -31,6 +31,45 @@ fn sizes_that_are_all_the_same_are_unknown() {
     assert!(tracked(&path).cells.iter().all(|cell| cell.volume.is_some()));
 }
 
+/// `--unit` says what volumes without a unit are; lengths may have theirs behind an underscore, too.
+#[test]
+fn volumes_without_a_unit_take_the_given_one() {
+    let text = table("track_id,t,y,x,parent_track_id,volume", |track, t, mother, radius| {
+        format!("{track},{t},1,2,{mother},{radius}")
+    });
+    let (_folder, path) = file("tracks.csv", &text);
+    let files = embryo_files(&[path], TableKind::Volumes).unwrap().0;
+    let found = |unit: Option<Unit>, voxel: Option<f64>| {
+        let names = Names::default();
+        let options = ReadOptions { unit, voxel: voxel.into(), names, ..ReadOptions::default() };
+        let mut volumes = Volumes::default();
+        volumes.read_file(&files[0], &options)?;
+        volumes.require_options()?;
+        Ok::<_, InputError>(volumes.unit)
+    };
+    for (unit, voxel, expected) in [
+        (None, None, Unit::Voxels),
+        (None, Some(0.1), Unit::CubicMicrometres),
+        (Some(Unit::CubicMicrometres), None, Unit::CubicMicrometres),
+        (Some(Unit::Relative), None, Unit::Relative),
+        (Some(Unit::Voxels), Some(0.1), Unit::CubicMicrometres),
+    ] {
+        assert_eq!(found(unit, voxel).unwrap(), Some(expected), "{unit:?} {voxel:?}");
+    }
+    let error = found(Some(Unit::CubicMicrometres), Some(0.1)).unwrap_err().to_string();
+    assert!(error.contains("--voxel: voxel = (given): must be left out"), "{error}");
+    for (heading, unit, volume) in [
+        ("radius_um,y", Unit::CubicMicrometres, sphere(4.0)),
+        ("Diameter in nm,y", Unit::CubicMicrometres, sphere(2e-3)),
+        ("radius_px,y", Unit::Voxels, sphere(4.0)),
+        ("radius,radius_um", Unit::CubicMicrometres, sphere(6.0)),
+    ] {
+        let (_folder, path) = file("tracks.csv", format!("track_id,t,parent,{heading}\n1,0,-1,2,3\n"));
+        let lineage = read_tracked(&path, &TrackOptions::default()).unwrap().unwrap();
+        assert_eq!((lineage.volumes, lineage.cells[0].volume), (unit, Some(volume)), "{heading}");
+    }
+}
+
 /// Beside `frame`, `time` may be in any unit; in a known one it comes before frames, unless the minutes of a frame are given.
 #[test]
 fn of_two_columns_of_times_the_one_with_a_known_unit_counts() {
@@ -39,6 +78,7 @@ fn of_two_columns_of_times_the_one_with_a_known_unit_counts() {
         ("time,frame", Some(1.5), (TimeUnit::Minutes, 3.0)),
         ("t,timepoint", None, (TimeUnit::Frames, 2.0)),
         ("time (s),frame", None, (TimeUnit::Minutes, 3.0)),
+        ("time (weeks),t", None, (TimeUnit::Frames, 2.0)),
         ("time_s,t", None, (TimeUnit::Minutes, 3.0)),
         ("time (s),frame", Some(2.0), (TimeUnit::Minutes, 4.0)),
     ] {
@@ -48,6 +88,40 @@ fn of_two_columns_of_times_the_one_with_a_known_unit_counts() {
         let lineage = read_tracked(&path, &options).unwrap().unwrap();
         assert_eq!((lineage.time, lineage.cells[1].birth), expected, "{heading} {minutes:?}");
     }
+}
+
+/// Options without effect are refused: minutes of frames where times have a unit, and edges of pixels where lengths have one.
+#[test]
+fn options_that_say_nothing_of_a_followed_embryo_are_refused() {
+    let named = |heading: &str| {
+        let name = |track: u32| ["", "P0", "AB", "P1", "ABa", "ABp"][track as usize];
+        table(heading, |track, t, mother, radius| format!("{track},{t},1,2,{mother},{radius},{}", name(track)))
+    };
+    let (_folder, path) = file("timed.csv", named("track_id,t (min),y,x,parent_track_id,radius (um),name"));
+    let (_other, counted) = file("counted.csv", named("track_id,t,y,x,parent_track_id,radius,name"));
+    let allowed = "must be left out: tables have times in a unit, and no file has frames";
+    let error = lifetimes(&path, Some(10.0)).unwrap_err().to_string();
+    assert_eq!(error, format!("--frame-minutes: frame_minutes = (given): {allowed}"));
+    assert_eq!(lifetimes(&path, None).unwrap().cells[0].mean, 2.0);
+    assert_eq!(lifetimes(&counted, Some(10.0)).unwrap().cells[0].mean, 20.0);
+    let options = ReadOptions { voxel: Some(0.1).into(), ..ReadOptions::default() };
+    let volumes = |path: &Path| {
+        let files = embryo_files(&[path.to_owned()], TableKind::Volumes)?.0;
+        Volumes::of_files(&files, &options).map(|volumes| volumes.unit)
+    };
+    let error = volumes(&path).unwrap_err().to_string();
+    assert!(error.starts_with("--voxel: voxel = (given): must be left out: no volume is in voxels"), "{error}");
+    assert_eq!(volumes(&counted).unwrap(), Some(Unit::CubicMicrometres));
+    let both = TrackOptions { pixel: Some(0.1), frame_minutes: Some(1.0), ..TrackOptions::default() };
+    let lineage = read_tracked(&path, &both).unwrap().unwrap();
+    let error = lineage.require_options(&both).unwrap_err().to_string();
+    assert!(error.contains("must be left out: the times of timed are in minutes"), "{error}");
+    let error = lineage.require_options(&TrackOptions { frame_minutes: None, ..both }).unwrap_err().to_string();
+    assert!(error.contains("must be left out: timed has no sizes in voxels or pixels"), "{error}");
+    read_tracked(&counted, &both).unwrap().unwrap().require_options(&both).unwrap();
+    // Minutes of a frame come before the XML's times.
+    let (_folder, path) = file("film.xml", xml("spatialunits=\"pixel\" timeunits=\"sec\""));
+    read_tracked(&path, &both).unwrap().unwrap().require_options(&both).unwrap();
 }
 
 /// What programs write for nothing is no mother, in tables and in graphs.
