@@ -73,7 +73,9 @@ impl Observed {
             embryo.require_options(&of_tracks)?;
             embryo.match_names(names)?;
             names.require_met()?;
-            let (skipped, skipped_count) = (embryo.skipped.clone(), embryo.skipped_count);
+            let sizes = embryo.unknown_sizes.take();
+            let skipped_count = embryo.skipped_count + u64::from(sizes.is_some());
+            let skipped = sizes.into_iter().chain(embryo.skipped.clone()).collect();
             let lineage = ObservedLineage::of_tracked(&embryo, names);
             return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count, warnings: Vec::new() });
         }

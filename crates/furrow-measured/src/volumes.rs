@@ -421,6 +421,10 @@ impl Volumes {
         let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
         self.begin_file(options);
         let embryo = self.embryo(options.group_of(None), lineage.name, file);
+        // First, since it tells why volumes are missing.
+        if let Some(sizes) = lineage.unknown_sizes.take() {
+            note(&mut self.skipped, &mut self.skipped_count, || sizes);
+        }
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
         for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {

@@ -142,6 +142,9 @@ pub struct TrackedLineage {
     /// Which options say something of the file.
     #[serde(skip)]
     pub(crate) takes: Takes,
+    /// Why its sizes are left out, where all spots have one: only what needs sizes has to say so.
+    #[serde(skip)]
+    pub unknown_sizes: Option<Skipped>,
 }
 
 /// Which of the [`TrackOptions`] a file lacks, so that they say something of it.
