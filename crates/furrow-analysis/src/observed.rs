@@ -70,13 +70,20 @@ impl Observed {
         if let Some(mut embryo) = read_tracked(path, &of_tracks)? {
             let allowed = "left out with an embryo that was followed, which has sizes of its own";
             InputError::require(volumes.is_empty(), "--volumes", "volumes", "(given)", allowed)?;
+            embryo.require_options(&of_tracks)?;
             embryo.match_names(names)?;
             names.require_met()?;
-            let (skipped, skipped_count) = (embryo.skipped.clone(), embryo.skipped_count);
+            let sizes = embryo.unknown_sizes.take();
+            let skipped_count = embryo.skipped_count + u64::from(sizes.is_some());
+            let skipped = sizes.into_iter().chain(embryo.skipped.clone()).collect();
             let lineage = ObservedLineage::of_tracked(&embryo, names);
             return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count, warnings: Vec::new() });
         }
-        let lifetimes = LifetimeOptions { names: names.clone(), ..LifetimeOptions::default() };
+        let allowed = "left out without volumes: it is the edge of their voxels";
+        let is_used = voxel.is_none() || !volumes.is_empty();
+        InputError::require(is_used, "--voxel", "voxel", "(given)", allowed)?;
+        let (frame_minutes, names_of) = ((*frame_minutes).into(), names.clone());
+        let lifetimes = LifetimeOptions { frame_minutes, names: names_of, ..LifetimeOptions::default() };
         let lifetimes = Lifetimes::read_files(&embryo_files(&[path.to_owned()], TableKind::Lifetimes)?.0, &lifetimes)?;
         let reading = ReadOptions { names: names.clone(), voxel: (*voxel).into(), ..ReadOptions::default() };
         let sizes = if volumes.is_empty() { Volumes::default() } else { Volumes::of_files(volumes, &reading)? };

@@ -146,6 +146,7 @@ impl Check<'_> {
         let mother = self.mothers(&index)?;
         self.one_tree(&mother)?;
         self.pairs(&mother)?;
+        self.sizes_of_pairs()?;
         self.clashes(&mother)?;
         self.clock()
     }
@@ -384,6 +385,23 @@ impl Check<'_> {
                     shown(&founders[m].name)
                 );
                 return Err(InputError::Founders { file: self.place(&f.name, 0), message });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that of two daughters with given radii the larger one is larger at birth.
+    fn sizes_of_pairs(&self) -> Checked {
+        for (larger, smaller) in self.lineage.daughters().into_iter().flatten() {
+            let [larger_volume, smaller_volume] = [larger, smaller].map(|founder| self.lineage.given_at_birth(founder));
+            let [f, sister] = [larger, smaller].map(|founder| &self.lineage.founders[founder]);
+            let (Some(own), Some(other)) = (f.r0, sister.r0) else { continue };
+            let grows = self.lineage.growth(larger) != self.lineage.growth(smaller);
+            let at_birth = if grows { ", both over the cube root of growth, as at birth" } else { "" };
+            let allowed =
+                || format!("smaller, or r0 = {own} at least r0 = {other} of {}{at_birth}", shown(&sister.name));
+            if smaller_volume > larger_volume {
+                return Err(self.founder_error(f, "daughter", Daughter::Larger.word(), allowed()));
             }
         }
         Ok(())

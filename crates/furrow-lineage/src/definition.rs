@@ -199,10 +199,11 @@ impl Lineage {
         self.founders.iter().filter_map(doubt).collect()
     }
 
-    /// Doubts about the file, a sentence for each: [`doubtful_radii`](Self::doubtful_radii), widths of cues in µm without a length
+    /// Doubts about the file, a sentence for each: [`doubtful_radii`](Self::doubtful_radii), [`doubtful_sums`](Self::doubtful_sums), widths of cues in µm without a length
     /// of L_h, and [`idle_rules`](Self::idle_rules).
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.doubtful_radii();
+        doubts.extend(self.doubtful_sums());
         if self.written.cues_in_micrometres && self.units().length_um.is_none() {
             doubts.push(self.length_is_taken("numbers of cues"));
         }

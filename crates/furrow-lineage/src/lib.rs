@@ -21,6 +21,7 @@ pub mod clock;
 pub mod definition;
 mod fits;
 pub mod founder;
+mod given_sizes;
 pub mod grow;
 mod idle;
 pub mod observed;

@@ -262,21 +262,22 @@ impl Lifetimes {
         let (mut counting, mut cells) = (Vec::new(), 0);
         for EmbryoFile { path, name } in files {
             let (file, frame_minutes) = (path.display().to_string(), options.frame_minutes.of(name));
-            match read_tracked(path, &TrackOptions { pixel: None, frame_minutes, without_sizes: true })? {
+            match read_tracked(path, &TrackOptions { frame_minutes, without_sizes: true, ..TrackOptions::default() })? {
                 None => found.read_table(open_file(path)?, (&file, files.len() > 1), &mut rows)?,
                 Some(mut embryo) => {
                     embryo.name.clone_from(name);
                     embryo.match_names(&options.names)?;
-                    counting.push(name.as_str());
+                    let frame_minutes = frame_minutes.filter(|_| embryo.takes.frame_minutes);
+                    counting.extend(embryo.takes.frame_minutes.then_some(name.as_str()));
                     cells += embryo.cells.len();
                     found.add_tracked(&embryo, frame_minutes, &mut rows)?;
                 }
             }
         }
-        options.frame_minutes.require_known(&counting, "--frame-minutes")?;
         let allowed = "left out: tables have times in a unit, and no file has frames";
         let is_used = options.frame_minutes.is_empty() || !counting.is_empty();
         InputError::require(is_used, "--frame-minutes", "frame_minutes", "(given)", allowed)?;
+        options.frame_minutes.require_known(&counting, "--frame-minutes")?;
         if rows.has_means && files.len() > 1 {
             let file = files.first().map_or(String::new(), |file| file.path.display().to_string());
             let allowed = "in a table that is read by itself: its rows are means over embryos";

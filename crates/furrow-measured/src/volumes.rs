@@ -363,7 +363,8 @@ impl Volumes {
         EmbryoFile { path, name }: &EmbryoFile,
         options: &ReadOptions,
     ) -> Result<(), InputError> {
-        match read_tracked(path, &TrackOptions { pixel: options.voxel.of(name), ..TrackOptions::default() })? {
+        let of_tracks = TrackOptions { pixel: options.voxel.of(name), unit: options.unit, ..TrackOptions::default() };
+        match read_tracked(path, &of_tracks)? {
             Some(mut lineage) => {
                 lineage.name.clone_from(name);
                 self.add_tracked(lineage, options)
@@ -448,12 +449,16 @@ impl Volumes {
         lineage.match_names(&options.names)?;
         self.matched.extend(lineage.matched.take());
         let (is_of_nuclei, unit) = (lineage.of_nuclei(), lineage.volumes);
-        // In µm³ are also diameters in pixels of known size.
-        self.in_voxels |= matches!(unit, Unit::Voxels | Unit::CubicMicrometres);
+        self.in_voxels |= lineage.takes.pixel;
+        self.takes_unit |= lineage.takes.unit || Some(unit) == options.unit;
         let names = &options.names;
         let file = lineage.cells.first().map_or("", |cell| &cell.place.0);
         self.begin_file(options);
         let embryo = self.embryo(options.group.clone().unwrap_or_default(), lineage.name, file);
+        // First, since it tells why volumes are missing.
+        if let Some(sizes) = lineage.unknown_sizes.take() {
+            note(&mut self.skipped, &mut self.skipped_count, || sizes);
+        }
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
         for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {

@@ -45,7 +45,7 @@ fn contours_of_one_table_are_kept_apart_in_any_dress() {
         SQUARES.to_owned(),
         format!("\u{feff}{}", SQUARES.replace('\n', "\r\n")),
         SQUARES.replace(',', ";"),
-        SQUARES.replace(',', "\t").replace("contour", "Stage").replace("\tx\ty", "\tR\tZ"),
+        SQUARES.replace(',', "\t").replace("contour", "Stage").replace("\tx\ty", "\tX\tZ"),
     ] {
         let found = table(text.as_bytes());
         let areas: Vec<(&str, f64)> =
@@ -77,6 +77,14 @@ fn tables_of_something_else_are_refused() {
         (b"", "the table is empty"),
         (b"x,y\n", "no points"),
         (b"\xff\xfex\0", "UTF-16"),
+        (
+            "x (px),y (\u{b5}m)\n1,2\n".as_bytes(),
+            "t.csv:1:1: both coordinates must have one unit; \"x (px)\" has px, \"y (\u{b5}m)\" has um",
+        ),
+        (b"x,y_um\n1,2\n", "one unit; \"x\" has none, \"y_um\" has um"),
+        (b"x,y,x2,y2\n1,2,3,4\n", "\"x\" and \"x2\" both have x: one of them must be left out"),
+        (b"x_px,y_px,x_um,y_um\n1,2,3,4\n", "\"x_px\" and \"x_um\" both have x"),
+        (b"z,r,z.1\n1,2,3\n", "\"z\" and \"z.1\" both have z"),
     ] {
         let said = Contours::default().read_table(text, "t.csv").unwrap_err().to_string();
         assert!(said.contains(expected), "{said}");
@@ -148,6 +156,61 @@ fn cells_of_a_picture_of_labels_are_separated() {
     assert!((area(1) - 3.5).abs() < 1e-12 && (area(2) - 5.5).abs() < 1e-12);
     let none = masked(&bytes, Some(3));
     assert_eq!((none.traced.len(), none.left_out[0].why.as_str()), (0, "no pixel of it has the label 3"));
+}
+
+/// Labels fill areas, the values of a mask's soft or noisy edges do not.
+#[test]
+fn a_picture_of_labels_needs_a_label_and_a_mask_with_soft_edges_does_not() {
+    let picture = |value: &dyn Fn(f64) -> u8| {
+        let far = |at: u32| (f64::from(at % 40) - 19.5).hypot(f64::from(at / 40) - 19.5);
+        grey([40, 40], &(0..1600).map(|at| value(far(at))).collect::<Vec<u8>>())
+    };
+    let labels = picture(&|r| if r < 6.0 { 2 } else { u8::from(r < 12.0) });
+    let said = Contours::default().read_mask(&labels[..], "m.png", None).unwrap_err().to_string();
+    let why = "must be given with --label: the picture has the labels 0, 1, 2, and a mask has one colour on another";
+    assert_eq!(said, format!("m.png: label = (not given): {why}"));
+    assert_eq!(masked(&labels, Some(2)).traced.len(), 1);
+    let rings = picture(&|r| r as u8);
+    let said = Contours::default().read_mask(&rings[..], "m.png", None);
+    assert!(said.is_ok(), "rings of one pixel fill no area: {said:?}");
+    for soft in [
+        picture(&|r| (255.0 * (12.5 - r).clamp(0.0, 1.0)) as u8),
+        picture(&|r| (255.0 / (1.0 + (r - 12.0).exp())) as u8),
+        picture(&|r| if r < 12.0 { 150 + (r * 7.0) as u8 % 3 } else { 100 + (r * 5.0) as u8 % 3 }),
+    ] {
+        let area = masked(&soft, None).traced[0].contour.moments().area;
+        assert!((area - 452.0).abs() < 15.0, "{area}");
+    }
+}
+
+/// r is a distance from the axis: points from pole to pole, open or closed along the axis, are one side.
+#[test]
+fn a_side_of_a_section_gets_the_other_one() {
+    let side: Vec<[f64; 2]> = (0..=200)
+        .map(|k| f64::from(k) / 200.0 * std::f64::consts::PI)
+        .map(|t| [2.0 * t.sin(), 3.0 * t.cos()])
+        .collect();
+    let text = |heading: &str, points: &[[f64; 2]]| {
+        let rows: String = points.iter().map(|[r, z]| format!("{r},{z}\n")).collect();
+        format!("{heading}\n{rows}")
+    };
+    let area = |text: &str| {
+        let traced = &table(text.as_bytes()).traced[0];
+        (traced.contour.moments().area / (6.0 * std::f64::consts::PI), traced.notes.len())
+    };
+    let half = |at: usize| [&side[at..], &side[..at]].concat();
+    for points in [side.clone(), half(80), [&side[..], &side[..1]].concat()] {
+        let (whole, notes) = area(&text("r (µm),z (µm)", &points));
+        assert!((whole - 1.0).abs() < 1e-3 && notes == 1, "{whole} {notes}");
+        let (one_side, notes) = area(&text("x,y", &points));
+        assert!((one_side - 0.5).abs() < 1e-3 && notes == 0, "{one_side} {notes}");
+    }
+    // A section that lies beside the axis, or across it, is whole.
+    for aside in [2.5, -0.5] {
+        let points = around(200, |t| [aside + 2.0 * t.cos(), 3.0 * t.sin()]);
+        let (whole, notes) = area(&text("r,z", &points));
+        assert!((whole - 1.0).abs() < 1e-3 && notes == 0, "{aside}: {whole} {notes}");
+    }
 }
 
 /// Every second column inside, on a spine: as many sides as pixels. Where these are a million it is refused before anything is clipped.

@@ -49,7 +49,8 @@ pub struct LifetimesArgs {
     /// Tables of cell volumes, as for compare volumes; default the published ones, for a lineage with the founders of C. elegans
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
-    /// Minutes from one frame to the next, for embryos of programs that count frames; of one embryo with its name
+    /// Minutes from one frame to the next, for embryos with times in frames; of one embryo with its name. Frames then count where
+    /// the file has times in a unit besides, as the XML of TrackMate
     #[arg(help_heading = "Tables", long, value_name = "MIN|EMBRYO=MIN",
         value_parser = of_embryo, requires = "tables")]
     frame_minutes: Vec<OfEmbryo>,

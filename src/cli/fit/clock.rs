@@ -35,7 +35,8 @@ pub struct ClockArgs {
     /// Volumes of the cells: tables (CSV) or tracked embryos, as for compare volumes; default the published ones
     #[arg(help_heading = "Targets", long, value_name = "TABLE")]
     volumes: Vec<PathBuf>,
-    /// Minutes from one frame to the next, for embryos of programs that count frames; of one embryo with its name
+    /// Minutes from one frame to the next, for embryos with times in frames; of one embryo with its name. Frames then count where
+    /// the file has times in a unit besides, as the XML of TrackMate
     #[arg(help_heading = "Targets", long, value_name = "MIN|EMBRYO=MIN",
         value_parser = of_embryo, requires = "tables")]
     frame_minutes: Vec<OfEmbryo>,

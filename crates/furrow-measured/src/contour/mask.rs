@@ -1,5 +1,7 @@
 //! The contour of a cell in a mask: a PNG picture with the cell in one colour and its surroundings in another.
 
+use std::cmp::Reverse;
+use std::collections::{HashMap, HashSet};
 use std::io::Read;
 
 use furrow_input::InputError;
@@ -17,14 +19,43 @@ const UNPACKS_TO: usize = 1032;
 /// What begins a PNG picture.
 const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
+/// Most labels that an error lists.
+const MOST_LISTED: usize = 12;
+
 /// A picture by its values: grey values, or labels.
 struct Picture {
     width: usize,
     height: usize,
     values: Vec<u16>,
+    /// Whether its pixels are numbers, grey values or of a palette, and no colours.
+    is_of_numbers: bool,
 }
 
 impl Picture {
+    /// The values of a picture of labels; `None` for a mask. Beside its two commonest values a mask has only those of its edges, and these
+    /// do not fill areas.
+    fn labels(&self) -> Option<Vec<u16>> {
+        let mut counts: HashMap<u16, usize> = HashMap::new();
+        self.values.iter().for_each(|value| *counts.entry(*value).or_default() += 1);
+        let mut labels: Vec<u16> = counts.keys().copied().collect();
+        labels.sort_unstable_by_key(|value| (Reverse(counts[value]), *value));
+        let others = labels.get(2..)?;
+        let between: HashSet<u16> = others.iter().copied().collect();
+        let count: usize = others.iter().map(|value| counts[value]).sum();
+        let places = (0..self.values.len()).filter(|at| between.contains(&self.values[*at]));
+        let inner = places.filter(|at| self.is_within_its_value(*at)).count();
+        labels.sort_unstable();
+        (count > 0 && 2 * inner > count).then_some(labels)
+    }
+
+    /// Whether all pixels around one have its value.
+    fn is_within_its_value(&self, at: usize) -> bool {
+        let around = |place: usize, end: usize| place.saturating_sub(1)..(place + 2).min(end);
+        let (columns, own) = (around(at % self.width, self.width), self.values[at]);
+        let rows = around(at / self.width, self.height);
+        rows.flat_map(|y| &self.values[y * self.width..][columns.clone()]).all(|value| *value == own)
+    }
+
     fn is_on_rim(&self, at: usize) -> bool {
         [0, self.width - 1].contains(&(at % self.width)) || [0, self.height - 1].contains(&(at / self.width))
     }
@@ -36,12 +67,21 @@ impl Contours {
     /// runs through the middles of the outer sides of its pixels; holes are filled.
     ///
     /// # Errors
-    /// A file that is not such a picture.
+    /// A file that is not such a picture, or a picture of several labels without `label`.
     pub fn read_mask(&mut self, from: impl Read, file: &str, label: Option<u16>) -> Result<(), InputError> {
-        let picture = decode(from, file, label.is_some())?;
-        let inside = match label {
-            Some(label) => picture.values.iter().map(|value| *value == label).collect(),
-            None => foreground(&picture),
+        let bytes = bytes_of(from, file)?;
+        let mut picture = decode(&bytes, file, Transformations::IDENTITY)?;
+        let inside = match (label, picture.labels().filter(|_| picture.is_of_numbers)) {
+            (Some(_), _) if !picture.is_of_numbers => {
+                let why = "labels are grey values or numbers of a palette; this picture has colours";
+                return Err(refused(file, why.to_owned()));
+            }
+            (Some(label), _) => picture.values.iter().map(|value| *value == label).collect(),
+            (None, Some(labels)) => return Err(label_needed(file, &labels)),
+            (None, None) => {
+                picture = decode(&bytes, file, Transformations::EXPAND)?;
+                foreground(&picture)
+            }
         };
         let Some((piece, notes)) = largest_piece(&picture, inside) else {
             let why = label
@@ -54,8 +94,24 @@ impl Contours {
     }
 }
 
-fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputError> {
-    let refused = |reason: String| InputError::other_file(file, "a mask, a PNG picture", reason);
+fn refused(file: &str, reason: String) -> InputError {
+    InputError::other_file(file, "a mask, a PNG picture", reason)
+}
+
+/// The error for a picture of labels of which none is chosen.
+fn label_needed(file: &str, labels: &[u16]) -> InputError {
+    let mut listed: Vec<String> = labels.iter().take(MOST_LISTED).map(u16::to_string).collect();
+    listed.extend((labels.len() > MOST_LISTED).then(|| format!("{} more", labels.len() - MOST_LISTED)));
+    let allowed = format!(
+        "given with --label: the picture has the labels {}, and a mask has one colour on another",
+        listed.join(", ")
+    );
+    InputError::not_allowed(file, "label", "(not given)", allowed)
+}
+
+/// The bytes of a PNG picture.
+fn bytes_of(from: impl Read, file: &str) -> Result<Vec<u8>, InputError> {
+    let refused = |reason: String| refused(file, reason);
     // The decoder has to seek, which a pipe does not allow. The file is therefore read first, up to two bytes for each allowed pixel.
     let mut bytes = Vec::new();
     let mut from = from.take(2 * MOST_PIXELS as u64);
@@ -64,10 +120,15 @@ fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputErr
         return Err(refused("it does not begin as one".to_owned()));
     }
     from.read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
+    Ok(bytes)
+}
+
+fn decode(bytes: &[u8], file: &str, transformations: Transformations) -> Result<Picture, InputError> {
+    let refused = |reason: String| refused(file, reason);
     let length = bytes.len();
     let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), Limits { bytes: 16 * MOST_PIXELS });
     decoder.set_ignore_text_chunk(true);
-    decoder.set_transformations(if labels { Transformations::IDENTITY } else { Transformations::EXPAND });
+    decoder.set_transformations(transformations);
     let mut reader = decoder.read_info().map_err(|e| refused(e.to_string()))?;
     let [width, height] = [reader.info().width as usize, reader.info().height as usize];
     if width.saturating_mul(height) > MOST_PIXELS {
@@ -81,12 +142,10 @@ fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputErr
     }
     let mut buffer = vec![0; size];
     let frame = reader.next_frame(&mut buffer).map_err(|e| refused(e.to_string()))?;
-    if labels && !matches!(frame.color_type, ColorType::Grayscale | ColorType::Indexed) {
-        return Err(refused("labels are grey values or numbers of a palette; this picture has colours".to_owned()));
-    }
+    let is_of_numbers = matches!(frame.color_type, ColorType::Grayscale | ColorType::Indexed);
     let rows = buffer.chunks_exact(frame.line_size).take(height);
     let values = rows.flat_map(|row| (0..width).map(|x| value(row, x, frame.color_type, frame.bit_depth))).collect();
-    Ok(Picture { width, height, values })
+    Ok(Picture { width, height, values, is_of_numbers })
 }
 
 /// The value of a pixel: the mean of its colours, 0 where it is transparent.

@@ -1,12 +1,13 @@
 //! Contours in tables: one row per point, in order around the cell.
 //!
 //! The columns are `x` and `y` (or `r` and `z`), in one unit, and for several contours `contour` (or `stage`, `frame`, `id`).
-//! A table of two columns of numbers needs no header.
+//! A table of two columns of numbers needs no header. Since r is a distance from the axis, points in r and z that run from the axis to the
+//! axis are one side of a section; the other is its mirror image.
 
 use std::collections::HashMap;
 use std::io::Read;
 
-use furrow_input::table::{Row, Table, columns_listed, malformed, split_unit, text};
+use furrow_input::table::{Row, Table, columns_listed, malformed, split_unit, text, unit_word};
 use furrow_input::{InputError, shown};
 use serde::Serialize;
 
@@ -72,7 +73,7 @@ impl Contours {
         let numbers = [0, 1].map(|column| table.numbers(column));
         let first = || numbers.iter().zip(&header).map(|(numbers, text)| numbers.read(text.as_bytes()));
         let is_bare = header.len() == 2 && first().all(|number| number.is_ok());
-        let Places { columns, contour, third } =
+        let Places { columns, contour, third, from_axis } =
             if is_bare { Places { columns: [0, 1], ..Places::default() } } else { Places::of(&header, (file, line))? };
         table.share(columns);
         let mut rings = Rings::default();
@@ -98,12 +99,17 @@ impl Contours {
         if rings.is_empty() {
             return Err(malformed(file, 1, "the table has columns but no points"));
         }
-        for Ring { name, first_line, points, wrong, .. } in rings {
+        for Ring { name, first_line, mut points, wrong, .. } in rings {
+            let mut notes = Vec::new();
+            if let Some(both) = both_sides(&points).filter(|_| from_axis) {
+                points = both;
+                notes.push("is one side of a section, from the axis to the axis: the other side was added".to_owned());
+            }
             match wrong {
                 Some((line, why)) => {
                     self.left_out.push(LeftOut { file: file.to_owned(), contour: name, line: Some(line), why });
                 }
-                None => self.add(file, name, Some(first_line), points, None, Vec::new()),
+                None => self.add(file, name, Some(first_line), points, None, notes),
             }
         }
         Ok(())
@@ -180,31 +186,92 @@ fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
     (point, wrong)
 }
 
+/// Distance from the axis, as a share of the largest, up to which a point is on the axis.
+const ON_AXIS: f64 = 0.02;
+
+/// Both sides of a section of which the points, in r and z, are one side: none of them is beyond the axis, and between two neighbours
+/// on the axis lies most of its length within the cell. `None` for other points.
+fn both_sides(points: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
+    let widest = points.iter().map(|point| point[0]).fold(0.0, f64::max);
+    let is_beside = |point: &[f64; 2]| point[0] >= -ON_AXIS * widest;
+    if widest <= 0.0 || !points.iter().all(is_beside) {
+        return None;
+    }
+    let along = points.iter().map(|point| point[1]);
+    let length = along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min);
+    let before = |k: usize| &points[(k + points.len() - 1) % points.len()];
+    let gap = |k: usize| (points[k][1] - before(k)[1]).abs();
+    let on_axis = |point: &[f64; 2]| point[0] <= ON_AXIS * widest;
+    let open = (0..points.len()).filter(|k| on_axis(&points[*k]) && on_axis(before(*k)));
+    let first = open.max_by(|a, b| gap(*a).total_cmp(&gap(*b))).filter(|k| 2.0 * gap(*k) > length)?;
+    let mut side = points.to_vec();
+    side.rotate_left(first);
+    let other = side.iter().rev().map(|[r, z]| [-r, *z]).collect::<Vec<_>>();
+    side.extend(other);
+    Some(side)
+}
+
 /// The columns of the points, of the name of their contour, and of a third coordinate.
 #[derive(Default)]
 struct Places {
     columns: [usize; 2],
     contour: Option<usize>,
     third: Option<usize>,
+    /// Whether the first column is the distance from the axis.
+    from_axis: bool,
+}
+
+/// The coordinate of a column, `x`, `y`, `r` or `z`, and its unit: `x`, `x (µm)`, `x_px`; a number behind it is that of a second outline.
+fn coordinate(heading: &str) -> Option<(char, Option<String>)> {
+    let (name, unit) = split_unit(heading);
+    let name = name.to_lowercase();
+    let of_name = ["um", "px"].into_iter().find_map(|unit| Some((name.strip_suffix(unit)?.strip_suffix('_')?, unit)));
+    let (name, unit) = of_name.map_or((&*name, unit), |(name, of_name)| (name, unit.or(Some(of_name))));
+    let name = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches(['_', '.', ' ']);
+    let mut letters = name.chars();
+    let letter = letters.next().filter(|letter| "xyrz".contains(*letter) && letters.next().is_none())?;
+    Some((letter, unit.map(unit_word)))
 }
 
 impl Places {
     fn of(header: &[String], (file, line): (&str, usize)) -> Result<Places, InputError> {
-        let names: Vec<String> = header.iter().map(|name| split_unit(name).0.to_lowercase()).collect();
-        let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
-        let [x, y] = [find(&["x", "x_um", "x_px"]), find(&["y", "y_um", "y_px"])];
-        let [r, z] = [find(&["r"]), find(&["z"])];
-        let contour = find(&["contour", "stage", "frame", "id"]);
-        if let (Some(x), Some(y)) = (x, y) {
-            return Ok(Places { columns: [x, y], contour, third: z });
+        let refused = |why: String| Err(malformed(file, line, why));
+        let coordinates: Vec<Option<(char, Option<String>)>> = header.iter().map(|name| coordinate(name)).collect();
+        let is_of = |at: &usize, letter: char| coordinates[*at].as_ref().is_some_and(|(own, _)| *own == letter);
+        let find = |letter: char| (0..header.len()).find(|at| is_of(at, letter));
+        let contour = header.iter().position(|name| CONTOUR.contains(&split_unit(name).0.to_lowercase().as_str()));
+        let (third, across, along) = match (find('x'), find('y'), find('r'), find('z')) {
+            (Some(x), Some(y), _, z) => (z, x, y),
+            (x, y, r, z) => match (x.or(r), y.or(z)) {
+                (Some(across), Some(along)) => (None, across, along),
+                _ => {
+                    return refused(format!(
+                        "a table of contours has the columns x and y (or r and z), and contour if it has several; \
+                         the columns here are {}",
+                        columns_listed(header)
+                    ));
+                }
+            },
+        };
+        for column in [across, along] {
+            let letter = coordinates[column].as_ref().map_or(' ', |(letter, _)| *letter);
+            if let Some(second) = (column + 1..header.len()).find(|at| is_of(at, letter)) {
+                let [first, second] = [column, second].map(|at| shown(&header[at]));
+                return refused(format!(
+                    "{first} and {second} both have {letter}: one of them must be left out; several outlines are below \
+                     each other, with a column contour"
+                ));
+            }
         }
-        if let (Some(r), Some(z)) = (x.or(r), y.or(z)) {
-            return Ok(Places { columns: [r, z], contour, third: None });
+        let unit = |at: usize| coordinates[at].as_ref().and_then(|(_, unit)| unit.as_deref()).unwrap_or("none");
+        if unit(across) != unit(along) {
+            let [first, second] = [across, along].map(|at| format!("{} has {}", shown(&header[at]), unit(at)));
+            return refused(format!("both coordinates must have one unit; {first}, {second}"));
         }
-        let message = format!(
-            "a table of contours has the columns x and y (or r and z), and contour if it has several; the columns here are {}",
-            columns_listed(header)
-        );
-        Err(malformed(file, line, message))
+        let from_axis = is_of(&across, 'r') && is_of(&along, 'z');
+        Ok(Places { columns: [across, along], contour, third, from_axis })
     }
 }
+
+/// Names of the column that tells several contours apart.
+const CONTOUR: [&str; 4] = ["contour", "stage", "frame", "id"];

@@ -14,7 +14,9 @@ use furrow_input::InputError;
 use furrow_input::table::{NamedUnit, TIMES, unit_of, units_listed};
 use serde_json::Value;
 
-use super::lengths::{LENGTHS, LengthUnit, PIXELS, known_length_unit, sphere_in, unit_of_spheres};
+use super::lengths::{
+    LENGTHS, LengthUnit, PIXELS, SizeUnit, known_length_unit, sphere_in, unit_of_bare, unit_of_spheres,
+};
 use super::spots::{Spot, Spots};
 use super::zarr::{self, Array, Rows, Values};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of};
@@ -197,9 +199,9 @@ impl Nodes {
 struct Sizes {
     property: String,
     values: Option<Vec<Option<f64>>>,
-    /// Whether they are volumes, not radii.
-    are_volumes: bool,
-    unit: Unit,
+    /// The size of their unit, if they are volumes, not radii.
+    volume: Option<f64>,
+    unit: SizeUnit,
     /// The unit of radii.
     length: Option<LengthUnit>,
     options: TrackOptions,
@@ -220,7 +222,8 @@ impl Sizes {
             // As furrow writes them.
             let property = nodes.spelled("volume");
             let values = nodes.property(&property)?;
-            return Ok(Sizes { property, values, are_volumes: true, unit: Unit::Relative, length: None, options });
+            let (volume, unit) = unit_of_bare(Unit::Relative, &options);
+            return Ok(Sizes { property, values, volume: Some(volume), unit, length: None, options });
         }
         let own = &metadata["node_props_metadata"][&property]["unit"];
         let space = axes.iter().find(|axis| axis["type"] == "space").map_or(&Value::Null, |axis| &axis["unit"]);
@@ -231,8 +234,8 @@ impl Sizes {
         };
         let length =
             said.as_str().map(|written| known_length_unit(written, &options, || refused(written))).transpose()?;
-        let unit = length.map_or(Unit::Relative, |length| unit_of_spheres(length, &options));
-        Ok(Sizes { property, values: radii, are_volumes: false, unit, length, options })
+        let unit = length.map_or(Unit::Relative.into(), |length| unit_of_spheres(length, &options));
+        Ok(Sizes { property, values: radii, volume: None, unit, length, options })
     }
 
     /// The volume of a node.
@@ -243,8 +246,8 @@ impl Sizes {
             spots.skip(file, 0, &column, &size.to_string(), "must be above 0");
             return None;
         }
-        if self.are_volumes {
-            return Some(size);
+        if let Some(unit) = self.volume {
+            return Some(size * unit);
         }
         // Relative sizes are as good as pixels without a size.
         let (length, options) = self.length.map_or((PIXELS, TrackOptions::default()), |length| (length, self.options));

@@ -59,12 +59,42 @@ pub(super) fn sphere_of_pixels(diameter: f64, options: &TrackOptions) -> f64 {
     sphere(diameter * options.pixel.unwrap_or(1.0))
 }
 
+/// The unit of the volumes of a file, and what says so.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SizeUnit {
+    pub unit: Unit,
+    /// Whether sizes are in pixels or voxels, so that a pixel's edge says something of them.
+    pub in_pixels: bool,
+    /// Whether the file has volumes without a unit.
+    pub is_bare: bool,
+}
+
+impl From<Unit> for SizeUnit {
+    fn from(unit: Unit) -> SizeUnit {
+        SizeUnit { unit, in_pixels: false, is_bare: false }
+    }
+}
+
 /// The unit of volumes from lengths in a unit.
-pub(super) fn unit_of_spheres(unit: LengthUnit, options: &TrackOptions) -> Unit {
-    if unit.kind == Unit::Voxels { unit_of_pixels(options) } else { unit.kind }
+pub(super) fn unit_of_spheres(unit: LengthUnit, options: &TrackOptions) -> SizeUnit {
+    if unit.kind == Unit::Voxels { unit_of_pixels(options) } else { unit.kind.into() }
 }
 
 /// The unit of volumes from sizes in pixels.
-pub(super) fn unit_of_pixels(options: &TrackOptions) -> Unit {
-    if options.pixel.is_some() { Unit::CubicMicrometres } else { Unit::Voxels }
+pub(super) fn unit_of_pixels(options: &TrackOptions) -> SizeUnit {
+    let unit = if options.pixel.is_some() { Unit::CubicMicrometres } else { Unit::Voxels };
+    SizeUnit { unit, in_pixels: true, is_bare: false }
+}
+
+/// The unit of volumes for which a file has none, and its size: the given one, or else what the format's programs mean.
+pub(super) fn unit_of_bare(usual: Unit, options: &TrackOptions) -> (f64, SizeUnit) {
+    match options.unit.unwrap_or(usual) {
+        Unit::Voxels => (voxel(options), SizeUnit { is_bare: true, ..unit_of_pixels(options) }),
+        unit => (1.0, SizeUnit { unit, in_pixels: false, is_bare: true }),
+    }
+}
+
+/// The volume of a voxel, 1 if unknown.
+pub(super) fn voxel(options: &TrackOptions) -> f64 {
+    options.pixel.map_or(1.0, |pixel| pixel.powi(3))
 }

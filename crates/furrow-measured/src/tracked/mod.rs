@@ -139,6 +139,23 @@ pub struct TrackedLineage {
     /// The names and ids of all spots, with the cell that each is of.
     #[serde(skip)]
     pub(crate) spots: SpotNames,
+    /// Which options say something of the file.
+    #[serde(skip)]
+    pub(crate) takes: Takes,
+    /// Why its sizes are left out, where all spots have one: only what needs sizes has to say so.
+    #[serde(skip)]
+    pub unknown_sizes: Option<Skipped>,
+}
+
+/// Which of the [`TrackOptions`] a file lacks, so that they say something of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Takes {
+    /// Minutes from one frame to the next: its times are frames.
+    pub frame_minutes: bool,
+    /// The edge of a pixel: its sizes are in pixels or voxels.
+    pub pixel: bool,
+    /// A unit: its volumes have none.
+    pub unit: bool,
 }
 
 /// Names and ids of spots, with the cell that each is of; `None` if it is of several.
@@ -165,6 +182,19 @@ impl TrackedLineage {
             (None, _, None) => Place::Nowhere,
             _ => Place::Several,
         }
+    }
+
+    /// Requires that options that were given say something of the file.
+    ///
+    /// # Errors
+    /// Minutes per frame for times in minutes, or a pixel's edge for sizes that are in no pixels.
+    pub fn require_options(&self, options: &TrackOptions) -> Result<(), InputError> {
+        let given = "(given)";
+        let fine = options.frame_minutes.is_none() || self.takes.frame_minutes;
+        let allowed = format!("left out: the times of {} are in minutes", self.name);
+        InputError::require(fine, "--frame-minutes", "frame_minutes", given, allowed)?;
+        let allowed = format!("left out: {} has no sizes in voxels or pixels", self.name);
+        InputError::require(options.pixel.is_none() || self.takes.pixel, "--voxel", "voxel", given, allowed)
     }
 
     /// Whether sizes belong to nuclei rather than to cells.
@@ -221,6 +251,8 @@ pub struct TrackOptions {
     pub frame_minutes: Option<f64>,
     /// Sizes are not needed: those in an unknown unit of length count as pixels.
     pub without_sizes: bool,
+    /// Unit of volumes for which the file has none.
+    pub unit: Option<Unit>,
 }
 
 /// Bytes at the start of a file that decide its format.

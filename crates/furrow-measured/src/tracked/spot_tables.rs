@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use csv::ByteRecord;
 use furrow_input::{InputError, listed, open_file, shown};
 
-use super::lengths::{LENGTHS, LengthUnit, PIXELS, known_length_unit, sphere_in, unit_of_spheres};
+use super::lengths::{LENGTHS, LengthUnit, PIXELS, SizeUnit, known_length_unit, sphere_in, unit_of_spheres};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, whole};
@@ -227,7 +227,7 @@ fn read_spots(
     path: &Path,
     layout: &Layout,
     options: &TrackOptions,
-) -> Result<Unit, InputError> {
+) -> Result<SizeUnit, InputError> {
     let file = path.display().to_string();
     let [label, id, frame, radius] = layout.spot;
     let (mut table, heading) = opened(path, &file, layout, &[id, layout.link[0], layout.link[1]])?;
@@ -242,7 +242,7 @@ fn read_spots(
     // Without a line of units radii say which cell is larger, and no more, unless pixels are given their size.
     let length = written.unwrap_or(PIXELS);
     let unit = match written {
-        None if radius.is_some() && options.pixel.is_none() => Unit::Relative,
+        None if radius.is_some() && options.pixel.is_none() => Unit::Relative.into(),
         _ => unit_of_spheres(length, options),
     };
     let (numbers, mut rows) = (radius.map(|at| table.numbers(at)).unwrap_or_default(), FirstRows::new());

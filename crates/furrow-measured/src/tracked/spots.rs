@@ -6,11 +6,15 @@ use std::hash::Hash;
 use furrow_input::InputError;
 use ordered_float::OrderedFloat;
 
+use super::lengths::SizeUnit;
 use super::rows::{Link, links_past};
-use super::{Format, SpotNames, TimeUnit, TrackedCell, TrackedLineage, namesakes};
+use super::{Format, SpotNames, Takes, TimeUnit, TrackedCell, TrackedLineage, namesakes};
 use crate::names::{birth, is_cell, understood};
-use crate::volumes::{Skipped, Unit, note};
+use crate::volumes::{Skipped, note};
 use furrow_input::table::malformed;
+
+/// Share by which volumes may differ and be the same: programs write sizes with several digits, also of one size.
+const SAME_SIZE: f64 = 1e-6;
 
 /// A cell in one frame.
 #[derive(Clone, Debug)]
@@ -198,7 +202,7 @@ impl Spots {
         name: String,
         format: Format,
         time: TimeUnit,
-        volumes: Unit,
+        volumes: impl Into<SizeUnit>,
     ) -> Result<TrackedLineage, InputError> {
         let mut order: Vec<usize> = (0..self.spots.len()).filter(|spot| !self.left_out.contains(spot)).collect();
         if order.is_empty() {
@@ -230,13 +234,51 @@ impl Spots {
             counts[index] += 1;
             self.extend(&mut cells[index], spot);
         }
+        let unknown_sizes = self.leave_out_one_size(&mut cells, &of_spot);
         let places = namesakes::order(&cells, &counts);
         let of_spot: Vec<Option<usize>> = of_spot.into_iter().map(|cell| cell.map(|cell| places[cell])).collect();
         let cells = namesakes::moved(cells, &places);
         let known = self.known(&of_spot);
         let Spots { skipped, skipped_count, .. } = self;
-        let matched = None;
-        Ok(TrackedLineage { name, format, cells, time, volumes, skipped, skipped_count, matched, spots: known })
+        let SizeUnit { unit: volumes, in_pixels, is_bare } = volumes.into();
+        let takes = Takes { frame_minutes: time == TimeUnit::Frames, pixel: in_pixels, unit: is_bare };
+        Ok(TrackedLineage {
+            name,
+            format,
+            cells,
+            time,
+            volumes,
+            skipped,
+            skipped_count,
+            matched: None,
+            spots: known,
+            takes,
+            unknown_sizes,
+        })
+    }
+
+    /// Leaves out all sizes where the spots of mothers and daughters have one and the same: a detector gives it to every spot, and it is
+    /// no measurement. Returns the report.
+    fn leave_out_one_size(&self, cells: &mut [TrackedCell], of_spot: &[Option<usize>]) -> Option<Skipped> {
+        let is_sized = |cell: &TrackedCell| cell.sizes > 0;
+        let is_daughter = |cell: &TrackedCell| cell.mother.is_some_and(|mother| is_sized(&cells[mother]));
+        if !cells.iter().any(|cell| is_sized(cell) && is_daughter(cell)) {
+            return None;
+        }
+        let used = self.spots.iter().zip(of_spot).filter(|(_, cell)| cell.is_some()).map(|(spot, _)| spot);
+        let sized: Vec<(&Spot, f64)> = used.filter_map(|spot| Some((spot, spot.volume?))).collect();
+        let (first, size) = sized.first()?;
+        if sized.iter().any(|(_, other)| (other - size).abs() > SAME_SIZE * size) {
+            return None;
+        }
+        cells.iter_mut().for_each(|cell| (cell.volume, cell.sizes) = (None, 0));
+        Some(Skipped {
+            file: self.files[first.file].clone(),
+            line: first.line,
+            column: "size".to_owned(),
+            value: sized.len().to_string(),
+            why: "spots of mothers and daughters, all of one size, as a detector sets it: sizes are unknown".to_owned(),
+        })
     }
 
     /// Names, tracks and ids of spots with their cells. A name comes before an equal id.

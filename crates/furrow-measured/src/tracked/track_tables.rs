@@ -1,10 +1,11 @@
 //! Tables of tracks, a row per track and frame, as napari, ultrack, btrack and ilastik write them, or of spots that are linked by their
 //! ids (`id`, `parent_id`), as of funtracks.
 //!
-//! The columns are `track_id`, a time (`t`; `time (min)` has a unit), coordinates, and the track that each comes from: `parent_track_id` (ultrack) or `parent`
-//! (btrack). napari has that in a graph of its own, which is read from a file beside the table: `…_graph.csv` with the columns `child`
-//! and `parent`, or `…_graph.json`, `{"child": [parent], …}`. Sizes are `volume` (with its unit), `radius` or `diameter` in pixels, or
-//! beside a column `z` `area`, which counts voxels.
+//! The columns are `track_id`, a time (`t`; `time (min)` has a unit and comes before frames, unless their minutes are given), coordinates,
+//! and the track that each comes from: `parent_track_id` (ultrack) or `parent` (btrack). napari has that in a graph of its own, which is
+//! read from a file beside the table: `…_graph.csv` with the columns `child` and `parent`, or `…_graph.json`, `{"child": [parent], …}`.
+//! Sizes are `volume` (with its unit, else in voxels or the given unit), `radius` or `diameter` in pixels, or beside a column `z` `area`,
+//! which counts voxels.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -14,7 +15,10 @@ use furrow_input::{InputError, open_file};
 use serde_json::Value as Json;
 
 use super::chains::{self, Chain, Only};
-use super::lengths::{LENGTHS, LengthUnit, known_length_unit, sphere_in, unit_of_pixels, unit_of_spheres};
+use super::lengths::{
+    LENGTHS, LengthUnit, SizeUnit, known_length_unit, length_unit, sphere_in, unit_of_bare, unit_of_pixels,
+    unit_of_spheres, voxel,
+};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, whole, zarr};
@@ -25,7 +29,8 @@ const TRACK: [&str; 3] = ["track_id", "trackid", "track"];
 /// Ids of tracks in tables without a column of the others, or of single spots.
 const ID: [&str; 4] = ["id", "node_id", "spot_id", "cell_id"];
 const PARENT_ID: [&str; 3] = ["parent_id", "parentid", "parent_node_id"];
-const TIME: [&str; 6] = ["t", "time", "frame", "timepoint", "time_point", "frame_number"];
+/// Columns of times. Without a unit they are frames, and one that comes first here is: beside `frame`, `time` may be in any unit.
+const TIME: [&str; 6] = ["frame", "frame_number", "timepoint", "time_point", "t", "time"];
 const PARENT: [&str; 5] = ["parent_track_id", "parent_track", "parenttrackid", "parent", "mother"];
 const CHILD: [&str; 3] = ["child", "track_id", "track"];
 
@@ -57,14 +62,22 @@ fn time_unit(heading: &str) -> Option<&str> {
     (is_time && unit_of(unit, &TIMES).is_some()).then_some(unit)
 }
 
-/// The column of times, and their minutes unless they are frames. A column without a unit comes before others.
-fn time_column(header: &Header<'_>) -> Result<Option<(usize, Option<f64>)>, InputError> {
+/// The column of times, and their minutes unless they are frames. Times in a unit come before frames, unless the minutes of a frame are
+/// given.
+fn time_column(header: &Header<'_>, options: &TrackOptions) -> Result<Option<(usize, Option<f64>)>, InputError> {
     let units: Vec<(usize, &str)> =
         header.names.iter().enumerate().filter_map(|(column, name)| Some((column, time_unit(name)?))).collect();
-    let Some((column, unit)) = units.iter().find(|(_, unit)| unit.is_empty()).or(units.first()).copied() else {
-        return Ok(None);
+    let is_frames = |unit: &str| ["", "frame", "frames"].contains(&unit.to_lowercase().as_str());
+    let rank = |column: usize| {
+        let name = unified(split_unit(&header.names[column]).0);
+        TIME.iter().position(|known| *known == name).unwrap_or(TIME.len())
     };
-    if ["", "frame", "frames"].contains(&unit.to_lowercase().as_str()) {
+    let frames = units.iter().filter(|(_, unit)| is_frames(unit)).min_by_key(|(column, _)| rank(*column));
+    let timed = units.iter().find(|(_, unit)| unit_of(unit, &TIMES).is_some());
+    let (first, second) = if options.frame_minutes.is_some() { (frames, timed) } else { (timed, frames) };
+    // Another unit is refused where there are no other times.
+    let Some((column, unit)) = first.or(second).or(units.first()).copied() else { return Ok(None) };
+    if is_frames(unit) {
         return Ok(Some((column, None)));
     }
     let minutes = unit_of(unit, &TIMES).map(|unit| unit.size).ok_or_else(|| {
@@ -93,25 +106,28 @@ struct Columns {
     parent: Option<usize>,
     name: Option<usize>,
     size: Size,
-    unit: Unit,
+    unit: SizeUnit,
 }
 
 impl Columns {
     fn of(header: &Header<'_>, options: &TrackOptions) -> Result<Columns, InputError> {
         let (track, parent) = links(header);
-        let time = time_column(header)?;
+        let time = time_column(header, options)?;
         let (Some(track), Some((time, minutes))) = (track, time) else {
             let time = time.map(|(column, _)| column);
             return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));
         };
-        let voxel = options.pixel.map_or(1.0, |pixel| pixel.powi(3));
-        let voxels = unit_of_pixels(options);
+        let (voxel, voxels) = (voxel(options), unit_of_pixels(options));
         let area = header.find(&["area", "n_voxels", "num_voxels"]).filter(|_| header.find(&["z"]).is_some());
         let area = area.or_else(|| size_of_ilastik(header));
         let (size, unit) = match volume_column(header)? {
-            Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind),
+            Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind.into()),
+            Some((at, Some(_))) => (Size::Volume(at, voxel), voxels),
             // Programs that count in voxels do not say so.
-            Some((at, _)) => (Size::Volume(at, voxel), voxels),
+            Some((at, None)) => {
+                let (size, unit) = unit_of_bare(Unit::Voxels, options);
+                (Size::Volume(at, size), unit)
+            }
             None => match (length(header, options)?, area) {
                 (Some((at, part, unit)), _) => (Size::Length(at, part, unit), unit_of_spheres(unit, options)),
                 (None, Some(at)) => (Size::Volume(at, voxel), voxels),
@@ -143,12 +159,26 @@ fn size_of_ilastik(header: &Header<'_>) -> Option<usize> {
     header.find(&["size_in_pixels_0", "size_in_pixels"]).filter(|_| !is_flat)
 }
 
-/// The column of radii or diameters, its values per diameter (2 or 1), and its unit, pixels unless the heading says another.
+/// The unit in the heading of a column of this name, as `radius`, `radius (um)` or `radius_um`; `None` for another column.
+fn unit_behind<'h>(heading: &'h str, name: &str) -> Option<&'h str> {
+    let (base, unit) = split_unit(heading);
+    if unified(base) == name {
+        return Some(unit.unwrap_or_default());
+    }
+    let (base, unit) = heading.trim().rsplit_once(['_', ' '])?;
+    let base = unified(base);
+    (base.strip_suffix("_in").unwrap_or(&base) == name && length_unit(unit).is_some()).then_some(unit)
+}
+
+/// The column of radii or diameters, its values per diameter (2 or 1), and its unit, pixels unless the heading says another. One with a
+/// unit comes before others.
 fn length(header: &Header<'_>, options: &TrackOptions) -> Result<Option<(usize, f64, LengthUnit)>, InputError> {
     for (name, part) in [("radius", 2.0), ("diameter", 1.0)] {
-        let Some(at) = header.names.iter().position(|heading| unified(split_unit(heading).0) == name) else { continue };
+        let all = header.names.iter().enumerate();
+        let named = all.filter_map(|(at, heading)| Some((at, unit_behind(heading, name)?)));
+        let Some((at, unit)) = named.min_by_key(|(_, unit)| unit.is_empty()) else { continue };
         let heading = &header.names[at];
-        let unit = known_length_unit(split_unit(heading).1.unwrap_or_default(), options, || {
+        let unit = known_length_unit(unit, options, || {
             let allowed = units_listed(&LENGTHS);
             header.refused(format!("the unit of column {}, {heading:?}, must be one of {allowed}", at + 1))
         })?;
@@ -277,11 +307,14 @@ fn read_row(
     Ok(())
 }
 
+/// How programs write that there is nothing: Python, R, spreadsheets and databases.
+const NONE: [&str; 8] = ["nan", "none", "na", "n/a", "#n/a", "<na>", "null", "nil"];
+
 /// The track that one comes from, if it comes from one; `None` for a text that is neither.
 fn parent_of(written: &[u8]) -> Option<Option<u64>> {
     match text(written).trim() {
         "" | "-1" | "-1.0" => Some(None),
-        none if none.eq_ignore_ascii_case("nan") || none.eq_ignore_ascii_case("none") => Some(None),
+        none if NONE.iter().any(|word| none.eq_ignore_ascii_case(word)) => Some(None),
         _ => whole(written).map(Some),
     }
 }
@@ -401,10 +434,11 @@ fn edges(path: &Path, file: &str) -> Result<Vec<(u64, u64, u64)>, InputError> {
         return Err(header.missing(&[("child", child), ("parent", parent)], "a graph of tracks has them"));
     };
     while let Some(row) = table.next_row()? {
-        let Some((one, other)) = whole(row.text(child)).zip(whole(row.text(parent))) else {
+        let Some((one, other)) = whole(row.text(child)).zip(parent_of(row.text(parent))) else {
             return Err(malformed(file, row.line as usize, "child and parent must be whole numbers from 0"));
         };
-        edges.push((row.line, one, other));
+        // A line without a parent is of a first track.
+        edges.extend(other.map(|other| (row.line, one, other)));
     }
     Ok(edges)
 }

@@ -2,6 +2,7 @@
 
 mod damaged;
 mod graphs;
+mod sizes;
 mod tracks;
 
 use std::fs;
@@ -170,7 +171,7 @@ fn a_cd_table_gives_the_cells_that_the_nuclei_give() {
 /// Where only one daughter was followed, the name shows the division.
 #[test]
 fn a_new_name_of_a_daughter_begins_a_cell() {
-    let folder = nuclei(&["1,1,-1,1,-1,0,0,0,9,AB,0\n", "1,1,1,1,-1,0,0,0,9,ABa,0\n", "1,1,1,-1,-1,0,0,0,9,ABpr,0\n"]);
+    let folder = nuclei(&["1,1,-1,1,-1,0,0,0,11,AB,0\n", "1,1,1,1,-1,0,0,0,9,ABa,0\n", "1,1,1,-1,-1,0,0,0,9,ABpr,0\n"]);
     let lineage = tracked(folder.path());
     assert_eq!(lives(&lineage), [("AB", None, 1.0, Some(2.0), 1.0), ("ABa", Some("AB"), 2.0, None, 3.0)]);
     let skipped = &lineage.skipped[0];
@@ -441,7 +442,7 @@ fn two_files_of_one_frame_are_refused() {
 #[test]
 fn one_sided_successors_are_reported() {
     let folder = nuclei(&[
-        "1,1,-1,1,2,0,0,0,9,P0,0\n2,1,-1,3,9,0,0,0,9,X,0\n",
+        "1,1,-1,1,2,0,0,0,11,P0,0\n2,1,-1,3,9,0,0,0,9,X,0\n",
         "1,1,1,-1,-1,0,0,0,9,AB,0\n2,1,-1,-1,-1,0,0,0,9,P1,0\n3,0,2,-1,-1,0,0,0,9,X,0\n",
     ]);
     let lineage = tracked(folder.path());

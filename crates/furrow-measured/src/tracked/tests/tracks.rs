@@ -4,7 +4,7 @@
 use super::*;
 
 /// The embryo of [`LIVES`] as tracks: number, first frame, last frame, mother, radius.
-const TRACKS: [(u32, u32, u32, u32, f64); 5] =
+pub(super) const TRACKS: [(u32, u32, u32, u32, f64); 5] =
     [(1, 1, 2, 0, 20.0), (2, 3, 4, 1, 15.0), (3, 3, 6, 1, 10.0), (4, 5, 6, 2, 11.0), (5, 5, 6, 2, 12.0)];
 
 /// The lives with the names of tracks.
@@ -19,7 +19,7 @@ fn by_track(mut lives: Vec<Life<'_>>) -> Vec<Life<'_>> {
 }
 
 /// A table of tracks, with what `row` writes of a track in a frame.
-fn table(heading: &str, row: impl Fn(u32, u32, u32, f64) -> String) -> String {
+pub(super) fn table(heading: &str, row: impl Fn(u32, u32, u32, f64) -> String) -> String {
     let mut text = format!("{heading}\n");
     for (track, first, last, mother, radius) in TRACKS {
         (first..=last).for_each(|t| text += &format!("{}\n", row(track, t, mother, radius)));
@@ -27,7 +27,7 @@ fn table(heading: &str, row: impl Fn(u32, u32, u32, f64) -> String) -> String {
     text
 }
 
-fn xml(units: &str) -> String {
+pub(super) fn xml(units: &str) -> String {
     let (mut spots, mut edges, mut last) = (String::new(), String::new(), std::collections::HashMap::new());
     for (track, first, until, mother, radius) in TRACKS {
         for t in first..=until {
