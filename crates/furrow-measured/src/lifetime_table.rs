@@ -106,7 +106,7 @@ impl Columns {
             file,
             value.field(),
             format!("{group:?}"),
-            &format!("{before:?}, {allowed}"),
+            format!("{before:?}, {allowed}"),
         )
     }
 
