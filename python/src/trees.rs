@@ -65,6 +65,13 @@ pub fn scenarios(
         let settings = tree_settings(settings, &lineage, seed, quantisation);
         sources.push(Source { label: label.clone(), lineage, settings });
     }
+    for (name, value) in given.parameters.overrides()?.pairs {
+        // A parameter that every founder has for itself would have no effect.
+        let idle: Option<Vec<String>> = sources.iter().map(|source| source.lineage.allowed_of_run(name)).collect();
+        if let Some(allowed) = idle.and_then(|all| all.into_iter().next()) {
+            return Err(InputError::not_allowed(ARGUMENTS, name, value, allowed));
+        }
+    }
     let combined = combine(&sources, &cues.iter().map(String::as_str).collect::<Vec<_>>());
     let scenarios = combined.map_err(|error| match error {
         ScenarioError::Cue(error) => bad_cue(error),

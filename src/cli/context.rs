@@ -8,6 +8,7 @@ use super::progress::ProgressLine;
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use furrow_analysis::{Constants, read_constants_of};
+use furrow_cell::Parameter;
 use furrow_cell::settings::canonical_name;
 use furrow_cell::settings::{self, Overrides, Settings};
 use furrow_input::{InputError, read_text};
@@ -160,6 +161,43 @@ impl Context {
     pub fn settings_in(&self, units: &Units) -> Result<Settings, InputError> {
         let changes = self.globals.set.iter().any(|entry| radius_in_micrometres(entry).is_some());
         if changes { settings_in(&self.globals, units) } else { Ok(self.settings.clone()) }
+    }
+
+    /// Refuses settings that reach no cell of these lineages, since every founder has its own: those of `--set`, and those `given` by
+    /// option, name and value. A configuration file may be meant for other lineages too, so that it only gives rise to a warning.
+    ///
+    /// # Errors
+    /// Names the option, its value and the lineage.
+    pub fn check_taken(
+        &self,
+        lineages: &[&Lineage],
+        given: impl IntoIterator<Item = (&'static str, &'static str, String)>,
+    ) -> Result<(), InputError> {
+        let unused = |name: &'static str| {
+            let all: Option<Vec<String>> = lineages.iter().map(|lineage| lineage.allowed_of_run(name)).collect();
+            all?.into_iter().next()
+        };
+        let Overrides { source_name, pairs } = Overrides::read(&self.globals.set)?;
+        let set = pairs.iter().map(|(name, value)| (source_name, *name, value.to_string()));
+        for (source, name, value) in given.into_iter().chain(set) {
+            if let Some(allowed) = unused(name) {
+                return Err(InputError::not_allowed(source, name, value, allowed));
+            }
+        }
+        let Some(file) = &self.globals.config else { return Ok(()) };
+        let [with, without] = [Some(file.as_path()), None]
+            .map(|config| Settings::load(&self.globals.preset, config, self.globals.law.as_deref(), &[]));
+        let (with, without) = (with?.cell, without?.cell);
+        // A table of the run's shell sets the aspect ratio too.
+        let by_table = |parameter: &Parameter| *parameter == Parameter::Aspect && with.shell_profile.is_some();
+        let differs = |parameter: &&Parameter| parameter.get(&with) != parameter.get(&without) && !by_table(parameter);
+        for parameter in Parameter::ALL.iter().filter(differs).filter(|parameter| unused(parameter.name()).is_some()) {
+            let (file, value) = (file.display(), parameter.get(&with));
+            messages::warning!(
+                "{file}: {parameter} = {value} reaches no cell: every founder of the lineage has its own"
+            );
+        }
+        Ok(())
     }
 
     /// Reads sets of constants for a lineage. Options of the parameters that they set are refused: those of `--set`, and those `given` by

@@ -52,6 +52,9 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
         sweep.settings.check_axisymmetric("settings")?;
     }
     messages::warn_of(sweep.lineage.doubts());
+    if sweep.kind == Kind::Tree {
+        context.check_taken(&[&sweep.lineage], [])?;
+    }
     warn_of_size(&sweep.lineage.units(), radii(&sweep));
     if sweep.sets_cues_of_trees() {
         tell_who_gets("the cue", &sweep.lineage, &sweep.settings.cell, "");

@@ -135,6 +135,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
     let lineage = load_lineage(args.lineage.as_deref())?;
     context.settings.check_divisions("settings")?;
     context.settings.check_activity("settings")?;
+    context.check_taken(&[&lineage], [])?;
     let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
     let free = args.free.as_ref().map(|texts| Free::list(texts, &lineage, "--free")).transpose()?;
     let hypotheses = hypotheses(args, free.as_deref(), &lineage, &settings)?;

@@ -133,6 +133,8 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     }
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
+    let lineages: Vec<&Lineage> = scenarios.iter().map(|scenario| &scenario.lineage).collect();
+    context.check_taken(&lineages, args.cell.given())?;
     scenarios.iter().for_each(|scenario| warn_of_rules(scenario, !args.cue.is_empty()));
     if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
         let sets = context.constants(file, &scenario.lineage, args.cell.given())?;

@@ -241,6 +241,11 @@ impl Check<'_> {
                 format!("a parameter that no other axis sets, and axes[{first}] = {} does", before[first].name);
             return self.refuse(field(), shown(name), allowed);
         }
+        if let (Kind::Tree, Target::Field(of)) = (self.document.kind, target)
+            && let Some(allowed) = self.lineage.allowed_of_run(of)
+        {
+            return self.refuse(field(), shown(name), allowed);
+        }
         Ok(target)
     }
 

@@ -7,12 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::check::founder_error;
 use super::clock::FounderClock;
-use super::definition::CueRule;
+use super::definition::{CueRule, Lineage};
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
 use super::rules::PhysicsRule;
 use super::units::Length;
 use furrow_cell::profile::WrittenShell;
+use furrow_cell::settings::{SHELL_PROFILE, number_set_by};
 use furrow_cell::{Cell, Parameter, ShellChoice};
 use furrow_input::InputError;
 
@@ -142,6 +143,22 @@ impl<S> Founder<S> {
             growth,
             observed,
         }
+    }
+}
+
+impl Lineage {
+    /// What errors say is allowed where a setting of the run, by its [canonical name](furrow_cell::settings::canonical_name), reaches no
+    /// cell since every founder has its own; `None` if a founder takes the run's.
+    pub fn allowed_of_run(&self, name: &'static str) -> Option<String> {
+        let name = number_set_by(name);
+        let has_own = |founder: &Founder| match name.parse() {
+            // An ellipsoid has the aspect ratio of the run's table.
+            _ if name == SHELL_PROFILE => matches!(founder.shell_profile, Some(ShellChoice::Profile(_))),
+            Ok(parameter) => founder.sets(parameter),
+            Err(_) => false,
+        };
+        let allowed = || format!("left out: every founder of {} has its own, by physics or shell_profile", self.name);
+        self.founders.iter().all(has_own).then(allowed)
     }
 }
 

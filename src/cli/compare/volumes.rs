@@ -120,6 +120,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         Some(file) => context.constants(file, &lineage, [])?,
         None => Vec::new(),
     };
+    context.check_taken(&[&lineage], [])?;
     let measured = read(args, &args.matching.names(&lineage)?)?;
     let settings: TreeSettings =
         tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);

@@ -100,6 +100,7 @@ impl Fit {
         let lineage = load_lineage(args.lineage.as_deref())?;
         context.settings.check_divisions("settings")?;
         context.settings.check_activity("settings")?;
+        context.check_taken(&[&lineage], [])?;
         let settings = tree_settings(context.settings_in(&lineage.units())?, &lineage, 0, context.quantisation);
         Ok(Fit { lineage, settings, start })
     }

@@ -463,6 +463,25 @@ mod tests {
         });
     }
 
+    /// Whether another number has no effect or only one together with a third, a number keeps its error: in neither direction it has a part.
+    #[test]
+    fn open_directions_leave_other_numbers_their_errors() {
+        of_the_embryo(Numerics::default(), |objective, place| {
+            let errors = |of: [f64; 2]| {
+                let row = |[x, y]: [f64; 2]| vec![of[0] * x, of[1] * x, y];
+                let rows = [[1.0, 0.2], [0.5, 1.0], [2.0, -0.3], [0.1, 1.0]].map(row);
+                let goodness = Goodness::of(1.0, 4, 2);
+                let combinations = held(&rows, objective.measured, goodness).unwrap();
+                numbers(objective, &place, (Some(&rows), Some(&combinations)), goodness.error_scale)
+            };
+            let [idle, together] = [[1.0, 0.0], [0.1, 7.3]].map(errors);
+            assert_eq!([&idle[0], &idle[1], &together[1]].map(|number| number.sd.is_some()), [true, false, false]);
+            assert_eq!([&idle[0], &idle[1], &together[1]].map(|number| number.without_effect), [false, true, false]);
+            let (alone, beside) = (idle[2].sd.unwrap(), together[2].sd.unwrap());
+            assert!((alone / beside - 1.0).abs() < 1e-6, "{alone} {beside}");
+        });
+    }
+
     #[test]
     fn a_number_at_the_edge_of_its_range_is_named() {
         of_the_embryo(Numerics::default(), |objective, mut place| {
