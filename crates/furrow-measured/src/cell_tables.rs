@@ -61,7 +61,11 @@ impl Volumes {
         let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
-        let embryo = self.embryo(options.group_of(columns.group.map(at))?, embryo.named("an embryo")?, file);
+        let embryo = self.embryo(
+            options.group_of(columns.group.map(at), &columns.has_groups)?,
+            embryo.named("an embryo")?,
+            file,
+        );
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -170,7 +174,7 @@ impl GridColumns {
         if let Some(label) = self.label.map(at).filter(|label| is_summary(label.text) && !is_unit(label)) {
             return Err((label, SUMMARY.to_owned()));
         }
-        let group = options.group_of(self.group.map(at))?;
+        let group = options.group_of(self.group.map(at), &self.has_groups)?;
         let Some(embryo) = self.embryo else {
             let label = self.label.filter(|label| self.frame != Some(*label)).map(at);
             if let Some(label) = label.filter(|label| !label.may_be_frame()) {

@@ -134,7 +134,7 @@ pub(crate) fn division<'r>(
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
-        group: options.group_of(columns.population.map(at))?,
+        group: options.group_of(columns.population.map(at), &columns.has_groups)?,
         // Without classes mothers of different embryos share only their generation.
         mother: class_of(row, &columns.class)?
             .or(generation.map(|number| format!("{GENERATION}{}", number.written())))
@@ -169,7 +169,7 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
-        group: options.group_of(columns.group.map(at))?,
+        group: options.group_of(columns.group.map(at), &columns.has_groups)?,
         daughters: ["first", "second"].map(|which| format!("{name} {which}")),
         mother: class_of(row, &columns.class)?.unwrap_or(name),
         volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],

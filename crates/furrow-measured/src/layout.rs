@@ -1,5 +1,7 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
+use std::cell::Cell;
+
 use furrow_input::InputError;
 use furrow_input::table::{Header, NamedUnit, TIMES, unit_of};
 use serde::Serialize;
@@ -69,6 +71,8 @@ pub(crate) struct Columns {
     pub(crate) volume: (usize, Option<VolumeUnit>),
     pub(crate) embryo: usize,
     pub(crate) group: Option<usize>,
+    /// Whether a row had a group.
+    pub(crate) has_groups: Cell<bool>,
     pub(crate) frame: Option<usize>,
     pub(crate) n: Option<usize>,
     pub(crate) unit: Option<usize>,
@@ -82,7 +86,7 @@ impl Columns {
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
             let (group, frame) = (group_column(header), frame_column(header)?);
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&UNIT));
-            return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
+            return Ok(Some(Columns { cell, volume, embryo, group, has_groups: Cell::default(), frame, n, unit }));
         }
         if names.any_on_top(of_file, &header.names) {
             return Ok(None);
@@ -175,6 +179,8 @@ pub(crate) struct GridColumns {
     /// Embryos, if each row is of one.
     pub(crate) embryo: Option<usize>,
     pub(crate) group: Option<usize>,
+    /// Whether a row had a group.
+    pub(crate) has_groups: Cell<bool>,
     pub(crate) frame: Option<usize>,
     /// The names of rows: of one of these columns, or of a first one that is no cell.
     pub(crate) label: Option<usize>,
@@ -190,7 +196,7 @@ impl GridColumns {
         let embryo = embryo_column(header).or(group.filter(|_| frame.is_none()));
         let is_first = header.names.first().is_some_and(|name| !is_cell(name));
         let label = embryo.or(frame).or(is_first.then_some(0));
-        Ok(GridColumns { embryo, group, frame, label, first_line: header.line as u64 + 1 })
+        Ok(GridColumns { embryo, group, has_groups: Cell::default(), frame, label, first_line: header.line as u64 + 1 })
     }
 }
 
@@ -237,6 +243,8 @@ pub(crate) struct DivisionColumns {
     pub(crate) daughters: [usize; 2],
     pub(crate) mother_volume: Option<usize>,
     pub(crate) population: Option<usize>,
+    /// Whether a row had a group.
+    pub(crate) has_groups: Cell<bool>,
     pub(crate) generation: Option<usize>,
     /// The columns of the mother's class.
     pub(crate) class: Vec<usize>,
@@ -289,6 +297,7 @@ impl DivisionColumns {
             daughters,
             mother_volume,
             population,
+            has_groups: Cell::default(),
             generation,
             class,
             unit,
@@ -304,6 +313,8 @@ pub(crate) struct ChiColumns {
     pub(crate) chi: usize,
     pub(crate) embryo: Option<usize>,
     pub(crate) group: Option<usize>,
+    /// Whether a row had a group.
+    pub(crate) has_groups: Cell<bool>,
     /// The standard deviation of χ.
     pub(crate) chi_sd: Option<usize>,
     /// The mother's volume.
@@ -329,6 +340,7 @@ impl ChiColumns {
             chi,
             embryo: embryo_column(header),
             group: group_column(header),
+            has_groups: Cell::default(),
             chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
             mother_volume: header.only("volume of the mother", &volumes)?,
             class,

@@ -57,11 +57,19 @@ impl ReadOptions {
     /// The group of a row: the one in its column of groups, or else the given one.
     ///
     /// # Errors
-    /// The field is empty, and no group is given. Fields that spreadsheets have merged are empty but for the first.
-    pub(crate) fn group_of<'r>(&self, written: Option<Value<'r>>) -> Result<String, Rejected<'r>> {
+    /// The field is empty, a row before has a group, and no group is given. Fields that spreadsheets have merged are empty but for the
+    /// first.
+    pub(crate) fn group_of<'r>(
+        &self,
+        written: Option<Value<'r>>,
+        has_groups: &Cell<bool>,
+    ) -> Result<String, Rejected<'r>> {
         match (written, &self.group) {
-            (Some(value), _) if !is_absent(value.text) => Ok(value.written()),
-            (Some(value), None) => Err((value, "no group".to_owned())),
+            (Some(value), _) if !is_absent(value.text) => {
+                has_groups.set(true);
+                Ok(value.written())
+            }
+            (Some(value), None) if has_groups.get() => Err((value, "no group".to_owned())),
             (_, given) => Ok(given.clone().unwrap_or_default()),
         }
     }

@@ -104,6 +104,8 @@ fn groups_have_the_same_names_in_all_layouts() {
     // Spreadsheets leave merged fields empty but for the first.
     let (groups, skipped) = found("embryo,group,AB,P1\ne1,wt,14596,10120\ne2,,14000,10000\n");
     assert_eq!((groups, skipped.len()), (vec![of_group("wt", 0.181, 1)], 1));
+    // A column of groups may be empty.
+    assert_eq!(found("embryo,group,AB,P1\ne1,,14596,10120\n").0, [of_group("", 0.181, 1)]);
 }
 
 #[test]
