@@ -12,8 +12,9 @@ export class Browser {
   /** Starts a browser with a profile that goes with it. */
   static async start(program, flags = []) {
     const profile = fs.mkdtempSync(path.join(os.tmpdir(), "furrow-page-"));
-    const always = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--disable-background-networking",
-      "--disable-component-update", "--disable-sync", "--remote-debugging-pipe", `--user-data-dir=${profile}`];
+    // Without a graphics card recent versions draw WebGL, which films need, only if they are told to.
+    const always = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage",
+      "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--remote-debugging-pipe", `--user-data-dir=${profile}`];
     const child = spawn(program, [...always, ...flags, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
     return new Browser(child, profile);
   }
