@@ -351,6 +351,8 @@ async function playsARegulator(page) {
   })()`);
   await page.clickOn("#regrow");
   await page.until(`["done", "failed"].includes(document.getElementById("regrow-state").dataset.state)`);
+  // The tree is drawn in the next frame, and only what is drawn is found under the pointer.
+  await frame(page);
   await page.worth(`document.getElementById("lineage").scrollIntoView({ block: "center" })`);
   await page.click(...(await place(page, "P0")));
   await page.until(`document.getElementById("film-state").dataset.cell === "P0"`);
