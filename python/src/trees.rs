@@ -17,7 +17,7 @@ use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
 use furrow_lineage::batch::Quantisation;
 use furrow_lineage::batch::scheduler::Summary;
 use furrow_lineage::clock::alive;
-use furrow_lineage::{CellId, Tree, TreeCell};
+use furrow_lineage::{CellId, Lineage, Tree, TreeCell};
 use furrow_measured::tracked::{TableKind, embryo_files};
 use furrow_mechanics::division::Division;
 use furrow_report::{self as report, TreeSummary};
@@ -67,8 +67,7 @@ pub fn scenarios(
     }
     for (name, value) in given.parameters.overrides()?.pairs {
         // A parameter that every founder has for itself would have no effect.
-        let idle: Option<Vec<String>> = sources.iter().map(|source| source.lineage.allowed_of_run(name)).collect();
-        if let Some(allowed) = idle.and_then(|all| all.into_iter().next()) {
+        if let Some(allowed) = Lineage::allowed_of_run(sources.iter().map(|source| &source.lineage), name) {
             return Err(InputError::not_allowed(ARGUMENTS, name, value, allowed));
         }
     }

@@ -163,8 +163,8 @@ impl Context {
         if changes { settings_in(&self.globals, units) } else { Ok(self.settings.clone()) }
     }
 
-    /// Refuses settings that reach no cell of these lineages, since every founder has its own: those of `--set`, and those `given` by
-    /// option, name and value. A configuration file may be meant for other lineages too, so that it only gives rise to a warning.
+    /// Refuses settings that reach no cell of these lineages, since every founder has its own: `--set` and the `given` options, with
+    /// names and values. A configuration file may serve other lineages too, so it gives only a warning.
     ///
     /// # Errors
     /// Names the option, its value and the lineage.
@@ -173,13 +173,8 @@ impl Context {
         lineages: &[&Lineage],
         given: impl IntoIterator<Item = (&'static str, &'static str, String)>,
     ) -> Result<(), InputError> {
-        let unused = |name: &'static str| {
-            let all: Option<Vec<String>> = lineages.iter().map(|lineage| lineage.allowed_of_run(name)).collect();
-            all?.into_iter().next()
-        };
-        let Overrides { source_name, pairs } = Overrides::read(&self.globals.set)?;
-        let set = pairs.iter().map(|(name, value)| (source_name, *name, value.to_string()));
-        for (source, name, value) in given.into_iter().chain(set) {
+        let unused = |name: &'static str| Lineage::allowed_of_run(lineages.iter().copied(), name);
+        for (source, name, value) in given.into_iter().chain(self.overrides()?) {
             if let Some(allowed) = unused(name) {
                 return Err(InputError::not_allowed(source, name, value, allowed));
             }
@@ -200,8 +195,8 @@ impl Context {
         Ok(())
     }
 
-    /// Reads sets of constants for a lineage. Options of the parameters that they set are refused: those of `--set`, and those `given` by
-    /// option, name and value.
+    /// Reads sets of constants for a lineage. They exclude settings of the same parameters: `--set` and the `given` options, with
+    /// names and values.
     ///
     /// # Errors
     /// As [`read_constants_of`] and [`Constants::check_given`].
@@ -213,10 +208,15 @@ impl Context {
     ) -> Result<Vec<Constants>, InputError> {
         let name = file.display().to_string();
         let sets = read_constants_of(&read_text(file)?, &name, lineage)?;
-        let Overrides { source_name, pairs } = Overrides::read(&self.globals.set)?;
-        let set = pairs.iter().map(|(name, value)| (source_name, *name, value.to_string()));
-        sets.first().map_or(Ok(()), |first| first.check_given(&name, given.into_iter().chain(set)))?;
+        let given = given.into_iter().chain(self.overrides()?);
+        sets.first().map_or(Ok(()), |first| first.check_given(&name, given))?;
         Ok(sets)
+    }
+
+    /// What `--set` sets, as option, name and value.
+    fn overrides(&self) -> Result<Vec<(&'static str, &'static str, String)>, InputError> {
+        let Overrides { source_name, pairs } = Overrides::read(&self.globals.set)?;
+        Ok(pairs.into_iter().map(|(name, value)| (source_name, name, value.to_string())).collect())
     }
 
     /// The memo, backed by the cache folder unless the cache is disabled or the default folder cannot be used.

@@ -345,7 +345,7 @@ mod tests {
     fn classes_and_cues_have_constants_of_their_own() {
         let sets = read_constants("epsilon@somatic,cue[0].amplitude,xi_s,weight\n0.8,0.2,24,1\n", "c.csv").unwrap();
         assert_eq!(read_constants(&write_constants(&sets), "c.csv").unwrap(), sets);
-        // What a class of cells has for itself may be given for the others.
+        // A constant of one class may also be given for the other cells.
         sets[0].check_given("c.csv", [("--epsilon", "epsilon", 0.7), ("--set", "p0", 0.1)]).unwrap();
         let mut lineage = Lineage::c_elegans().unwrap();
         lineage.founders[0].physics.set(Parameter::XiS, 30.0);

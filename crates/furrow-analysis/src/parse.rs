@@ -242,7 +242,7 @@ impl Check<'_> {
             return self.refuse(field(), shown(name), allowed);
         }
         if let (Kind::Tree, Target::Field(of)) = (self.document.kind, target)
-            && let Some(allowed) = self.lineage.allowed_of_run(of)
+            && let Some(allowed) = Lineage::allowed_of_run([self.lineage], of)
         {
             return self.refuse(field(), shown(name), allowed);
         }

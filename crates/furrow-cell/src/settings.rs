@@ -18,7 +18,7 @@ pub struct Settings {
     pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
-    /// ξ_b where it was given itself: [`set_number`](Settings::set_number) of ξ_s keeps it, and not its ratio to ξ_s.
+    /// ξ_b, if it was given instead of its ratio to ξ_s: it stays the same when [`set_number`](Settings::set_number) sets ξ_s.
     pub xi_b: Option<f64>,
 }
 

@@ -75,13 +75,16 @@ pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
     matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..])
 }
 
+/// Why UTF-16 is refused.
+pub(crate) const UTF16: &str = "this is UTF-16; it must be saved as UTF-8";
+
 /// The error for text in another encoding; `valid` bytes of it are UTF-8.
 fn not_utf8(path: &Path, bytes: &[u8], valid: usize) -> InputError {
     let before = String::from_utf8_lossy(&bytes[..valid]);
     let line = 1 + before.matches('\n').count();
     let column = 1 + before.chars().rev().take_while(|c| *c != '\n').count();
     let message = if is_utf16(bytes) {
-        "this is UTF-16; it must be saved as UTF-8".to_owned()
+        UTF16.to_owned()
     } else {
         format!("byte 0x{:02x} is not UTF-8, as text must be", bytes[valid])
     };

@@ -390,7 +390,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// Checks that of two daughters with given radii the larger one is larger at birth.
+    /// Checks that the `larger` of two daughters with given radii is the larger one at birth.
     fn sizes_of_pairs(&self) -> Checked {
         for (larger, smaller) in self.lineage.daughters().into_iter().flatten() {
             let [larger_volume, smaller_volume] = [larger, smaller].map(|founder| self.lineage.given_at_birth(founder));

@@ -148,8 +148,14 @@ impl<S> Founder<S> {
 
 impl Lineage {
     /// What errors say is allowed where a setting of the run, by its [canonical name](furrow_cell::settings::canonical_name), reaches no
-    /// cell since every founder has its own; `None` if a founder takes the run's.
-    pub fn allowed_of_run(&self, name: &'static str) -> Option<String> {
+    /// cell of these lineages, since every founder has its own; `None` if a founder takes the run's.
+    pub fn allowed_of_run<'a>(lineages: impl IntoIterator<Item = &'a Lineage>, name: &'static str) -> Option<String> {
+        let all: Option<Vec<String>> = lineages.into_iter().map(|lineage| lineage.only_own(name)).collect();
+        all?.into_iter().next()
+    }
+
+    /// [`allowed_of_run`](Self::allowed_of_run) of one lineage.
+    fn only_own(&self, name: &'static str) -> Option<String> {
         let name = number_set_by(name);
         let has_own = |founder: &Founder| match name.parse() {
             // An ellipsoid has the aspect ratio of the run's table.

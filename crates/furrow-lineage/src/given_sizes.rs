@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::definition::Lineage;
 use furrow_input::shown;
 
-/// Volumes of two daughters, as a share of their mother's, that may be errors of measurement. A division keeps the volume.
+/// Volume of two daughters, as a share of the mother's, that errors of measurement may explain: a division keeps the volume.
 const KEPT: RangeInclusive<f64> = 0.8..=1.2;
 
 impl Lineage {
@@ -15,7 +15,7 @@ impl Lineage {
         Some(self.given_r0(founder)?.powi(3) / self.growth(founder))
     }
 
-    /// Mothers and daughters with given radii whose volumes do not fit; a sentence for each.
+    /// Warnings of mothers with a given volume that differs from the sum of the given volumes of their daughters.
     pub fn doubtful_sums(&self) -> Vec<String> {
         let written = |founder: usize| self.founders[founder].r0.map_or(String::new(), |r0| format!("r0 = {r0}"));
         let name = |founder: usize| shown(&self.founders[founder].name);

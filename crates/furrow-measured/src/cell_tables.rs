@@ -7,7 +7,7 @@ use furrow_input::table::{Header, Row, TIMES, Table, split_unit, text, unit_of, 
 use furrow_input::{InputError, shown};
 
 use crate::layout::{
-    Columns, FRAME, GridColumns, SUMMARY, Unit, VOLUMES, VolumeUnit, embryo_of_file, is_absent, is_summary,
+    Columns, FRAME, GridColumns, SUMMARY, Unit, VOLUMES, VolumeUnit, embryo_of_file, is_absent, is_summary, unit_in,
 };
 use crate::names::Names;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive};
@@ -30,7 +30,12 @@ impl Volumes {
             let noted = match read {
                 Ok(Some(unit)) if unit.text.is_empty() => Err((unit, "no unit".to_owned())),
                 Ok(unit) => {
-                    let unit = unit.map(|unit| one_kind(file, &unit, columns.volume.1, &mut said)).transpose()?;
+                    let read = |value: Value<'_>| {
+                        let refused = |allowed| InputError::not_allowed(file, value.field(), text(value.text), allowed);
+                        unit_in(value.text, columns.volume.1, said).map_err(refused)
+                    };
+                    let unit = unit.map(read).transpose()?;
+                    said = unit.or(said);
                     let factor = options.factor(unit.or(columns.volume.1), &embryo);
                     self.read_row(columns, row, (file, options), factor)
                 }
@@ -61,11 +66,8 @@ impl Volumes {
         let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
-        let embryo = self.embryo(
-            options.group_of(columns.group.map(at), &columns.has_groups)?,
-            embryo.named("an embryo")?,
-            file,
-        );
+        let embryo =
+            self.embryo(columns.group.group_of(row, options.group.as_ref())?, embryo.named("an embryo")?, file);
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -159,7 +161,7 @@ struct GridEmbryo {
 
 impl GridColumns {
     fn has(&self, column: usize) -> bool {
-        [self.embryo, self.group, self.frame].contains(&Some(column))
+        [self.embryo, self.group.column, self.frame].contains(&Some(column))
     }
 
     /// The group and embryo of a row, and its frame. Without a column of embryos all rows are frames of the file's embryo.
@@ -174,7 +176,7 @@ impl GridColumns {
         if let Some(label) = self.label.map(at).filter(|label| is_summary(label.text) && !is_unit(label)) {
             return Err((label, SUMMARY.to_owned()));
         }
-        let group = options.group_of(self.group.map(at), &self.has_groups)?;
+        let group = self.group.group_of(row, options.group.as_ref())?;
         let Some(embryo) = self.embryo else {
             let label = self.label.filter(|label| self.frame != Some(*label)).map(at);
             if let Some(label) = label.filter(|label| !label.may_be_frame()) {
@@ -185,7 +187,7 @@ impl GridColumns {
         };
         let name = at(embryo).named("an embryo")?;
         // Rows of a strain are embryos without names.
-        let name = if self.group == Some(embryo) { format!("{name}:{}", row.line) } else { name };
+        let name = if self.group.column == Some(embryo) { format!("{name}:{}", row.line) } else { name };
         let frame = self.frame.map(|column| at(column).number()).transpose()?;
         Ok(((group, name), frame))
     }
@@ -197,7 +199,7 @@ const NUMBERS: [&str; 6] = ["", "index", "row", "image", "tp", "frames"];
 impl Value<'_> {
     /// Whether a row's name can be a frame by its column's heading and by itself.
     fn may_be_frame(&self) -> bool {
-        let heading = self.name().to_lowercase();
+        let heading = self.name.to_lowercase();
         let heading = heading.trim_matches(|c: char| !c.is_alphanumeric());
         let is_of_numbers = NUMBERS.contains(&heading) || FRAME.contains(&heading);
         self.text.is_empty() || is_of_numbers && may_be_frame(&self.written())
@@ -231,25 +233,4 @@ fn grid_unit(header: &Header<'_>, embryo: &str, names: &Names) -> Result<Option<
         found = Some(unit);
     }
     Ok(found)
-}
-
-/// The unit in a row, which is the heading's, if that has one, and of one kind in all rows.
-pub(crate) fn one_kind(
-    file: &str,
-    value: &Value<'_>,
-    of_heading: Option<VolumeUnit>,
-    said: &mut Option<VolumeUnit>,
-) -> Result<VolumeUnit, InputError> {
-    let written = text(value.text);
-    let refused = |allowed: String| InputError::not_allowed(file, value.field(), &written, allowed);
-    let unit = unit_of(&written, &VOLUMES).ok_or_else(|| refused(format!("one of {}", units_listed(&VOLUMES))))?;
-    if let Some(heading) = of_heading.filter(|heading| heading != unit) {
-        return Err(refused(format!("{}, the unit of the heading", heading.words.first().unwrap_or(&"relative"))));
-    }
-    match said.replace(*unit) {
-        Some(before) if before.kind != unit.kind => {
-            Err(refused(format!("{}, the unit of the rows before", before.kind.symbol())))
-        }
-        _ => Ok(*unit),
-    }
 }

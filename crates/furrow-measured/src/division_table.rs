@@ -4,10 +4,10 @@ use std::cell::Cell;
 use std::io::Read;
 
 use furrow_input::InputError;
-use furrow_input::table::{Row, Table, unit_of, units_listed};
+use furrow_input::table::{Row, Table};
 
 use crate::events::{Division, GENERATION};
-use crate::layout::{ChiColumns, DivisionColumns, VOLUMES, VolumeUnit, embryo_of_file, is_absent};
+use crate::layout::{ChiColumns, DivisionColumns, VolumeUnit, embryo_of_file, is_absent, unit_in};
 use crate::names::Names;
 use crate::several::Source;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive, positive_of};
@@ -91,21 +91,15 @@ fn class_of<'r>(row: Row<'r>, columns: &[usize]) -> Result<Option<String>, Rejec
     Ok((!columns.is_empty()).then_some(class))
 }
 
-/// The unit of a row's volumes: of its column, where there is one, of which `said` keeps the first, or else of the headings.
+/// The unit of a row's volumes: from the column of units, or else from the headings. `said` keeps the first row's.
 fn unit_of_row<'r>(
     row: Row<'r>,
     columns: &DivisionColumns,
     said: &Cell<Option<VolumeUnit>>,
 ) -> Result<Option<VolumeUnit>, Rejected<'r>> {
     let Some(value) = columns.unit_column.map(|column| Value::new(row, column)) else { return Ok(columns.unit) };
-    let unit = unit_of(&value.written(), &VOLUMES).filter(|_| !value.text.is_empty()).copied();
-    let unit = unit.ok_or_else(|| (value, format!("must be one of {}", units_listed(&VOLUMES))))?;
-    if columns.unit.is_some_and(|heading| heading != unit) {
-        return Err((value, "another unit than the heading's".to_owned()));
-    }
-    if said.get().is_some_and(|before| before.kind != unit.kind) {
-        return Err((value, "a unit of another kind than in the rows before".to_owned()));
-    }
+    let unit =
+        unit_in(value.text, columns.unit, said.get()).map_err(|allowed| (value, format!("must be {allowed}")))?;
     said.set(said.get().or(Some(unit)));
     Ok(Some(unit))
 }
@@ -134,7 +128,7 @@ pub(crate) fn division<'r>(
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
-        group: options.group_of(columns.population.map(at), &columns.has_groups)?,
+        group: columns.population.group_of(row, options.group.as_ref())?,
         // Without classes mothers of different embryos share only their generation.
         mother: class_of(row, &columns.class)?
             .or(generation.map(|number| format!("{GENERATION}{}", number.written())))
@@ -169,7 +163,7 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     let name = name_of(mother, &embryo, &options.names);
     let division = Division {
         embryo,
-        group: options.group_of(columns.group.map(at), &columns.has_groups)?,
+        group: columns.group.group_of(row, options.group.as_ref())?,
         daughters: ["first", "second"].map(|which| format!("{name} {which}")),
         mother: class_of(row, &columns.class)?.unwrap_or(name),
         volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],

@@ -3,10 +3,11 @@
 use std::cell::Cell;
 
 use furrow_input::InputError;
-use furrow_input::table::{Header, NamedUnit, TIMES, unit_of};
+use furrow_input::table::{Header, NamedUnit, Row, TIMES, text, unit_of, units_listed};
 use serde::Serialize;
 
 use crate::names::Names;
+use crate::volumes::{Rejected, Value};
 
 /// Unit of volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -70,9 +71,7 @@ pub(crate) struct Columns {
     pub(crate) cell: usize,
     pub(crate) volume: (usize, Option<VolumeUnit>),
     pub(crate) embryo: usize,
-    pub(crate) group: Option<usize>,
-    /// Whether a row had a group.
-    pub(crate) has_groups: Cell<bool>,
+    pub(crate) group: GroupColumn,
     pub(crate) frame: Option<usize>,
     pub(crate) n: Option<usize>,
     pub(crate) unit: Option<usize>,
@@ -84,9 +83,9 @@ impl Columns {
         let (cell, volume, of_file) = (cell_column(header), volume_column(header)?, embryo);
         let embryo = embryo_column(header);
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
-            let (group, frame) = (group_column(header), frame_column(header)?);
+            let (group, frame) = (GroupColumn::of(header), frame_column(header)?);
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&UNIT));
-            return Ok(Some(Columns { cell, volume, embryo, group, has_groups: Cell::default(), frame, n, unit }));
+            return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
         }
         if names.any_on_top(of_file, &header.names) {
             return Ok(None);
@@ -147,9 +146,37 @@ fn frame_column(header: &Header<'_>) -> Result<Option<usize>, InputError> {
 /// Names of the column of groups; one that comes first here counts where a table has several.
 const GROUP: [&str; 5] = ["group", "condition", "strain", "genotype", "treatment"];
 
-/// The column of groups.
-pub(crate) fn group_column(header: &Header<'_>) -> Option<usize> {
-    GROUP.iter().find_map(|name| header.find(&[name]))
+/// The column of groups, if there is one.
+#[derive(Default)]
+pub(crate) struct GroupColumn {
+    pub(crate) column: Option<usize>,
+    /// Whether a row had a group.
+    is_named: Cell<bool>,
+}
+
+impl GroupColumn {
+    pub(crate) fn of(header: &Header<'_>) -> GroupColumn {
+        GroupColumn { column: GROUP.iter().find_map(|name| header.find(&[name])), ..GroupColumn::default() }
+    }
+
+    fn at(column: usize) -> GroupColumn {
+        GroupColumn { column: Some(column), ..GroupColumn::default() }
+    }
+
+    /// The group of a row; `given` for a row without one.
+    ///
+    /// # Errors
+    /// The field is empty, an earlier row has a group, and no group is given. Spreadsheets fill only the first of merged fields.
+    pub(crate) fn group_of<'r>(&self, row: Row<'r>, given: Option<&String>) -> Result<String, Rejected<'r>> {
+        match (self.column.map(|column| Value::new(row, column)), given) {
+            (Some(value), _) if !is_absent(value.text) => {
+                self.is_named.set(true);
+                Ok(value.written())
+            }
+            (Some(value), None) if self.is_named.get() => Err((value, "no group".to_owned())),
+            (_, given) => Ok(given.cloned().unwrap_or_default()),
+        }
+    }
 }
 
 /// Names of the column with the unit of each row's volumes.
@@ -178,9 +205,7 @@ pub(crate) fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option
 pub(crate) struct GridColumns {
     /// Embryos, if each row is of one.
     pub(crate) embryo: Option<usize>,
-    pub(crate) group: Option<usize>,
-    /// Whether a row had a group.
-    pub(crate) has_groups: Cell<bool>,
+    pub(crate) group: GroupColumn,
     pub(crate) frame: Option<usize>,
     /// The names of rows: of one of these columns, or of a first one that is no cell.
     pub(crate) label: Option<usize>,
@@ -190,21 +215,74 @@ pub(crate) struct GridColumns {
 
 impl GridColumns {
     pub(crate) fn of(header: &Header<'_>, is_cell: impl Fn(&str) -> bool) -> Result<GridColumns, InputError> {
-        let group = group_column(header);
+        let group = GroupColumn::of(header);
         let frame = frame_column(header)?;
         // Where rows are not called otherwise, each row of a strain is an embryo.
-        let embryo = embryo_column(header).or(group.filter(|_| frame.is_none()));
+        let embryo = embryo_column(header).or(group.column.filter(|_| frame.is_none()));
         let is_first = header.names.first().is_some_and(|name| !is_cell(name));
         let label = embryo.or(frame).or(is_first.then_some(0));
-        Ok(GridColumns { embryo, group, has_groups: Cell::default(), frame, label, first_line: header.line as u64 + 1 })
+        Ok(GridColumns { embryo, group, frame, label, first_line: header.line as u64 + 1 })
     }
 }
 
 /// What summaries of other rows are called, without blanks and signs.
-const SUMMARIES: &str = "mean means meansd meansem average avg mittelwert median mode sd std stdev stddev standarddeviation stddeviation \
-    stabw standardabweichung se sem stderr standarderror stderrorofmean stderrormean variance var samplevariance cv n count numberofvalues \
-    nobs sum total min minimum max maximum range quartile iqr kurtosis skewness confidencelevel pvalue ttest coefficientofvariation \
-    1stqu 3rdqu 1stquartile 3rdquartile lower95ciofmean upper95ciofmean lower95ci upper95ci 95ci";
+const SUMMARIES: [&str; 55] = [
+    "mean",
+    "means",
+    "meansd",
+    "meansem",
+    "average",
+    "avg",
+    "mittelwert",
+    "median",
+    "mode",
+    "sd",
+    "std",
+    "stdev",
+    "stddev",
+    "standarddeviation",
+    "stddeviation",
+    "stabw",
+    "standardabweichung",
+    "se",
+    "sem",
+    "stderr",
+    "standarderror",
+    "stderrorofmean",
+    "stderrormean",
+    "variance",
+    "var",
+    "samplevariance",
+    "cv",
+    "n",
+    "count",
+    "numberofvalues",
+    "nobs",
+    "sum",
+    "total",
+    "min",
+    "minimum",
+    "max",
+    "maximum",
+    "range",
+    "quartile",
+    "iqr",
+    "kurtosis",
+    "skewness",
+    "confidencelevel",
+    "pvalue",
+    "ttest",
+    "coefficientofvariation",
+    "1stqu",
+    "3rdqu",
+    "1stquartile",
+    "3rdquartile",
+    "lower95ciofmean",
+    "upper95ciofmean",
+    "lower95ci",
+    "upper95ci",
+    "95ci",
+];
 
 /// Whether a text calls a row a summary of others, such as Mean, S.E.M., SD (n - 1) or 25 % percentile.
 pub(crate) fn is_summary(text: &[u8]) -> bool {
@@ -221,19 +299,38 @@ pub(crate) fn is_summary(text: &[u8]) -> bool {
     let word = str::from_utf8(&word[..length]).unwrap_or_default();
     let percent = word.trim_start_matches(|c: char| c.is_ascii_digit());
     let of_percent = percent.len() < word.len() && matches!(percent, "" | "percentile" | "quantile");
-    !word.is_empty() && SUMMARIES.split_whitespace().any(|summary| summary == word)
-        || of_percent && text.contains(&b'%')
+    SUMMARIES.contains(&word) || of_percent && text.contains(&b'%')
 }
 
-/// Whether a text stands for a value that is not there, as programs write it.
+/// How programs write missing values, beside an empty field.
+pub(crate) const MISSING: [&str; 6] = ["na", "n/a", "nan", "none", "null", "nil"];
+
+/// Whether a value is missing.
 pub(crate) fn is_absent(text: &[u8]) -> bool {
-    ["", "na", "n/a", "nan", "none", "null", "nil", "-", "."]
-        .iter()
-        .any(|none| text.eq_ignore_ascii_case(none.as_bytes()))
+    matches!(text, b"" | b"-" | b".") || MISSING.iter().any(|missing| text.eq_ignore_ascii_case(missing.as_bytes()))
 }
 
 /// Why a summary is no data.
 pub(crate) const SUMMARY: &str = "a summary of other rows, which is no measurement";
+
+/// The unit in a field, which must be the heading's, if that has one, and of the kind of the rows `before`.
+///
+/// # Errors
+/// The allowed units.
+pub(crate) fn unit_in(
+    field: &[u8],
+    of_heading: Option<VolumeUnit>,
+    before: Option<VolumeUnit>,
+) -> Result<VolumeUnit, String> {
+    let unit = unit_of(&text(field), &VOLUMES).ok_or_else(|| format!("one of {}", units_listed(&VOLUMES)))?;
+    if let Some(heading) = of_heading.filter(|heading| heading != unit) {
+        return Err(format!("{}, the unit of the heading", heading.words.first().unwrap_or(&"relative")));
+    }
+    match before.filter(|before| before.kind != unit.kind) {
+        Some(before) => Err(format!("{}, the unit of the rows before", before.kind.symbol())),
+        None => Ok(*unit),
+    }
+}
 
 /// The columns of a table of divisions.
 pub(crate) struct DivisionColumns {
@@ -242,9 +339,7 @@ pub(crate) struct DivisionColumns {
     /// Volumes of the larger and of the smaller daughter.
     pub(crate) daughters: [usize; 2],
     pub(crate) mother_volume: Option<usize>,
-    pub(crate) population: Option<usize>,
-    /// Whether a row had a group.
-    pub(crate) has_groups: Cell<bool>,
+    pub(crate) population: GroupColumn,
     pub(crate) generation: Option<usize>,
     /// The columns of the mother's class.
     pub(crate) class: Vec<usize>,
@@ -288,7 +383,7 @@ impl DivisionColumns {
         }
         let unit = stated.first().copied();
         let mother_volume = mother_volume.map(|(at, _)| at);
-        let population = header.find(&[POPULATION]).or_else(|| group_column(header));
+        let population = header.find(&[POPULATION]).map_or_else(|| GroupColumn::of(header), GroupColumn::at);
         let (daughters, generation) = ([larger, smaller], header.find(&["generation"]));
         let unit_column = header.find(&UNIT);
         Ok(Some(DivisionColumns {
@@ -297,7 +392,7 @@ impl DivisionColumns {
             daughters,
             mother_volume,
             population,
-            has_groups: Cell::default(),
+
             generation,
             class,
             unit,
@@ -312,9 +407,7 @@ pub(crate) struct ChiColumns {
     pub(crate) mother: usize,
     pub(crate) chi: usize,
     pub(crate) embryo: Option<usize>,
-    pub(crate) group: Option<usize>,
-    /// Whether a row had a group.
-    pub(crate) has_groups: Cell<bool>,
+    pub(crate) group: GroupColumn,
     /// The standard deviation of χ.
     pub(crate) chi_sd: Option<usize>,
     /// The mother's volume.
@@ -339,8 +432,8 @@ impl ChiColumns {
             mother,
             chi,
             embryo: embryo_column(header),
-            group: group_column(header),
-            has_groups: Cell::default(),
+            group: GroupColumn::of(header),
+
             chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
             mother_volume: header.only("volume of the mother", &volumes)?,
             class,

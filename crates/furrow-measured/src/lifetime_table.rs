@@ -3,7 +3,7 @@
 use furrow_input::InputError;
 use furrow_input::table::{Header, Row, TIMES, columns_listed};
 
-use crate::layout::{cell_column, embryo_column, group_column, is_absent};
+use crate::layout::{GroupColumn, cell_column, embryo_column, is_absent};
 use crate::lifetimes::Lifetime;
 use crate::names::Names;
 use crate::volumes::{Rejected, Value, fitting};
@@ -27,7 +27,7 @@ pub(crate) struct Columns {
     birth: Option<TimeColumn>,
     pub(crate) embryo: Option<usize>,
     /// The column of groups.
-    pub(crate) group: Option<usize>,
+    group: GroupColumn,
 }
 
 impl Columns {
@@ -76,7 +76,7 @@ impl Columns {
         }
         // A row with n is a mean over embryos.
         let embryo = embryo_column(header).filter(|_| n.is_none());
-        Ok(Columns { cell, life, n, sd, birth, embryo, group: group_column(header) })
+        Ok(Columns { cell, life, n, sd, birth, embryo, group: GroupColumn::of(header) })
     }
 
     /// The columns of times.
@@ -88,19 +88,20 @@ impl Columns {
         of_life.into_iter().chain([self.sd, self.birth]).flatten().map(|(column, _)| column)
     }
 
-    /// Requires that all rows are of one group, of which `of_table` keeps the name: lifetimes of several would be averaged.
+    /// Requires that all rows are of one group, since lifetimes are averaged. `of_table` keeps the group.
     pub(crate) fn require_group(
         &self,
         row: Row<'_>,
         of_table: &mut Option<String>,
         file: &str,
     ) -> Result<(), InputError> {
-        let Some(value) = self.group.map(|column| Value::new(row, column)).filter(|value| !is_absent(value.text))
+        let Some(value) =
+            self.group.column.map(|column| Value::new(row, column)).filter(|value| !is_absent(value.text))
         else {
             return Ok(());
         };
         let (group, before) = (value.written(), of_table.get_or_insert_with(|| value.written()));
-        let allowed = "the group of the rows before: lifetimes of several groups are averaged only by groups, each in a table of its own";
+        let allowed = "the group of the rows before: each group needs a table of its own";
         InputError::require(
             group == *before,
             file,

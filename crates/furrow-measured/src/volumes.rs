@@ -27,8 +27,7 @@ use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{
-    ChiColumns, Columns, DivisionColumns, POPULATION, SUMMARY, VOLUMES, VolumeUnit, embryo_of_file, is_absent,
-    is_summary,
+    ChiColumns, Columns, DivisionColumns, POPULATION, SUMMARY, VOLUMES, VolumeUnit, embryo_of_file, is_summary,
 };
 use crate::matching::Matched;
 use crate::names::Names;
@@ -54,26 +53,6 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// The group of a row: the one in its column of groups, or else the given one.
-    ///
-    /// # Errors
-    /// The field is empty, a row before has a group, and no group is given. Fields that spreadsheets have merged are empty but for the
-    /// first.
-    pub(crate) fn group_of<'r>(
-        &self,
-        written: Option<Value<'r>>,
-        has_groups: &Cell<bool>,
-    ) -> Result<String, Rejected<'r>> {
-        match (written, &self.group) {
-            (Some(value), _) if !is_absent(value.text) => {
-                has_groups.set(true);
-                Ok(value.written())
-            }
-            (Some(value), None) if has_groups.get() => Err((value, "no group".to_owned())),
-            (_, given) => Ok(given.clone().unwrap_or_default()),
-        }
-    }
-
     /// The kind of unit of volumes: as a table states it, else as it is given. Volumes without a unit are in voxels if these have a size.
     pub(crate) fn kind_of(&self, stated: Option<VolumeUnit>) -> Option<Unit> {
         let of_voxels = (!self.voxel.is_empty()).then_some(Unit::Voxels);
@@ -240,7 +219,7 @@ pub struct Volumes {
     /// Whether a volume had no unit, or the given one; and whether one was in voxels or pixels.
     takes_unit: bool,
     in_voxels: bool,
-    /// The first embryo with volumes in voxels whose edge is not given, though an edge of others is.
+    /// The first embryo in voxels without an edge, where other embryos have one.
     without_voxel: Option<String>,
     /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
@@ -258,7 +237,7 @@ pub struct Volumes {
 pub(crate) struct Value<'r> {
     pub(crate) line: u64,
     column: usize,
-    name: &'r str,
+    pub(crate) name: &'r str,
     pub(crate) text: &'r [u8],
     numbers: Numbers,
 }
@@ -283,11 +262,6 @@ impl<'r> Value<'r> {
             name if is_summary(name) => Err((self, SUMMARY.to_owned())),
             _ => Ok(self.written()),
         }
-    }
-
-    /// The name of its column.
-    pub(crate) fn name(&self) -> &'r str {
-        self.name
     }
 
     /// A heading as a value.
@@ -393,7 +367,7 @@ impl Volumes {
         Ok(volumes)
     }
 
-    /// Refuses a table whose row below the heading has units: with none in the heading another one would be taken.
+    /// Refuses a table with units in the row below the heading: without a unit in the heading another one would be taken.
     fn refuse_units_below(&self, heading: usize, file: &str) -> Result<(), InputError> {
         let is_unit = |skipped: &&Skipped| {
             let is_text = !skipped.value.is_empty() && skipped.value.parse::<f64>().is_err();

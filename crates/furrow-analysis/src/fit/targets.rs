@@ -81,7 +81,7 @@ fn volumes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Fit")]
 pub struct Targets {
-    /// Constants searched for. A fit of a cue has none.
+    /// Constants searched for; empty for the fit of a cue.
     #[serde(default)]
     pub unknowns: Vec<Searched>,
     /// Founders with observed rounds and terminal cells that the fit should meet.

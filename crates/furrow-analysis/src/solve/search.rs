@@ -50,7 +50,7 @@ pub fn solve(question: &Question, memo: &Memo, options: &SchedulerOptions<'_>) -
 struct Tried {
     value: f64,
     found: Result<Division, String>,
-    /// What the division gives, with the sign of χ where something other than chance decides it; `None` without a division.
+    /// The outcome, with the sign of χ unless chance decides it; `None` without a division.
     outcome: Option<f64>,
 }
 
@@ -132,8 +132,8 @@ impl Search<'_> {
         cell
     }
 
-    /// What a division gives. |χ| may turn back at 0 between two values, where χ with its sign passes C and −C; the sign says nothing if it
-    /// is by chance.
+    /// The outcome of a division. For |χ| it is the signed χ, which shows both passages where |χ| turns back at 0. In a mirror-symmetric
+    /// cell chance decides the sign.
     fn outcome(&self, value: f64, division: &Division) -> Option<f64> {
         match self.question.measure {
             Measure::Chi if !self.cell(value).is_mirror_symmetric() => division.chi_signed(),

@@ -112,14 +112,15 @@ impl<'f> Header<'f> {
         let unified: Vec<String> = names.iter().map(|name| unified_name(name)).collect();
         let header = Header { names, line, unified, file };
         let mut seen: HashSet<&str> = HashSet::new();
-        let repeated = header.unified.iter().position(|name| {
-            let again = repeated_name(name).is_some_and(|first| seen.contains(first));
-            !name.is_empty() && (again || !seen.insert(name))
+        let named = header.unified.iter().zip(&header.names).enumerate().filter(|(_, (name, _))| !name.is_empty());
+        let mut again = named.filter_map(|(column, (name, written))| {
+            let of_first = repeated_name(name).is_some_and(|first| seen.contains(first));
+            let first = if of_first { repeated_name(written).unwrap_or(written) } else { written };
+            (of_first || !seen.insert(name)).then_some((column, first))
         });
-        match repeated {
+        match again.next() {
             None => Ok(header),
-            Some(column) => {
-                let name = repeated_name(&header.names[column]).unwrap_or(&header.names[column]);
+            Some((column, name)) => {
                 let why = format!("two columns are called {name:?}, the second of them column {}", column + 1);
                 Err(header.refused(why))
             }
@@ -263,6 +264,9 @@ mod tests {
         let repeated = ["cell", "x", "cell.1"].map(str::to_owned).to_vec();
         let why = "t.csv:1:1: two columns are called \"cell\", the second of them column 3";
         assert_eq!(Header::new("t.csv", 1, repeated).unwrap_err().to_string(), why);
+        let twice = ["A7.1", "A7.1"].map(str::to_owned).to_vec();
+        let why = "t.csv:1:1: two columns are called \"A7.1\", the second of them column 2";
+        assert_eq!(Header::new("t.csv", 1, twice).unwrap_err().to_string(), why);
         let others = ["Embryo #", "A7.1", "A7.2"].map(str::to_owned).to_vec();
         assert_eq!(Header::new("t.csv", 1, others).unwrap().find(&["embryo"]), Some(0));
         assert_eq!(times("Lifetime (h)").unwrap(), [(1, Some(60.0))]);

@@ -17,7 +17,7 @@ use std::io::{Chain, Cursor, Read};
 
 use csv::ByteRecord;
 
-use crate::file::is_utf16;
+use crate::file::{UTF16, is_utf16};
 use crate::{InputError, foreign, shown};
 use bounded::{Bounded, Uniform};
 use heading::is_unnamed;
@@ -141,7 +141,7 @@ impl<'f, R: Read> Table<'f, R> {
         }
         foreign::refuse(file, &head, "a table (CSV)")?;
         if is_utf16(&head) {
-            return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
+            return Err(malformed(file, 1, UTF16));
         }
         if head.contains(&0) {
             return Err(malformed(file, 1, "this is no text: it has a byte 0"));
@@ -331,7 +331,7 @@ fn separator([line, next]: [&[u8]; 2]) -> u8 {
         fields().count() > 1 && fields().all(is_number)
     };
     let outside_quotes = |separator: u8| count_outside_quotes(line, separator);
-    // Commas of the heading stand before units, and those of the data, if there are any, in numbers.
+    // Commas of a heading may come before units, and commas of numbers before decimals: then another character separates both lines.
     let beside_commas = |separator: &u8| {
         let [there, next_there] = [line, next].map(|line| count_outside_quotes(line, *separator));
         let differ = outside_quotes(b',') != count_outside_quotes(next, b',');

@@ -118,7 +118,7 @@ mod tests {
         assert_eq!((heading, lines), (vec!["cell".to_owned(), "volume".to_owned()], vec![2, 4]));
     }
 
-    /// A comma in a heading may stand before a unit.
+    /// Commas in headings may come before units.
     #[test]
     fn columns_are_separated_as_the_data_are() {
         for (table, columns) in [

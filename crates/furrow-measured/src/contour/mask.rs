@@ -1,7 +1,6 @@
 //! The contour of a cell in a mask: a PNG picture with the cell in one colour and its surroundings in another.
 
 use std::cmp::Reverse;
-use std::collections::{HashMap, HashSet};
 use std::io::Read;
 
 use furrow_input::InputError;
@@ -32,18 +31,17 @@ struct Picture {
 }
 
 impl Picture {
-    /// The values of a picture of labels; `None` for a mask. Beside its two commonest values a mask has only those of its edges, and these
-    /// do not fill areas.
+    /// The values of a picture of labels; `None` for a mask. The edges of a mask have values between its two commonest ones, but these
+    /// values fill no areas.
     fn labels(&self) -> Option<Vec<u16>> {
-        let mut counts: HashMap<u16, usize> = HashMap::new();
-        self.values.iter().for_each(|value| *counts.entry(*value).or_default() += 1);
-        let mut labels: Vec<u16> = counts.keys().copied().collect();
-        labels.sort_unstable_by_key(|value| (Reverse(counts[value]), *value));
-        let others = labels.get(2..)?;
-        let between: HashSet<u16> = others.iter().copied().collect();
-        let count: usize = others.iter().map(|value| counts[value]).sum();
-        let places = (0..self.values.len()).filter(|at| between.contains(&self.values[*at]));
-        let inner = places.filter(|at| self.is_within_its_value(*at)).count();
+        let mut counts = vec![0_usize; 1 << 16];
+        self.values.iter().for_each(|value| counts[usize::from(*value)] += 1);
+        let mut labels: Vec<u16> = (0..=u16::MAX).filter(|value| counts[usize::from(*value)] > 0).collect();
+        labels.sort_unstable_by_key(|value| (Reverse(counts[usize::from(*value)]), *value));
+        let commonest = [*labels.first()?, *labels.get(1)?];
+        let places = (0..self.values.len()).filter(|at| !commonest.contains(&self.values[*at]));
+        let (count, inner) =
+            places.fold((0, 0), |(count, inner), at| (count + 1, inner + usize::from(self.is_within_its_value(at))));
         labels.sort_unstable();
         (count > 0 && 2 * inner > count).then_some(labels)
     }
@@ -98,7 +96,7 @@ fn refused(file: &str, reason: String) -> InputError {
     InputError::other_file(file, "a mask, a PNG picture", reason)
 }
 
-/// The error for a picture of labels of which none is chosen.
+/// The error for a picture of labels without a chosen label.
 fn label_needed(file: &str, labels: &[u16]) -> InputError {
     let mut listed: Vec<String> = labels.iter().take(MOST_LISTED).map(u16::to_string).collect();
     listed.extend((labels.len() > MOST_LISTED).then(|| format!("{} more", labels.len() - MOST_LISTED)));

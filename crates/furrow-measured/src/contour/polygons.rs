@@ -189,8 +189,8 @@ fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
 /// Distance from the axis, as a share of the largest, up to which a point is on the axis.
 const ON_AXIS: f64 = 0.02;
 
-/// Both sides of a section of which the points, in r and z, are one side: none of them is beyond the axis, and between two neighbours
-/// on the axis lies most of its length within the cell. `None` for other points.
+/// Both sides of a section, from the points of one side in r and z; `None` for other points. One side has no point beyond the axis, and
+/// two neighbouring points on the axis are more than half of the section's length apart.
 fn both_sides(points: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
     let widest = points.iter().map(|point| point[0]).fold(0.0, f64::max);
     let is_beside = |point: &[f64; 2]| point[0] >= -ON_AXIS * widest;
@@ -221,7 +221,7 @@ struct Places {
     from_axis: bool,
 }
 
-/// The coordinate of a column, `x`, `y`, `r` or `z`, and its unit: `x`, `x (µm)`, `x_px`; a number behind it is that of a second outline.
+/// The coordinate of a column, `x`, `y`, `r` or `z`, and its unit, as in `x`, `x (µm)` or `x_px`. A number, as in `x2`, numbers outlines.
 fn coordinate(heading: &str) -> Option<(char, Option<String>)> {
     let (name, unit) = split_unit(heading);
     let name = name.to_lowercase();

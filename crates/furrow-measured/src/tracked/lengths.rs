@@ -86,7 +86,7 @@ pub(super) fn unit_of_pixels(options: &TrackOptions) -> SizeUnit {
     SizeUnit { unit, in_pixels: true, is_bare: false }
 }
 
-/// The unit of volumes for which a file has none, and its size: the given one, or else what the format's programs mean.
+/// The unit of volumes without a unit, and its size: the given unit, or else the usual one of the format.
 pub(super) fn unit_of_bare(usual: Unit, options: &TrackOptions) -> (f64, SizeUnit) {
     match options.unit.unwrap_or(usual) {
         Unit::Voxels => (voxel(options), SizeUnit { is_bare: true, ..unit_of_pixels(options) }),

@@ -154,7 +154,7 @@ pub(crate) struct Takes {
     pub frame_minutes: bool,
     /// The edge of a pixel: its sizes are in pixels or voxels.
     pub pixel: bool,
-    /// A unit: its volumes have none.
+    /// A unit, since it has volumes without one.
     pub unit: bool,
 }
 
@@ -251,7 +251,7 @@ pub struct TrackOptions {
     pub frame_minutes: Option<f64>,
     /// Sizes are not needed: those in an unknown unit of length count as pixels.
     pub without_sizes: bool,
-    /// Unit of volumes for which the file has none.
+    /// Unit of the file's volumes without a unit.
     pub unit: Option<Unit>,
 }
 

@@ -22,7 +22,7 @@ use super::lengths::{
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, whole, zarr};
-use crate::layout::volume_column;
+use crate::layout::{MISSING, volume_column};
 use crate::volumes::Unit;
 
 const TRACK: [&str; 3] = ["track_id", "trackid", "track"];
@@ -307,14 +307,14 @@ fn read_row(
     Ok(())
 }
 
-/// How programs write that there is nothing: Python, R, spreadsheets and databases.
-const NONE: [&str; 8] = ["nan", "none", "na", "n/a", "#n/a", "<na>", "null", "nil"];
+/// How spreadsheets and pandas write a missing value, beside the [usual ways](MISSING).
+const NOT_AVAILABLE: [&str; 2] = ["#n/a", "<na>"];
 
 /// The track that one comes from, if it comes from one; `None` for a text that is neither.
 fn parent_of(written: &[u8]) -> Option<Option<u64>> {
     match text(written).trim() {
         "" | "-1" | "-1.0" => Some(None),
-        none if NONE.iter().any(|word| none.eq_ignore_ascii_case(word)) => Some(None),
+        none if MISSING.iter().chain(&NOT_AVAILABLE).any(|missing| none.eq_ignore_ascii_case(missing)) => Some(None),
         _ => whole(written).map(Some),
     }
 }

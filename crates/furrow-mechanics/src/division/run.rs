@@ -391,7 +391,7 @@ impl Run {
         if newest.t > self.t_max { self.out_of_time(stepper) } else { Ok(None) }
     }
 
-    /// The end of a cell whose time is over; creeping time does not count.
+    /// The end of a cell that has reached the largest time. A cell that still creeps gets more time.
     fn out_of_time(&mut self, stepper: &Stepper) -> Result<Option<Division>, DivisionError> {
         let Cell { r0, epsilon, .. } = stepper.cortex.cell;
         let drifts = if self.fixed.is_none() { limits::neutral_drift(stepper) } else { None };

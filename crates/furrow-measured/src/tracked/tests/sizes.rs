@@ -4,7 +4,7 @@ use super::tracks::{TRACKS, table, xml};
 use super::*;
 use crate::volumes::{ReadOptions, Volumes};
 
-/// Detectors give all spots one size, which is none that was measured. One cell alone may keep its size.
+/// Detectors give all spots one size, which was not measured. A single cell keeps its size.
 #[test]
 fn sizes_that_are_all_the_same_are_unknown() {
     let right = xml("spatialunits=\"micron\" timeunits=\"sec\"");
