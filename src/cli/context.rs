@@ -51,7 +51,7 @@ pub struct Globals {
     #[arg(help_heading = "Output", long, global = true)]
     pub json: bool,
     /// Hides progress and warnings
-    #[arg(help_heading = "Output", long, global = true, conflicts_with = "verbose")]
+    #[arg(help_heading = "Output", short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Prints more log messages; twice prints most
     #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
@@ -211,6 +211,14 @@ impl Context {
         let given = given.into_iter().chain(self.overrides()?);
         sets.first().map_or(Ok(()), |first| first.check_given(&name, given))?;
         Ok(sets)
+    }
+
+    /// Whether `--set` sets a parameter, by its [canonical name](furrow_cell::settings::canonical_name).
+    ///
+    /// # Errors
+    /// Names an entry that cannot be read.
+    pub fn sets(&self, name: &str) -> Result<bool, InputError> {
+        Ok(self.overrides()?.iter().any(|(_, set, _)| *set == name))
     }
 
     /// What `--set` sets, as option, name and value.

@@ -33,6 +33,7 @@ pub struct ExploreArgs {
 
 pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
     let (lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.as_deref())?;
+    context.check_taken(&[&lineage], args.cell.given())?;
     let is_page =
         args.out.extension().is_some_and(|name| ["html", "htm"].iter().any(|page| name.eq_ignore_ascii_case(page)));
     let file = format!("{:?}", args.out.display().to_string());

@@ -284,7 +284,9 @@ pub fn prepared(
     if let Some(r0) = cell.r0 {
         let units = lineage.units().asked_in(r0);
         lineage.units = Some(units).filter(|units| *units != Default::default());
-        // The option overrides the radius in the lineage file.
+    }
+    // The radius of an option overrides the one in the lineage file.
+    if cell.r0.is_some() || context.sets("r0")? {
         lineage.forget_first_radius();
     }
     let given = cell.settings(&context.settings_in(&lineage.units())?, &lineage.units())?;

@@ -119,12 +119,24 @@ impl Sweep {
         base: &Settings,
         set: &Overrides,
     ) -> Result<Sweep, InputError> {
+        let path = document.lineage.take().map(|path| folder.join(path));
+        let mut lineage = Lineage::load(path.as_deref())?;
         let mut settings = base.clone();
         std::mem::take(&mut document.physics).apply(&mut settings);
+        if settings.cell.r0 != base.cell.r0 || set.pairs.iter().any(|(name, _)| *name == "r0") {
+            lineage.forget_first_radius();
+        }
+        if document.kind == Kind::Tree {
+            let of_file = |parameter: &Parameter| (file, parameter.name(), parameter.get(&settings.cell).to_string());
+            let changed = |parameter: &&Parameter| parameter.get(&settings.cell) != parameter.get(&base.cell);
+            let of_set = set.pairs.iter().map(|(name, value)| (set.source_name, *name, value.to_string()));
+            for (source, name, value) in Parameter::ALL.iter().filter(changed).map(of_file).chain(of_set) {
+                let unused = Lineage::allowed_of_run([&lineage], name);
+                unused.map_or(Ok(()), |allowed| Err(InputError::not_allowed(source, name, value, allowed)))?;
+            }
+        }
         std::mem::take(&mut document.numerics).apply(&mut settings);
         settings.check_fields(file)?;
-        let path = document.lineage.take().map(|path| folder.join(path));
-        let lineage = Lineage::load(path.as_deref())?;
         let in_units =
             |(name, value): &(&'static str, AxisValue)| (*name, lineage.units().natural(name, value.clone()));
         let pairs = set.pairs.iter().map(in_units).collect();

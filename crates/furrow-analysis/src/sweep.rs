@@ -2,7 +2,7 @@
 
 use super::points::{Axes, AxisValue, Point, Target};
 use furrow_cell::settings::{SHELL_PROFILE, Settings};
-use furrow_cell::{Cell, Cue, Scheme};
+use furrow_cell::{Cell, Cue, Numerics, Scheme};
 use furrow_input::InputError;
 use furrow_lineage::Lineage;
 use furrow_mechanics::division::DivisionInput;
@@ -121,9 +121,15 @@ impl Sweep {
         // A table sets the aspect ratio, which an axis of its own then replaces.
         pairs.sort_by_key(|(name, _)| *name != SHELL_PROFILE);
         let set = settings.assign(&self.file, &pairs);
-        if settings.numerics.scheme == Scheme::Converged && pairs.iter().any(|(name, _)| *name == "dt") {
-            // An axis of steps is one of the published scheme: the other divides alike at all of them.
-            settings.numerics.dt = self.settings.numerics.dt;
+        // An axis of what this point's solver does not use is one of the other points: this one divides alike at all its values.
+        let varies = |names: &[&str]| pairs.iter().any(|(name, _)| names.contains(name));
+        let usual = Numerics::default();
+        if settings.numerics.scheme == Scheme::Converged && varies(&["scheme", "dt"]) {
+            settings.numerics.dt = usual.dt;
+        }
+        if settings.numerics.modes == 0 && varies(&["modes", "elements", "contact"]) {
+            settings.numerics.elements = usual.elements;
+            settings.numerics.contact = usual.contact;
         }
         let mut cell = settings.cell.clone().with_cue(cue);
         for (axis, place) in places {

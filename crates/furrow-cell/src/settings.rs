@@ -361,11 +361,16 @@ impl Settings {
     /// Checks every field, and whether they go together; errors say the values came from `source_name`.
     pub fn check(&self, source_name: &str) -> Result<(), InputError> {
         self.check_fields(source_name)?;
-        let Numerics { scheme, dt, .. } = self.numerics;
-        if scheme == Scheme::Converged && dt != Numerics::default().dt {
-            let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
-            return Err(InputError::not_allowed(source_name, "numerics.dt", dt, allowed));
-        }
+        let Numerics { scheme, dt, modes, elements, contact, .. } = self.numerics;
+        let usual = Numerics::default();
+        let used = scheme == Scheme::Published || dt == usual.dt;
+        let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
+        InputError::require(used, source_name, "numerics.dt", dt, allowed)?;
+        let allowed = "given with modes above 0 alone (--three-dimensional): the solver with axial symmetry does not use it";
+        let used = modes > 0 || elements == usual.elements;
+        InputError::require(used, source_name, "numerics.elements", elements, allowed)?;
+        let used = modes > 0 || contact == usual.contact;
+        InputError::require(used, source_name, "numerics.contact", contact, allowed)?;
         self.check_law(source_name)?;
         self.check_shell(source_name)
     }

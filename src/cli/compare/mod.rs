@@ -96,6 +96,7 @@ fn trees_of(lineages: Vec<Lineage>, memo: &Memo, context: &Context) -> Result<Ve
     // Until here only files were read, which Ctrl-C stops at once.
     interrupt::finish();
     context.settings.check_divisions("settings")?;
+    context.check_taken(&lineages.iter().collect::<Vec<_>>(), [])?;
     let units = lineages.first().map_or(Units::default(), Lineage::units);
     let scenarios = scenarios_of(lineages, &context.settings_in(&units)?, context.quantisation);
     Ok(grown(&scenarios, None, false, memo, context)?.0.trees)
