@@ -104,15 +104,6 @@ fn unit_of_row<'r>(
     Ok(Some(unit))
 }
 
-/// A mother's own volume beside the sum of her daughters', of which segmentations show at least half and at most twice as much.
-fn volume_of_mother(value: Value<'_>, daughters: f64) -> Result<f64, Rejected<'_>> {
-    let own = positive(value)?;
-    if (0.5..=2.0).contains(&(own / daughters)) {
-        return Ok(own);
-    }
-    Err((value, format!("the volume of a mother must be from half to twice the sum of her daughters, {daughters}")))
-}
-
 /// The division of a row with volumes.
 pub(crate) fn division<'r>(
     row: Row<'r>,
@@ -126,8 +117,7 @@ pub(crate) fn division<'r>(
     if volumes[0] < volumes[1] {
         return Err((larger, "the larger daughter must not be the smaller one".to_owned()));
     }
-    let own = columns.mother_volume.map(at).filter(|value| !is_absent(value.text));
-    let own = own.map(|value| volume_of_mother(value, volumes[0] + volumes[1])).transpose()?;
+    let own = columns.mother_volume.map(at).filter(|value| !is_absent(value.text)).map(positive).transpose()?;
     let (embryo, mother) = (at(columns.embryo).named("an embryo")?, at(columns.mother));
     mother.named("a mother")?;
     let generation = columns.generation.map(at).filter(|value| !is_absent(value.text));
