@@ -189,7 +189,10 @@ impl CanonicalBytes {
         self.count(stages as u64);
         self.count(intervals as u64);
         // Each scheme has a first step of its own: `dt`, or `first_step`.
-        reals[if scheme == Scheme::Published { 1 } else { 0 }] = 0.0;
+        match scheme {
+            Scheme::Converged => reals[0] = 0.0,
+            Scheme::Published => reals[1] = PUBLISHED_VERSION,
+        }
         self.reals(reals);
         // Divisions with axial symmetry keep the keys they had before there were others.
         if numerics.modes > 0 {
@@ -198,6 +201,9 @@ impl CanonicalBytes {
         }
     }
 }
+
+/// Version of the published scheme, which changes without [`SOLVER_VERSION`].
+const PUBLISHED_VERSION: f64 = 1.0;
 
 /// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
 const SURFACE_VERSION: u64 = 3;

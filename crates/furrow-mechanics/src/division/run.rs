@@ -22,6 +22,8 @@ use furrow_cell::{Cell, Numerics, Parameter, Scheme};
 
 /// Length below which the first step is not shortened further, in τ.
 const SHORTEST_FIRST_STEP: f64 = 1e-9;
+/// The first step of the published scheme is lengthened by no smaller factor.
+const LEAST_LENGTHENING: f64 = 1.02;
 /// Longest first step after a skipped wait at a saddle, in τ: no mode that grows there is as fast.
 const STEP_AFTER_SADDLE: f64 = 1.0;
 /// Longest step under sustained noise, relative to the time between its sets of coefficients.
@@ -141,7 +143,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
     let (shape, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
-    let mut run = Run::begin(input, start, &mut stepper, tangent)?;
+    let mut run = Run::begin(input, start, &mut stepper, (tangent, observe))?;
     let division = loop {
         if cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
             return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.history[0].t });
@@ -223,12 +225,12 @@ struct Run {
 }
 
 impl Run {
-    /// Makes the first step.
+    /// Makes the first step, and shows it.
     fn begin(
         DivisionInput { numerics, seed, .. }: &DivisionInput,
         start: &Start<'_>,
         stepper: &mut Stepper,
-        tangent: Option<Tangent>,
+        (tangent, observe): (Option<Tangent>, &mut dyn FnMut(Frame<'_>)),
     ) -> Result<Run, DivisionError> {
         let mut run = Run {
             tolerance: numerics.time_tolerance,
@@ -247,6 +249,10 @@ impl Run {
         stepper.extrapolates = numerics.scheme == Scheme::Converged;
         let mut noise = Noise::new(*seed, numerics);
         run.first_step(stepper, &mut noise)?;
+        let (newest, gauss) = (&stepper.history[0], &stepper.system.gauss);
+        let neck = observables::neck(gauss, &newest.y);
+        observe(Frame { t: newest.t, shape: &newest.y, neck, cortex: &stepper.cortex, gauss });
+        stepper.cortex.noise.clear();
         run.regulated = stepper.cortex.is_regulated();
         run.noise = Some(noise).filter(|noise| noise.sustained().is_some());
         // Sustained noise keeps exciting the antisymmetric part. Without noise the antisymmetric part consists of rounding
@@ -260,10 +266,11 @@ impl Run {
 
     /// The first step, with noisy activity. The noise acts in a step of given length, independent of the step factor.
     /// If this step cannot be solved, for example because a strong cue makes the cortex a hundred times faster, the
-    /// length is reduced by factors of ten; perturbations from the noise then grow correspondingly sooner.
+    /// length is reduced by factors of ten; perturbations from the noise then grow correspondingly sooner. The step of the
+    /// published scheme is so long that the noise may decide the outcome, so it is [lengthened](Self::lengthen) again.
     fn first_step(&mut self, stepper: &mut Stepper, noise: &mut Noise) -> Result<(), DivisionError> {
         stepper.cortex.noise = noise.factors(0.0, &stepper.history[0].y, &stepper.system.gauss);
-        let first = loop {
+        let mut first = loop {
             match stepper.attempt(self.dt, 1) {
                 Ok(first) => break first,
                 Err(_) if self.dt > SHORTEST_FIRST_STEP => {
@@ -273,13 +280,34 @@ impl Run {
                 Err(error) => return Err(self.stalled(stepper, error.into())),
             }
         };
+        if let Some(fixed) = self.fixed.filter(|fixed| self.dt < *fixed) {
+            first = self.lengthen(stepper, fixed)?;
+        }
         self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
         stepper.accept();
         self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
-        stepper.cortex.noise.clear();
         stepper.restart();
         self.steps = 1;
         Ok(())
+    }
+
+    /// Lengthens the first step to `fixed`: each solution is the guess for the next, longer one.
+    fn lengthen(&mut self, stepper: &mut Stepper, fixed: f64) -> Result<Attempt, DivisionError> {
+        let mut factor = 2.0f64;
+        loop {
+            let dt = (self.dt * factor).min(fixed);
+            match stepper.lengthen(dt) {
+                Ok(attempt) if dt >= fixed => return Ok(attempt),
+                Ok(_) => {}
+                Err(error) if factor < LEAST_LENGTHENING => return Err(self.stalled(stepper, error.into())),
+                Err(_) => {
+                    self.rejected += 1;
+                    factor = factor.sqrt();
+                    continue;
+                }
+            }
+            self.dt = dt;
+        }
     }
 
     fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {

@@ -229,28 +229,51 @@ impl Stepper {
     /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) accepts it.
     pub fn attempt(&mut self, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
         let order = order.min(self.history.len()).min(MAX_ORDER);
+        let known = if self.extrapolates { (order + 1).min(self.history.len()) } else { 1 };
+        let mut predict = [0.0; MAX_ORDER + 2];
+        let t = self.history[0].t + dt;
+        let mut times = [0.0; MAX_ORDER + 1];
+        for (time, level) in times.iter_mut().zip(&self.history) {
+            *time = level.t;
+        }
+        extrapolation_weights(&times[..known], t, &mut predict);
+        extrapolate(&self.history[..known], &predict[..known], &mut self.trial.y);
+        self.attempt_from_trial(dt, order, &predict[..known])
+    }
+
+    /// Lengthens the step of first order that was just solved to dt, from its change in proportion. On an error the solved step
+    /// stays.
+    pub(crate) fn lengthen(&mut self, dt: f64) -> Result<Attempt, NewtonError> {
+        let solved = self.trial.clone();
+        let longer = dt / (solved.t - self.history[0].t);
+        self.trial.y.combine(longer, std::iter::once((&self.history[0].y, 1.0 - longer)));
+        let attempt = self.attempt_from_trial(dt, 1, &[1.0]);
+        if attempt.is_err() {
+            self.trial = solved;
+        }
+        attempt
+    }
+
+    /// Solves a step from the trial shape. `predict` are the weights of the last shapes in the one that the error is measured from.
+    fn attempt_from_trial(&mut self, dt: f64, order: usize, predict: &[f64]) -> Result<Attempt, NewtonError> {
         let t = self.history[0].t + dt;
         let mut times = [0.0; MAX_ORDER + 2];
         times[0] = t;
-        let known = if self.extrapolates { (order + 1).min(self.history.len()) } else { 1 };
         for (time, level) in times[1..].iter_mut().zip(&self.history) {
             *time = level.t;
         }
         let mut alpha = [0.0; MAX_ORDER + 2];
         derivative_weights(&times[..=order], &mut alpha);
-        let mut predict = [0.0; MAX_ORDER + 2];
-        extrapolation_weights(&times[1..=known], t, &mut predict);
         self.state(&alpha[..=order]);
         self.trial.t = t;
-        extrapolate(&self.history[..known], &predict[..known], &mut self.trial.y);
         self.solve_trial()?;
-        let share = dt / (t - times[known]);
+        let share = dt / (t - times[predict.len()]);
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
         let r0 = self.cortex.cell.r0;
         let error = change_norm(gauss, &self.trial.y, CARRIED * r0, |i, [a, b]| {
             let mut change = [new[i + a], new[i + b]];
-            for (level, weight) in self.history.iter().zip(&predict[..known]) {
+            for (level, weight) in self.history.iter().zip(predict) {
                 change[0] -= weight * level.y.stages[i + a];
                 change[1] -= weight * level.y.stages[i + b];
             }
