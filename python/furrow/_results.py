@@ -250,6 +250,8 @@ class Division(Result):
     ``remeshings``: Changes of the mesh.
     ``phi``: The regulator φ at the furrow at pinch-off, or at u = 0.5 at rest; None without one.
     ``neck_offset``: Distance of the neck's centre from the axis at the end, in L_h; None with axial symmetry.
+    ``second_neck``: ``u``, ``radius`` (L_h) and ``share`` (volume beyond it, as a fraction of the cell's) of a second neck that is
+        nearly closed at pinch-off, so that the cell falls into three parts; else None.
     ``frames``: Its shapes, if requested; None without axial symmetry.
     ``surfaces``: Its shapes without axial symmetry, if frames are requested.
     ``neck``: Its neck after every step without axial symmetry, if frames are requested.
@@ -274,6 +276,7 @@ class Division(Result):
     remeshings: int
     phi: float | None = None
     neck_offset: float | None = None
+    second_neck: Mapping[str, float] | None = None
     frames: Frames | None = field(default=None, repr=False, compare=False)
     surfaces: Surfaces | None = field(default=None, repr=False, compare=False)
     neck: Neck | None = field(default=None, repr=False, compare=False)
@@ -314,6 +317,7 @@ def division(cell: Cell, seed: int, record: Mapping[str, Any], **shapes: Any) ->
         remeshings=record["remeshings"],
         phi=record.get("phi"),
         neck_offset=record.get("neck_offset"),
+        second_neck=record.get("second_neck"),
         **shapes,
     )
 

@@ -98,6 +98,7 @@ pub fn phase(
         }
         let (mut edges, mut warnings) = edges(&plane, azimuthal);
         edges.bent = bent_edges(&plane, &mut warnings);
+        warnings.extend(diagram.summary.described());
         warnings.extend(diagram.undecided.iter().map(|(why, count)| format!("{count} undecided: {why}")));
         let failed = |column: &furrow_lineage::batch::phase::Column| {
             let error = column.error.as_ref()?;

@@ -97,7 +97,7 @@ fn named(Scenario { name, folder, label, cue, .. }: Scenario, tree: Tree) -> Nam
 
 /// The work of a run and its warnings.
 fn work(summary: &Summary, unknown: usize, trees: &[Tree]) -> Document {
-    let mut warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
+    let mut warnings: Vec<String> = summary.described().collect();
     warnings.extend(trees.iter().filter_map(Tree::lacks_regulator));
     warnings.extend(trees.iter().flat_map(|tree| tree.lineage.rules_without_cue()));
     if unknown > 0 {

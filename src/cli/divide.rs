@@ -495,6 +495,19 @@ fn division_text(d: &Division, units: &Units) -> String {
         let stable = d.growth_rate().map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
         let _ = writeln!(out, "at rest at t = {} τ{minutes}{stable}", time(t_end, 2));
     }
+    if let (Some(second), Some(u), Some([below, above])) = (d.second_neck, d.u_furrow(), d.shares()) {
+        let outer = if second.u < u { above } else { below };
+        let mut parts = [outer, 1.0 - outer - second.share, second.share];
+        if second.u < u {
+            parts.reverse();
+        }
+        let [first, middle, last] = parts.map(|share| format!("{:.1} %", 100.0 * share));
+        let _ = writeln!(
+            out,
+            "a second neck at u = {:.4} is nearly closed too (r = {:.4} L_h): the cell falls into three parts, {first}, {middle} and {last} of its volume from u = 0 on; χ is that of the first neck",
+            second.u, second.radius
+        );
+    }
     if let Some(offset) = d.neck_offset {
         let _ = writeln!(out, "neck {offset:.4} L_h from the axis at the end");
     }

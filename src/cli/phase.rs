@@ -102,7 +102,7 @@ fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError
     let diagram = plane.compute_shown(&memo, &context.scheduling(&show), &column);
     drop(line);
     let diagram = diagram?;
-    messages::warn_of(&diagram.summary.warnings);
+    messages::warn_of(diagram.summary.described());
     if let Some((failure, count)) = &diagram.undecided {
         let others = if *count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };
         messages::warning!("left undecided: {failure}{others}");

@@ -73,7 +73,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let found = Run { shard, threads, journal: Some(&journal), progress: &show, ..all }.solve();
     drop(line);
     let mut found = found?;
-    messages::warn_of(&found.warnings);
+    messages::warn_of(found.described());
     if found.interrupted {
         messages::warning!("finished rows are kept in {}; the same command resumes the sweep", args.out.display());
         return Err(CliError::Interrupted);

@@ -101,7 +101,7 @@ fn tree_counts(tree: &Tree) -> Value {
 /// `run.json`: what this run did; it differs between runs. With the folders of scenarios; without for a tree
 /// by itself.
 fn run_record(args: &TreeArgs, context: &Context, grown: &Grown, start: Instant, names: Option<Vec<&str>>) -> Value {
-    let Summary { solved, memo_hits, store_hits, corrupt, max_size_shift, shift_effect, warnings, .. } = &grown.summary;
+    let Summary { solved, memo_hits, store_hits, corrupt, max_size_shift, shift_effect, .. } = &grown.summary;
     filled(json!({
         "schema": if names.is_some() { "furrow.scenarios" } else { "furrow.run" },
         "schema_version": 1,
@@ -119,7 +119,7 @@ fn run_record(args: &TreeArgs, context: &Context, grown: &Grown, start: Instant,
         "quantisation": {
             "r0_step": context.quantisation.relative_step(), "max_r0_shift": max_size_shift, "chi_effect": shift_effect,
         },
-        "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "warnings": grown.summary.described().collect::<Vec<_>>(),
     }))
 }
 
@@ -351,7 +351,7 @@ pub fn grown(
             None => study::grown(scenarios, dynamics, memo, options, flag).map(|grown| (grown, vec![])),
         }
     })?;
-    messages::warn_of(&grown.summary.warnings);
+    messages::warn_of(grown.summary.described());
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);

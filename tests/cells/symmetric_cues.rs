@@ -177,3 +177,21 @@ fn one_term_of_an_even_pair_breaks_the_symmetry() {
         assert!((point.xi_s / varied(value) - 1.0).abs() < 1e-7, "{point:?}");
     }
 }
+
+/// A cell with two equal furrows and without noise keeps its mirror symmetry: both necks close at once, whichever counts as the first.
+#[test]
+fn a_cell_that_falls_into_three_parts_says_so() {
+    let cue = "kappa:band,u0=0.3,omega=0.1,amplitude=0.2+kappa:band,u0=0.7,omega=0.1,amplitude=0.2";
+    let numerics = Numerics { noise: 0.0, ..Numerics::default() };
+    let cell = Cell::new(4.0).with_cue(cue.parse().unwrap());
+    let found = divide(&DivisionInput { numerics, ..DivisionInput::new(cell) }).unwrap();
+    let (u, second) = (found.u_furrow().unwrap(), found.second_neck.unwrap());
+    println!("{u} and {second:?}, {:?}", found.shares());
+    assert!((u + second.u - 1.0).abs() < 1e-6 && second.radius < 0.01, "{u} and {second:?}");
+    let outer = found.shares().unwrap().into_iter().fold(1.0, f64::min);
+    assert!((second.share - outer).abs() < 1e-6, "{second:?} beside {outer}");
+    assert_eq!(found.clone().mirrored().second_neck.unwrap().u, 1.0 - second.u);
+    // The two ends of a tube are one neck.
+    let tube = Cell { epsilon: 0.6, ..Cell::new(5.4) }.with_cue("kappa:u0=0.465,omega=0.0577,amplitude=0.1".parse().unwrap());
+    assert_eq!(divide(&DivisionInput::new(tube)).unwrap().second_neck, None);
+}

@@ -11,6 +11,7 @@ use super::table::{Row, UNDECIDED};
 use furrow_cell::Numerics;
 use furrow_lineage::batch::{
     Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, critical_radii, method, scheduler, solve,
+    three_parts_text,
 };
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
@@ -81,11 +82,19 @@ pub struct SweepResult {
     pub resumed: usize,
     /// Whether the run was interrupted.
     pub interrupted: bool,
+    /// Divisions with a second neck, see [`Summary::three_parts`](furrow_lineage::batch::Summary::three_parts).
+    pub three_parts: usize,
     /// Warnings about the store.
     pub warnings: Vec<StoreWarning>,
 }
 
 impl SweepResult {
+    /// All warnings.
+    pub fn described(&self) -> impl Iterator<Item = String> {
+        let three_parts = three_parts_text(self.three_parts, self.solved + self.reused);
+        self.warnings.iter().map(StoreWarning::to_string).chain(three_parts)
+    }
+
     /// Rows that are undecided, wholly or in part.
     pub fn undecided(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.why.is_some())
@@ -237,6 +246,7 @@ impl<'a> Run<'a> {
             solved: summary.solved,
             reused: summary.memo_hits,
             interrupted: summary.interrupted,
+            three_parts: summary.three_parts,
             warnings: summary.warnings,
             ..SweepResult::default()
         })
@@ -336,6 +346,7 @@ impl<'a> Run<'a> {
         let (tree, summary) = grower.grow(solve)?;
         out.solved += summary.solved;
         out.reused += summary.memo_hits;
+        out.three_parts += summary.three_parts;
         out.warnings.extend(summary.warnings);
         Ok(tree)
     }

@@ -366,7 +366,8 @@ impl Settings {
         let used = scheme == Scheme::Published || dt == usual.dt;
         let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
         InputError::require(used, source_name, "numerics.dt", dt, allowed)?;
-        let allowed = "given with modes above 0 alone (--three-dimensional): the solver with axial symmetry does not use it";
+        let allowed =
+            "given with modes above 0 alone (--three-dimensional): the solver with axial symmetry does not use it";
         let used = modes > 0 || elements == usual.elements;
         InputError::require(used, source_name, "numerics.elements", elements, allowed)?;
         let used = modes > 0 || contact == usual.contact;

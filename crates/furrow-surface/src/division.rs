@@ -395,7 +395,16 @@ impl Run<'_> {
         let waist = neck(&stepper.problem.space, &stepper.history[0].state.surface);
         let neck_offset = waist.filter(|_| self.numerics.modes > 0).map(|neck| neck.offset.abs());
         let volume_drift = self.drift;
-        Division { ending, t_end, slow_growth_rate: None, phi: None, neck_offset, volume_drift, work }
+        Division {
+            ending,
+            t_end,
+            slow_growth_rate: None,
+            phi: None,
+            neck_offset,
+            second_neck: None,
+            volume_drift,
+            work,
+        }
     }
 
     fn result(&self, stepper: &Stepper, division: Division) -> SurfaceDivision {

@@ -17,7 +17,7 @@ use furrow_lineage::{
     CellId, CellTimes, FounderPhysics, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings,
     founder_rounds,
 };
-use furrow_mechanics::division::Outcome;
+use furrow_mechanics::division::{Outcome, SecondNeck};
 
 /// Name of the format.
 pub const SCHEMA: &str = "furrow.tree";
@@ -140,6 +140,8 @@ struct Record<'a> {
     phi: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     neck_offset: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    second_neck: Option<SecondNeck>,
     ended: Option<TerminalReason>,
     /// Minutes, where the lineage has a clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -173,6 +175,7 @@ impl<'a> Record<'a> {
             slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
             phi: division.and_then(|d| d.phi),
             neck_offset: division.and_then(|d| d.neck_offset),
+            second_neck: division.and_then(|d| d.second_neck),
             ended: cell.fate.terminal_reason().cloned(),
             birth_min: times.map(|times| times.birth_min),
             division_min: times.and_then(|times| times.division_min),

@@ -334,6 +334,7 @@ impl Record<'_> {
             slow_growth_rate: self.slow_growth_rate,
             phi: self.phi,
             neck_offset: self.neck_offset,
+            second_neck: self.second_neck,
             volume_drift: 0.0,
             work: furrow_bvp::Work::default(),
         });

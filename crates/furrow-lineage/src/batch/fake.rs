@@ -23,6 +23,7 @@ pub fn divide(input: &DivisionInput) -> Division {
         t_end: 1.0 / r0,
         slow_growth_rate: None,
         neck_offset: None,
+        second_neck: None,
         phi: None,
         volume_drift: 1e-12,
         work: Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },

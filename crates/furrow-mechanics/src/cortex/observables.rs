@@ -7,6 +7,7 @@ use furrow_bvp::{Bracket, CollocationPoint, Gauss, Solution};
 use super::Cortex;
 use super::equations::{Carried, Domain, LENGTH, PHI, PSI, R, REGULATED, Z};
 use super::lanes::sin_cos;
+use serde::{Deserialize, Serialize};
 
 /// Collects (r, z) at the collocation points of a solution.
 pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
@@ -107,10 +108,19 @@ pub struct Neck {
     pub radius: f64,
 }
 
-/// Finds the neck of a full contour: the smallest radius at which the tangent angle passes ψ = π/2 downwards. `None` if
-/// the contour has no waist.
+/// Finds the neck of a full contour: its narrowest waist. `None` if the contour has no waist.
 pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
     let mut best: Option<Neck> = None;
+    for_each_waist(gauss, y, |found| {
+        if best.is_none_or(|best| found.radius < best.radius) {
+            best = Some(found);
+        }
+    });
+    best
+}
+
+/// Finds the places of a full contour where r has a minimum: where the tangent angle passes ψ = π/2 downwards.
+fn for_each_waist(gauss: &Gauss, y: &Solution, mut found: impl FnMut(Neck)) {
     let mut value = [0.0; REGULATED];
     for i in 0..y.intervals() {
         // r decreases where ψ exceeds π/2.
@@ -121,14 +131,44 @@ pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
             if before.1 > 0.5 * PI && psi <= 0.5 * PI {
                 let theta = waist(gauss, y, i, [before.into(), [theta, psi]]);
                 y.eval_in(gauss, i, theta, &mut value[..y.components]);
-                let found = Neck { u: y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]), radius: value[R] };
-                if best.is_none_or(|b| found.radius < b.radius) {
-                    best = Some(found);
-                }
+                found(Neck { u: y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]), radius: value[R] });
             }
             before = (theta, psi);
         }
     }
+}
+
+/// A waist narrower than this, relative to R0, closes together with the neck: a closing neck is faster than all else.
+const NEARLY_CLOSED: f64 = 0.05;
+/// A smaller share of the volume is no part of its own: the two ends of a tube are one neck.
+const LEAST_PART: f64 = 1e-3;
+
+/// A second neck that is nearly closed when the first one closes: the cell falls into three parts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SecondNeck {
+    /// Its arclength fraction.
+    pub u: f64,
+    /// Its radius, in L_h.
+    pub radius: f64,
+    /// Volume of the part beyond it, which the first neck does not bound, as a fraction of the cell's.
+    pub share: f64,
+}
+
+/// Finds the narrowest waist beside `first` that is nearly closed and bounds a part of its own.
+pub(crate) fn second_neck(gauss: &Gauss, y: &Solution, first: Neck, r0: f64) -> Option<SecondNeck> {
+    let volume = volume_until(gauss, y, 1.0);
+    let below = |u: f64| volume_until(gauss, y, u) / volume;
+    let mut best: Option<SecondNeck> = None;
+    for_each_waist(gauss, y, |Neck { u, radius }| {
+        if u == first.u || radius >= best.map_or(NEARLY_CLOSED * r0, |best| best.radius) {
+            return;
+        }
+        let [first_below, share_below] = [first.u, u].map(below);
+        let share = if u < first.u { share_below } else { 1.0 - share_below };
+        if share.min((share_below - first_below).abs()) >= LEAST_PART {
+            best = Some(SecondNeck { u, radius, share });
+        }
+    });
     best
 }
 

@@ -34,6 +34,7 @@ mod step_size;
 pub mod stepper;
 pub mod trajectory;
 
+pub use crate::cortex::observables::SecondNeck;
 pub use outcome::{Division, DivisionError, DivisionRow, Ending, Outcome, advice_on_motion};
 pub use run::{DivisionOptions, Frame, divide, divide_with};
 pub use sensitivity::Sensitivity;

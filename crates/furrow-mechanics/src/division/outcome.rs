@@ -5,6 +5,7 @@ use furrow_cell::Cue;
 use furrow_input::rounded_number;
 use serde::{Deserialize, Serialize};
 
+use crate::cortex::observables::SecondNeck;
 use crate::equilibria::error::CellName;
 use crate::law::LawError;
 use crate::polarity::PolarityError;
@@ -86,6 +87,8 @@ pub struct Division {
     /// Distance of the neck's centre, or of the waist's in a cell at rest, from the axis at the end, in L_h; `None` with axial
     /// symmetry, and without a waist.
     pub neck_offset: Option<f64>,
+    /// The neck of a third part, where the cell falls into three; `None` without axial symmetry, where it is not looked for.
+    pub second_neck: Option<SecondNeck>,
     /// Largest relative deviation of the cell volume over the whole division.
     pub volume_drift: f64,
     /// Work it took.
@@ -166,6 +169,7 @@ impl Division {
             (*chi_signed, *u_furrow) = (-*chi_signed, 1.0 - *u_furrow);
             daughters.reverse();
         }
+        self.second_neck.iter_mut().for_each(|neck| neck.u = 1.0 - neck.u);
         self
     }
 
@@ -210,6 +214,8 @@ pub struct DivisionRow {
     pub phi: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub neck_offset: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_neck: Option<SecondNeck>,
     pub volume_drift: f64,
     #[serde(flatten)]
     pub work: Work,
@@ -228,6 +234,7 @@ impl From<Division> for DivisionRow {
             slow_growth_rate: division.slow_growth_rate,
             phi: division.phi,
             neck_offset: division.neck_offset,
+            second_neck: division.second_neck,
             volume_drift: division.volume_drift,
             work: division.work,
         }
@@ -245,8 +252,8 @@ impl TryFrom<DivisionRow> for Division {
             }
             _ => return Err("a division into two has chi, u_furrow and daughters"),
         };
-        let DivisionRow { t_end, slow_growth_rate, phi, neck_offset, volume_drift, work, .. } = row;
-        Ok(Division { ending, t_end, slow_growth_rate, phi, neck_offset, volume_drift, work })
+        let DivisionRow { t_end, slow_growth_rate, phi, neck_offset, second_neck, volume_drift, work, .. } = row;
+        Ok(Division { ending, t_end, slow_growth_rate, phi, neck_offset, second_neck, volume_drift, work })
     }
 }
 

@@ -521,6 +521,7 @@ impl Run {
             t_end: stepper.history[0].t,
             slow_growth_rate: self.slow_growth_rate,
             neck_offset: None,
+            second_neck: None,
             phi: phi_at(stepper, 0, 0.5),
             volume_drift: self.drift,
             work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
@@ -543,6 +544,7 @@ impl Run {
         let t_end = stepper.history[0].t - past;
         let phi = phi_at(stepper, 0, neck.u).zip(phi_at(stepper, 1, neck.u));
         let phi = phi.map(|(now, before)| now + past / dt * (before - now));
-        Division { t_end, phi, ..self.division(stepper, ending) }.with_daughters_of(r0)
+        let second_neck = observables::second_neck(&stepper.system.gauss, y, neck, r0);
+        Division { t_end, phi, second_neck, ..self.division(stepper, ending) }.with_daughters_of(r0)
     }
 }

@@ -93,6 +93,8 @@ pub struct Summary {
     /// Estimated effect of that shift on χ: the steepest slope of χ over ln R0, between neighbouring radii of this run with
     /// otherwise equal inputs, times the largest shift.
     pub shift_effect: f64,
+    /// Jobs with a division that has a [second neck](Division::second_neck).
+    pub three_parts: usize,
     /// Warnings for the user, for example about a store that could not be written.
     pub warnings: Vec<StoreWarning>,
 }
@@ -108,8 +110,24 @@ impl Summary {
         self.interrupted |= later.interrupted;
         self.max_size_shift = self.max_size_shift.max(later.max_size_shift);
         self.shift_effect = self.shift_effect.max(later.shift_effect);
+        self.three_parts += later.three_parts;
         self.warnings.extend(later.warnings);
     }
+
+    /// Warnings of the run and of its divisions.
+    pub fn described(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(StoreWarning::to_string).chain(three_parts_text(self.three_parts, self.jobs))
+    }
+}
+
+/// A warning of divisions with a [second neck](Division::second_neck), if there are any.
+pub fn three_parts_text(count: usize, of: usize) -> Option<String> {
+    (count > 0).then(|| {
+        format!(
+            "{count} of {of} divisions have a second neck that is nearly closed when the first one closes: the cell falls into \
+             three parts, and χ and the daughters are those of the first neck (divide shows both)"
+        )
+    })
 }
 
 /// A job without a division.

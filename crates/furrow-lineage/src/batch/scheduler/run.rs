@@ -250,6 +250,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
 
     fn deliver(&mut self, key: Key, job: &Job, canonical: &DivisionInput, division: &Division) {
         self.summary.jobs += 1;
+        self.summary.three_parts += usize::from(division.second_neck.is_some());
         self.responses.note(key, canonical, division);
         let factor = job.input.cell.r0 / canonical.cell.r0;
         // Most radii are on the grid already, and their divisions need no copy.

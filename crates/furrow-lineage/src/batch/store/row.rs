@@ -5,17 +5,18 @@ use rusqlite::types::{Value, ValueRef};
 
 use crate::batch::key::{Key, numbers};
 use furrow_cell::{Cell, Material, Shell};
-use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
+use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome, SecondNeck};
 
 /// The columns. No column has a declared type: in a column of reals SQLite would store −0 as 0.
 pub const COLUMNS: &str = "key, solver, \
     r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, shell_flattening, \
     stages, intervals, modes, elements, contact, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \
-    outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, phi, neck_offset, volume_drift, \
+    outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, phi, neck_offset, \
+    second_neck_u, second_neck_radius, second_neck_share, volume_drift, \
     steps, rejected, newton_iterations, factorisations, remeshings, checksum";
 
 /// How many columns there are.
-pub const WIDTH: usize = 51;
+pub const WIDTH: usize = 54;
 
 /// Where the columns of the outcome begin.
 const OUTCOME: usize = 33;
@@ -50,6 +51,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
         slow_growth_rate,
         phi,
         neck_offset,
+        second_neck,
         volume_drift,
         work: Work { steps, rejected, iterations, factorisations, remeshings },
     } = division.clone().into();
@@ -76,6 +78,8 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let rates = [growth_rate, slow_growth_rate];
     let outcome = [chi, chi_signed, u_furrow, Some(t_end), first, second, rates[0], rates[1], phi, neck_offset];
     row.extend(outcome.map(Value::from));
+    let second_neck = second_neck.map_or([None; 3], |SecondNeck { u, radius, share }| [u, radius, share].map(Some));
+    row.extend(second_neck.map(Value::from));
     row.push(Value::Real(volume_drift));
     row.extend([steps, rejected, iterations, factorisations, remeshings].map(count));
     let checksum = checksum(row.iter().map(ValueRef::from));
@@ -106,6 +110,10 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
         slow_growth_rate: real()?,
         phi: real()?,
         neck_offset: real()?,
+        second_neck: match [real()?, real()?, real()?] {
+            [Some(u), Some(radius), Some(share)] => Some(SecondNeck { u, radius, share }),
+            _ => None,
+        },
         volume_drift: real()??,
         work: {
             let mut count = || usize::try_from(next()?.as_i64().ok()?).ok();
@@ -134,6 +142,7 @@ pub fn in_range(division: &Division) -> bool {
         && division.slow_growth_rate.is_none_or(f64::is_finite)
         && division.phi.is_none_or(f64::is_finite)
         && division.neck_offset.is_none_or(positive)
+        && division.second_neck.is_none_or(|neck| share(neck.u) && positive(neck.radius) && share(neck.share))
         && positive(division.t_end)
         && positive(division.volume_drift)
 }

@@ -19,7 +19,7 @@ use furrow_mechanics::division::{Division, DivisionInput};
 pub const FILE: &str = "furrow.sqlite";
 
 /// Version of the table, the database's `user_version`.
-const SCHEMA: i64 = 5;
+const SCHEMA: i64 = 6;
 
 /// How long a lock that another process holds is waited for. It holds it for milliseconds unless it is stopped.
 const PATIENCE: Duration = Duration::from_secs(5);

@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use super::{maintenance, sqlite::FILE, *};
 use crate::batch::{Key, SOLVER_VERSION, fake};
 use furrow_mechanics::critical::Archive;
-use furrow_mechanics::division::{Division, Ending};
+use furrow_mechanics::division::{Division, Ending, SecondNeck};
 
 fn r0(number: usize) -> f64 {
     1.0 + number as f64 / 16.0
@@ -92,6 +92,7 @@ proptest! {
             slow_growth_rate: maybe[1],
             phi: maybe[2],
             neck_offset: maybe[3],
+            second_neck: maybe[0].map(|radius| SecondNeck { u: reals[1], radius, share: reals[0] }),
             volume_drift: reals[5],
             work: furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings },
         };
