@@ -96,6 +96,8 @@ impl CellArgs {
     /// Names the option, its value and the allowed values.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
         let (cue, units) = self.cue.read()?;
+        let epsilon = self.epsilon.map(|_| ("--epsilon", "epsilon"));
+        context.check_given_once([("--r0", "r0")].into_iter().chain(epsilon))?;
         context.units = units.asked_in(self.r0);
         let r0 = self.r0.in_units(&context.units);
         set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
@@ -125,6 +127,7 @@ impl ActiveCellArgs {
     /// # Errors
     /// Names the option, its value and the allowed values.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
+        context.check_given_once(self.xi.map(|_| ("--xi", "xi_s")))?;
         set(&mut context.settings, [("--xi", "xi_s", self.xi)])?;
         let cell = self.cell.read(context)?;
         context.settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;

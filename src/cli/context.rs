@@ -213,6 +213,23 @@ impl Context {
         Ok(sets)
     }
 
+    /// Refuses `--set` of a parameter that an option of its own gives, by the options that are given and their parameters.
+    ///
+    /// # Errors
+    /// Names the parameter and the option.
+    pub fn check_given_once(
+        &self,
+        given: impl IntoIterator<Item = (&'static str, &'static str)>,
+    ) -> Result<(), InputError> {
+        let overrides = self.overrides()?;
+        for (option, name) in given {
+            if let Some((source, _, value)) = overrides.iter().find(|(_, set, _)| *set == name) {
+                return Err(InputError::not_allowed(*source, name, value, format!("left out: {option} gives it")));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether `--set` sets a parameter, by its [canonical name](furrow_cell::settings::canonical_name).
     ///
     /// # Errors

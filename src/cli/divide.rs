@@ -8,7 +8,7 @@ use super::messages;
 use super::output::{filled, merged, not_writable, number, print_as, seed};
 use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
 use clap::Args;
-use furrow_cell::{Cell, Numerics};
+use furrow_cell::{Cell, Cue, Numerics};
 use furrow_figures::drawing::style::described;
 use furrow_figures::movie::{Movie, SurfaceMovie, even_times};
 use furrow_figures::plot;
@@ -26,6 +26,7 @@ use furrow_mechanics::division::{
 use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use furrow_mechanics::polarity;
 use furrow_report::FilmPage;
 use furrow_report::surfaces::neck_report;
 use furrow_surface::film::Film;
@@ -322,6 +323,12 @@ fn writable_frames(path: Option<&Path>) -> Result<(), InputError> {
     files.check().map_err(|error| not_writable("--frames", path, allowed, &error))
 }
 
+/// The cue with its place and width by the cell's PAR polarity, if it follows that; without polarity no cue.
+fn resolved_cue(cell: &Cell) -> Option<Cue> {
+    let resolved = cell.cue.follows_par().then(|| polarity::resolved(cell).ok()).flatten()?;
+    Some(resolved.cue.clone())
+}
+
 /// The first replicate, between the cell and all replicates.
 fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -> Value {
     let Divisions { replicates, undecided, noise, mesh } = found;
@@ -342,7 +349,8 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
         mesh.as_ref().map_or(Value::Null, MeshEffect::document),
         json!({ "undecided": undecided }),
     ];
-    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue });
+    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue, "resolved_cue": resolved_cue(cell) });
+    let of_cell = filled(of_cell);
     parts.into_iter().fold(of_cell, merged)
 }
 
@@ -461,6 +469,13 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
         return out + &one_sided(cell, replicates);
     }
     let _ = writeln!(out, ": {}", first.outcome());
+    match resolved_cue(cell) {
+        Some(cue) if cue.is_none() => out += "the cell has no PAR polarity, and no cue acts\n",
+        Some(cue) => {
+            let _ = writeln!(out, "with PAR polarity the cue is {cue}");
+        }
+        None => {}
+    }
     out += &division_text(first, units);
     if replicates.len() > 1 {
         let statistics = Statistics::of(replicates.iter().map(|one| &one.division));

@@ -151,6 +151,7 @@ pub fn grow_over(
     let Scenario { lineage, settings, .. } = scenario;
     let start = Instant::now();
     writable_folder("--out", out, &RANGES_FILES)?;
+    picture.check_apart(out, &RANGES_FILES)?;
     let files = out.map(|folder| FileSet::begin(folder, RANGES_FILES));
     // These trees are not cached, so there is nothing to finish.
     interrupt::abort();

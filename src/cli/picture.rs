@@ -105,6 +105,17 @@ impl<F> FormatFile<F> {
 }
 
 impl Picture {
+    /// Refuses a picture that would replace one of the files that `--out` writes into a folder.
+    ///
+    /// # Errors
+    /// Names the picture.
+    pub fn check_apart(&self, folder: Option<&Path>, names: &[&str]) -> Result<(), InputError> {
+        let (Some((path, _)), Some(folder)) = (&self.0, folder) else { return Ok(()) };
+        let same = |name: &&str| folder.join(name).components().eq(path.components());
+        let apart = !names.iter().any(same);
+        InputError::require(apart, "--plot", "plot", format!("{path:?}"), "another file: --out writes this one")
+    }
+
     /// Draws and writes the picture, if one is asked for; an existing file is replaced, whole or not at all.
     ///
     /// # Errors

@@ -145,6 +145,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let beside = if several { &SCENARIOS_FILES[..] } else { &TREE_FILES };
     let beside: Vec<&str> = beside.iter().copied().chain(args.replicates.map(|_| SPREAD_FILE)).collect();
     writable_folder("--out", out, &beside)?;
+    picture.check_apart(Some(out), &beside)?;
     for scenario in scenarios.iter().filter(|_| several) {
         writable_folder("--out", out.join(&scenario.folder).as_path(), &SCENARIO_FILES)?;
     }
@@ -281,6 +282,7 @@ pub fn prepared(
     file: Option<&Path>,
 ) -> Result<(Lineage, TreeSettings), CliError> {
     let mut lineage = load_lineage(file)?;
+    context.check_given_once(cell.given().map(|(option, name, _)| (option, name)))?;
     if let Some(r0) = cell.r0 {
         let units = lineage.units().asked_in(r0);
         lineage.units = Some(units).filter(|units| *units != Default::default());

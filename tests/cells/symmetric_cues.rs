@@ -192,6 +192,7 @@ fn a_cell_that_falls_into_three_parts_says_so() {
     assert!((second.share - outer).abs() < 1e-6, "{second:?} beside {outer}");
     assert_eq!(found.clone().mirrored().second_neck.unwrap().u, 1.0 - second.u);
     // The two ends of a tube are one neck.
-    let tube = Cell { epsilon: 0.6, ..Cell::new(5.4) }.with_cue("kappa:u0=0.465,omega=0.0577,amplitude=0.1".parse().unwrap());
+    let tube =
+        Cell { epsilon: 0.6, ..Cell::new(5.4) }.with_cue("kappa:u0=0.465,omega=0.0577,amplitude=0.1".parse().unwrap());
     assert_eq!(divide(&DivisionInput::new(tube)).unwrap().second_neck, None);
 }

@@ -101,7 +101,19 @@ pub fn boundary(
     let mut warnings = Vec::new();
     let on_curve = critical::value_on(&found, parameter);
     let point = || critical_point(cell, numerics, parameter, range, on_curve, &mut warnings);
-    let critical = options.critical.then(point).transpose()?;
+    let critical = match options.critical.then(point) {
+        // The curves stay an answer.
+        Some(Err(error)) => {
+            warnings.push(format!("no critical {parameter}: {error}"));
+            None
+        }
+        found => found.transpose()?,
+    };
+    if let Some(CurvePoint { value, .. }) = critical
+        && !(range[0].min(range[1])..=range[0].max(range[1])).contains(&value)
+    {
+        warnings.push(format!("the critical {parameter} = {value:.6} is outside the range"));
+    }
     let (symmetric, folds) = (found.pitchfork.is_some(), found.folds);
     let pitchfork = found.pitchfork.unwrap_or_default();
     for (k, fold) in folds.iter().enumerate() {

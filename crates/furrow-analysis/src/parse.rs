@@ -238,6 +238,9 @@ impl Check<'_> {
             return self.refuse(field(), shown(name), format!("one of {}{nearest}", known.join(", ")));
         };
         let searched = match self.document.kind {
+            Kind::Pitchfork if target == Target::Field("xi_b") => {
+                Some(("xi_b", "pitchforks are searched for along ξ_s with a fixed ratio ξ_b/ξ_s: use xi_ratio"))
+            }
             Kind::Pitchfork => Some(("xi_s", "pitchforks are searched for along ξ_s")),
             Kind::Critical => Some(("r0", "critical radii are searched for along R0")),
             Kind::Division | Kind::Tree => None,

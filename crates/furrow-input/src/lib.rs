@@ -81,6 +81,9 @@ pub enum InputError {
     },
 }
 
+/// A number with more characters is written with an exponent in errors.
+const LONGEST_NUMBER: usize = 25;
+
 impl InputError {
     /// The error for a file that the system cannot read.
     pub fn unreadable(file: &std::path::Path, reason: impl ToString) -> Self {
@@ -99,10 +102,13 @@ impl InputError {
         value: impl ToString,
         allowed: impl Into<String>,
     ) -> Self {
+        let value = value.to_string();
+        // A huge or tiny number has hundreds of digits.
+        let number = if value.len() > LONGEST_NUMBER { value.parse().ok() } else { None };
         InputError::NotAllowed {
             source_name: source_name.into(),
             field: field.into(),
-            value: value.to_string(),
+            value: number.map_or(value, shown_number),
             allowed: allowed.into(),
         }
     }

@@ -8,7 +8,9 @@ use crate::cli::context::Context;
 use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
 use crate::cli::error::CliError;
 use crate::cli::output::{merged, or_dash, print_as, writable_file};
+use crate::cli::picture::PlotArgs;
 use furrow_analysis::fit::{FittedClock, FittedLaw, Unused, fit_clock};
+use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_input::listed;
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
@@ -26,7 +28,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   furrow fit clock
-  furrow fit clock lifetimes.csv --volumes volumes.csv --out clock.ron
+  furrow fit clock lifetimes.csv --volumes volumes.csv --out clock.ron --plot clock.svg
   furrow fit clock lifetimes.csv --json")]
 pub struct ClockArgs {
     /// Lifetimes: tables (CSV) or tracked embryos, as for compare lifetimes; default the published ones
@@ -51,11 +53,14 @@ pub struct ClockArgs {
     /// Writes the clock as a lineage file, on the built-in lineage unless --lineage is given
     #[arg(help_heading = "Output", long, value_name = "FILE.ron")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
     let lineage = load_lineage(args.lineage.as_deref())?;
     writable_file("--out", args.out.as_deref())?;
+    let picture = args.plot.file()?;
     let names = args.matching.names(&lineage)?;
     let listed_or = |files: &[PathBuf], published: &str| {
         let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
@@ -83,6 +88,7 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
     if let Some(file) = &args.out {
         write_atomically(file, ron.as_bytes())?;
     }
+    picture.write(|| plot::clock::draw(&found))?;
     let (lifetimes_of, volumes_of) = (listed_or(&args.tables, SOURCE), listed_or(&args.volumes, SOURCE));
     let skipped_rows: Vec<_> = lifetimes.skipped.iter().chain(&volumes.skipped).collect();
     let skipped_count = lifetimes.skipped_count + volumes.skipped_count;

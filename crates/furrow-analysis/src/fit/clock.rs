@@ -43,6 +43,19 @@ pub struct FittedLaw {
     pub p: Option<f64>,
 }
 
+/// A cell that the fit uses.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedCell {
+    /// The cell.
+    pub cell: String,
+    /// Its founder.
+    pub founder: String,
+    /// Its volume, as a fraction of the first cell's.
+    pub at_volume: f64,
+    /// Its lifetime, in minutes.
+    pub lifetime_min: f64,
+}
+
 /// A founder with too few cells for a line of its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FewCells {
@@ -78,6 +91,8 @@ pub struct FittedClock {
     pub first_volume: f64,
     /// The first cell, if its lifetime is not measured: its division is minute 0 then.
     pub origin: Option<String>,
+    /// The cells of the fit.
+    pub cells: Vec<FittedCell>,
     /// Cells with a lifetime that the fit does not use.
     pub skipped: Vec<Unused>,
 }
@@ -96,11 +111,16 @@ pub fn fit_clock(
     let first_volume = first_volume(lineage, &means, volumes.unit, files)?;
     let (mut points, mut skipped): (Vec<Vec<[f64; 2]>>, Vec<Unused>) =
         (vec![Vec::new(); lineage.founders.len()], Vec::new());
-    let names = names_of(lineage);
+    let (names, mut cells) = (names_of(lineage), Vec::new());
     for cell in &lifetimes.cells {
         let placed = founder_of(lineage, &names, &cell.cell).ok_or("no founder of the lineage is above it");
         match placed.and_then(|founder| Ok((founder, means.get(&cell.cell).ok_or("no volume")?))) {
-            Ok((founder, volume)) => points[founder].push([(volume / first_volume).ln(), cell.mean.ln()]),
+            Ok((founder, volume)) => {
+                let (at_volume, lifetime_min) = (volume / first_volume, cell.mean);
+                points[founder].push([at_volume.ln(), lifetime_min.ln()]);
+                let founder = lineage.founders[founder].name.clone();
+                cells.push(FittedCell { cell: cell.cell.clone(), founder, at_volume, lifetime_min });
+            }
             Err(why) => skipped.push(Unused { cell: cell.cell.clone(), why }),
         }
     }
@@ -120,6 +140,7 @@ pub fn fit_clock(
         all,
         first_volume,
         origin: points[first].is_empty().then(|| lineage.founders[first].name.clone()),
+        cells,
         skipped,
     })
 }

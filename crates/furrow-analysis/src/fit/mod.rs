@@ -30,7 +30,7 @@ pub(crate) mod unknowns;
 
 pub use crate::ranges::Reading;
 pub use activity::{FittedActivities, FounderActivity, activities};
-pub use clock::{FewCells, FittedClock, FittedLaw, Unused, fit_clock};
+pub use clock::{FewCells, FittedCell, FittedClock, FittedLaw, Unused, fit_clock};
 pub use constants::{Evaluated, FittedConstants, fit_constants};
 pub use error::FitError;
 pub use germline::{ChiResidual, FittedCue, fit_cue};

@@ -25,6 +25,7 @@ pub mod azimuthal;
 pub mod boundary;
 pub mod branch;
 pub mod calibration;
+pub mod clock;
 pub mod comparison;
 pub mod contours;
 pub mod curves;

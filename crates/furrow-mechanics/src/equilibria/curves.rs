@@ -88,6 +88,19 @@ pub struct Curve {
 }
 
 impl Curve {
+    /// ξ_s where the curve passes a value of its parameter, by the cubics through its points with their slopes.
+    fn xi_s_at(&self, value: f64) -> impl Iterator<Item = f64> {
+        self.points.windows(2).filter_map(move |ends| {
+            let (a, b) = (&ends[0], &ends[1]);
+            let width = b.value - a.value;
+            let t = (value - a.value) / width;
+            (0.0..=1.0).contains(&t).then(|| {
+                let bent = a.slope * width * (1.0 - t) - b.slope * width * t + (b.xi_s - a.xi_s) * (2.0 * t - 1.0);
+                a.xi_s + t * (b.xi_s - a.xi_s) + t * (1.0 - t) * bent
+            })
+        })
+    }
+
     /// The cusp at its end, if there is one.
     pub fn cusp(&self) -> Option<CurvePoint> {
         match self.ended {
@@ -388,6 +401,33 @@ fn fold_curves(cell: &Cell, branches: [&Branch; 2], parameter: Parameter, range:
     Ok(curves)
 }
 
+/// Number of values within a range where the fold that ends the stable shapes is looked for, beside both ends.
+const INNER: usize = 7;
+/// Largest relative distance of ξ_s at which a curve counts as passing through a fold.
+const PASSES: f64 = 1e-3;
+
+/// The curves through the folds that end the stable shapes of a cell with a cue within the range, where none of the curves from its
+/// ends passes: between two cusps there is a fold that neither end has. Each is followed in both directions.
+fn inner_folds(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+    known: &[Curve],
+) -> Vec<Curve> {
+    let mut inner: Vec<Curve> = Vec::new();
+    for k in 1..=INNER {
+        let value = from + (to - from) * k as f64 / (INNER + 1) as f64;
+        let cell = at_value(cell, parameter, value);
+        let Ok(fold) = primary::failure_fold(&cell, numerics, &StepBudget::unlimited()) else { continue };
+        let near = |xi_s: f64| (xi_s / fold.point.xi_s - 1.0).abs() < PASSES;
+        if !known.iter().chain(&inner).any(|curve| curve.xi_s_at(value).any(near)) {
+            inner.extend([from, to].into_iter().filter_map(|end| fold_curve(&cell, &fold, parameter, end, None).ok()));
+        }
+    }
+    inner
+}
+
 /// The curves that bound outcomes over a range of a parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoundaryCurves {
@@ -411,7 +451,16 @@ pub fn boundary_and_folds(
 ) -> Result<BoundaryCurves> {
     refuse_par(cell, PointKind::Fold)?;
     if domain_along(cell, parameter) == Domain::Full {
-        return boundary_curves(cell, numerics, parameter, range, activity);
+        let at_ends = boundary_curves(cell, numerics, parameter, range, activity);
+        let folds = at_ends.as_ref().map_or(&[][..], |found| &found.folds);
+        let inner = inner_folds(cell, numerics, parameter, range, folds);
+        return match at_ends {
+            Err(_) if !inner.is_empty() => Ok(BoundaryCurves { pitchfork: None, folds: inner }),
+            at_ends => at_ends.map(|mut found| {
+                found.folds.extend(inner);
+                found
+            }),
+        };
     }
     let to = range[1];
     let [at_from, at_to] = range.map(|value| at_value(cell, parameter, value));

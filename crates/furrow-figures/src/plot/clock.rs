@@ -1,0 +1,46 @@
+//! Lifetimes over volumes, with the power law of each founder.
+
+use furrow_analysis::fit::{FittedClock, FittedLaw};
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::style::{self, Colour};
+use crate::drawing::{Canvas, Stroke};
+
+const WIDTH: f64 = 800.0;
+const CHART: f64 = 500.0;
+
+/// Draws the cells of a fitted clock, and the line of each founder that has one.
+pub fn draw(found: &FittedClock) -> Canvas {
+    let FittedClock { exponents, few, cells, .. } = found;
+    let founders: Vec<&str> =
+        exponents.iter().map(|law| &*law.founder).chain(few.iter().map(|few| &*few.founder)).collect();
+    let colour = |founder: &str| -> Colour {
+        let place = founders.iter().position(|name| *name == founder).unwrap_or(0);
+        style::series(place, founders.len(), &style::SERIES)
+    };
+    let legend = founders.iter().fold(Legend::default(), |legend, founder| {
+        let exponent = exponents.iter().find(|law| law.founder == *founder).map(|law| law.exponent);
+        let law = exponent.map_or(String::new(), |exponent| format!(", exponent {exponent:.3}"));
+        legend.with(Key::Point(colour(founder), Marker::Disc), format!("{founder}{law}"))
+    });
+    let (mut canvas, top) = titled(WIDTH, CHART, "Lifetimes as powers of volumes, by founder", &legend);
+    let logarithmic = |label: &str, values: Vec<f64>| {
+        let ends = widened(values.into_iter().map(f64::log10), 0.06).map(|power| 10_f64.powf(power));
+        Axis::new(label, ends).logarithmic()
+    };
+    let x = logarithmic(
+        "volume of the cell, relative to the first cell's",
+        cells.iter().map(|cell| cell.at_volume).collect(),
+    );
+    let y = logarithmic("lifetime (min)", cells.iter().map(|cell| cell.lifetime_min).collect());
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
+    for FittedLaw { founder, exponent, lifetime_min, at_volume, volumes, .. } in exponents {
+        let ends = volumes.map(|volume| [volume, lifetime_min * (volume / at_volume).powf(-exponent)]);
+        chart.line(ends, Stroke::solid(colour(founder), 1.6));
+    }
+    for cell in cells {
+        chart.point([cell.at_volume, cell.lifetime_min], 4.5, Marker::Disc, colour(&cell.founder));
+    }
+    canvas
+}
