@@ -25,6 +25,11 @@ impl std::fmt::Display for PointKind {
     }
 }
 
+/// Which of the points is searched for: cells have folds that bound no stable shapes.
+fn which(kind: PointKind) -> &'static str {
+    if kind == PointKind::Fold { " that ends stable shapes" } else { "" }
+}
+
 /// The cell in an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellName {
@@ -103,7 +108,7 @@ pub enum ShapeError {
     #[error("{cell}: the {kind} near xi_s = {} cannot be located: {source}", digits(*xi_s))]
     Point { cell: CellName, kind: PointKind, xi_s: f64, source: SingularError },
     /// The range contains no such point.
-    #[error("{cell}: no {kind} for xi_s up to {}", digits(*xi_max))]
+    #[error("{cell}: no {kind}{} for xi_s up to {}", which(*kind), digits(*xi_max))]
     NotFound { cell: CellName, kind: PointKind, xi_max: f64 },
     /// The cell's own law of active stress is refused, or cannot hold.
     #[error("{cell}: {source}")]
