@@ -25,10 +25,9 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  furrow boundary --vary r0 --from 1.7 --to 2 --no-folds
+  furrow boundary --vary r0 --from 1.7 --to 2 --plot boundary.svg
   furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --json
-  furrow boundary --vary r0 --from 1.6 --to 1.9 --no-folds --azimuthal 1 --plot all.svg
-  furrow boundary --vary r0 --from 1.3 --to 2.1 --critical --no-folds --three-dimensional --plot bent.svg
+  furrow boundary --vary r0 --from 1.3 --to 2.1 --no-folds --three-dimensional
   furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds")]
 pub struct BoundaryArgs {
     #[command(flatten)]

@@ -28,12 +28,10 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  furrow branch --r0 2 --xi-max 30
   furrow branch --r0 2 --xi-max 30 --plot branch.svg --csv branch.csv
   furrow branch --r0 2.2 --cue germline --xi-max 30 --json
   furrow branch --r0 2 --xi-max 30 --azimuthal 2
-  furrow branch --r0 1.4 --xi-max 30 --three-dimensional --plot bent.svg
-  furrow branch --r0 1 --law examples/laws/vesicle.ron --set p0=1e-3 --set w=3 --set epsilon=0.01 --reduced-volume 0.65")]
+  furrow branch --r0 1.4 --xi-max 30 --three-dimensional --plot bent.svg")]
 pub struct BranchArgs {
     #[command(flatten)]
     cell: CellArgs,

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 Examples:
   furrow calibrate data/thresholds.ron --set intervals=32
   furrow calibrate data/statements.ron --front 40 --set intervals=32
-  furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --plot calibrate.svg --json")]
+  furrow calibrate data/thresholds.ron --set intervals=32 --plot calibrate.svg")]
 pub struct CalibrateArgs {
     /// File of unknowns and thresholds, such as data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]

@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   furrow divide --r0 2.5 --plot division.svg
-  furrow divide --r0 5.4 --cue germline --json --movie zygote.gif --movie-frames 5
+  furrow divide --r0 5.4 --cue germline --movie zygote.gif --movie-frames 5
   furrow divide --r0 2 --three-dimensional --movie one-sided.html
   furrow divide --r0 2 --xi 23 --from-steady --plot distance.svg
   furrow divide --r0 2 --replicates 3 --frames contours --frame-step 0.2")]

@@ -95,15 +95,16 @@ enum Command {
     /// Writes results.csv (one row per point, the first axis varies slowest), the same rows in results.jsonl, and all inputs in
     /// sweep.json. Interrupted sweeps resume.
     Sweep(sweep::SweepArgs),
-    /// Merges the parts of a sweep into the files of the whole sweep, byte for byte
+    /// Merges the parts of a sweep, or of a sample of furrow test
     ///
-    /// Fails if parts are missing or come from different sweeps or versions of furrow.
+    /// A merged sweep has the files of the whole sweep, byte for byte. Fails if parts are missing or come from different sweeps or versions
+    /// of furrow.
     Merge(merge::MergeArgs),
     /// Solves for one parameter: the values at which a cell divides with a wanted χ, furrow position or time
     ///
     /// Lists all roots in a range. Jumps of the outcome over the wanted value, and values without a division, are named.
     Solve(solve::SolveArgs),
-    /// Writes a grown tree in the formats of other programs
+    /// Writes a grown tree, or an observed embryo, in the formats of other programs
     ///
     /// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
     /// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
@@ -112,12 +113,13 @@ enum Command {
     Export(export::ExportArgs),
     /// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
     Calibrate(calibrate::CalibrateArgs),
-    /// Fits constants, activities or a cue to observations
+    /// Fits constants, activities, a cue or a clock to observations
     ///
     /// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
     /// the Pareto front between this fit and the published thresholds.
     /// activity: for each founder by itself, the activity that gives its observed rounds.
     /// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
+    /// clock: the lifetimes of cells as powers of their volumes, for a lineage file.
     Fit(fit::FitArgs),
     /// Tests hypotheses against each other: which cue fits measured χ best, and whether the difference is more than chance
     ///

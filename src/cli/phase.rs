@@ -25,11 +25,10 @@ use std::fmt::Write;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-from 15 --xi-to 25 --xi-points 2
-  furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-points 2 --plot phase.svg
-  furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-points 2 --azimuthal 1 --plot phase.svg
-  furrow phase --vary r0 --from 1.4 --to 2 --points 3 --xi-points 2 --three-dimensional
-  furrow phase --vary epsilon --from 0.8 --to 0.9 --r0 2 --points 2 --xi-points 2 --json")]
+  furrow phase --vary r0 --from 1.6 --to 2.4 --xi-from 15 --xi-to 25
+  furrow phase --vary r0 --from 1.6 --to 2.4 --azimuthal 1 --plot phase.svg
+  furrow phase --vary r0 --from 1.4 --to 2 --points 2 --xi-points 2 --three-dimensional
+  furrow phase --vary epsilon --from 0.8 --to 0.9 --r0 2 --points 2 --json")]
 pub struct PhaseArgs {
     #[command(flatten)]
     vary: VaryArgs,

@@ -21,9 +21,10 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Constants, in µm and s, by default those of Goehring et al. 2011: d_a, d_p (diffusion), k_on_a, k_on_p (attachment), k_off_a,
-k_off_p (detachment), rho_a, rho_p (amount per volume), k_ap (removal of A by P), k_pa (of P by A), and psi, surface per volume:
-shape (the cell's own, the default) or a number for cells of all sizes, such as the 0.174 measured of the zygote.
+Constants, in µm and s, by default those of Goehring et al. 2011: d_a, d_p (diffusion), k_on_a, k_on_p (attachment), k_off_a, \
+k_off_p (detachment), rho_a, rho_p (amount per volume), k_ap (removal of A by P), k_pa (of P by A), n_p (power of P in the \
+removal of A, 1 or 2), and psi, surface per volume: shape (the cell's own, the default) or a number for cells of all sizes, such as \
+the 0.174 measured of the zygote.
 
 Examples:
   furrow polarity

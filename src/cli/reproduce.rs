@@ -23,7 +23,6 @@ use std::time::Instant;
 #[command(after_help = "\
 Examples:
   furrow reproduce 3C S4 S5
-  furrow reproduce 4C --three-dimensional
   furrow reproduce 5B 5D --data data/jankele2021_volumes.csv
   furrow reproduce 1 S3 --out reproduced --json
   furrow reproduce movies --table movies.md")]

@@ -17,18 +17,18 @@ use std::fmt::Write;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The range is scanned at --points values; every change of sign of outcome - wanted between neighbours (with --chi C of signed chi - C
-and of signed chi + C) is refined by Brent's method until it lies between two values 1e-9 of the range apart. Where the outcomes at
-these differ by more than 1e-3 (of a time: 1e-3 of the wanted one), the outcome jumps and there is no root. Where a cell does not
+The range is scanned at --points values; every change of sign of outcome - wanted between neighbours (with --chi C of signed chi - C \
+and of signed chi + C) is refined by Brent's method until it lies between two values 1e-9 of the range apart. Where the outcomes at \
+these differ by more than 1e-3 (of a time: 1e-3 of the wanted one), the outcome jumps and there is no root. Where a cell does not \
 divide there is a gap.
 
-Ranges without --from and --to: r0 1 to 10, epsilon 0.6 to 0.95, xi_s 5 to 60 (times kappa/gain), cue.u0 0 to 1, cue.amplitude -0.9
+Ranges without --from and --to: r0 1 to 10, epsilon 0.6 to 0.95, xi_s 5 to 60 (times kappa/gain), cue.u0 0 to 1, cue.amplitude -0.9 \
 to 0.9 (or twice the amplitude), and so strengths of a regulator; others from a quarter to four times the value, or to 1 if it is 0.
 
 Examples:
   furrow solve --for epsilon --chi 0.41 --r0 2.977 --cue germline
   furrow solve --for r0 --u 0.47 --cue germline --from 3 --to 6
-  furrow solve --for cue.amplitude --chi-signed 0.185 --r0 5.4 --cue germline --json
+  furrow solve --for cue.amplitude --chi-signed 0.185 --r0 5.4 --cue germline
   furrow solve --for xi_s --t 10 --r0 4")]
 pub struct SolveArgs {
     /// The unknown: r0, epsilon, xi_s, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega,

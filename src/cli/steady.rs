@@ -24,7 +24,7 @@ use std::fmt::Write;
 Examples:
   furrow steady --r0 2
   furrow steady --r0 2 --xi 15 --epsilon 0.8 --json
-  furrow steady --r0 1.65 --cue regulator:none,turnover=10,diffusion=1,activity=0.3
+  furrow steady --r0 2 --cue regulator:none,turnover=10,diffusion=1,activity=0.3
   furrow steady --r0 2 --xi 21 --azimuthal 4 --plot modes.png")]
 pub struct SteadyArgs {
     #[command(flatten)]

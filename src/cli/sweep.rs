@@ -24,7 +24,7 @@ use std::time::Instant;
 #[command(after_help = "\
 Examples:
   furrow sweep studies/cue-amplitude.ron --out cue-amplitude --shard 1/50
-  furrow sweep studies/cue-amplitude.ron --out part-2 --shard 2/50 --plot part.svg --json")]
+  furrow sweep studies/cue-amplitude.ron --out part --shard 2/50 --plot part.svg")]
 pub struct SweepArgs {
     /// Sweep file: kind, axes and settings
     #[arg(value_name = "SWEEP.ron")]

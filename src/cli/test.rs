@@ -35,16 +35,17 @@ use super::picture::PlotArgs;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-A table is one of furrow compare volumes: of volumes of cells, of divisions, or of χ with the columns mother and chi (or chi_signed)
+A table is one of furrow compare volumes: of volumes of cells, of divisions, or of χ with the columns mother and chi (or chi_signed) \
 and optionally embryo, group, chi_sd (the standard deviation of that χ) and mother_um3; or a file of targets (.ron) of furrow fit cue.
 
-Each hypothesis is fitted by itself. log L is its largest log likelihood under normal errors of |χ| (of χ with --folded), k the fitted numbers, and \"left
-out\" the log likelihood of each embryo under the fit to the others (of each division, if there are fewer than two embryos). Two
-hypotheses are distinguishable if the differences of these have p < 0.05 by Student's t.
+Each hypothesis is fitted by itself. log L is its largest log likelihood under normal errors of |χ| (of χ with --folded), k the fitted \
+numbers, and \"left out\" the log likelihood of each embryo under the fit to the others (of each division, if there are fewer than two \
+embryos). Two hypotheses are distinguishable if the differences of these have p < 0.05 by Student's t and their sum is at least 1.
 
 Examples:
-  furrow test data/jankele2021_volumes.csv --cue none --cue germline --cells P0,P1,P2,P3 --free cue.amplitude
-  furrow test chi.csv --cue germline --cue \"gradient=tension:gradient,amplitude=-0.3\" --free cue.amplitude,epsilon@somatic --json")]
+  furrow test data/jankele2021_volumes.csv --cue none --cue germline
+  furrow test chi.csv --cue germline --cue tension:gradient,amplitude=-0.3
+  furrow test chi.csv --cue germline --free cue.amplitude,epsilon@somatic --json")]
 pub struct TestArgs {
     /// Measured χ: tables (CSV), embryos followed by other programs, or folders of these; or targets (RON)
     #[arg(value_name = "TABLE", required = true)]
@@ -158,10 +159,7 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
         Question { observations: &observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &memo };
     question.check("--free")?;
     let found = context.shown(|line| {
-        let show = |FitProgress { done, of, least }| {
-            let least = least.map_or(String::new(), |least| format!(", least misfit {least:.3}"));
-            line.show_share(done, of, || format!("candidates{least}"));
-        };
+        let show = |FitProgress { done, of, .. }| line.show_share(done, of, || "candidates".to_owned());
         let run = FitRun::new(&lineage, &settings, context.threads, interrupt::flag());
         test(&FitRun { progress: Some(&show), ..run }, &question)
     })?;

@@ -32,7 +32,7 @@ use std::time::Instant;
 Examples:
   furrow tree
   furrow tree --cue none --xi 26 --out no-cue --plot rounds.svg
-  furrow tree --cue germline --cue none --cue \"mine=tension:gradient,amplitude=0.3\" --replicates 5
+  furrow tree --cue none --cue tension:gradient,amplitude=0.3 --replicates 5
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
     /// Lineage files: founders, cues and limits; default the built-in C. elegans founders. Several are compared

@@ -38,7 +38,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   furrow compare lifetimes
-  furrow compare lifetimes lifetimes.csv --tree furrow-out/tree.json --plot lifetimes.svg --json")]
+  furrow compare lifetimes lifetimes.csv --tree furrow-out/tree.json")]
 pub struct LifetimesArgs {
     /// Tables of lifetimes, CSV, embryos followed by other programs, or folders of these; default published means
     #[arg(value_name = "TABLE")]

@@ -21,7 +21,7 @@ use std::fmt::Write;
 #[command(after_help = "\
 Examples:
   furrow fit cue --preset sulston1983
-  furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1")]
+  furrow fit cue --cue tension:gradient,amplitude=0.3 --particles 4 --moves 1")]
 pub struct CueArgs {
     #[command(flatten)]
     lineage: LineageArgs,

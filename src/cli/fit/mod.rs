@@ -25,7 +25,7 @@ Examples:
   furrow fit constants --out fitted.ron
   furrow fit activity --rounds max
   furrow fit cue --preset sulston1983
-  furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1
+  furrow fit cue --cue tension:gradient,amplitude=0.3 --particles 4 --moves 1
   furrow fit clock")]
 pub struct FitArgs {
     #[command(subcommand)]

@@ -127,11 +127,15 @@ pub(crate) struct Objective<'a> {
     least: Mutex<f64>,
 }
 
+/// The most candidates that a search tries. A simplex asks for its corners and, in most steps, for one or two places.
+pub(crate) fn most_candidates(effort: SearchBudget, numbers: usize) -> usize {
+    effort.evaluations() + numbers + 1 + 2 * DESCENT as usize
+}
+
 impl<'a> Objective<'a> {
     /// The misfit of a model to measured cells, for a search with this budget.
     pub fn new(model: Model<'a>, measured: &'a [MeasuredChi], undivided: Undivided, effort: SearchBudget) -> Self {
-        // A simplex asks for its corners and, in most steps, for one or two places.
-        let of = effort.evaluations() + model.unknowns.len() + 1 + 2 * DESCENT as usize;
+        let of = most_candidates(effort, model.unknowns.len());
         let (tried, least) = (AtomicUsize::new(0), Mutex::new(f64::INFINITY));
         Objective { model, measured, undivided, beside: None, deviance: None, tried, of, least }
     }

@@ -59,13 +59,16 @@ pub use parts::{MergedSample, merge_parts};
 pub use posterior::{Posterior, samples_csv};
 pub use scores::{CellScore, FittedNumber, TestedHypothesis};
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use furrow_input::InputError;
 use furrow_lineage::batch::{Memo, scheduler};
 use furrow_measured::matching::Matched;
 use furrow_measured::volumes::{EmbryoSize, Skipped};
 use serde::Serialize;
 
-use crate::fit::search::{FitRun, SearchBudget};
+use crate::fit::germline::most_candidates;
+use crate::fit::search::{FitProgress, FitRun, SearchBudget};
 use crate::fit::{FitError, NumberAtLimit};
 use crate::tempering::Sampling;
 use observations::{LeftOut, Unused};
@@ -118,6 +121,20 @@ impl Question<'_> {
         )?;
         require(self.observations.left_out == LeftOut::Embryo, "used with a table of two embryos or more")
     }
+
+    /// About how many candidates the searches and the sample of a hypothesis try.
+    fn candidates(&self, hypothesis: &Hypothesis) -> usize {
+        let numbers = hypothesis.unknowns.len();
+        let searches = match numbers {
+            0 => 1,
+            // With other observations χ is fitted alone as well.
+            _ => {
+                most_candidates(self.effort.budget(numbers), numbers)
+                    * if self.observations.others.is_empty() { 1 } else { 2 }
+            }
+        };
+        searches + self.sampling.map_or(0, |sampling| sampling.particles * posterior::USUAL)
+    }
 }
 
 impl Effort {
@@ -168,10 +185,19 @@ pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest,
     // Those with few numbers first: others start from their fits too.
     let mut order: Vec<usize> = (0..hypotheses.len()).collect();
     order.sort_by_cached_key(|k| hypotheses[*k].free());
+    let work: Vec<usize> = hypotheses.iter().map(|hypothesis| question.candidates(hypothesis)).collect();
     let mut tested = scheduler::pool(run.threads)?.install(|| {
-        let (mut all, mut before) = (Vec::new(), Vec::new());
+        let (mut all, mut before, mut earlier) = (Vec::new(), Vec::new(), 0);
         for k in order {
-            let (tested, values) = scores::tested(run, question, &hypotheses[k], &before)?;
+            // Searches and samples count their own candidates; together they are counted over all hypotheses.
+            let counted = AtomicUsize::new(0);
+            let show = |_| {
+                let done = earlier + (counted.fetch_add(1, Ordering::Relaxed) + 1).min(work[k]);
+                run.progress.inspect(|show| show(FitProgress { done, of: work.iter().sum(), least: None }));
+            };
+            let shown = FitRun { progress: Some(&show), ..*run };
+            let (tested, values) = scores::tested(&shown, question, &hypotheses[k], &before)?;
+            earlier += work[k];
             before.push(scores::Before { hypothesis: &hypotheses[k], values });
             all.push((k, tested));
         }

@@ -37,7 +37,7 @@ const SURPRISE: f64 = 0.05;
 
 /// Candidates of the sample in errors, and the usual number of them for each particle.
 const SAMPLES: &str = "samples";
-const USUAL: usize = 25;
+pub(super) const USUAL: usize = 25;
 
 /// A number over the sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,7 +1,7 @@
 //! Statistics beside SciPy's and on synthetic tables, and whole tests with divisions.
 
-use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
+use std::sync::{LazyLock, Mutex};
 
 use furrow_cell::Numerics;
 use furrow_input::parse_document;
@@ -475,7 +475,15 @@ fn asked(
     let effort = Effort { particles: Some(particles), moves: Some(moves), seed };
     let question =
         Question { observations, hypotheses: &hypotheses, noise: &noise, effort, sampling, memo: &MEMOS[threads] };
-    test(&FitRun::new(&lineage, &settings, threads, &cancel), &question).unwrap()
+    let reports = Mutex::new(Vec::new());
+    let show = |FitProgress { done, of, .. }| reports.lock().unwrap().push((done, of));
+    let run = FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &cancel) };
+    let found = test(&run, &question).unwrap();
+    let reports = reports.into_inner().unwrap();
+    // Progress is counted over all hypotheses. Several threads report in any order.
+    assert!(reports.iter().all(|&(done, of)| done <= of && of == reports[0].1), "{reports:?}");
+    assert!(threads > 1 || reports.is_sorted(), "{reports:?}");
+    found
 }
 
 /// Divisions of all tests with the same number of threads: their searches begin at the same cells.
