@@ -84,4 +84,13 @@ async function film(browser) {
   }
 }
 
-await run([film]);
+/** Without WebGL the page says so in place of an empty picture. */
+async function blind(browser) {
+  const page = await browser.open(pathToFileURL(expected.film).href, { before: "HTMLCanvasElement.prototype.getContext = () => null" });
+  await page.until(`!document.getElementById("without-film").hidden`);
+  check("it says what is missing", (await text(page, "without-film")).includes("no WebGL 2"), await text(page, "without-film"));
+  check("there is no empty picture", await page.worth(`document.getElementById("surface").clientWidth === 0`), "a picture");
+  await page.close();
+}
+
+await run([film, blind]);

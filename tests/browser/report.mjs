@@ -325,6 +325,8 @@ async function narrow(browser) {
     await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
     const width = await page.worth("document.documentElement.scrollWidth");
     check("nothing is wider than a telephone", width <= 390, width);
+    const names = await page.worth(`Number(document.getElementById("lineage").dataset.names)`);
+    check("all founders are named", names === 11, names);
     check("a table that is cut says so", await page.worth(`document.querySelector(".wrap.cut table") !== null`), "none");
     const ground = await page.worth("getComputedStyle(document.body).backgroundColor");
     await page.clickOn("#theme");

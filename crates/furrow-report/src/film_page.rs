@@ -70,7 +70,8 @@ impl FilmPage<'_> {
         let legend = format!(
             "<p class=\"small\">{}</p>\n<div class=\"colours\" style=\"background:linear-gradient(to right,{low},{zero},{high})\"></div>\n\
              <p class=\"bar small\"><span>≤ −{strongest:.1}</span><span class=\"grow\"></span><span>0</span><span class=\"grow\"></span><span>≥ {strongest:.1}</span></p>\n",
-            escape(value)
+            // As the other units of the page.
+            escape(&value.replace("κ0", "κ₀").replace("L_h", "Lₕ"))
         );
         let [r0, epsilon, xi_s] = [*r0, *epsilon, *xi_s].map(short);
         let chi = division.chi().map_or(String::new(), |chi| format!(", χ = {chi:.4}"));

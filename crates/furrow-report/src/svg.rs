@@ -230,7 +230,7 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
             }
         }
     }
-    let mark = |(founder, last): (usize, Option<CellTimes>)| {
+    let line = |(founder, last): (usize, Option<CellTimes>)| {
         let CellTimes { division_min, lifetime_extrapolated, .. } = last?;
         let min = division_min?;
         let extrapolated = if lifetime_extrapolated { ", extrapolated" } else { "" };
@@ -238,22 +238,56 @@ fn last_divisions_drawn(tree: &Tree, layout: &Layout, colours: &[&str]) -> Strin
         let names = &tree.lineage.founders;
         let is_mother = names.iter().any(|other| other.mother.as_ref() == Some(&names[founder].name));
         let [from, to] = spans[node.index()].filter(|_| !is_mother && min <= scale.last)?;
-        let (y, colour, name) = (layout.top + scale.at(min), colours[founder], escape(&names[founder].name));
+        let words = format!("{}: last division, {min:.0} min{extrapolated}", names[founder].name);
+        Some(LastDivision {
+            from: from - 6.0,
+            to: to + 6.0,
+            y: layout.top + scale.at(min),
+            colour: colours[founder],
+            words,
+        })
+    };
+    let mut lines: Vec<LastDivision<'_>> = scale.last_times.iter().copied().enumerate().filter_map(line).collect();
+    lines.sort_by(|a, b| a.y.total_cmp(&b.y));
+    let mut taken: Vec<[f64; 3]> = Vec::new();
+    lines.iter().map(|line| line.drawn(&mut taken)).collect()
+}
+
+/// The line below a founder and its descendants.
+struct LastDivision<'a> {
+    from: f64,
+    to: f64,
+    y: f64,
+    colour: &'a str,
+    words: String,
+}
+
+impl LastDivision<'_> {
+    /// Height of a line of words, and an upper bound of the mean width of a letter.
+    const LETTER: [f64; 2] = [12.0, 5.6];
+
+    /// The line with its words below it, where they meet no other words: `taken` has the left and the right end and the base of each.
+    fn drawn(&self, taken: &mut Vec<[f64; 3]>) -> String {
+        let LastDivision { from, to, y, colour, words } = self;
+        let [height, letter] = LastDivision::LETTER;
+        let left = to - letter * words.chars().count() as f64;
         // The founder has nothing below this line.
-        let (base, from, to) = (y + 21.0, from - 6.0, to + 6.0);
+        let mut base = y + 21.0;
+        while taken.iter().any(|[from, end, at]| left < *end && *from < *to && (base - at).abs() < height) {
+            base += height;
+        }
+        taken.push([left, *to, base]);
         let copy = |paint: &str| {
-            format!(
-                r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{name}: last division, {min:.0} min{extrapolated}</text>"##
-            )
+            let words = escape(words);
+            format!(r##"<text x="{to:.1}" y="{base:.1}" font-size="10" text-anchor="end" {paint}>{words}</text>"##)
         };
         let halo = r##"fill="#fff" stroke="#fff" stroke-width="3" stroke-linejoin="round""##;
-        let words = copy(halo) + &copy(&format!("fill=\"{colour}\""));
-        Some(format!(
-            r##"<path d="M{from:.1} {y:.1}H{to:.1}" stroke="{colour}" stroke-width="1.2" stroke-dasharray="5 4"/>{words}
+        let text = copy(halo) + &copy(&format!("fill=\"{colour}\""));
+        format!(
+            r##"<path d="M{from:.1} {y:.1}H{to:.1}" stroke="{colour}" stroke-width="1.2" stroke-dasharray="5 4"/>{text}
 "##
-        ))
-    };
-    scale.last_times.iter().copied().enumerate().filter_map(mark).collect()
+        )
+    }
 }
 
 fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String {
@@ -455,6 +489,23 @@ fn legend(tree: &Tree, colours: &[&str], layout: &Layout) -> (String, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_of_last_divisions_do_not_meet() {
+        let of = |to: f64, y: f64| LastDivision {
+            from: to - 40.0,
+            to,
+            y,
+            colour: "#000",
+            words: "C: last division, 9 min".into(),
+        };
+        let mut taken = Vec::new();
+        let drawn: Vec<String> =
+            [of(200.0, 50.0), of(260.0, 51.0), of(400.0, 52.0)].map(|l| l.drawn(&mut taken)).into();
+        // The second gives way to the first; the third is beside both.
+        assert_eq!(taken.iter().map(|[.., base]| *base).collect::<Vec<_>>(), [71.0, 84.0, 73.0]);
+        assert!(drawn[1].contains(r#"y="84.0""#), "{}", drawn[1]);
+    }
 
     /// The colours of a lineage with the given founders, all with a cue.
     fn of(names: &[String]) -> Vec<&'static str> {

@@ -1,6 +1,7 @@
 //! Charts: axes, and drawing in data coordinates.
 
 use super::canvas::{Anchor, Canvas, Label, Stroke};
+use super::font;
 use super::legend::{Marker, point};
 use super::style::{Colour, FAINT, GRID, INK, MUTED, text};
 
@@ -125,6 +126,9 @@ pub fn widened(values: impl IntoIterator<Item = f64>, share: f64) -> [f64; 2] {
 /// Margins on the left, on the right, above and below the data of a chart, for its axes.
 pub const MARGINS: [f64; 4] = [86.0, 22.0, 14.0, 58.0];
 
+/// A point of the data with its marker and colour.
+pub type Mark = ([f64; 2], Marker, Colour);
+
 /// A chart with its axes drawn. Points are given in the coordinates of its data.
 #[derive(Debug)]
 pub struct Chart<'c> {
@@ -180,11 +184,35 @@ impl Chart<'_> {
         for (y, word) in up.iter().filter(|_| chart.y.numbered) {
             chart.canvas.text([left - 8.0, y + 5.5], word, text::TICK, Anchor::End, INK);
         }
-        let label = [0.5 * (left + right), at[1] + height - 9.0];
-        chart.canvas.text(label, &chart.x.label, text::LABEL, Anchor::Middle, INK);
-        let at = [at[0] + 30.0, 0.5 * (top + bottom)];
-        chart.canvas.label(Label::new(at, &chart.y.label, text::LABEL, Anchor::Middle, INK).upwards());
+        chart.name([at[0], width], [at[1], height]);
         chart
+    }
+
+    /// Writes the labels of the axes: within the chart, in smaller lines if one is too long.
+    fn name(&mut self, across: [f64; 2], down: [f64; 2]) {
+        let [left, top, right, bottom] = self.frame;
+        let lines = |label: &str, length: f64| {
+            let fits = font::width(label, text::LABEL) <= length - 8.0;
+            let size = if fits { text::LABEL } else { text::TICK };
+            (size, font::wrapped(label, size, length - 8.0))
+        };
+        // The middle of a line that stays within a length.
+        let inside = |middle: f64, [from, length]: [f64; 2], line: &str, size: u32| {
+            let half = 0.5 * font::width(line, size) + 4.0;
+            middle.max(from + half).min((from + length - half).max(from + half))
+        };
+        let (size, found) = lines(&self.x.label, across[1]);
+        let last = down[0] + down[1] - if found.len() > 1 { 5.0 } else { 9.0 };
+        for (k, line) in found.iter().rev().enumerate() {
+            let x = inside(0.5 * (left + right), across, line, size);
+            self.canvas.text([x, last - 16.0 * k as f64], line, size, Anchor::Middle, INK);
+        }
+        let (size, found) = lines(&self.y.label, down[1]);
+        for (k, line) in found.iter().rev().enumerate() {
+            let y = inside(0.5 * (top + bottom), down, line, size);
+            let at = [across[0] + 30.0 - 17.0 * k as f64, y];
+            self.canvas.label(Label::new(at, line, size, Anchor::Middle, INK).upwards());
+        }
     }
 
     fn border(&mut self) {
@@ -220,6 +248,19 @@ impl Chart<'_> {
         at.into_iter().for_each(|at| self.point(at, size, marker, colour));
     }
 
+    /// Draws points of different kinds in order. One that others lie on is larger, so that none is hidden.
+    pub fn marks(&mut self, marks: &[Mark], size: f64) {
+        for (k, (at, marker, colour)) in marks.iter().enumerate() {
+            let here = self.at(*at);
+            let covers = |(place, other, paint): &&Mark| {
+                let [x, y] = self.at(*place);
+                (other, paint) != (marker, colour) && (x - here[0]).hypot(y - here[1]) < size
+            };
+            let above = marks[k + 1..].iter().filter(covers).count();
+            self.point(*at, size * (1.0 + 0.45 * above as f64), *marker, *colour);
+        }
+    }
+
     /// Draws a rectangle between two opposite corners, with width and height of at least `least` on the canvas.
     pub fn area(&mut self, from: [f64; 2], to: [f64; 2], least: f64, colour: Colour, opacity: f64) {
         let (a, b) = (self.at(from), self.at(to));
@@ -249,6 +290,25 @@ impl Chart<'_> {
     }
 }
 
+/// The ends of texts in rows, filled from one side to the other.
+#[derive(Debug, Default)]
+pub struct Rows(Vec<f64>);
+
+impl Rows {
+    /// Least distance between two texts of a row.
+    const APART: f64 = 8.0;
+
+    /// The first row that is free from one place to another, and is taken from now on.
+    pub fn free(&mut self, [from, to]: [f64; 2]) -> usize {
+        let row = self.0.iter().position(|end| from > end + Rows::APART).unwrap_or(self.0.len());
+        match self.0.get_mut(row) {
+            Some(end) => *end = to,
+            None => self.0.push(to),
+        }
+        row
+    }
+}
+
 /// The interval around each value, up to half-way to its neighbours.
 pub fn bins(values: &[f64]) -> Vec<[f64; 2]> {
     let half = |k: usize| values.get(k + 1).map(|next| 0.5 * (next - values[k]));
@@ -263,7 +323,47 @@ pub fn bins(values: &[f64]) -> Vec<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::canvas::{Element, Outline};
     use super::*;
+
+    #[test]
+    fn labels_stay_within_their_charts() {
+        let mut canvas = Canvas::new(700.0, 300.0);
+        let words =
+            ["place u₀ of the cue (rigidity band)", "amplitude of the cue's first term (tension gradient, κ₀/Lₕ²)"];
+        for (k, words) in words.into_iter().enumerate() {
+            let at = [350.0 * k as f64, 0.0];
+            Chart::new(&mut canvas, at, [350.0, 300.0], Axis::new(words, [0.0, 1.0]), Axis::new(words, [0.0, 1.0]));
+        }
+        let mut labels = 0;
+        for element in &canvas.elements {
+            let Element::Text(label) = element else { continue };
+            let half = 0.5 * font::width(&label.content, label.size);
+            let (middle, end) = if label.upwards { (label.at[1], 300.0) } else { (label.at[0] % 350.0, 350.0) };
+            if label.anchor == Anchor::Middle && half > 50.0 {
+                assert!(middle - half > 0.0 && middle + half < end, "{label:?}");
+                labels += 1;
+            }
+        }
+        // The second is broken in two along both axes, the first along the axis that is too short for it.
+        assert_eq!(labels, 1 + 1 + 2 + 2);
+    }
+
+    #[test]
+    fn a_mark_under_another_is_larger() {
+        let mut canvas = Canvas::new(300.0, 300.0);
+        let mut chart =
+            Chart::new(&mut canvas, [0.0; 2], [300.0; 2], Axis::new("", [0.0, 1.0]), Axis::new("", [0.0, 1.0]));
+        let before = chart.canvas.elements.len();
+        let [diamond, disc] = [(Marker::Diamond, GRID), (Marker::Disc, INK)];
+        let marks = [([0.5, 0.5], diamond), ([0.5, 0.51], disc), ([0.1, 0.1], diamond)];
+        chart.marks(&marks.map(|(at, (marker, colour))| (at, marker, colour)), 6.0);
+        let width = |element: &Element| match element {
+            Element::Shape(Outline::Lines(lines, true), ..) => lines[0][1][0] - lines[0][3][0],
+            other => panic!("{other:?}"),
+        };
+        assert!(width(&canvas.elements[before]) > 1.3 * width(&canvas.elements[before + 2]));
+    }
 
     #[test]
     fn ticks_are_round_numbers_written_alike() {

@@ -129,6 +129,12 @@ pub(crate) fn ramp(number: usize, of: usize) -> Colour {
     mixed(VIRIDIS[below], VIRIDIS[below + 1], place - below as f64)
 }
 
+/// One of several greys, from dark to light; a single one is that of cells at rest.
+pub(crate) fn grey(number: usize, of: usize) -> Colour {
+    const ENDS: [Colour; 2] = [rgb(0x4d_4d_4d), rgb(0xc0_c0_c0)];
+    if of < 2 { FAILED } else { mixed(ENDS[0], ENDS[1], number as f64 / (of - 1) as f64) }
+}
+
 /// A colour between white (0) and itself (1).
 pub(crate) fn tint(colour: Colour, share: f64) -> Colour {
     mixed(WHITE, colour, share.clamp(0.0, 1.0))
@@ -269,6 +275,10 @@ pub fn symbol(parameter: Parameter) -> String {
         Parameter::Tension => "γ",
         Parameter::SpontaneousCurvature => "C₀",
         Parameter::NormalFriction => "Γₙ",
+        Parameter::EtaB => "bulk viscosity",
+        Parameter::EtaS => "shear viscosity",
+        Parameter::XiRatio => "isotropic activity",
+        Parameter::Flattening => "thickness",
         Parameter::Regulator(RegulatorQuantity::Turnover) => "k",
         Parameter::Regulator(RegulatorQuantity::Diffusion) => "D",
         Parameter::Cue { quantity, .. } | Parameter::Regulator(RegulatorQuantity::Source(quantity)) => match quantity {
@@ -278,10 +288,30 @@ pub fn symbol(parameter: Parameter) -> String {
             Quantity::Par(constant) => constant.name(),
         },
         Parameter::Regulator(RegulatorQuantity::Strength(on)) => return format!("coupling to {}", field(on)),
+        Parameter::Regulator(RegulatorQuantity::Half(on)) => return format!("half-saturation of {}", field(on)),
         Parameter::Law(name) => name.bare(),
-        other => other.name(),
+        Parameter::W => "w",
     };
     sign.to_owned()
+}
+
+/// Words of the command line with the symbols of quantities in place of their names. Cues stay as they are typed.
+pub(crate) fn symbols(text: &str) -> String {
+    const NAMES: [(&str, &str); 5] = [("R0", "R₀"), ("u0", "u₀"), ("epsilon", "ε"), ("xi_s", "ξₛ"), ("chi", "χ")];
+    let is_letter = |letter: char| letter.is_alphanumeric() || letter == '_';
+    let mut out = String::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let end = rest.find(|letter| !is_letter(letter)).unwrap_or(rest.len());
+        let (word, after) = rest.split_at(end);
+        let typed = after.starts_with(['=', ':']) && !after.starts_with(": ");
+        let symbol = NAMES.iter().find(|(name, _)| *name == word && !typed).map(|(_, symbol)| *symbol);
+        out.push_str(symbol.unwrap_or(word));
+        let next = after.find(is_letter).unwrap_or(after.len());
+        out.push_str(&after[..next]);
+        rest = &after[next..];
+    }
+    out
 }
 
 /// The name of a field that a cue changes.
@@ -306,6 +336,20 @@ pub const CHI: &str = "size asymmetry χ";
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_become_symbols_and_cues_stay() {
+        for (words, expected) in [
+            (
+                "a[0], subcritical at R0 = 1.64, epsilon = 0.87: chi 0.7",
+                "a[0], subcritical at R₀ = 1.64, ε = 0.87: χ 0.7",
+            ),
+            ("furrow at u0 at R0 = 5, kappa:band,u0=0.4: u", "furrow at u₀ at R₀ = 5, kappa:band,u0=0.4: u"),
+            ("xi_s: no χ", "ξₛ: no χ"),
+        ] {
+            assert_eq!(symbols(words), expected);
+        }
+    }
 
     #[test]
     fn a_number_of_a_cue_is_named_by_its_term() {

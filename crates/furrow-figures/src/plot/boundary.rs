@@ -2,7 +2,7 @@
 //! activity, and the boundary's position at the cell's own activity.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::panel::{Axis, Chart, Mark, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_analysis::BoundaryStudy;
@@ -38,20 +38,24 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
             let dash = if kind == Some(Criticality::Subcritical) { style::DOTTED } else { BENT_DASHES };
             chart.line(piece.iter().map(place), Stroke::dashed(bent_colour(name), style::CURVE, dash));
         }
-        chart.points(curve.degenerate.iter().map(place), 6.5, Marker::Ring, bent_colour(name));
     }
     for (kind, piece) in by_criticality(&of.pitchfork) {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
         chart.line(piece.iter().map(place), Stroke { colour: PITCHFORK, width: style::CURVE + 0.4, dash });
     }
-    chart.points(of.pitchfork.degenerate.iter().map(place), 6.5, Marker::Ring, PITCHFORK);
-    chart.points(of.cusps.iter().map(place), 6.5, Marker::Diamond, FOLD);
+    let bent_rings =
+        of.bent.iter().flatten().flat_map(|(name, curve)| {
+            curve.degenerate.iter().map(|point| (place(point), Marker::Ring, bent_colour(name)))
+        });
+    let rings = of.pitchfork.degenerate.iter().map(|point| (place(point), Marker::Ring, PITCHFORK));
+    let cusps = of.cusps.iter().map(|point| (place(point), Marker::Diamond, FOLD));
+    let triangles = critical.iter().map(|at| (*at, Marker::Triangle, style::ASYMMETRIC));
+    let marks: Vec<Mark> = bent_rings.chain(rings).chain(cusps).chain(triangles).collect();
     for point in critical {
         let at = chart.at(point);
         let [left, _, _, bottom] = chart.frame;
         let thin = Stroke::dashed(style::ASYMMETRIC, 1.4, [4.0, 4.0]);
         chart.canvas.polyline(&[[left, at[1]], at, [at[0], bottom]], thin);
-        chart.point(point, 8.0, Marker::Triangle, style::ASYMMETRIC);
         // Rounded, to hide the noise of the last digits.
         let word = format!("{:.4} at ξₛ = {}", point[0], (point[1] * 1e6).round() * 1e-6);
         let right = at[0] > 0.6 * WIDTH;
@@ -60,6 +64,7 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
             .canvas
             .label(Label::new([x, at[1] - 12.0], &word, text::LABEL, anchor, style::ASYMMETRIC).over(style::WHITE));
     }
+    chart.marks(&marks, 6.5);
     canvas
 }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use crate::drawing::cell::{ANTERIOR, POSTERIOR, Site, body, extent, shell};
 use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::panel::{Axis, Chart, Mark, widened};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::{Cell, Parameter};
@@ -31,11 +31,17 @@ type Shape<'a> = (char, ShapePoint, &'a [[f64; 2]]);
 /// Draws the branches of one cell.
 pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
     let breaks = branches.iter().flat_map(|(_, branch)| &branch.points).any(|point| point.delta_u.abs() > 1e-6);
-    let title = format!(
-        "Stationary shapes at {}\nshapes from the {ANTERIOR} pole on the left to the {POSTERIOR} pole on the right{}",
-        style::described(cell, &[Parameter::XiS]),
-        if breaks { "; δu > 0 if the furrow is nearer to the anterior pole" } else { "" }
+    let mut title = format!(
+        "Stationary shapes at {}\nshapes from the {ANTERIOR} pole on the left to the {POSTERIOR} pole on the right",
+        style::described(cell, &[Parameter::XiS])
     );
+    if breaks {
+        title += "; δu > 0 if the furrow is nearer to the anterior pole";
+    }
+    // Mirror-symmetric shapes all have δu = 0.
+    if breaks && branches.len() > 1 {
+        title += "; lines that coincide are drawn side by side";
+    }
     let below = SHAPES + 12.0 + CHART * if breaks { 2.0 } else { 1.0 };
     let (mut canvas, top) = titled(WIDTH, below, &title, &legend(branches));
     let shapes = chosen(branches);
@@ -144,12 +150,7 @@ fn chart(
     let x = Axis::new(style::ACTIVITY, widened(points().map(|p| p.xi_s), 0.03));
     let y = Axis::new(label, widened(points().map(value), 0.12));
     let mut chart = Chart::new(canvas, [0.0, top], [WIDTH, CHART], x, y);
-    for (name, branch) in branches {
-        for (stable, piece) in pieces(branch, value) {
-            let dash = (!stable).then_some(style::DASHED);
-            chart.line(piece, Stroke { colour: colour(name), width: style::CURVE, dash });
-        }
-    }
+    lines(&mut chart, branches, value);
     for (_, point, _) in shapes {
         let at = [point.xi_s, value(point)];
         if chart.holds(at) {
@@ -157,30 +158,27 @@ fn chart(
             chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
         }
     }
-    for at in branches.iter().flat_map(|(_, branch)| &branch.azimuthal.crossings) {
-        chart.point([at.point.xi_s, value(&at.point)], 6.5, crossing(at.grows), style::azimuthal(at.m));
-    }
-    for hopf in branches.iter().flat_map(|(_, branch)| &branch.hopf) {
-        chart.point([hopf.point.xi_s, value(&hopf.point)], 6.5, Marker::Ring, style::INK);
-    }
+    let crossings = branches.iter().flat_map(|(_, branch)| &branch.azimuthal.crossings);
+    let crossings = crossings.map(|at| (at.point, crossing(at.grows), style::azimuthal(at.m)));
+    let hopfs = branches.iter().flat_map(|(_, branch)| &branch.hopf);
+    let hopfs = hopfs.map(|hopf| (hopf.point, Marker::Ring, style::INK));
+    let events = || branches.iter().flat_map(|(name, branch)| branch.events.iter().map(move |event| (*name, event)));
+    let folds = events().filter(|(_, event)| event.pitchfork().is_none());
+    let folds = folds.map(|(name, event)| (*event.point(), Marker::Diamond, colour(name)));
+    let pitchforks = || events().filter_map(|(_, event)| Some((*event.point(), event.pitchfork()?.criticality())));
+    let discs = pitchforks().map(|(point, _)| (point, Marker::Disc, style::INK));
+    let marks = crossings.chain(hopfs).chain(folds).chain(discs);
+    let marks: Vec<Mark> = marks.map(|(point, marker, colour)| ([point.xi_s, value(&point)], marker, colour)).collect();
+    chart.marks(&marks, 6.5);
     let mut words: Vec<([f64; 2], Anchor, &str)> = Vec::new();
-    for (name, branch) in branches {
-        for event in &branch.events {
-            let place = [event.point().xi_s, value(event.point())];
-            let Some(pitchfork) = event.pitchfork() else {
-                chart.point(place, 6.5, Marker::Diamond, colour(name));
-                continue;
-            };
-            chart.point(place, 6.5, Marker::Disc, style::INK);
-            let kind = match pitchfork.criticality() {
-                Criticality::Subcritical => "subcritical",
-                _ => "supercritical",
-            };
-            let at = chart.at(place);
-            let (aside, anchor) =
-                if at[0] + 130.0 > chart.frame[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
-            words.push(([at[0] + aside, at[1] + 22.0], anchor, kind));
-        }
+    for (point, criticality) in pitchforks() {
+        let kind = match criticality {
+            Criticality::Subcritical => "subcritical",
+            _ => "supercritical",
+        };
+        let at = chart.at([point.xi_s, value(&point)]);
+        let (aside, anchor) = if at[0] + 130.0 > chart.frame[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
+        words.push(([at[0] + aside, at[1] + 22.0], anchor, kind));
     }
     // Above the lines, with a rim.
     let mut taken = Vec::new();
@@ -191,6 +189,55 @@ fn chart(
         chart.canvas.label(Label::new(at, word, text::TICK, anchor, style::MUTED).over(style::WHITE));
     }
     letters(&mut chart, shapes, value, taken);
+}
+
+/// Distance between lines that would otherwise lie on each other.
+const BESIDE: f64 = 2.0 * style::CURVE;
+
+/// The lines of the branches. Those that lie on earlier ones are drawn above them, so that both can be seen.
+fn lines(chart: &mut Chart<'_>, branches: &[Named], value: fn(&ShapePoint) -> f64) {
+    let mut drawn: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
+    for (name, branch) in branches {
+        for (stable, piece) in pieces(branch, value) {
+            let dash = (!stable).then_some(style::DASHED);
+            let piece: Vec<[f64; 2]> = piece.into_iter().map(|point| chart.at(point)).collect();
+            for run in runs(&piece) {
+                let taken: Vec<usize> =
+                    drawn.iter().filter(|(_, other)| lies_on(run, other)).map(|(level, _)| *level).collect();
+                let level = (0..=taken.len()).find(|level| !taken.contains(level)).unwrap_or(0);
+                let up = BESIDE * level as f64;
+                let shifted: Vec<[f64; 2]> = run.iter().map(|[x, y]| [*x, y - up]).collect();
+                let stroke = Stroke { colour: colour(name), width: style::CURVE, dash };
+                chart.canvas.clipped(chart.frame, |canvas| canvas.polyline(&shifted, stroke));
+                drawn.push((level, run.to_vec()));
+            }
+        }
+    }
+}
+
+/// A line in parts that run to one side: a branch turns back at its folds.
+fn runs(line: &[[f64; 2]]) -> Vec<&[[f64; 2]]> {
+    let mut found = Vec::new();
+    let mut from = 0;
+    for k in 1..line.len() {
+        let turns = line.get(k + 1).is_none_or(|next| (next[0] - line[k][0]) * (line[k][0] - line[k - 1][0]) < 0.0);
+        if turns {
+            found.push(&line[from..=k]);
+            from = k;
+        }
+    }
+    found
+}
+
+/// Whether most of a line is less than its width from another one.
+fn lies_on(line: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
+    let covers = |[x, y]: &[f64; 2], pair: &[[f64; 2]]| {
+        let [a, b] = [pair[0], pair[1]];
+        let share = (x - a[0]) / (b[0] - a[0]);
+        (0.0..=1.0).contains(&share) && (a[1] + share * (b[1] - a[1]) - y).abs() < style::CURVE
+    };
+    let covered = line.iter().filter(|point| other.windows(2).any(|pair| covers(point, pair))).count();
+    2 * covered > line.len()
 }
 
 /// The middle of a text on the canvas, and half its width and height.
@@ -310,4 +357,20 @@ fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A branch that goes up to a fold and back at the same height lies on itself; one that crosses it does not.
+    #[test]
+    fn lines_that_coincide_are_told_from_lines_that_cross() {
+        let there_and_back = [[0.0, 5.0], [10.0, 5.0], [20.0, 5.0], [12.0, 5.5], [1.0, 5.0]];
+        let found = runs(&there_and_back);
+        assert_eq!(found, [&there_and_back[..3], &there_and_back[2..]]);
+        assert!(lies_on(found[1], found[0]));
+        assert!(!lies_on(&[[0.0, 0.0], [5.0, 3.0], [10.0, 5.0], [15.0, 8.0], [20.0, 10.0]], found[0]));
+        assert!(runs(&there_and_back[..1]).is_empty());
+    }
 }

@@ -25,7 +25,8 @@ const GIVEN: Stroke = Stroke { colour: style::MUTED, width: 1.6, dash: Some(styl
 pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> Canvas {
     let chart = (150.0 + ROW * found.residuals.len().max(1) as f64).max(400.0);
     let head = (!excluded.is_empty()).then(|| "Statements that exclude it, and what it gives instead:".to_owned());
-    let statement = |Exclusion { datum, given, computed }: &Exclusion| format!("{datum}, {given}: {computed}");
+    let statement =
+        |Exclusion { datum, given, computed }: &Exclusion| style::symbols(&format!("{datum}, {given}: {computed}"));
     let lines = head.into_iter().chain(excluded.iter().map(statement));
     let lines: Vec<String> = lines.flat_map(|line| font::wrapped(&line, text::TICK, WIDTH - 48.0)).collect();
     let below = if lines.is_empty() { 10.0 } else { 34.0 + 24.0 * lines.len() as f64 };

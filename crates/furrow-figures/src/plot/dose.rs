@@ -6,9 +6,10 @@ use furrow_measured::dose::{DoseGroup, DosedDivision};
 use furrow_measured::statistics::Line;
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart};
+use crate::drawing::panel::{Axis, Chart, Rows};
 use crate::drawing::style::{self, Colour, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Label, Stroke, font};
+use ordered_float::OrderedFloat;
 
 const WIDTH: f64 = 1180.0;
 const CHART: f64 = 480.0;
@@ -43,9 +44,9 @@ pub struct DoseComparison<'a> {
     pub cell: String,
 }
 
-/// The colour of a condition; green is reserved for the model, black for means.
-fn colour(condition: usize) -> Colour {
-    [5, 1, 2, 4, 6].map(|k: usize| style::SERIES[k])[condition % 5]
+/// The colour of one of several conditions; green is reserved for the model, black for means.
+fn colour(condition: usize, of: usize) -> Colour {
+    style::series(condition, of, &[5, 1, 2, 4, 6].map(|k: usize| style::SERIES[k]))
 }
 
 /// Draws a chart for each reading.
@@ -53,13 +54,13 @@ pub fn draw(comparison: &DoseComparison<'_>) -> Canvas {
     let DoseComparison { divisions, conditions, bins, readings, model, cell } = comparison;
     let measured = |(k, condition): (usize, &DoseGroup)| {
         let name = if condition.name.is_empty() { "measured" } else { &condition.name };
-        (Key::Point(colour(k), Marker::Disc), format!("{name}, n = {}", condition.n))
+        (Key::Point(colour(k, conditions.len()), Marker::Disc), format!("{name}, n = {}", condition.n))
     };
     let legend = Legend::default()
         .with_all(conditions.iter().enumerate().filter(|_| !divisions.is_empty()).map(measured))
-        .with(Key::Point(style::INK, Marker::Square), "bins of the dose, mean ± sd")
+        .with(Key::Point(style::INK, Marker::Square), "bins of the dose, mean ± sd, and the number of divisions below")
         .with_if(readings.iter().any(|r| r.line.is_some()), Key::Dashes(style::MUTED, style::DASHED), "least squares")
-        .with(Key::Line(style::MODEL), format!("model, amplitude of the cue × dose: {cell}"));
+        .with(Key::Line(style::MODEL), format!("model, amplitude of the cue × dose: {}", style::symbols(cell)));
     let title = "Size asymmetry over the dose of a protein";
     let (mut canvas, top) = titled(WIDTH, CHART, title, &legend);
     let highest = |reading: &Reading<'_>| {
@@ -88,7 +89,7 @@ fn panel(chart: &mut Chart<'_>, comparison: &DoseComparison<'_>, reading: &Readi
     for division in *divisions {
         let k = conditions.iter().position(|condition| condition.name == division.condition).unwrap_or(0);
         let at = chart.at([division.dose, (reading.chi)(division)]);
-        chart.canvas.disc(at, 3.4, colour(k), 0.6, None);
+        chart.canvas.disc(at, 3.4, colour(k, conditions.len()), 0.6, None);
     }
     if let Some(Line { slope, intercept, .. }) = reading.line {
         let ends = [0.0, farthest].map(|dose| [dose, intercept + slope * dose]);
@@ -105,7 +106,19 @@ fn panel(chart: &mut Chart<'_>, comparison: &DoseComparison<'_>, reading: &Readi
             chart.error_bar(bin.dose.mean, [mean - sd, mean + sd], 0.0, 4.0, Stroke::solid(style::INK, 1.6));
         }
         chart.point([bin.dose.mean, mean], 5.0, Marker::Square, style::INK);
-        let [x, y] = chart.at([bin.dose.mean, mean - sd.unwrap_or(0.0)]);
-        chart.canvas.text([x, y + 18.0], &bin.n.to_string(), text::TICK, Anchor::Middle, style::MUTED);
+    }
+    numbers(chart, bins);
+}
+
+/// The numbers of divisions below the data, each in the first row where it overlaps no other.
+fn numbers(chart: &mut Chart<'_>, bins: &[DoseGroup]) {
+    let mut bins: Vec<&DoseGroup> = bins.iter().collect();
+    bins.sort_by_cached_key(|bin| OrderedFloat(bin.dose.mean));
+    let mut rows = Rows::default();
+    for bin in bins {
+        let (word, x) = (bin.n.to_string(), chart.at([bin.dose.mean, 0.0])[0]);
+        let half = 0.5 * font::width(&word, text::TICK);
+        let y = chart.frame[3] - 6.0 - 16.0 * rows.free([x - half, x + half]) as f64;
+        chart.canvas.label(Label::new([x, y], &word, text::TICK, Anchor::Middle, style::MUTED).over(style::WHITE));
     }
 }

@@ -1,7 +1,7 @@
 //! Fits to the embryo: the front between its counts and the published thresholds, activities by founder, a cue's χ.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::panel::{Axis, Chart, Mark, widened};
 use crate::drawing::{Canvas, Stroke, style};
 use furrow_analysis::fit::{ChiResidual, FittedConstants, FittedCue, FounderActivity};
 
@@ -26,9 +26,11 @@ pub fn draw_constants(found: &FittedConstants) -> Canvas {
     let x = Axis::over("published thresholds, off by (%, root mean square)", all.iter().map(|point| point[0]));
     let y = Axis::over("mean rounds of the founders, off by", all.iter().map(|point| point[1]));
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
-    chart.points(front, 6.0, Marker::Disc, style::MODEL);
-    chart.points(best, 7.0, Marker::Diamond, style::ASYMMETRIC);
-    chart.points(start, 7.0, Marker::Square, style::INK);
+    let marks = front.into_iter().map(|at| (at, Marker::Disc, style::MODEL));
+    let ends = [(best, Marker::Diamond, style::ASYMMETRIC), (start, Marker::Square, style::INK)];
+    let marks: Vec<Mark> =
+        marks.chain(ends.into_iter().filter_map(|(at, marker, colour)| Some((at?, marker, colour)))).collect();
+    chart.marks(&marks, 6.5);
     canvas
 }
 

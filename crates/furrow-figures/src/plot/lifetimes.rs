@@ -2,7 +2,7 @@
 //! over time.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::panel::{Axis, Chart, Rows, widened};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke, font};
 use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
@@ -46,7 +46,7 @@ pub fn draw(found: &LifetimesComparison, unit: Option<Unit>) -> Canvas {
     canvas
 }
 
-/// The measured founders with their colours; the germline is grey, as in drawings of trees.
+/// The measured founders with their colours.
 fn founders(cells: &[CellComparison]) -> Vec<(String, Colour)> {
     let mut names: Vec<&str> = Vec::new();
     for cell in cells {
@@ -54,20 +54,22 @@ fn founders(cells: &[CellComparison]) -> Vec<(String, Colour)> {
             names.push(&cell.measured.founder);
         }
     }
-    let germline = |name: &str| name.starts_with('P');
+    coloured(&names)
+}
+
+/// Founders with their colours: the germline in greys from dark to light, as in drawings of trees.
+fn coloured(names: &[&str]) -> Vec<(String, Colour)> {
     // Green is reserved for the model.
     let hues = [5, 1, 2, 4, 6, 0].map(|k: usize| style::SERIES[k]);
-    let count = names.iter().filter(|name| !germline(name)).count();
-    let mut next = 0;
-    let colour = |name: &str| {
-        if germline(name) {
-            return style::FAILED;
-        }
-        next += 1;
-        style::series(next - 1, count, &hues)
+    let of = |kind: bool| names.iter().copied().filter(|name| name.starts_with('P') == kind).collect::<Vec<_>>();
+    let (mut germline, others) = (of(true), of(false));
+    germline.sort_unstable();
+    let place = |names: &[&str], name: &str| names.iter().position(|other| *other == name);
+    let colour = |name: &str| match (place(&germline, name), place(&others, name)) {
+        (Some(k), _) => style::grey(k, germline.len()),
+        (_, k) => style::series(k.unwrap_or(0), others.len(), &hues),
     };
-    let colours: Vec<Colour> = names.iter().copied().map(colour).collect();
-    names.into_iter().map(str::to_owned).zip(colours).collect()
+    names.iter().map(|name| ((*name).to_owned(), colour(name))).collect()
 }
 
 fn colour_of(founders: &[(String, Colour)], cell: &CellComparison) -> Colour {
@@ -202,18 +204,27 @@ const ROW: f64 = 19.0;
 fn write_marks(chart: &mut Chart<'_>, mut marks: Vec<(f64, String, Colour)>) {
     marks.sort_by_cached_key(|item| OrderedFloat(item.0));
     let [left, top, right, _] = chart.frame;
-    let mut rows: Vec<f64> = Vec::new();
+    let mut rows = Rows::default();
     for (min, words, colour) in marks {
         let (x, width) = (chart.at([min, 1.0])[0], font::width(&words, text::TICK));
         // Text that would leave the chart is written to the left of its time, as is the text of the departure.
         let from =
             if x + 6.0 + width > right || colour == style::ASYMMETRIC { (x - 6.0 - width).max(left) } else { x + 6.0 };
-        let row = rows.iter().position(|end| from > end + 8.0).unwrap_or(rows.len());
-        if row == rows.len() {
-            rows.push(0.0);
-        }
-        rows[row] = from + width;
-        let at = [from, top + 18.0 + ROW * row as f64];
+        let at = [from, top + 18.0 + ROW * rows.free([from, from + width]) as f64];
         chart.canvas.label(Label::new(at, &words, text::TICK, Anchor::Start, colour).over(style::WHITE));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_founders_of_the_worm_have_different_colours() {
+        let found = coloured(&["AB", "P2", "EMS", "E", "MS", "P3", "C", "D", "P4"]);
+        let mut colours: Vec<Colour> = found.iter().map(|(_, colour)| *colour).collect();
+        colours.sort_unstable();
+        colours.dedup();
+        assert_eq!(colours.len(), 9, "{found:?}");
     }
 }

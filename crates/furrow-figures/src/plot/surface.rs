@@ -23,8 +23,9 @@ const STILLS: usize = 6;
 pub fn draw(cell: &Cell, film: &Film) -> Canvas {
     let title = format!("{}, without axial symmetry: {}", style::described(cell, &[]), ending(&film.found.division));
     let (mut canvas, top) = titled(WIDTH, CELLS + 46.0 + CHART, &title, &Legend::default());
-    sections(&mut canvas, film, top);
-    let what = "sections by the plane in which the neck moves";
+    let overlaps = sections(&mut canvas, film, top);
+    let soft = if overlaps { "; where walls meet, the soft force between them lets them overlap" } else { "" };
+    let what = &format!("sections by the plane in which the neck moves{soft}");
     canvas.text([0.5 * WIDTH, top + CELLS + 18.0], what, text::TICK, Anchor::Middle, style::MUTED);
     over_time(&mut canvas, cell, film, top + CELLS + 46.0);
     canvas
@@ -46,7 +47,9 @@ fn times(film: &Film) -> Vec<f64> {
     stills
 }
 
-fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
+/// Draws the sections, and says whether walls overlap in one of them.
+fn sections(canvas: &mut Canvas, film: &Film, top: f64) -> bool {
+    let mut overlaps = false;
     let width = (WIDTH - 40.0) / STILLS as f64;
     let shell = film.wall.contour();
     let [along, across] = drawn::extent(&shell);
@@ -60,10 +63,21 @@ fn sections(canvas: &mut Canvas, film: &Film, top: f64) {
             drawn::poles(canvas, &site, [0.46 * width / scale, across]);
         }
         let outline: Vec<[f64; 2]> = film.at(t).section().iter().map(|[x, z]| site.point([side * x, *z])).collect();
+        overlaps |= crosses_itself(&outline);
         canvas.polygon(&outline, style::CYTOPLASM, 1.0, Some(Stroke::solid(style::INK, 2.0)));
         let word = format!("t = {} τ", style::time(t));
         canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
     }
+    overlaps
+}
+
+/// Whether two sides of a closed line that are not neighbours cross.
+fn crosses_itself(line: &[[f64; 2]]) -> bool {
+    let side = |k: usize| [line[k], line[(k + 1) % line.len()]];
+    let turn = |[a, b]: [[f64; 2]; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let apart = |one: [[f64; 2]; 2], other: [[f64; 2]; 2]| turn(one, other[0]) * turn(one, other[1]) < 0.0;
+    let pairs = (0..line.len()).flat_map(|k| (k + 2..line.len()).map(move |j| (side(k), side(j))));
+    pairs.into_iter().any(|(one, other)| apart(one, other) && apart(other, one))
 }
 
 fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
@@ -89,5 +103,21 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
     let mut chart = Chart::new(canvas, [0.0, top + 40.0], [WIDTH, CHART - 40.0], x, y);
     for (curve, colour, _) in curves {
         chart.line(curve, Stroke::solid(colour, style::CURVE));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walls_overlap_where_the_outline_crosses_itself() {
+        let furrow = |half: f64| {
+            [[-3.0, 0.0], [-half, 0.0], [-half, 2.0], [half, 2.0], [half, 0.0], [3.0, 0.0], [3.0, 4.0], [-3.0, 4.0]]
+        };
+        assert!(!crosses_itself(&furrow(0.1)));
+        // The furrow is open at its bottom, and its walls cross above.
+        let crossed = furrow(0.1).map(|[x, y]| if y == 2.0 { [-x, y] } else { [x, y] });
+        assert!(crosses_itself(&crossed));
     }
 }

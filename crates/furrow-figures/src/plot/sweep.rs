@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, MARGINS, bins, widened};
 use crate::drawing::style::{self, Colour};
-use crate::drawing::{Anchor, Canvas, Label, Stroke, scale};
+use crate::drawing::{Anchor, Canvas, Label, Stroke, font, scale};
 use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_mechanics::division::Outcome;
@@ -17,6 +17,8 @@ const CHART: f64 = 548.0;
 /// Height of one of several panels, and the largest number of panels in a picture.
 const PANEL: f64 = 360.0;
 const PANELS: usize = 12;
+/// Distance between lines of a panel's name.
+const NAME: f64 = 19.0;
 /// Fewest values of a dense axis; a second axis with as many values is not drawn as curves.
 const DENSE: usize = 8;
 /// Most curves with an entry in the legend.
@@ -158,15 +160,18 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
     }
     let columns = if shown > 1 { shown.div_ceil(shown.div_ceil(3)) } else { 1 };
     let size = [WIDTH / columns as f64, if shown > 1 { PANEL } else { CHART }];
+    let names = |panel: &Group<'_>| font::wrapped(&panel.name, style::text::TICK, size[0] - MARGINS[0] - MARGINS[1]);
+    let lines = panels.iter().take(shown).map(|panel| names(panel).len()).max().unwrap_or(1);
+    let room = if shown > 1 { 24.0 + NAME * (lines - 1) as f64 } else { 0.0 };
+    let size = [size[0], size[1] + room.max(24.0) - 24.0];
     let below = size[1] * shown.div_ceil(columns) as f64;
     let (mut canvas, top) = titled(WIDTH, below, &heading, &legend(sweep, points, &curves));
     for (k, panel) in panels.iter().take(shown).enumerate() {
         let at = [(k % columns) as f64 * size[0], top + (k / columns) as f64 * size[1]];
-        let room = if shown > 1 { 24.0 } else { 0.0 };
-        canvas.label(
-            Label::new([at[0] + MARGINS[0], at[1] + 18.0], &panel.name, style::text::TICK, Anchor::Start, style::INK)
-                .bold(),
-        );
+        for (line, words) in names(panel).iter().enumerate() {
+            let place = [at[0] + MARGINS[0], at[1] + 18.0 + NAME * line as f64];
+            canvas.label(Label::new(place, words, style::text::TICK, Anchor::Start, style::INK).bold());
+        }
         let size = [size[0], size[1] - room];
         let mut chart = Chart::new(&mut canvas, [at[0], at[1] + room], size, across.clone(), up.clone());
         let place = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
@@ -306,10 +311,10 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], by: &[usize]) -> Vec<Group<'a
         (_, true) => style::ramp(k, count),
         _ => style::SERIES[k],
     };
-    let group = |(k, (_, points)): (usize, (Vec<usize>, Vec<&'a Point>))| Group {
-        name: named(sweep, by, &points[0].places),
-        colour: colour(k),
-        points,
+    let group = |(k, (_, points)): (usize, (Vec<usize>, Vec<&'a Point>))| {
+        // A point of the converged scheme has no step, which others of the group may have.
+        let named_by = points.iter().find(|point| !is_converged(sweep, &point.places)).unwrap_or(&points[0]);
+        Group { name: named(sweep, by, &named_by.places), colour: colour(k), points }
     };
     found.into_iter().enumerate().map(group).collect()
 }

@@ -11,6 +11,8 @@ class Labels {
     this.ink = ink;
     this.taken = [];
     this.drawn = 0;
+    /** What is written when all names are. */
+    this.later = [];
   }
 
   /** Draws the names of these cells and says how many there was room for. The marked ones come first, then founders. */
@@ -18,6 +20,7 @@ class Labels {
     const { view, paint } = this;
     const few = view.found.size <= 60;
     const marked = (node) => node === view.selected || (few && view.found.has(node));
+    this.discs = discs;
     const rank = (node) => 2 * marked(node) + node.isFounder;
     paint.textBaseline = "alphabetic";
     paint.lineJoin = "round";
@@ -29,6 +32,7 @@ class Labels {
       if (node.isFounder || node === view.selected || (!apart && rank(node) > 0)) this.beside(node);
       else if (apart) this.ifThereIsRoom(node);
     }
+    this.later.forEach((write) => write());
     return this.drawn;
   }
 
@@ -80,33 +84,62 @@ class Labels {
     return left > right ? [left, -1] : [right, 1];
   }
 
+  /** A name at the first place near its cell that is free, and for a founder the χ of its division. */
   beside(node) {
     const { view, paint } = this;
-    const radius = view.radius(node);
-    const [x, y] = [view.px(node.x), view.py(view.level(node))];
-    const bold = `600 ${view.small ? 11 : 13}px system-ui, sans-serif`;
-    const lines = [[node.cell.name, node.isFounder ? bold : NAME_FONT]];
-    if (!view.small && !view.minutes && node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended) lines.push([`χ ${number(node.cell.chi, 2)}`, NAME_FONT]);
     paint.fillStyle = shade(view.colours[node.founder], this.ink);
-    paint.font = lines[0][1];
-    const left = this.side(x, radius + 5, paint.measureText(node.cell.name).width, this.room(node)[1]) < 0;
-    const at = left ? x - radius - 5 : x + radius + 5;
-    paint.textAlign = left ? "right" : "left";
-    lines.forEach(([text, font], k) => {
-      paint.font = font;
-      const wide = paint.measureText(text).width;
-      if (!this.take([left ? at - wide : at, y - 16 + 13 * k, wide, 12])) return;
-      paint.strokeText(text, at, y - 5 + 13 * k);
-      paint.fillText(text, at, y - 5 + 13 * k);
-      this.drawn += k === 0;
+    const font = node.isFounder ? `600 ${view.small ? 11 : 13}px system-ui, sans-serif` : NAME_FONT;
+    paint.font = font;
+    const wide = paint.measureText(node.cell.name).width;
+    const place = this.places(node, wide).find((place) => this.writeAt(place, node.cell.name, font));
+    if (!place) return;
+    this.drawn += 1;
+    const unequal = node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended;
+    // Above a cell the next line would be the cell itself.
+    if (!unequal || view.small || view.minutes || place.above) return;
+    this.later.push(() => {
+      paint.fillStyle = shade(view.colours[node.founder], this.ink);
+      const words = `χ ${number(node.cell.chi, 2)}`;
+      paint.font = NAME_FONT;
+      const length = paint.measureText(words).width;
+      // On the left it ends where the name ends.
+      const below = { x: place.x < view.px(node.x) ? place.x + wide - length : place.x, y: place.y + 13 };
+      if (!this.hides(node, below, length)) this.writeAt(below, words, NAME_FONT);
     });
   }
 
-  /** The preferred side, unless the name would run into a gutter there and not on the other. */
-  side(x, away, wide, preferred) {
-    const [low, high] = this.view.small ? [2, this.view.width - 2] : [GUTTERS[0], this.view.width - GUTTERS[1]];
-    const fits = { "-1": x - away - wide >= low, 1: x + away + wide <= high };
-    return fits[preferred] || !fits[-preferred] ? preferred : -preferred;
+  /** Where a name may be, the best first: on either side, above, below; rather not over another cell, and least of all in a gutter. */
+  places(node, wide) {
+    const { view } = this;
+    const [x, y, away] = [view.px(node.x), view.py(view.level(node)), view.radius(node) + 5];
+    const [low, high] = view.small ? [2, view.width - 2] : [GUTTERS[0], view.width - GUTTERS[1]];
+    const left = { x: x - away - wide, y: y - 5 };
+    const right = { x: x + away, y: y - 5 };
+    const sides = this.room(node)[1] < 0 ? [left, right] : [right, left];
+    const all = [...sides, { x: x - wide / 2, y: y - away - 1, above: true }, { x: x - wide / 2, y: y + away + (node.folded ? 32 : 13) }];
+    const inGutter = ({ x }) => x < low || x + wide > high;
+    const faults = new Map(all.map((place) => [place, 2 * inGutter(place) + this.hides(node, place, wide)]));
+    return all.sort((a, b) => faults.get(a) - faults.get(b));
+  }
+
+  /** Whether text beside a cell would lie on another one. */
+  hides(node, { x, y }, wide) {
+    const { view } = this;
+    return this.discs.some((other) => {
+      const [across, down, radius] = [view.px(other.x), view.py(view.level(other)), view.radius(other)];
+      return other !== node && across + radius > x && across - radius < x + wide && down + radius > y - 11 && down - radius < y + 1;
+    });
+  }
+
+  /** Writes text at a place unless that is taken. */
+  writeAt({ x, y }, text, font) {
+    const { paint } = this;
+    paint.font = font;
+    paint.textAlign = "left";
+    if (!this.take([x, y - 11, paint.measureText(text).width, 12])) return false;
+    paint.strokeText(text, x, y);
+    paint.fillText(text, x, y);
+    return true;
   }
 
   below(node, wide) {

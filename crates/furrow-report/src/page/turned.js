@@ -92,6 +92,8 @@ class Turned extends Playing {
     const entry = ([, name, unit]) => [Object.assign(document.createElement("dt"), { textContent: unit ? `${name}, ${unit}` : name }), document.createElement("dd")];
     element("numbers").append(...this.shown.flatMap(entry));
     this.prepare();
+    // Without WebGL nothing of it would be of use.
+    this.canvas.closest("section").hidden = false;
     this.hear();
     this.turnBack();
     new ResizeObserver(() => this.draw()).observe(this.canvas);
@@ -101,7 +103,7 @@ class Turned extends Playing {
   prepare() {
     // Kept, so that the picture can be saved from the browser's menu.
     const gl = (this.gl = this.canvas.getContext("webgl2", { preserveDrawingBuffer: true }));
-    if (!gl) throw new Error("it has no WebGL 2");
+    if (!gl) throw new Error("it has no WebGL 2, or WebGL is turned off");
     const program = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
       const shader = gl.createShader(kind);
@@ -258,5 +260,5 @@ async function main() {
 
 main().catch((error) => {
   element("without-film").hidden = false;
-  element("without-film").textContent = `This browser cannot show the film: ${error.message}.`;
+  element("without-film").textContent = `This browser cannot show the film: ${error.message}. A film as .gif plays everywhere.`;
 });
