@@ -1,11 +1,12 @@
 //! Curves in two parameters, and the boundary of division compared with divisions.
 
 use crate::common::shapes::{at, check_threshold, first, whole};
+use furrow_cell::cue::Quantity;
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::critical::{self, BoundaryKind, STARTS};
 use furrow_mechanics::equilibria::curves::{self, CurveEnd, CurvePoint, FoldCurve, SECOND};
-use furrow_mechanics::equilibria::{BranchOptions, Criticality, StepBudget, asymmetric};
+use furrow_mechanics::equilibria::{BranchOptions, Criticality, StepBudget, asymmetric, primary};
 
 fn maxima(epsilon: f64) -> [f64; 2] {
     let branch = whole(&at(2.22, epsilon));
@@ -97,6 +98,26 @@ fn a_fold_is_followed_once_from_whichever_end() {
         assert_eq!(curve.ended, CurveEnd::Reached);
         assert_eq!(curve.points.last().unwrap().value, range[1]);
         assert!(curve.points.len() < 300, "{} points", curve.points.len());
+    }
+}
+
+/// Between two cusps the stable shapes end at a fold whose curve reaches neither end of the range.
+#[test]
+fn a_boundary_has_the_folds_within_its_range() {
+    let cell = at(2.2, 0.87).with_cue(Cue::published());
+    let u0 = Parameter::Cue { term: 0, quantity: Quantity::U0 };
+    let found = curves::boundary_and_folds(&cell, &Numerics::default(), u0, [0.2, 0.8], None).unwrap().folds;
+    let highest = |value: f64| {
+        let curves = found.iter().flat_map(|curve| curve.points.windows(2));
+        let around = curves.filter(|ends| (ends[0].value - value) * (ends[1].value - value) <= 0.0);
+        around.map(|ends| f64::max(ends[0].xi_s, ends[1].xi_s)).fold(0.0, f64::max)
+    };
+    for value in [0.3, 0.4, 0.45, 0.55, 0.7] {
+        let mut cell = cell.clone();
+        u0.set(&mut cell, value);
+        let fold = primary::failure_fold(&cell, &Numerics::default(), &StepBudget::unlimited()).unwrap().point.xi_s;
+        println!("u0 = {value}: {fold} beside {}", highest(value));
+        assert!((highest(value) / fold - 1.0).abs() < 0.02, "u0 = {value}: {fold} beside {}", highest(value));
     }
 }
 

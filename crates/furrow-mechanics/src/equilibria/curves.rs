@@ -88,16 +88,20 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// ξ_s where the curve passes a value of its parameter, by the cubics through its points with their slopes.
-    fn xi_s_at(&self, value: f64) -> impl Iterator<Item = f64> {
-        self.points.windows(2).filter_map(move |ends| {
+    /// Whether it passes through a fold at a value of its parameter, by the cubics through its points with their slopes.
+    fn passes(&self, value: f64, fold: &ShapePoint) -> bool {
+        self.points.windows(2).any(|ends| {
             let (a, b) = (&ends[0], &ends[1]);
             let width = b.value - a.value;
             let t = (value - a.value) / width;
-            (0.0..=1.0).contains(&t).then(|| {
-                let bent = a.slope * width * (1.0 - t) - b.slope * width * t + (b.xi_s - a.xi_s) * (2.0 * t - 1.0);
-                a.xi_s + t * (b.xi_s - a.xi_s) + t * (1.0 - t) * bent
-            })
+            if !(0.0..=1.0).contains(&t) {
+                return false;
+            }
+            let rise = b.xi_s - a.xi_s;
+            let bend = a.slope * width * (1.0 - t) - b.slope * width * t + rise * (2.0 * t - 1.0);
+            let xi_s = a.xi_s + t * rise + t * (1.0 - t) * bend;
+            let elongation = a.elongation + t * (b.elongation - a.elongation);
+            (xi_s / fold.xi_s - 1.0).abs() < PASSES && (elongation - fold.elongation).abs() < PASSES_BY
         })
     }
 
@@ -401,31 +405,32 @@ fn fold_curves(cell: &Cell, branches: [&Branch; 2], parameter: Parameter, range:
     Ok(curves)
 }
 
-/// Number of values within a range where the fold that ends the stable shapes is looked for, beside both ends.
+/// Number of values within a range where folds are looked for, beside both ends.
 const INNER: usize = 7;
 /// Largest relative distance of ξ_s at which a curve counts as passing through a fold.
 const PASSES: f64 = 1e-3;
+/// The same for the elongation.
+const PASSES_BY: f64 = 0.02;
 
-/// The curves through the folds that end the stable shapes of a cell with a cue within the range, where none of the curves from its
-/// ends passes: between two cusps there is a fold that neither end has. Each is followed in both directions.
-fn inner_folds(
+/// Adds the curves through folds within the range, where no curve from its ends passes: between two cusps there are folds that
+/// neither end has. Each is followed in both directions. `folds` finds the folds of a cell.
+fn add_inner(
+    curves: &mut Vec<Curve>,
     cell: &Cell,
-    numerics: &Numerics,
     parameter: Parameter,
     [from, to]: [f64; 2],
-    known: &[Curve],
-) -> Vec<Curve> {
-    let mut inner: Vec<Curve> = Vec::new();
+    folds: impl Fn(&Cell) -> Vec<FoldPoint>,
+) {
     for k in 1..=INNER {
         let value = from + (to - from) * k as f64 / (INNER + 1) as f64;
         let cell = at_value(cell, parameter, value);
-        let Ok(fold) = primary::failure_fold(&cell, numerics, &StepBudget::unlimited()) else { continue };
-        let near = |xi_s: f64| (xi_s / fold.point.xi_s - 1.0).abs() < PASSES;
-        if !known.iter().chain(&inner).any(|curve| curve.xi_s_at(value).any(near)) {
-            inner.extend([from, to].into_iter().filter_map(|end| fold_curve(&cell, &fold, parameter, end, None).ok()));
+        for fold in folds(&cell) {
+            if !curves.iter().any(|curve| curve.passes(value, &fold.point)) {
+                let both = [from, to].into_iter();
+                curves.extend(both.filter_map(|end| fold_curve(&cell, &fold, parameter, end, None).ok()));
+            }
         }
     }
-    inner
 }
 
 /// The curves that bound outcomes over a range of a parameter.
@@ -452,15 +457,12 @@ pub fn boundary_and_folds(
     refuse_par(cell, PointKind::Fold)?;
     if domain_along(cell, parameter) == Domain::Full {
         let at_ends = boundary_curves(cell, numerics, parameter, range, activity);
-        let folds = at_ends.as_ref().map_or(&[][..], |found| &found.folds);
-        let inner = inner_folds(cell, numerics, parameter, range, folds);
-        return match at_ends {
-            Err(_) if !inner.is_empty() => Ok(BoundaryCurves { pitchfork: None, folds: inner }),
-            at_ends => at_ends.map(|mut found| {
-                found.folds.extend(inner);
-                found
-            }),
-        };
+        let mut folds = at_ends.as_ref().map_or(Vec::new(), |found| found.folds.clone());
+        // Only the fold that ends the stable shapes bounds division.
+        let failure =
+            |cell: &Cell| primary::failure_fold(cell, numerics, &StepBudget::unlimited()).into_iter().collect();
+        add_inner(&mut folds, cell, parameter, range, failure);
+        return if folds.is_empty() { at_ends } else { Ok(BoundaryCurves { pitchfork: None, folds }) };
     }
     let to = range[1];
     let [at_from, at_to] = range.map(|value| at_value(cell, parameter, value));
@@ -472,8 +474,11 @@ pub fn boundary_and_folds(
     };
     // Only its folds are used.
     let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
-    let last = primary::follow(&at_to, numerics, &options, |_| true)?;
-    Ok(BoundaryCurves { pitchfork, folds: fold_curves(cell, [&first, &last], parameter, range)? })
+    let branch = |cell: &Cell| primary::follow(cell, numerics, &options, |_| true);
+    let mut folds = fold_curves(cell, [&first, &branch(&at_to)?], parameter, range)?;
+    let all = |cell: &Cell| branch(cell).map_or(Vec::new(), |branch| branch.folds().cloned().collect());
+    add_inner(&mut folds, cell, parameter, range, all);
+    Ok(BoundaryCurves { pitchfork, folds })
 }
 
 /// The error if no curve can be followed from either end of a range; `error` belongs to the first end.
