@@ -51,8 +51,8 @@ fn intervals() -> String {
         let (division, _) =
             divide_with(&input, DivisionOptions::observed_by(&mut |frame| intervals.push(frame.shape.intervals())))
                 .unwrap();
-        assert_eq!(intervals.len(), division.work.steps, "the start and all steps but the first");
-        let steps = &intervals[1..];
+        assert_eq!(intervals.len(), division.work.steps + 1, "the start and all steps");
+        let steps = &intervals[2..];
         let (least, most) = (steps.iter().min().unwrap(), steps.iter().max().unwrap());
         let mean = steps.iter().sum::<usize>() as f64 / steps.len() as f64;
         format!("{kind:24} {least:5} {mean:4.1} {most:4}\n")

@@ -34,6 +34,7 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
         slow_growth_rate: None,
         phi: None,
         neck_offset: None,
+        second_neck: None,
         volume_drift: 0.0,
         work: furrow_bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..furrow_bvp::Work::default() },
     }

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use furrow_cell::Cell;
 use furrow_formats::{TREE_SCHEMA, tree_from_json, tree_to_json};
 use furrow_lineage::{Limits, Lineage, TerminalReason, TreeSettings};
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome, SecondNeck};
 use serde_json::Value;
 
 use crate::common::stand_in::{division, fake, grow, grown};
@@ -58,6 +58,7 @@ fn documents() -> Vec<Value> {
                 slow_growth_rate: Some(1e-4),
                 phi: Some(0.1),
                 neck_offset: Some(0.3),
+                second_neck: Some(SecondNeck { u: 0.7, radius: 0.01, share: 0.2 }),
                 ..division(r0, Outcome::Asymmetric, 0.3)
             }),
         }

@@ -411,6 +411,9 @@ mod tests {
     fn the_tangential_active_force_is_the_divergence_of_active_tension() {
         let mut checked = 0;
         observe(cued(), &mut |frame| {
+            if !frame.cortex.noise.is_empty() {
+                return;
+            }
             let tension = |u: f64| {
                 let place = at(frame.cortex, frame.gauss, frame.shape, u);
                 let here = frame.cortex.constants().at(u, frame.shape.scalars[LENGTH]);

@@ -143,7 +143,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
     let (shape, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
-    let mut run = Run::begin(input, start, &mut stepper, (tangent, observe))?;
+    let mut run = Run::begin(input, start, &mut stepper, tangent, observe)?;
     let division = loop {
         if cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
             return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.history[0].t });
@@ -230,7 +230,8 @@ impl Run {
         DivisionInput { numerics, seed, .. }: &DivisionInput,
         start: &Start<'_>,
         stepper: &mut Stepper,
-        (tangent, observe): (Option<Tangent>, &mut dyn FnMut(Frame<'_>)),
+        tangent: Option<Tangent>,
+        observe: &mut dyn FnMut(Frame<'_>),
     ) -> Result<Run, DivisionError> {
         let mut run = Run {
             tolerance: numerics.time_tolerance,

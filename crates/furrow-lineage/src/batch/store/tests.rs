@@ -226,12 +226,12 @@ fn a_table_of_an_older_schema_is_set_aside() {
 fn a_file_with_a_newer_schema_is_left_alone() {
     let cache = filled(3);
     let file = cache.path().join(FILE);
-    Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 6").unwrap();
+    Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 7").unwrap();
     let before = fs::read(&file).unwrap();
     let store = store(&cache);
     assert_eq!(get(&store, 0), None);
     commit(&store, 5);
-    assert!(gave_up(&store, "read").contains("newer version of furrow (schema 6, known here: 5)"));
+    assert!(gave_up(&store, "read").contains("newer version of furrow (schema 7, known here: 6)"));
     assert!(maintenance::clear(cache.path()).is_err());
     drop(store);
     assert_eq!(fs::read(&file).unwrap(), before);
