@@ -11,7 +11,7 @@ from ._checks import given_of, optional_path, refused, seed_of, text_of, text_or
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._shapes import Drawn
-from ._tables import Found, OfEmbryos, Table, frame, times_of
+from ._tables import OfEmbryos, Table, frame, times_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -161,7 +161,7 @@ def cue(
     return Cue(found, drawing)
 
 
-class Clock(Found):
+class Clock(Drawn):
     """A fitted clock: the output of ``furrow fit clock --json``."""
 
     @property
@@ -198,4 +198,4 @@ def clock(
     [('AB', 0.3), ('MS', 0.26)]
     """
     asked = times_of(table, volumes, frame_minutes, common_pace, names, root)
-    return Clock(_furrow.fit_clock(asked, optional_path("lineage", lineage)))
+    return Clock(*_furrow.fit_clock(asked, optional_path("lineage", lineage)))

@@ -3,6 +3,7 @@
 use furrow_analysis::compare::dose::{MeasuredDoses, document, over_dose};
 use furrow_analysis::compare::lifetimes::{self, compare_lifetimes as compared};
 use furrow_analysis::fit::fit_clock as fitted;
+use furrow_figures::plot;
 use furrow_input::{listed, open_file};
 use furrow_lineage::Lineage;
 use furrow_measured::dose::Doses;
@@ -15,6 +16,7 @@ use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::document::Document;
+use crate::drawings::Drawing;
 use crate::errors::Error;
 use crate::inputs::{
     Given, MatchAsked, OfEmbryos, Source, Tables, bad_cue, is_empty, lineage_of, matched_names, of_embryos,
@@ -89,7 +91,7 @@ pub fn compare_lifetimes(py: Python<'_>, tree: &GrownTree, asked: TimesAsked) ->
 
 /// The clock of a lineage fitted to lifetimes and volumes.
 #[pyfunction]
-pub fn fit_clock(py: Python<'_>, asked: TimesAsked, lineage: Option<String>) -> Result<Document, Error> {
+pub fn fit_clock(py: Python<'_>, asked: TimesAsked, lineage: Option<String>) -> Result<(Document, Drawing), Error> {
     py.detach(|| {
         let of = lineage_of(lineage.as_deref())?;
         let (lifetimes, volumes) = asked.read(&of, false)?;
@@ -102,7 +104,7 @@ pub fn fit_clock(py: Python<'_>, asked: TimesAsked, lineage: Option<String>) -> 
         found["embryos"] = json!(lifetimes.embryos);
         found["matched"] = json!(lifetimes.matched);
         found["ron"] = json!(clock.as_ron(lineage.is_none().then_some("c_elegans")));
-        Ok(found.into())
+        Ok((found.into(), Drawing::of(plot::clock::draw(&clock))))
     })
 }
 

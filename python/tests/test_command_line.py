@@ -205,7 +205,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
     "fit cue": ("furrow.fit.cue", _of("furrow.fit.cue", SEARCH, cue="furrow.fit.cue(cue)", plot="furrow.fit.Cue.save(path)")),
     "fit clock": (
         "furrow.fit.clock",
-        {"[TABLE]": "furrow.fit.clock(table)", "--out": "furrow.fit.Clock.ron"}
+        {"[TABLE]": "furrow.fit.clock(table)", "--out": "furrow.fit.Clock.ron", "--plot": "furrow.fit.Clock.save(path)"}
         | {
             f"--{name}": f"furrow.fit.clock({name.replace('-', '_')})"
             for name in ("volumes", "lineage", "frame-minutes", "common-pace", "names", "root")

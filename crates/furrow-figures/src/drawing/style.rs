@@ -129,7 +129,7 @@ pub(crate) fn ramp(number: usize, of: usize) -> Colour {
     mixed(VIRIDIS[below], VIRIDIS[below + 1], place - below as f64)
 }
 
-/// One of several greys, from dark to light; a single one is that of cells at rest.
+/// One of several greys, from dark to light; a single one has the colour of cells at rest.
 pub(crate) fn grey(number: usize, of: usize) -> Colour {
     const ENDS: [Colour; 2] = [rgb(0x4d_4d_4d), rgb(0xc0_c0_c0)];
     if of < 2 { FAILED } else { mixed(ENDS[0], ENDS[1], number as f64 / (of - 1) as f64) }

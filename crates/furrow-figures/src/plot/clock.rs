@@ -4,8 +4,8 @@ use furrow_analysis::fit::{FittedClock, FittedLaw};
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
-use crate::drawing::style::{self, Colour};
-use crate::drawing::{Canvas, Stroke};
+use crate::drawing::{Canvas, Stroke, style};
+use crate::plot::lifetimes::coloured;
 
 const WIDTH: f64 = 800.0;
 const CHART: f64 = 500.0;
@@ -15,10 +15,8 @@ pub fn draw(found: &FittedClock) -> Canvas {
     let FittedClock { exponents, few, cells, .. } = found;
     let founders: Vec<&str> =
         exponents.iter().map(|law| &*law.founder).chain(few.iter().map(|few| &*few.founder)).collect();
-    let colour = |founder: &str| -> Colour {
-        let place = founders.iter().position(|name| *name == founder).unwrap_or(0);
-        style::series(place, founders.len(), &style::SERIES)
-    };
+    let colours = coloured(&founders);
+    let colour = |founder: &str| colours.iter().find(|(name, _)| name == founder).map_or(style::INK, |known| known.1);
     let legend = founders.iter().fold(Legend::default(), |legend, founder| {
         let exponent = exponents.iter().find(|law| law.founder == *founder).map(|law| law.exponent);
         let law = exponent.map_or(String::new(), |exponent| format!(", exponent {exponent:.3}"));
@@ -33,11 +31,15 @@ pub fn draw(found: &FittedClock) -> Canvas {
         "volume of the cell, relative to the first cell's",
         cells.iter().map(|cell| cell.at_volume).collect(),
     );
-    let y = logarithmic("lifetime (min)", cells.iter().map(|cell| cell.lifetime_min).collect());
+    let ends = |law: &FittedLaw| {
+        let FittedLaw { exponent, lifetime_min, at_volume, volumes, .. } = law;
+        volumes.map(|volume| [volume, lifetime_min * (volume / at_volume).powf(-exponent)])
+    };
+    let of_laws = exponents.iter().flat_map(ends).map(|end| end[1]);
+    let y = logarithmic("lifetime (min)", cells.iter().map(|cell| cell.lifetime_min).chain(of_laws).collect());
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
-    for FittedLaw { founder, exponent, lifetime_min, at_volume, volumes, .. } in exponents {
-        let ends = volumes.map(|volume| [volume, lifetime_min * (volume / at_volume).powf(-exponent)]);
-        chart.line(ends, Stroke::solid(colour(founder), 1.6));
+    for law in exponents {
+        chart.line(ends(law), Stroke::solid(colour(&law.founder), 1.6));
     }
     for cell in cells {
         chart.point([cell.at_volume, cell.lifetime_min], 4.5, Marker::Disc, colour(&cell.founder));

@@ -58,7 +58,7 @@ fn founders(cells: &[CellComparison]) -> Vec<(String, Colour)> {
 }
 
 /// Founders with their colours: the germline in greys from dark to light, as in drawings of trees.
-fn coloured(names: &[&str]) -> Vec<(String, Colour)> {
+pub(super) fn coloured(names: &[&str]) -> Vec<(String, Colour)> {
     // Green is reserved for the model.
     let hues = [5, 1, 2, 4, 6, 0].map(|k: usize| style::SERIES[k]);
     let of = |kind: bool| names.iter().copied().filter(|name| name.starts_with('P') == kind).collect::<Vec<_>>();
