@@ -250,8 +250,8 @@ class Division(Result):
     ``remeshings``: Changes of the mesh.
     ``phi``: The regulator φ at the furrow at pinch-off, or at u = 0.5 at rest; None without one.
     ``neck_offset``: Distance of the neck's centre from the axis at the end, in L_h; None with axial symmetry.
-    ``second_neck``: ``u``, ``radius`` (L_h) and ``share`` (volume beyond it, as a fraction of the cell's) of a second neck that is
-        nearly closed at pinch-off, so that the cell falls into three parts; else None.
+    ``second_neck``: ``u``, ``radius`` (L_h) and ``share`` (volume beyond it, as a fraction of the cell's) of a second neck that
+        is nearly closed at pinch-off, so that the cell falls into three parts; else None.
     ``frames``: Its shapes, if requested; None without axial symmetry.
     ``surfaces``: Its shapes without axial symmetry, if frames are requested.
     ``neck``: Its neck after every step without axial symmetry, if frames are requested.
