@@ -90,7 +90,7 @@ pub fn sweep<'py>(
         let run =
             Run { shard, threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, &watch.stop) };
         let mut done = run.solve()?;
-        if done.interrupted {
+        if done.summary.interrupted {
             return Err(Error::Interrupted(0));
         }
         if let Some(folder) = out {
@@ -102,7 +102,7 @@ pub fn sweep<'py>(
         }
         Ok((sweep, done))
     })?;
-    let SweepResult { rows, solved, reused, resumed, .. } = done;
+    let SweepResult { rows, resumed, summary } = done;
     let names = sweep.columns();
     let csv = csv_text(&names, &rows);
     let dict = PyDict::new(py);
@@ -110,7 +110,7 @@ pub fn sweep<'py>(
         dict.set_item(name, column(py, &rows, place)?)?;
     }
     let why = rows.iter().enumerate().filter_map(|(k, row)| Some((k, row.why.clone()?))).collect();
-    Ok((dict, why, csv, (solved, reused + resumed)))
+    Ok((dict, why, csv, (summary.solved, summary.memo_hits + resumed)))
 }
 
 /// One column: an array if it is numeric, with NaN for missing values, else a list.

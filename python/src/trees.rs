@@ -65,12 +65,9 @@ pub fn scenarios(
         let settings = tree_settings(settings, &lineage, seed, quantisation);
         sources.push(Source { label: label.clone(), lineage, settings });
     }
-    for (name, value) in given.parameters.overrides()?.pairs {
-        // A parameter that every founder has for itself would have no effect.
-        if let Some(allowed) = Lineage::allowed_of_run(sources.iter().map(|source| &source.lineage), name) {
-            return Err(InputError::not_allowed(ARGUMENTS, name, value, allowed));
-        }
-    }
+    let of_call = given.parameters.overrides()?.pairs;
+    let of_call = of_call.into_iter().map(|(name, value)| (ARGUMENTS, name, value.to_string()));
+    Lineage::check_taken(&sources.iter().map(|source| &source.lineage).collect::<Vec<_>>(), of_call)?;
     let combined = combine(&sources, &cues.iter().map(String::as_str).collect::<Vec<_>>());
     let scenarios = combined.map_err(|error| match error {
         ScenarioError::Cue(error) => bad_cue(error),

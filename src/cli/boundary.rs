@@ -63,8 +63,7 @@ pub struct BoundaryArgs {
 const HEADER: &str = "curve,r0,epsilon,value,xi_s,H,criticality,coefficient";
 
 pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
-    context.check_given_once(args.xi.map(|_| ("--xi", "xi_s")))?;
-    set(&mut context.settings, [("--xi", "xi_s", args.xi)])?;
+    set(&context.globals, &mut context.settings, [("--xi", "xi_s", args.xi)])?;
     let varied = args.vary.read(&mut context)?;
     context.check_azimuthal(args.azimuthal)?;
     args.check(&varied, context.settings.numerics.modes)?;

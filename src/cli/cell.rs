@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::context::Context;
+use super::context::{Context, Globals};
 use super::output::number;
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue};
@@ -96,11 +96,10 @@ impl CellArgs {
     /// Names the option, its value and the allowed values.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
         let (cue, units) = self.cue.read()?;
-        let epsilon = self.epsilon.map(|_| ("--epsilon", "epsilon"));
-        context.check_given_once([("--r0", "r0")].into_iter().chain(epsilon))?;
         context.units = units.asked_in(self.r0);
         let r0 = self.r0.in_units(&context.units);
-        set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
+        let given = [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)];
+        set(&context.globals, &mut context.settings, given)?;
         warn_of_size(&context.units, [self.r0]);
         context.settings.check_cue("--cue", &cue)?;
         let cell = context.settings.cell.clone().with_cue(cue);
@@ -127,8 +126,7 @@ impl ActiveCellArgs {
     /// # Errors
     /// Names the option, its value and the allowed values.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
-        context.check_given_once(self.xi.map(|_| ("--xi", "xi_s")))?;
-        set(&mut context.settings, [("--xi", "xi_s", self.xi)])?;
+        set(&context.globals, &mut context.settings, [("--xi", "xi_s", self.xi)])?;
         let cell = self.cell.read(context)?;
         context.settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
         Ok(cell)
@@ -177,11 +175,11 @@ impl FirstCellArgs {
     ///
     /// # Errors
     /// Names the option, its value and the allowed values.
-    pub fn settings(&self, settings: &Settings, units: &Units) -> Result<Settings, InputError> {
-        let mut settings = settings.clone();
+    pub fn settings(&self, context: &Context, units: &Units) -> Result<Settings, InputError> {
+        let mut settings = context.settings_in(units)?;
         let r0 = self.r0.map(|r0| r0.in_units(units));
         let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)];
-        set(&mut settings, given)?;
+        set(&context.globals, &mut settings, given)?;
         settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
         Ok(settings)
     }
@@ -195,13 +193,23 @@ impl FirstCellArgs {
     }
 }
 
-/// Sets the parameters of the options that are given.
+/// Sets the parameters of the options that are given, which `--set` does not set as well.
 ///
 /// # Errors
 /// Names the option, its value and the allowed values.
-pub fn set<const N: usize>(settings: &mut Settings, of: [(&str, &str, Option<f64>); N]) -> Result<(), InputError> {
+pub fn set<const N: usize>(
+    globals: &Globals,
+    settings: &mut Settings,
+    of: [(&str, &str, Option<f64>); N],
+) -> Result<(), InputError> {
+    let overrides = globals.overrides()?;
     let mut given = of.into_iter().filter_map(|(option, name, value)| Some((option, name, value?)));
-    given.try_for_each(|(option, name, value)| settings.set_number(option, name, value))
+    given.try_for_each(|(option, name, value)| match overrides.iter().find(|(_, set, _)| *set == name) {
+        Some((source, _, twice)) => {
+            Err(InputError::not_allowed(*source, name, twice, format!("left out: {option} gives it")))
+        }
+        None => settings.set_number(option, name, value),
+    })
 }
 
 /// Reads the length of an option.

@@ -58,6 +58,20 @@ pub struct Globals {
     pub verbose: u8,
 }
 
+/// An option, the name of its parameter, and its value.
+type Given = (&'static str, &'static str, String);
+
+impl Globals {
+    /// What `--set` sets.
+    ///
+    /// # Errors
+    /// Names an entry that cannot be read.
+    pub fn overrides(&self) -> Result<Vec<Given>, InputError> {
+        let Overrides { source_name, pairs } = Overrides::read(&self.set)?;
+        Ok(pairs.into_iter().map(|(name, value)| (source_name, name, value.to_string())).collect())
+    }
+}
+
 /// Suggests the names of presets to shells. Other names are refused when settings are read, where the error suggests the nearest name.
 #[derive(Clone)]
 struct PresetNames;
@@ -173,12 +187,8 @@ impl Context {
         lineages: &[&Lineage],
         given: impl IntoIterator<Item = (&'static str, &'static str, String)>,
     ) -> Result<(), InputError> {
+        Lineage::check_taken(lineages, given.into_iter().chain(self.overrides()?))?;
         let unused = |name: &'static str| Lineage::allowed_of_run(lineages.iter().copied(), name);
-        for (source, name, value) in given.into_iter().chain(self.overrides()?) {
-            if let Some(allowed) = unused(name) {
-                return Err(InputError::not_allowed(source, name, value, allowed));
-            }
-        }
         let Some(file) = &self.globals.config else { return Ok(()) };
         let [with, without] = [Some(file.as_path()), None]
             .map(|config| Settings::load(&self.globals.preset, config, self.globals.law.as_deref(), &[]));
@@ -213,23 +223,6 @@ impl Context {
         Ok(sets)
     }
 
-    /// Refuses `--set` of a parameter that an option of its own gives, by the options that are given and their parameters.
-    ///
-    /// # Errors
-    /// Names the parameter and the option.
-    pub fn check_given_once(
-        &self,
-        given: impl IntoIterator<Item = (&'static str, &'static str)>,
-    ) -> Result<(), InputError> {
-        let overrides = self.overrides()?;
-        for (option, name) in given {
-            if let Some((source, _, value)) = overrides.iter().find(|(_, set, _)| *set == name) {
-                return Err(InputError::not_allowed(*source, name, value, format!("left out: {option} gives it")));
-            }
-        }
-        Ok(())
-    }
-
     /// Whether `--set` sets a parameter, by its [canonical name](furrow_cell::settings::canonical_name).
     ///
     /// # Errors
@@ -238,10 +231,8 @@ impl Context {
         Ok(self.overrides()?.iter().any(|(_, set, _)| *set == name))
     }
 
-    /// What `--set` sets, as option, name and value.
-    fn overrides(&self) -> Result<Vec<(&'static str, &'static str, String)>, InputError> {
-        let Overrides { source_name, pairs } = Overrides::read(&self.globals.set)?;
-        Ok(pairs.into_iter().map(|(name, value)| (source_name, name, value.to_string())).collect())
+    fn overrides(&self) -> Result<Vec<Given>, InputError> {
+        self.globals.overrides()
     }
 
     /// The memo, backed by the cache folder unless the cache is disabled or the default folder cannot be used.

@@ -77,11 +77,8 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
     let units = Units { length_um: Some(length_um), ..lineage.units() };
     let r0 = args.r0.map(|r0| r0.in_units(&units));
     let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", args.epsilon), ("--xi", "xi_s", args.xi)];
-    context.check_given_once(
-        given.into_iter().filter(|given| given.2.is_some()).map(|(option, name, _)| (option, name)),
-    )?;
-    let settings = &mut context.settings;
-    set(settings, given)?;
+    set(&context.globals, &mut context.settings, given)?;
+    let settings = &context.settings;
     settings.check_divisions("settings")?;
     settings.check_activity(args.xi.map_or("settings", |_| "--xi"))?;
     let cells = match r0 {

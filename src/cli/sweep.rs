@@ -16,6 +16,7 @@ use furrow_cell::settings::{Overrides, Settings};
 use furrow_figures::plot;
 use furrow_formats::files::WriteError;
 use furrow_lineage::Length;
+use furrow_lineage::batch::Summary;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -73,8 +74,8 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let found = Run { shard, threads, journal: Some(&journal), progress: &show, ..all }.solve();
     drop(line);
     let mut found = found?;
-    messages::warn_of(found.described());
-    if found.interrupted {
+    messages::warn_of(found.summary.described());
+    if found.summary.interrupted {
         messages::warning!("finished rows are kept in {}; the same command resumes the sweep", args.out.display());
         return Err(CliError::Interrupted);
     }
@@ -93,16 +94,17 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     })?;
     picture.write(|| plot::sweep::draw(&sweep, &table.rows))?;
     let (points, elapsed_s, out) = (table.rows.len(), start.elapsed().as_secs_f64(), args.out.display().to_string());
+    let Summary { solved, memo_hits, .. } = &found.summary;
     // Points are counted in this part of the sweep; resumed points have rows that an interrupted run had finished.
     let document = json!({
-        "points": points, "solved": found.solved, "reused": found.reused, "resumed": found.resumed,
+        "points": points, "solved": solved, "reused": memo_hits, "resumed": found.resumed,
         "undecided": undecided, "shard": args.shard, "elapsed_s": elapsed_s, "out": out,
     });
     print_as(context.json, &filled(document), || {
         let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
         let resumed = if found.resumed > 0 { format!(", {} resumed", found.resumed) } else { String::new() };
         let open = if undecided > 0 { format!(", {undecided} undecided") } else { String::new() };
-        let counts = format!("{points} points{part}: {} solved, {} reused{resumed}{open}", found.solved, found.reused);
+        let counts = format!("{points} points{part}: {solved} solved, {memo_hits} reused{resumed}{open}");
         format!("{counts}, {elapsed_s:.2} s; files in {out}\n")
     })
 }

@@ -282,7 +282,6 @@ pub fn prepared(
     file: Option<&Path>,
 ) -> Result<(Lineage, TreeSettings), CliError> {
     let mut lineage = load_lineage(file)?;
-    context.check_given_once(cell.given().map(|(option, name, _)| (option, name)))?;
     if let Some(r0) = cell.r0 {
         let units = lineage.units().asked_in(r0);
         lineage.units = Some(units).filter(|units| *units != Default::default());
@@ -291,7 +290,7 @@ pub fn prepared(
     if cell.r0.is_some() || context.sets("r0")? {
         lineage.forget_first_radius();
     }
-    let given = cell.settings(&context.settings_in(&lineage.units())?, &lineage.units())?;
+    let given = cell.settings(context, &lineage.units())?;
     given.check_divisions("settings")?;
     if let (Some(Length::Natural(r0)), true) = (cell.r0, given.cell.r0 > MOST_PLAIN) {
         return Err(InputError::not_allowed("--r0", "r0", r0, plain_radius(r0)).into());

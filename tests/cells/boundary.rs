@@ -101,7 +101,7 @@ fn a_fold_is_followed_once_from_whichever_end() {
     }
 }
 
-/// Between two cusps the stable shapes end at a fold whose curve reaches neither end of the range.
+/// The curve of folds that ends the stable shapes lies between two cusps and does not reach the ends of the range.
 #[test]
 fn a_boundary_has_the_folds_within_its_range() {
     let cell = at(2.2, 0.87).with_cue(Cue::published());

@@ -130,10 +130,7 @@ impl Sweep {
             let of_file = |parameter: &Parameter| (file, parameter.name(), parameter.get(&settings.cell).to_string());
             let changed = |parameter: &&Parameter| parameter.get(&settings.cell) != parameter.get(&base.cell);
             let of_set = set.pairs.iter().map(|(name, value)| (set.source_name, *name, value.to_string()));
-            for (source, name, value) in Parameter::ALL.iter().filter(changed).map(of_file).chain(of_set) {
-                let unused = Lineage::allowed_of_run([&lineage], name);
-                unused.map_or(Ok(()), |allowed| Err(InputError::not_allowed(source, name, value, allowed)))?;
-            }
+            Lineage::check_taken(&[&lineage], Parameter::ALL.iter().filter(changed).map(of_file).chain(of_set))?;
         }
         std::mem::take(&mut document.numerics).apply(&mut settings);
         settings.check_fields(file)?;

@@ -10,8 +10,7 @@ use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
 use furrow_cell::Numerics;
 use furrow_lineage::batch::{
-    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, critical_radii, method, scheduler, solve,
-    three_parts_text,
+    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, Summary, critical_radii, method, scheduler, solve,
 };
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
@@ -74,27 +73,13 @@ pub struct Run<'a> {
 pub struct SweepResult {
     /// One row a point, in the order of the points; `None` if the run was interrupted.
     pub rows: Vec<Row>,
-    /// Divisions (of points or in trees) or shapes solved by this run.
-    pub solved: usize,
-    /// Divisions or shapes that were known already, or solved for another point.
-    pub reused: usize,
     /// Points with rows from an interrupted run.
     pub resumed: usize,
-    /// Whether the run was interrupted.
-    pub interrupted: bool,
-    /// Divisions with a second neck, see [`Summary::three_parts`](furrow_lineage::batch::Summary::three_parts).
-    pub three_parts: usize,
-    /// Warnings about the store.
-    pub warnings: Vec<StoreWarning>,
+    /// The run's divisions, of points or in trees, or its shapes: `memo_hits` are those that were known, or solved for another point.
+    pub summary: Summary,
 }
 
 impl SweepResult {
-    /// All warnings.
-    pub fn described(&self) -> impl Iterator<Item = String> {
-        let three_parts = three_parts_text(self.three_parts, self.solved + self.reused);
-        self.warnings.iter().map(StoreWarning::to_string).chain(three_parts)
-    }
-
     /// Rows that are undecided, wholly or in part.
     pub fn undecided(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.why.is_some())
@@ -144,12 +129,12 @@ impl<'a> Run<'a> {
             Kind::Critical => self.shapes(&mut inputs, critical_results)?,
         };
         out.resumed = resumed;
-        out.reused += match self.sweep.kind {
+        out.summary.memo_hits += match self.sweep.kind {
             Kind::Division => equal * self.sweep.replicates as usize,
             Kind::Tree => 0,
             Kind::Pitchfork | Kind::Critical => equal,
         };
-        if !out.interrupted {
+        if !out.summary.interrupted {
             let row = |(point, number): (&Point, &Option<usize>)| {
                 let results = number.and_then(|number| inputs.results[number].clone());
                 let (values, why) = results.unwrap_or_else(|| (self.no_results(), point.invalid.clone()));
@@ -242,14 +227,7 @@ impl<'a> Run<'a> {
             }
             Err(error) => return Err(error),
         };
-        Ok(SweepResult {
-            solved: summary.solved,
-            reused: summary.memo_hits,
-            interrupted: summary.interrupted,
-            three_parts: summary.three_parts,
-            warnings: summary.warnings,
-            ..SweepResult::default()
-        })
+        Ok(SweepResult { summary, ..SweepResult::default() })
     }
 
     /// The columns of the divisions at one point.
@@ -301,7 +279,8 @@ impl<'a> Run<'a> {
         let solved: Vec<Option<Results>> = pool.install(|| scheduler::in_parallel(open.len(), |k| one(&open[k])));
         let interrupted = self.cancelled();
         open.iter().zip(solved).for_each(|(number, found)| results[*number] = found);
-        Ok(SweepResult { solved: open.len(), interrupted, ..SweepResult::default() })
+        let summary = Summary { solved: open.len(), interrupted, ..Summary::default() };
+        Ok(SweepResult { summary, ..SweepResult::default() })
     }
 
     /// Trees, one after the other, each on all cores: their divisions are shared.
@@ -327,7 +306,7 @@ impl<'a> Run<'a> {
                 Err(GrowError::Workers(error)) => return Err(error),
                 Ok(tree) if !self.cancelled() => tree,
                 Ok(_) | Err(GrowError::Interrupted { .. }) => {
-                    out.interrupted = true;
+                    out.summary.interrupted = true;
                     return Ok(out);
                 }
             };
@@ -344,10 +323,7 @@ impl<'a> Run<'a> {
         let (lineage, ends) = (&self.sweep.lineage_at(&input.cell), EndRule::Thresholds(ends));
         let grower = Grower { lineage, settings, ends, memo: self.memo, options: self.options() };
         let (tree, summary) = grower.grow(solve)?;
-        out.solved += summary.solved;
-        out.reused += summary.memo_hits;
-        out.three_parts += summary.three_parts;
-        out.warnings.extend(summary.warnings);
+        out.summary.add(summary);
         Ok(tree)
     }
 }

@@ -154,6 +154,20 @@ impl Lineage {
         all?.into_iter().next()
     }
 
+    /// Refuses settings of a run, each with its source, name and value, that reach [no cell](Self::allowed_of_run) of these lineages.
+    ///
+    /// # Errors
+    /// Names the first of them.
+    pub fn check_taken<'s>(
+        lineages: &[&Lineage],
+        given: impl IntoIterator<Item = (&'s str, &'static str, String)>,
+    ) -> Result<(), InputError> {
+        given.into_iter().try_for_each(|(source, name, value)| {
+            let unused = Lineage::allowed_of_run(lineages.iter().copied(), name);
+            unused.map_or(Ok(()), |allowed| Err(InputError::not_allowed(source, name, value, allowed)))
+        })
+    }
+
     /// [`allowed_of_run`](Self::allowed_of_run) of one lineage.
     fn only_own(&self, name: &'static str) -> Option<String> {
         let name = number_set_by(name);

@@ -87,8 +87,7 @@ fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result
     let cue = parse_cue(&args.cue, &lineage)?;
     let mut settings = context.settings_in(&lineage.units())?;
     let r0 = args.r0.map(|r0| r0.in_units(&lineage.units()));
-    context.check_given_once(r0.map(|_| ("--r0", "r0")))?;
-    set(&mut settings, [("--r0", "r0", r0)])?;
+    set(&context.globals, &mut settings, [("--r0", "r0", r0)])?;
     settings.check_divisions("settings")?;
     interrupt::finish();
     let memo = context.memo()?;

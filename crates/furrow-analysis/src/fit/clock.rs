@@ -109,25 +109,26 @@ pub fn fit_clock(
 ) -> Result<FittedClock, InputError> {
     let (first, means) = (lineage.first(), mean_volumes(volumes));
     let first_volume = first_volume(lineage, &means, volumes.unit, files)?;
-    let (mut points, mut skipped): (Vec<Vec<[f64; 2]>>, Vec<Unused>) =
-        (vec![Vec::new(); lineage.founders.len()], Vec::new());
-    let (names, mut cells) = (names_of(lineage), Vec::new());
+    let (names, mut cells, mut skipped) = (names_of(lineage), Vec::new(), Vec::new());
     for cell in &lifetimes.cells {
         let placed = founder_of(lineage, &names, &cell.cell).ok_or("no founder of the lineage is above it");
         match placed.and_then(|founder| Ok((founder, means.get(&cell.cell).ok_or("no volume")?))) {
             Ok((founder, volume)) => {
                 let (at_volume, lifetime_min) = (volume / first_volume, cell.mean);
-                points[founder].push([at_volume.ln(), lifetime_min.ln()]);
                 let founder = lineage.founders[founder].name.clone();
                 cells.push(FittedCell { cell: cell.cell.clone(), founder, at_volume, lifetime_min });
             }
             Err(why) => skipped.push(Unused { cell: cell.cell.clone(), why }),
         }
     }
-    let used: usize = points.iter().map(Vec::len).sum();
+    let of = |name: &str| -> Vec<[f64; 2]> {
+        let own = cells.iter().filter(|cell: &&FittedCell| cell.founder == name);
+        own.map(|cell| [cell.at_volume.ln(), cell.lifetime_min.ln()]).collect()
+    };
+    let points: Vec<Vec<[f64; 2]>> = lineage.founders.iter().map(|founder| of(&founder.name)).collect();
     let all = law("all", &points.concat()).ok_or_else(|| {
         let allowed = "three cells or more with a lifetime and a volume, and volumes that differ";
-        InputError::not_allowed(files, "cells", used, allowed)
+        InputError::not_allowed(files, "cells", cells.len(), allowed)
     })?;
     let named = || lineage.founders.iter().map(|founder| founder.name.as_str()).zip(&points);
     let few = |(name, points): (&str, &Vec<[f64; 2]>)| {

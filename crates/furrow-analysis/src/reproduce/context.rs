@@ -247,8 +247,8 @@ impl<'a> Figure<'a> {
         let base = Settings { cell: context.cell(ZYGOTE, PUBLISHED_CONFINEMENT), ..context.settings.clone() };
         let sweep = Sweep::parse(text, file, &base, &Overrides::default())?;
         let solved = Run { threads: context.threads, ..Run::new(&sweep, context.memo, context.cancel) }.solve()?;
-        self.warnings.extend(solved.warnings);
-        if solved.interrupted {
+        self.warnings.extend(solved.summary.warnings);
+        if solved.summary.interrupted {
             return Err(ReproduceError::Interrupted);
         }
         Ok((sweep, solved.rows))

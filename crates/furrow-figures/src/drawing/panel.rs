@@ -248,7 +248,7 @@ impl Chart<'_> {
         at.into_iter().for_each(|at| self.point(at, size, marker, colour));
     }
 
-    /// Draws points of different kinds in order. One that others lie on is larger, so that none is hidden.
+    /// Draws markers of different kinds, later ones above. A marker below others is larger, so that it stays visible.
     pub fn marks(&mut self, marks: &[Mark], size: f64) {
         for (k, (at, marker, colour)) in marks.iter().enumerate() {
             let here = self.at(*at);

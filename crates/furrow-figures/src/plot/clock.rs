@@ -3,9 +3,9 @@
 use furrow_analysis::fit::{FittedClock, FittedLaw};
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, widened};
+use crate::drawing::panel::Chart;
 use crate::drawing::{Canvas, Stroke, style};
-use crate::plot::lifetimes::coloured;
+use crate::plot::lifetimes::{coloured, logarithmic};
 
 const WIDTH: f64 = 800.0;
 const CHART: f64 = 500.0;
@@ -17,26 +17,20 @@ pub fn draw(found: &FittedClock) -> Canvas {
         exponents.iter().map(|law| &*law.founder).chain(few.iter().map(|few| &*few.founder)).collect();
     let colours = coloured(&founders);
     let colour = |founder: &str| colours.iter().find(|(name, _)| name == founder).map_or(style::INK, |known| known.1);
-    let legend = founders.iter().fold(Legend::default(), |legend, founder| {
-        let exponent = exponents.iter().find(|law| law.founder == *founder).map(|law| law.exponent);
+    let entry = |founder: &&str| {
+        let exponent = exponents.iter().find(|law| law.founder == **founder).map(|law| law.exponent);
         let law = exponent.map_or(String::new(), |exponent| format!(", exponent {exponent:.3}"));
-        legend.with(Key::Point(colour(founder), Marker::Disc), format!("{founder}{law}"))
-    });
-    let (mut canvas, top) = titled(WIDTH, CHART, "Lifetimes as powers of volumes, by founder", &legend);
-    let logarithmic = |label: &str, values: Vec<f64>| {
-        let ends = widened(values.into_iter().map(f64::log10), 0.06).map(|power| 10_f64.powf(power));
-        Axis::new(label, ends).logarithmic()
+        (Key::Point(colour(founder), Marker::Disc), format!("{founder}{law}"))
     };
-    let x = logarithmic(
-        "volume of the cell, relative to the first cell's",
-        cells.iter().map(|cell| cell.at_volume).collect(),
-    );
+    let legend = Legend::default().with_all(founders.iter().map(entry));
+    let (mut canvas, top) = titled(WIDTH, CHART, "Lifetimes as powers of volumes, by founder", &legend);
+    let x = logarithmic("volume of the cell, relative to the first cell's", cells.iter().map(|cell| cell.at_volume));
     let ends = |law: &FittedLaw| {
         let FittedLaw { exponent, lifetime_min, at_volume, volumes, .. } = law;
         volumes.map(|volume| [volume, lifetime_min * (volume / at_volume).powf(-exponent)])
     };
     let of_laws = exponents.iter().flat_map(ends).map(|end| end[1]);
-    let y = logarithmic("lifetime (min)", cells.iter().map(|cell| cell.lifetime_min).chain(of_laws).collect());
+    let y = logarithmic("lifetime (min)", cells.iter().map(|cell| cell.lifetime_min).chain(of_laws));
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
     for law in exponents {
         chart.line(ends(law), Stroke::solid(colour(&law.founder), 1.6));

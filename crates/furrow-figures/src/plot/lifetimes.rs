@@ -77,7 +77,7 @@ fn colour_of(founders: &[(String, Colour)], cell: &CellComparison) -> Colour {
 }
 
 /// A logarithmic axis with some room at its ends.
-fn logarithmic(label: &str, values: impl Iterator<Item = f64>) -> Axis {
+pub(super) fn logarithmic(label: &str, values: impl Iterator<Item = f64>) -> Axis {
     let ends = widened(values.map(f64::log10), 0.06).map(|power| 10_f64.powf(power));
     Axis::new(label, ends).logarithmic()
 }

@@ -23,7 +23,7 @@ pub use memo::{Failure, Memo};
 pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
 pub use replicates::{Replicates, replicates, replicates_by};
-pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved, three_parts_text};
+pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
 #[cfg(not(target_family = "wasm"))]
 pub use solve::Filming;
 pub use solve::{critical_radii, method, solve};

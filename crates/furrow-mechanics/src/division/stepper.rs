@@ -230,13 +230,9 @@ impl Stepper {
     pub fn attempt(&mut self, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
         let order = order.min(self.history.len()).min(MAX_ORDER);
         let known = if self.extrapolates { (order + 1).min(self.history.len()) } else { 1 };
+        let times = self.times(dt);
         let mut predict = [0.0; MAX_ORDER + 2];
-        let t = self.history[0].t + dt;
-        let mut times = [0.0; MAX_ORDER + 1];
-        for (time, level) in times.iter_mut().zip(&self.history) {
-            *time = level.t;
-        }
-        extrapolation_weights(&times[..known], t, &mut predict);
+        extrapolation_weights(&times[1..=known], times[0], &mut predict);
         extrapolate(&self.history[..known], &predict[..known], &mut self.trial.y);
         self.attempt_from_trial(dt, order, &predict[..known])
     }
@@ -254,14 +250,20 @@ impl Stepper {
         attempt
     }
 
-    /// Solves a step from the trial shape. `predict` are the weights of the last shapes in the one that the error is measured from.
-    fn attempt_from_trial(&mut self, dt: f64, order: usize, predict: &[f64]) -> Result<Attempt, NewtonError> {
-        let t = self.history[0].t + dt;
+    /// The time after a step of size dt, and before it the times of the last shapes.
+    fn times(&self, dt: f64) -> [f64; MAX_ORDER + 2] {
         let mut times = [0.0; MAX_ORDER + 2];
-        times[0] = t;
+        times[0] = self.history[0].t + dt;
         for (time, level) in times[1..].iter_mut().zip(&self.history) {
             *time = level.t;
         }
+        times
+    }
+
+    /// Solves a step from the trial shape. `predict` are the weights of the last shapes in the one that the error is measured from.
+    fn attempt_from_trial(&mut self, dt: f64, order: usize, predict: &[f64]) -> Result<Attempt, NewtonError> {
+        let times = self.times(dt);
+        let t = times[0];
         let mut alpha = [0.0; MAX_ORDER + 2];
         derivative_weights(&times[..=order], &mut alpha);
         self.state(&alpha[..=order]);

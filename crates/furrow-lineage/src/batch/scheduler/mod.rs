@@ -116,18 +116,15 @@ impl Summary {
 
     /// Warnings of the run and of its divisions.
     pub fn described(&self) -> impl Iterator<Item = String> {
-        self.warnings.iter().map(StoreWarning::to_string).chain(three_parts_text(self.three_parts, self.jobs))
+        let three_parts = (self.three_parts > 0).then(|| {
+            format!(
+                "{} of {} divisions have a second neck that is nearly closed when the first one closes: the cell falls into \
+                 three parts, and χ and the daughters are those of the first neck (divide shows both)",
+                self.three_parts, self.jobs
+            )
+        });
+        self.warnings.iter().map(StoreWarning::to_string).chain(three_parts)
     }
-}
-
-/// A warning of divisions with a [second neck](Division::second_neck), if there are any.
-pub fn three_parts_text(count: usize, of: usize) -> Option<String> {
-    (count > 0).then(|| {
-        format!(
-            "{count} of {of} divisions have a second neck that is nearly closed when the first one closes: the cell falls into \
-             three parts, and χ and the daughters are those of the first neck (divide shows both)"
-        )
-    })
 }
 
 /// A job without a division.
