@@ -272,7 +272,11 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
         let kind = parsed(name).map(|(kind, _)| kind);
         let listed = |kind: ConstantKind| kind.parameter().is_none_or(|p| p.is_of_cue() || Parameter::ALL.contains(&p));
         let is_known = *name == WEIGHT || kind.is_some_and(listed);
-        let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
+        let allowed = format!(
+            "one of {}, or a number of the cue such as cue.amplitude; all but weight also with @ and a class of cells{}",
+            known.join(", "),
+            did_you_mean(name, known.iter().copied())
+        );
         InputError::require(is_known, file, format!("column {}", k + 1), shown(name), allowed)?;
         // A parameter has two names where one of them is short.
         let same = |other: &String| other == name || kind.is_some() && parsed(other) == parsed(name);

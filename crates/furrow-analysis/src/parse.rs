@@ -122,7 +122,7 @@ impl Sweep {
         let path = document.lineage.take().map(|path| folder.join(path));
         let mut lineage = Lineage::load(path.as_deref())?;
         let mut settings = base.clone();
-        std::mem::take(&mut document.physics).apply(&mut settings);
+        settings.apply_physics(&document.physics, file)?;
         if settings.cell.r0 != base.cell.r0 || set.pairs.iter().any(|(name, _)| *name == "r0") {
             lineage.forget_first_radius();
         }
@@ -132,7 +132,7 @@ impl Sweep {
             let of_set = set.pairs.iter().map(|(name, value)| (set.source_name, *name, value.to_string()));
             Lineage::check_taken(&[&lineage], Parameter::ALL.iter().filter(changed).map(of_file).chain(of_set))?;
         }
-        std::mem::take(&mut document.numerics).apply(&mut settings);
+        settings.apply_numerics(&document.numerics);
         settings.check_fields(file)?;
         let in_units =
             |(name, value): &(&'static str, AxisValue)| (*name, lineage.units().natural(name, value.clone()));

@@ -11,7 +11,7 @@ pub use search::solve;
 use furrow_cell::cue::{LEAST_DIFFUSION, Quantity, RegulatorQuantity};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::{SchedulerError, StoreWarning};
-use furrow_mechanics::division::{Division, Ending};
+use furrow_mechanics::division::{Division, Ending, SecondNeck};
 use serde::{Serialize, Serializer};
 
 /// A number that a division gives.
@@ -136,6 +136,9 @@ pub struct Root {
     pub u_furrow: f64,
     /// Its time, in τ.
     pub t_end: f64,
+    /// Its second neck, if the cell falls into three parts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_neck: Option<SecondNeck>,
 }
 
 /// Which daughter is the smaller.

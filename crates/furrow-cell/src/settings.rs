@@ -1,5 +1,6 @@
 //! Parameters as users give them: a RON file, then `--set key=value`, each field checked.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -9,7 +10,7 @@ use crate::profile::ELLIPSOID;
 use crate::value::Kind;
 pub use crate::value::Value;
 use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ShellChoice, ZYGOTE};
-use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
+use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown, shown_number};
 
 /// Parameters of a run, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +74,7 @@ pub(crate) struct Number {
 
 /// The one table of parameters: RON files, `--set`, the checks, the listing and [`Parameter`] come from it.
 macro_rules! fields {
-    ($($section:ident $overrides:ident $shown:literal $part:ident {
+    ($($section:ident $overrides:ident $shown:literal $part:ident $([$beside:ident])? {
         $($name:ident $([$($alias:literal),*])? at $place:expr => $kind:ty $(as $parameter:ident)?, $allowed:literal, |$v:ident| $ok:expr;)*
     })*) => {
         $(
@@ -82,13 +83,14 @@ macro_rules! fields {
             #[serde(default, deny_unknown_fields, rename = $shown)]
             pub struct $overrides {
                 $($(#[serde($(alias = $alias),*)])? $name: Option<$kind>,)*
+                $($beside: Option<f64>,)?
                 #[serde(skip)]
                 _fields: (),
             }
 
             impl $overrides {
-                /// Applies the settings of the file.
-                pub fn apply(self, settings: &mut Settings) {
+                /// Sets the fields that the file gives.
+                fn set(&self, settings: &mut Settings) {
                     let $part = &mut settings.$part;
                     $(if let Some(value) = self.$name { $place = value; })*
                 }
@@ -127,7 +129,7 @@ macro_rules! fields {
 }
 
 fields! {
-    physics PhysicsOverrides "Physics" cell {
+    physics PhysicsOverrides "Physics" cell [xi_b] {
         kappa at cell.material.kappa => f64 as Kappa, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         eta_b at cell.material.eta_b => f64 as EtaB, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         eta_s at cell.material.eta_s => f64 as EtaS, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
@@ -136,7 +138,7 @@ fields! {
         spontaneous_curvature ["C0"] at cell.material.spontaneous_curvature => f64 as SpontaneousCurvature, "a finite number", |v| v.is_finite();
         normal_friction at cell.material.normal_friction => f64 as NormalFriction, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
         xi_s ["xi"] at cell.xi_s => f64 as XiS, "a finite number", |v| v.is_finite();
-        xi_ratio at cell.material.xi_ratio => f64 as XiRatio, "a finite number", |v| v.is_finite();
+        xi_ratio at cell.material.xi_ratio => f64 as XiRatio, "a number from -1e6 to 1e6", |v| RATIOS.contains(&v);
         gain ["g"] at cell.material.gain => f64 as Gain, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         aspect ["a_over_b"] at cell.shell.aspect => f64 as Aspect, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         p0 ["P0"] at cell.shell.p0 => f64 as P0, "a finite number above 0", |v| v.is_finite() && v > 0.0;
@@ -239,9 +241,25 @@ impl Settings {
             let folder = Path::new(file).parent().unwrap_or(Path::new(""));
             self.set_shell_profile(file, &Value::Text(table), folder)?;
         }
-        config.physics.apply(self);
-        config.numerics.apply(self);
+        self.apply_physics(&config.physics, file)?;
+        self.apply_numerics(&config.numerics);
         self.check(file)
+    }
+
+    /// Sets the physics of a file; `xi_b` from the ξ_s that is then in force.
+    ///
+    /// # Errors
+    /// `xi_b` beside `xi_ratio`, and a ratio out of its range; errors say it came from `file`.
+    pub fn apply_physics(&mut self, given: &PhysicsOverrides, file: &str) -> Result<(), InputError> {
+        given.set(self);
+        let ratio = [(XI_RATIO, given.xi_ratio), (XI_B, given.xi_b)];
+        let ratio = ratio.into_iter().filter_map(|(name, value)| Some((name, Value::Number(value?))));
+        self.assign(file, &ratio.collect::<Vec<_>>())
+    }
+
+    /// Sets the numerics of a file.
+    pub fn apply_numerics(&mut self, given: &NumericsOverrides) {
+        given.set(self);
     }
 
     /// Applies and checks `key=value` settings, in order; `xi_b` last.
@@ -295,8 +313,8 @@ impl Settings {
     fn keep_xi_b(&mut self, source_name: &str) -> Result<(), InputError> {
         let Some(xi_b) = self.xi_b else { return Ok(()) };
         let ratio = xi_b / self.cell.xi_s;
-        if !ratio.is_finite() {
-            let allowed = format!("a multiple of xi_s, which is {}", self.cell.xi_s);
+        if !RATIOS.contains(&ratio) {
+            let allowed = format!("from -1e6 to 1e6 times xi_s, which is {}", self.cell.xi_s);
             return Err(InputError::not_allowed(source_name, XI_B, xi_b, allowed));
         }
         self.cell.material.xi_ratio = ratio;
@@ -485,15 +503,16 @@ impl Settings {
         if (least..=most).contains(&xi_s) {
             return Ok(());
         }
-        let [least, most] = [least, most].map(four_digits);
-        let allowed = format!("from {least} to {most} where kappa = {} and gain = {}", material.kappa, material.gain);
+        let [least, most] = [least, most].map(|end| shown_number(four_digits(end)));
+        let [kappa, gain] = [material.kappa, material.gain].map(shown_number);
+        let allowed = format!("from {least} to {most} where kappa = {kappa} and gain = {gain}");
         Err(InputError::not_allowed(source_name, "xi_s", xi_s, allowed))
     }
 }
 
 /// The first four digits of a number.
 fn four_digits(value: f64) -> f64 {
-    let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0);
+    let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 300.0);
     let scale = 10f64.powf(decimals);
     (value * scale).trunc() / scale
 }
@@ -590,6 +609,9 @@ const INTERVALS_OF_WALL: f64 = 0.96;
 
 /// Most intervals that a mesh may begin with.
 pub const MOST_INTERVALS: usize = 4096;
+
+/// Values of ξ_b/ξ_s.
+const RATIOS: RangeInclusive<f64> = -1e6..=1e6;
 
 /// Least and largest active stress g ξ_s/κ, at which the first time steps still find their shapes.
 const STRESS: [f64; 2] = [-150.0, 75.0];

@@ -256,6 +256,7 @@ impl Search<'_> {
             smaller: Smaller::of(division, self.cell(tried.value).is_mirror_symmetric())?,
             u_furrow: division.u_furrow()?,
             t_end: division.t_end,
+            second_neck: division.second_neck,
         })
     }
 

@@ -50,7 +50,7 @@ class CellPanel {
     if (cell.birth_min !== undefined) rows.push(["born at", `${number(cell.birth_min, 1)} min`]);
     if (cell.division_min !== undefined) rows.push(["divides at", `${number(cell.division_min, 1)} min, ${number(cell.division_min - cell.birth_min, 1)} min old`]);
     if (cell.lifetime_extrapolated) rows.push(["", "extrapolated: the clock was fitted to cells of other sizes"]);
-    rows.push(...phiRows(cell));
+    rows.push(...neckRows(cell), ...phiRows(cell));
     if (spread) rows.push(...spreadRows(spread));
     const ended = endText(cell.ended);
     if (ended) rows.push(["ends", ended]);

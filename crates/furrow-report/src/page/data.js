@@ -170,6 +170,11 @@ function lifeText({ birth_min, division_min, lifetime_extrapolated }) {
   return `; born at ${number(birth_min, 1)} min${divides}${lifetime_extrapolated ? " (extrapolated)" : ""}`;
 }
 
+/** The second neck of a cell that falls into three parts. */
+function neckRows({ second_neck: neck }) {
+  return neck ? [["second neck at u", `${number(neck.u, 4)}: the cell falls into three parts`]] : [];
+}
+
 /** The regulator φ of a division, or of a cell in a tree, as rows of a table. */
 function phiRows({ phi, chi }) {
   return phi == null ? [] : [[chi == null ? "regulator φ at u = 0.5" : "regulator φ at the furrow", number(phi, 4)]];

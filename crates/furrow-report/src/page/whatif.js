@@ -225,7 +225,7 @@ class WhatIf {
       const length = (r0) => (units.length_um ? `${number(r0 * units.length_um, 2)} µm` : number(r0, 3));
       rows.push(["daughters R0", answer.daughters.map(length).join(" (u = 0), ") + " (u = 1)"]);
     }
-    rows.push(...phiRows(answer));
+    rows.push(...neckRows(answer), ...phiRows(answer));
     rows.push(["answered in", `${took.toFixed(0)} ms`]);
     element("what-if-numbers").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
     Object.assign(element("what-if-result").dataset, {
