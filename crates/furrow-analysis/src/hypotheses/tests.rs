@@ -137,13 +137,7 @@ pub(super) fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f6
         units: (0..embryos).map(|unit| unit.to_string()).collect(),
         left_out: LeftOut::Embryo,
         rows: (0..embryos * truth.len()).map(|k| row(k, random)).collect(),
-        others: Vec::new(),
-        unused: Vec::new(),
-        skipped: Vec::new(),
-        skipped_count: 0,
-        of_nuclei: false,
-        embryos: Vec::new(),
-        matched: Vec::new(),
+        ..Observations::default()
     }
 }
 

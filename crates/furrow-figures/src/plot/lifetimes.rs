@@ -8,6 +8,7 @@ use crate::drawing::{Anchor, Canvas, Label, Stroke, font};
 use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
 use furrow_analysis::compare::lifetimes::{CellComparison, LifetimesComparison};
 use furrow_measured::lifetimes::CellsOverTime;
+use furrow_measured::statistics::distinct;
 use furrow_measured::volumes::Unit;
 use ordered_float::OrderedFloat;
 
@@ -48,13 +49,7 @@ pub fn draw(found: &LifetimesComparison, unit: Option<Unit>) -> Canvas {
 
 /// The measured founders with their colours.
 fn founders(cells: &[CellComparison]) -> Vec<(String, Colour)> {
-    let mut names: Vec<&str> = Vec::new();
-    for cell in cells {
-        if !names.contains(&cell.measured.founder.as_str()) {
-            names.push(&cell.measured.founder);
-        }
-    }
-    coloured(&names)
+    coloured(&distinct(cells.iter().map(|cell| cell.measured.founder.as_str())))
 }
 
 /// Founders with their colours: the germline in greys from dark to light, as in drawings of trees.
