@@ -14,7 +14,7 @@ use crate::statistics::{grouped, mean, sd};
 use crate::volumes::Volumes;
 
 /// A division.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Division {
     /// The embryo.
     pub embryo: String,
@@ -103,17 +103,8 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
                 Some(second) if is_first => {
                     let (daughters, volumes) = ([name.to_owned(), other], [volume, *second]);
                     let chi_signed = (volume - second) / (volume + second);
-                    let (mother_measured, chi_sd) = (None, None);
-                    found.divisions.push(Division {
-                        embryo,
-                        group,
-                        mother,
-                        daughters,
-                        volumes,
-                        chi_signed,
-                        mother_measured,
-                        chi_sd,
-                    });
+                    let division = Division { embryo, group, mother, daughters, volumes, ..Division::default() };
+                    found.divisions.push(Division { chi_signed, ..division });
                 }
                 Some(_) => {}
             }

@@ -70,7 +70,7 @@ pub struct Lifetimes {
 }
 
 /// An embryo beside the others.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EmbryoTimes {
     /// Its name.
     pub embryo: String,
@@ -123,16 +123,7 @@ impl Rows {
         let known = self.sources.iter().position(|known| *known == source);
         known.unwrap_or_else(|| {
             self.sources.push(source);
-            let embryo = EmbryoTimes {
-                embryo: name.to_owned(),
-                cells: 0,
-                shared: 0,
-                frame_minutes,
-                time_factor: None,
-                scatter: None,
-                shift_min: None,
-            };
-            self.embryos.push(embryo);
+            self.embryos.push(EmbryoTimes { embryo: name.to_owned(), frame_minutes, ..EmbryoTimes::default() });
             self.embryos.len() - 1
         })
     }

@@ -11,10 +11,10 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Items by their keys, in the order in which these appear.
-pub fn grouped<K: Copy + Eq + Hash, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
+pub fn grouped<K: Clone + Eq + Hash, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
     let (mut groups, mut places) = (Vec::<(K, Vec<T>)>::new(), HashMap::new());
     for (key, item) in items {
-        let place = *places.entry(key).or_insert(groups.len());
+        let place = *places.entry(key.clone()).or_insert(groups.len());
         match groups.get_mut(place) {
             Some((_, group)) => group.push(item),
             None => groups.push((key, vec![item])),

@@ -313,13 +313,10 @@ impl Spots {
             name: name.clone(),
             tracked: name.clone(),
             mother,
-            daughters: Vec::new(),
             birth: *time,
-            division: None,
             last: *time,
-            volume: None,
-            sizes: 0,
             place: (self.files[*file].clone(), *line),
+            ..TrackedCell::default()
         });
         index
     }
