@@ -13,8 +13,7 @@ use rand_mt::Mt64;
 use super::fit_test::fit_test;
 use super::free::Free;
 use super::left_out::{held_out, without};
-use super::noise::residuals;
-use super::noise::{aicc, common_sd, log_likelihood};
+use super::noise::{aicc, common_sd, log_density, residuals};
 use super::observations::{Chosen, LeftOut, Observation};
 use super::*;
 use crate::compare::names_of;
@@ -56,6 +55,11 @@ const B: [f64; 3] = [0.16, 0.20, 0.30];
 
 fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found} {expected}");
+}
+
+/// The sum of the logarithms of the densities of residuals.
+fn log_likelihood(residuals: &[f64], sds: &[f64]) -> f64 {
+    residuals.iter().zip(sds).map(|(residual, sd)| log_density(*residual, *sd)).sum()
 }
 
 fn noise_of(observations: &Observations, kind: NoiseKind) -> Noise {
